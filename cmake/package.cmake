@@ -1,0 +1,18 @@
+# cmake --install, and find_package(crumple) for those who use it: targets crumple::crumple and crumple::io.
+include(CMakePackageConfigHelpers)
+
+install(TARGETS crumple EXPORT crumple-targets)
+if(TARGET crumple_io)
+    set_target_properties(crumple_io PROPERTIES EXPORT_NAME io)
+    install(TARGETS crumple_io EXPORT crumple-targets)
+endif()
+if(TARGET crumple_cli)
+    install(TARGETS crumple_cli)
+endif()
+install(DIRECTORY include/crumple DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+install(EXPORT crumple-targets NAMESPACE crumple:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/crumple)
+configure_package_config_file(cmake/crumple-config.cmake.in ${CMAKE_CURRENT_BINARY_DIR}/crumple-config.cmake
+                              INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/crumple)
+write_basic_package_version_file(${CMAKE_CURRENT_BINARY_DIR}/crumple-config-version.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${CMAKE_CURRENT_BINARY_DIR}/crumple-config.cmake ${CMAKE_CURRENT_BINARY_DIR}/crumple-config-version.cmake
+        DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/crumple)
