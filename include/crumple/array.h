@@ -1,0 +1,152 @@
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <new>
+#include <span>
+#include <type_traits>
+#include <utility>
+
+namespace crumple {
+
+/// Counts the bytes that a detector's arrays own, and refuses more than a limit.
+struct MemoryMeter {
+    /// Thrown by a growing Array; the detector turns it into smaller chunks or into an Error.
+    struct Exceeded {};
+
+    std::int64_t limit = 0;  ///< 0: none
+    std::atomic<std::int64_t> used{0}, peak{0};
+
+    void add(std::int64_t bytes) {
+        const std::int64_t now = used.fetch_add(bytes, std::memory_order_relaxed) + bytes;
+        if (limit > 0 && bytes > 0 && now > limit) {
+            used.fetch_sub(bytes, std::memory_order_relaxed);
+            throw Exceeded{};
+        }
+        std::int64_t seen = peak.load(std::memory_order_relaxed);
+        while (now > seen && !peak.compare_exchange_weak(seen, now, std::memory_order_relaxed)) {
+        }
+    }
+};
+
+/// Owning, contiguous array of plain values on a 64-byte boundary. Growth does not initialise, capacity is kept, copies
+/// are deep. Every byte is counted by the meter, if there is one; copies are not metered.
+template <class T>
+class Array {
+    static_assert(std::is_trivially_copyable_v<T>);
+
+   public:
+    Array() = default;
+    explicit Array(MemoryMeter* meter) : meter_(meter) {}
+    Array(const Array& other) { assign(other); }
+    Array(Array&& other) noexcept { swap(other); }
+    Array& operator=(const Array& other) {
+        if (this != &other) assign(other);
+        return *this;
+    }
+    Array& operator=(Array&& other) noexcept {
+        swap(other);
+        return *this;
+    }
+    ~Array() { release(); }
+
+    T* data() { return data_; }
+    const T* data() const { return data_; }
+    std::size_t size() const { return size_; }
+    std::size_t capacity() const { return capacity_; }
+    bool empty() const { return size_ == 0; }
+    T& operator[](std::size_t i) { return data_[i]; }
+    const T& operator[](std::size_t i) const { return data_[i]; }
+    T* begin() { return data_; }
+    T* end() { return data_ + size_; }
+    const T* begin() const { return data_; }
+    const T* end() const { return data_ + size_; }
+    const T& front() const { return data_[0]; }
+    const T& back() const { return data_[size_ - 1]; }
+    std::span<T> span() { return {data_, size_}; }
+    std::span<const T> span() const { return {data_, size_}; }
+
+    void clear() { size_ = 0; }
+
+    /// Keeps what is there; new elements are not initialised.
+    void resize(std::size_t size) {
+        if (size > capacity_) grow(size);
+        size_ = size;
+    }
+    /// As resize, but what was there may be lost: cheaper where everything is written anew.
+    T* resize_discard(std::size_t size) {
+        if (size > capacity_) {
+            size_ = 0;
+            grow(size);
+        }
+        size_ = size;
+        return data_;
+    }
+    void reserve(std::size_t capacity) {
+        if (capacity > capacity_) grow(capacity);
+    }
+    void push_back(const T& value) {
+        const T copy = value;
+        if (size_ == capacity_) grow(size_ + 1);
+        data_[size_++] = copy;
+    }
+    void fill(const T& value) { std::fill(begin(), end(), value); }
+    void assign(std::size_t size, const T& value) {
+        resize_discard(size);
+        fill(value);
+    }
+
+    void release() {
+        if (!data_) return;
+        ::operator delete (data_, std::align_val_t{alignment});
+        if (meter_) meter_->add(-static_cast<std::int64_t>(capacity_ * sizeof(T)));
+        data_ = nullptr;
+        size_ = capacity_ = 0;
+    }
+
+   private:
+    static constexpr std::size_t alignment = 64;
+
+    void assign(const Array& other) {
+        resize_discard(other.size_);
+        if (size_) std::memcpy(static_cast<void*>(data_), other.data_, size_ * sizeof(T));
+    }
+    void swap(Array& other) noexcept {
+        std::swap(data_, other.data_);
+        std::swap(size_, other.size_);
+        std::swap(capacity_, other.capacity_);
+        std::swap(meter_, other.meter_);
+    }
+    void grow(std::size_t wanted) {
+        // Half as much again, so that frames of slowly rising size do not allocate each time; under a limit just
+        // enough.
+        const bool tight = meter_ && meter_->limit > 0;
+        const std::size_t capacity = tight ? wanted : std::max(wanted + wanted / 8, capacity_ + capacity_ / 2);
+        if (capacity > static_cast<std::size_t>(PTRDIFF_MAX) / sizeof(T)) throw std::bad_alloc();
+        const auto bytes = static_cast<std::int64_t>(capacity * sizeof(T));
+        if (size_ == 0) release();
+        if (meter_) meter_->add(bytes);
+        T* fresh;
+        try {
+            fresh = static_cast<T*>(::operator new (capacity * sizeof(T), std::align_val_t{alignment}));
+        } catch (...) {
+            if (meter_) meter_->add(-bytes);
+            throw;
+        }
+        const std::size_t size = size_;
+        if (size) std::memcpy(static_cast<void*>(fresh), data_, size * sizeof(T));
+        release();
+        data_ = fresh;
+        size_ = size;
+        capacity_ = capacity;
+    }
+
+    T* data_ = nullptr;
+    std::size_t size_ = 0, capacity_ = 0;
+    MemoryMeter* meter_ = nullptr;
+};
+
+}  // namespace crumple

@@ -1,0 +1,9 @@
+#pragma once
+
+#include "crumple/array.h"
+#include "crumple/collisions.h"
+#include "crumple/detector.h"
+#include "crumple/error.h"
+#include "crumple/mesh.h"
+#include "crumple/options.h"
+#include "crumple/version.h"

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "crumple/collisions.h"
+#include "crumple/mesh.h"
+#include "crumple/options.h"
+
+namespace crumple {
+
+/// One of several independent, overlapping parts of a scene ([MZ] sec. 1.1). A plain value: send it anywhere, answer it
+/// there for the same meshes; each pair is owned by exactly one part, so the union over the parts is the whole answer.
+struct Part {
+    std::int32_t index = 0;                      ///< which of `centres` this part is
+    std::vector<std::array<double, 3>> centres;  ///< cluster centres of all parts, in the scene's coordinates
+    std::vector<std::int32_t> triangles;         ///< members (of the first mesh), ascending
+    std::vector<std::int32_t> triangles_second;  ///< members of the second mesh; empty for one soup
+};
+
+/// Finds all pairs of triangles that intersect, exactly. Keeps buffers and cluster centres between calls, so a detector
+/// that is fed the frames of a simulation is faster than a new one for each; the topology may change freely.
+///
+/// A detector is used by one thread at a time; different detectors work at the same time. Results are references to the
+/// detector's one result, valid until its next call, move or destruction. Every call throws crumple::Error on bad input
+/// and leaves the detector usable.
+class Detector {
+   public:
+    explicit Detector(const Options& options = {});
+    ~Detector();
+    Detector(Detector&&) noexcept;
+    Detector& operator=(Detector&&) noexcept;
+
+    /// All colliding pairs within one soup.
+    const Collisions& find_self(const MeshView& mesh, const Query& query = {});
+
+    /// All colliding pairs of a triangle of `a` with a triangle of `b`. Equal indices share nothing here; with
+    /// Query::weld equal positions do. If one is float64, both are computed in float64.
+    const Collisions& find_between(const MeshView& a, const MeshView& b, const Query& query = {});
+
+    /// Whether anything collides; stops at the first pair found.
+    bool has_collision(const MeshView& mesh, const Query& query = {});
+    bool has_collision(const MeshView& a, const MeshView& b, const Query& query = {});
+
+    /// Cuts a scene into `count` (1 to 64) parts. Depends only on the arguments, so that several machines that are
+    /// given the same meshes make the same parts.
+    std::vector<Part> partition(const MeshView& mesh, int count);
+    std::vector<Part> partition(const MeshView& a, const MeshView& b, int count);
+
+    /// The pairs that `part` owns.
+    const Collisions& find_self(const MeshView& mesh, const Part& part, const Query& query = {});
+    const Collisions& find_between(const MeshView& a, const MeshView& b, const Part& part, const Query& query = {});
+
+    const Options& options() const;
+
+   private:
+    struct Implementation;
+    std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace crumple

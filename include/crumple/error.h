@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+
+namespace crumple {
+
+enum class ErrorCode : std::uint8_t {
+    invalid_argument,     ///< a shape, an option or a combination of them makes no sense
+    not_finite,           ///< a vertex has a NaN or an infinite coordinate
+    index_out_of_range,   ///< a triangle names a vertex that does not exist
+    memory_limit,         ///< records or result do not fit; see Error::bytes_needed
+    backend_unavailable,  ///< the backend asked for was not built or has no device
+    file,                 ///< a file cannot be opened, read or written
+    format,               ///< a file's content is not what its format demands
+};
+
+/// What Error::index counts.
+enum class Element : std::uint8_t { none, vertex, triangle, group, option, line, byte };
+
+/// Every failure of the library. The message is a sentence that names the place, e.g.
+/// "vertex 17 is not finite" or "triangle 4 names vertex 90 of 80". The detector that threw stays usable.
+class Error : public std::runtime_error {
+   public:
+    explicit Error(ErrorCode code, const std::string& message, Element element = Element::none, std::int64_t index = -1,
+                   std::int64_t bytes_needed = 0)
+        : std::runtime_error(message), code(code), element(element), index(index), bytes_needed(bytes_needed) {}
+
+    ErrorCode code;
+    Element element;            ///< what `index` counts
+    std::int64_t index;         ///< the first offending element, -1 if there is none
+    std::int64_t bytes_needed;  ///< memory_limit: the limit, in bytes, that suffices; otherwise 0
+};
+
+}  // namespace crumple

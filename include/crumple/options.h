@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+namespace crumple {
+
+enum class Backend : std::uint8_t { automatic, reference, cpu };
+
+/// Instruction sets that the cpu backend can run on. `automatic` takes the best that the machine has.
+enum class Simd : std::uint8_t { automatic, scalar, sse4, avx2, avx512, neon };
+
+/// How a Detector works. None of these changes an answer, only its cost.
+struct Options {
+    Backend backend = Backend::automatic;
+    int threads = 0;  ///< 0: as many as the machine has
+
+    /// Bytes that the detector may own, buffers kept between calls and the result included; the caller's arrays are
+    /// not counted. 0: no limit. Work that exceeds it is cut into chunks, on one thread; if records or result cannot
+    /// fit even so, the call throws ErrorCode::memory_limit with a limit that suffices. To find that number it counts
+    /// the pairs, with records beyond the limit if need be, but without storing any.
+    std::int64_t memory_limit = 0;
+
+    int clusters = 0;           ///< parts of the first level of subdivision, 1 to 64; 0: chosen from the triangle count
+    int leaf_size = 3000;       ///< triangles that a leaf should have; larger clusters are subdivided again
+    double fuzziness = 2.0;     ///< t of [MZ] eq. 2, above 1
+    int max_iterations = 2;     ///< cap on fuzzy C-means iterations, warm
+    int first_iterations = 20;  ///< the same for a first frame, which has no centres to start from
+    /// Iteration ends when no centre moves further than this in any coordinate, in units of the scene's extent rounded
+    /// up to a power of two.
+    double stop = 1e-2;
+    double first_stop = 1e-4;  ///< the same for a first frame
+    Simd simd = Simd::automatic;
+};
+
+/// Pairs of triangles that share a vertex.
+enum class Neighbours : std::uint8_t {
+    geometric,  ///< collide only if they meet outside the hull of what they share: a fold counts, a hinge does not
+    skip,       ///< never reported
+};
+
+enum class Intersections : std::uint8_t {
+    all,     ///< closed sets: touching counts
+    proper,  ///< only if an edge of one strictly crosses the relative interior of the other
+};
+
+/// Which pairs of triangles are wanted, by their groups.
+enum class Wanted : std::uint8_t { both, between, within };
+
+/// Two group ids whose triangles shall not be tested against each other; the order does not matter.
+struct GroupPair {
+    std::int32_t first, second;
+};
+
+/// What is asked of one call.
+struct Query {
+    Neighbours neighbours = Neighbours::geometric;
+    Intersections intersections = Intersections::all;
+    bool weld = false;      ///< vertices at equal positions count as one (-0 equals +0)
+    bool contacts = false;  ///< also compute where each pair meets
+    Wanted wanted = Wanted::both;
+    std::span<const GroupPair> excluded_groups = {};  ///< "allowed collision matrix" of robotics
+};
+
+}  // namespace crumple

@@ -1,0 +1,6 @@
+#pragma once
+
+#define CRUMPLE_VERSION_MAJOR 0
+#define CRUMPLE_VERSION_MINOR 1
+#define CRUMPLE_VERSION_PATCH 0
+#define CRUMPLE_VERSION "0.1.0"
