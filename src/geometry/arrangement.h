@@ -1,0 +1,107 @@
+#pragma once
+
+// How two triangles lie to each other: what they share, on which side of each other's plane their corners are, and in
+// which order their edges meet the planes' common line. Shared by the decision and by the contact.
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "geometry/predicates.h"
+#include "geometry/triangle.h"
+
+namespace crumple {
+
+constexpr int after(int corner) { return corner == 2 ? 0 : corner + 1; }
+constexpr int before(int corner) { return corner == 0 ? 2 : corner - 1; }
+inline const Vec3d& point(const Triangle& t, int corner) { return t.point[static_cast<std::size_t>(corner)]; }
+
+inline bool in_expansion_range(const Triangle& t) {
+    return std::all_of(t.point.begin(), t.point.end(), [](const Vec3d& p) { return in_expansion_range(p); });
+}
+
+/// What two triangles share, by vertex ids.
+struct Sharing {
+    std::array<bool, 3> a{}, b{};  ///< the corner is also one of the other triangle
+    int count = 0;                 ///< distinct ids
+
+    Sharing(const Triangle& s, const Triangle& t) {
+        for (std::size_t i = 0; i < 3; ++i) {
+            for (std::size_t j = 0; j < 3; ++j) {
+                const bool same = s.vertex[i] == t.vertex[j];
+                a[i] |= same;
+                b[j] |= same;
+            }
+        }
+        const auto& id = s.vertex;
+        count = a[0] + (a[1] && id[1] != id[0]) + (a[2] && id[2] != id[0] && id[2] != id[1]);
+    }
+};
+
+/// Signs of a triangle's corners about the other's plane, first as far as the filter knows them; 0 for shared ones.
+struct Sides {
+    std::array<int, 3> sign;
+
+    Sides(const FilteredPlane& plane, const Triangle& t, const std::array<bool, 3>& shared) {
+        for (std::size_t i = 0; i < 3; ++i) sign[i] = shared[i] ? 0 : plane.side(t.point[i]);
+    }
+    /// Decides what the filter left open, for coordinates in the range of expansions.
+    void complete(const Triangle& plane, const Triangle& t) {
+        const auto& p = plane.point;
+        for (std::size_t i = 0; i < 3; ++i) {
+            if (sign[i] == undecided) sign[i] = orient3d_exact(p[0], p[1], p[2], t.point[i]);
+        }
+    }
+
+    int operator[](int i) const { return sign[static_cast<std::size_t>(i)]; }
+    bool certain() const { return std::find(sign.begin(), sign.end(), undecided) == sign.end(); }
+    bool zero() const { return sign == std::array{0, 0, 0}; }
+
+    /// All corners but the shared ones lie strictly on one side, by what is known; there is one that is not shared.
+    bool separated(const std::array<bool, 3>& shared = {}) const {
+        bool above = true, below = true;
+        for (std::size_t i = 0; i < 3; ++i) {
+            above &= shared[i] || sign[i] == 1;
+            below &= shared[i] || sign[i] == -1;
+        }
+        return above || below;
+    }
+};
+
+/// The line in which two planes cross, and the edges of both triangles that meet it. Corner 0 of each is alone on its
+/// closed side of the other's plane, the positive one; both others are on the opposite closed side, and no edge at
+/// corner 0 lies in the plane. `a` meets the line between its edges 01 and 02, `b` between 02 and 01, as one walks
+/// along normal(b) × normal(a) of the corners in this order (P. Guigue, O. Devillers, "Fast and Robust
+/// Triangle-Triangle Overlap Test Using Orientation Predicates", 2003).
+///
+/// To compare two crossings along the line: orient3d(a0, a_i, b0, b_j) is negative if that of edge 0i of `a` comes
+/// before that of edge 0j of `b`, 0 if they are one point. For in coordinates with the line as first axis and the
+/// planes as the others the determinant is a negative multiple of the distance from the one to the other.
+struct CommonLine {
+    std::array<Vec3d, 3> a, b;
+    std::array<int, 3> side_a, side_b;
+
+    /// The planes must differ, and each triangle have corners that are not strictly on one side.
+    CommonLine(const Triangle& s, const Triangle& t, const Sides& sides_s, const Sides& sides_t) {
+        const bool swap_b = arrange(s, sides_s, a, side_a), swap_a = arrange(t, sides_t, b, side_b);
+        if (swap_a) std::swap(a[1], a[2]), std::swap(side_a[1], side_a[2]);
+        if (swap_b) std::swap(b[1], b[2]), std::swap(side_b[1], side_b[2]);
+    }
+
+   private:
+    /// Returns whether the lone corner is on the negative side, so that the other triangle has to be turned over.
+    static bool arrange(const Triangle& t, const Sides& side, std::array<Vec3d, 3>& corners,
+                        std::array<int, 3>& sides) {
+        for (int i = 0; i < 3; ++i) {
+            const int own = side[i], next = side[after(i)], last = side[before(i)];
+            const bool lone = own != 0 ? next != own && last != own : next != 0 && next == last;
+            if (!lone) continue;
+            corners = {point(t, i), point(t, after(i)), point(t, before(i))};
+            sides = {own, next, last};
+            return own != 0 ? own < 0 : next > 0;
+        }
+        return false;  // not reached
+    }
+};
+
+}  // namespace crumple

@@ -1,0 +1,22 @@
+#pragma once
+
+// Where two triangles meet: the extreme points of the exact intersection, correctly rounded.
+
+#include <array>
+
+#include "crumple/collisions.h"
+#include "geometry/triangle.h"
+
+namespace crumple {
+
+struct Contact {
+    int count = 0;                ///< 0: they do not intersect; otherwise 1, 2 or 3 to 6
+    std::array<Vec3d, 6> points;  ///< ordered as crumple::Contacts says
+
+    ContactKind kind() const { return static_cast<ContactKind>(count < 3 ? count : 3); }
+};
+
+/// The whole intersection of two triangles (parts that neighbours share included).
+Contact contact(const Triangle& a, const Triangle& b);
+
+}  // namespace crumple

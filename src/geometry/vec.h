@@ -1,0 +1,65 @@
+#pragma once
+
+// Three numbers and their arithmetic. Compiled for host and device.
+
+#include <cmath>
+#include <cstdint>
+
+#ifdef __CUDACC__
+#define CRUMPLE_HD __host__ __device__
+#else
+#define CRUMPLE_HD
+#endif
+
+namespace crumple {
+
+template <class T>
+struct Vec3 {
+    T x{}, y{}, z{};
+
+    CRUMPLE_HD constexpr T operator[](int axis) const { return axis == 0 ? x : axis == 1 ? y : z; }
+    CRUMPLE_HD constexpr T& operator[](int axis) { return axis == 0 ? x : axis == 1 ? y : z; }
+
+    friend CRUMPLE_HD constexpr Vec3 operator+(Vec3 a, Vec3 b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+    friend CRUMPLE_HD constexpr Vec3 operator-(Vec3 a, Vec3 b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+    friend CRUMPLE_HD constexpr Vec3 operator*(T s, Vec3 a) { return {s * a.x, s * a.y, s * a.z}; }
+    friend CRUMPLE_HD constexpr bool operator==(const Vec3&, const Vec3&) = default;
+};
+
+using Vec3f = Vec3<float>;
+using Vec3d = Vec3<double>;
+
+template <class T>
+CRUMPLE_HD constexpr T dot(Vec3<T> a, Vec3<T> b) {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+template <class T>
+CRUMPLE_HD constexpr Vec3<T> cross(Vec3<T> a, Vec3<T> b) {
+    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+template <class T>
+CRUMPLE_HD Vec3<T> abs(Vec3<T> a) {
+    return {std::abs(a.x), std::abs(a.y), std::abs(a.z)};
+}
+template <class T>
+CRUMPLE_HD constexpr T min(T a, T b) {
+    return b < a ? b : a;
+}
+template <class T>
+CRUMPLE_HD constexpr T max(T a, T b) {
+    return a < b ? b : a;
+}
+template <class T>
+CRUMPLE_HD constexpr Vec3<T> min(Vec3<T> a, Vec3<T> b) {
+    return {min(a.x, b.x), min(a.y, b.y), min(a.z, b.z)};
+}
+template <class T>
+CRUMPLE_HD constexpr Vec3<T> max(Vec3<T> a, Vec3<T> b) {
+    return {max(a.x, b.x), max(a.y, b.y), max(a.z, b.z)};
+}
+template <class T>
+CRUMPLE_HD constexpr T largest(Vec3<T> a) {
+    return max(a.x, max(a.y, a.z));
+}
+
+}  // namespace crumple

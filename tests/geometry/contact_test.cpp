@@ -1,0 +1,118 @@
+#include "geometry/contact.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "geometry/named_pairs.h"
+#include "geometry/rational_intersection.h"
+
+namespace crumple {
+namespace {
+
+std::vector<Vec3d> points_of(const Contact& c) { return {c.points.begin(), c.points.begin() + c.count}; }
+
+/// The same bytes, so that −0 differs from +0.
+void expect_rational_contact(const TrianglePair& pair) {
+    const Contact truth = contact(intersect_rationally(pair.a, pair.b)), fast = contact(pair.a, pair.b);
+    const auto bytes = static_cast<std::size_t>(truth.count) * sizeof(Vec3d);
+    ASSERT_EQ(fast.count, truth.count) << pair;
+    if (std::memcmp(fast.points.data(), truth.points.data(), bytes) == 0) return;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(truth.count); ++i) {
+        for (int axis = 0; axis < 3; ++axis) {
+            EXPECT_EQ(fast.points[i][axis], truth.points[i][axis]) << pair << ", point " << i << ", axis " << axis;
+        }
+    }
+    FAIL() << "different bytes: " << pair;
+}
+
+class ContactOfEachKind : public testing::TestWithParam<Kind> {
+   protected:
+    RandomPairs random{GetParam(), 41};
+    int rounds() const {
+        switch (GetParam()) {
+            case Kind::mixed:
+                return 100;
+            case Kind::huge:
+            case Kind::tiny:
+                return 5'000;
+            default:
+                return 25'000;
+        }
+    }
+};
+
+TEST_P(ContactOfEachKind, HasTheBytesOfRationalArithmetic) {
+    for (int i = 0; i < rounds(); ++i) ASSERT_NO_FATAL_FAILURE(expect_rational_contact(random()));
+}
+
+INSTANTIATE_TEST_SUITE_P(All, ContactOfEachKind, testing::ValuesIn(all_kinds));
+
+TEST(Contact, KeepsTheContract) {
+    for (const NamedPair& named : named_pairs()) {
+        SCOPED_TRACE(named.claim);
+        EXPECT_EQ(points_of(contact(named.pair.a, named.pair.b)), named.points);
+        expect_rational_contact(named.pair);
+    }
+}
+
+TEST(Contact, KindFollowsTheNumberOfPoints) {
+    for (const NamedPair& named : named_pairs()) {
+        const Contact found = contact(named.pair.a, named.pair.b);
+        if (found.count == 0) continue;
+        const ContactKind kind = found.count == 1   ? ContactKind::point
+                                 : found.count == 2 ? ContactKind::segment
+                                                    : ContactKind::area;
+        EXPECT_EQ(found.kind(), kind) << named.claim;
+    }
+}
+
+// Extruded shapes: the common line runs along an axis, so two coordinates of its ends are exactly equal, and only the
+// third one orders them.
+TEST(Contact, OrdersTheEndsOfLinesAlongAnAxis) {
+    RandomPairs random(Kind::random, 43);
+    for (int i = 0; i < 6'000; ++i) {
+        const int axis = i % 3;
+        const auto wall = [&] {
+            Vec3d p = random.point(), q = random.point(), up;
+            up[axis] = random.real(1, 3);
+            p[axis] -= 1;
+            return Triangle{{p, q, p + up}, {0, 1, 2}};
+        };
+        TrianglePair pair{wall(), wall()};
+        pair.b.vertex = {3, 4, 5};
+        ASSERT_NO_FATAL_FAILURE(expect_rational_contact(pair));
+    }
+}
+
+// Crossings at the middle between two float64 numbers, and so close to it that twice the precision cannot tell.
+TEST(Contact, RoundsTiesToEven) {
+    for (const double last : {1.0, 3.0, 5.0}) {
+        for (const double nudge : {0.0, 0x1p-60, -0x1p-60, 0x1p-120, -0x1p-120}) {
+            const double low = 1, high = 1 + last * 0x1p-52;
+            // x runs from low to high while z runs from −1 to 1 + nudge.
+            const Triangle edge{{Vec3d{low, 0, -1}, {high, 0, 1 + nudge}, {high, 9, 1 + nudge}}, {0, 1, 2}};
+            const Triangle floor{{Vec3d{-9, -1, nudge}, {9, -1, 0}, {0, 9, 0}}, {3, 4, 5}};
+            expect_rational_contact({edge, floor});
+            const Triangle level{{Vec3d{-9, -1, 0}, {9, -1, 0}, {0, 9, 0}}, {3, 4, 5}};
+            expect_rational_contact({edge, level});
+        }
+    }
+}
+
+TEST(Contact, NegativeZeroIsWrittenPositive) {
+    const Triangle upright{{Vec3d{-0.0, -0.0, -1}, {-0.0, -0.0, 1}, {-0.0, 5, 1}}, {0, 1, 2}};
+    const Triangle floor{{Vec3d{-4, -4, -0.0}, {4, -4, -0.0}, {0, 4, -0.0}}, {3, 4, 5}};
+    const Contact found = contact(upright, floor);
+    ASSERT_EQ(found.count, 2);
+    for (int i = 0; i < 2; ++i) {
+        EXPECT_FALSE(std::signbit(found.points[static_cast<std::size_t>(i)].x));
+        EXPECT_FALSE(std::signbit(found.points[static_cast<std::size_t>(i)].z));
+    }
+    expect_rational_contact({upright, floor});
+    const Triangle corner{{Vec3d{-0.0, -0.0, -0.0}, {1, 0, 2}, {0, 1, 2}}, {3, 4, 5}};
+    expect_rational_contact({corner, floor});
+}
+
+}  // namespace
+}  // namespace crumple
