@@ -1,0 +1,175 @@
+// The front door: checks what comes in, sets the floating point environment, keeps the one result, and hands prepared
+// scenes to a backend.
+
+#include "crumple/detector.h"
+
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "crumple/error.h"
+#include "pipeline/backend.h"
+#include "pipeline/float_environment.h"
+#include "pipeline/fuzzy_c_means.h"
+#include "pipeline/part.h"
+
+namespace crumple {
+namespace {
+
+void check(bool holds, const char* message) {
+    if (!holds) throw Error(ErrorCode::invalid_argument, message, Element::option);
+}
+
+void check_options(const Options& o) {
+    check(o.threads >= 0, "threads must be 0 (as many as the machine has) or more");
+    check(o.threads <= 1024, "threads must be at most 1024");
+    check(o.memory_limit >= 0, "memory_limit must be 0 (none) or a number of bytes");
+    check(o.clusters >= 0 && o.clusters <= max_clusters, "clusters must be 0 (chosen) to 64");
+    check(o.leaf_size >= 1, "leaf_size must be at least 1");
+    check(o.fuzziness > 1 && std::isfinite(o.fuzziness), "fuzziness must be finite and above 1");
+    check(o.max_iterations >= 0 && o.first_iterations >= 0, "iteration caps must be 0 or more");
+    check(o.stop >= 0 && o.first_stop >= 0, "stop criteria must be 0 or more");
+}
+
+void check_query(const Query& q) {
+    check(q.wanted == Wanted::both || q.wanted == Wanted::between || q.wanted == Wanted::within,
+          "wanted must be both, between or within");
+}
+
+void check_part(const Part& part) {
+    const auto count = static_cast<std::int32_t>(part.centres.size());
+    check(count >= 1 && count <= max_clusters, "a part needs 1 to 64 centres");
+    check(part.index >= 0 && part.index < count, "a part's index must be one of its centres");
+    for (const auto& centre : part.centres)
+        for (double value : centre) check(std::isfinite(value), "a part's centres must be finite");
+}
+
+Collisions metered(MemoryMeter* meter) {
+    return {Array<Pair>(meter),
+            Array<std::int64_t>(meter),
+            Array<std::uint8_t>(meter),
+            Array<std::uint8_t>(meter),
+            {Array<ContactKind>(meter), Array<std::int64_t>(meter), Array<std::array<double, 3>>(meter)},
+            {}};
+}
+
+}  // namespace
+
+struct Detector::Implementation {
+    Options options;
+    MemoryMeter meter;
+    SceneBuffers buffers{&meter};
+    Collisions result = metered(&meter);
+    std::unique_ptr<BackendBase> backend;
+
+    explicit Implementation(const Options& o) : options(o) {
+        check_options(o);
+        meter.limit = o.memory_limit;
+        backend =
+            o.backend == Backend::reference ? make_reference_backend(options, meter) : make_cpu_backend(options, meter);
+    }
+
+    void forget() {
+        backend->release();
+        buffers = SceneBuffers(&meter);
+        result = metered(&meter);
+    }
+
+    // Runs `work` on the prepared scene; a detector that throws holds an empty result and no kept memory.
+    template <class Work>
+    void guarded(const MeshView& a, const MeshView* b, const Part* part, const Query& query, Work work) {
+        const FloatEnvironment environment;
+        check_query(query);
+        try {
+            try {
+                work(prepare_scene(a, b, query.weld, buffers));
+            } catch (const MemoryMeter::Exceeded&) {
+                const std::int64_t needed = bytes_needed(a, b, part, query);
+                throw Error(ErrorCode::memory_limit,
+                            "the memory limit of " + std::to_string(options.memory_limit) + " bytes is too small; " +
+                                std::to_string(needed) + " bytes suffice",
+                            Element::option, -1, needed);
+            }
+        } catch (...) {
+            forget();
+            throw;
+        }
+    }
+
+    // The limit that suffices, counted with records beyond the limit but without storing pairs.
+    std::int64_t bytes_needed(const MeshView& a, const MeshView* b, const Part* part, const Query& query) {
+        forget();
+        struct Lifted {
+            MemoryMeter& meter;
+            std::int64_t limit;
+            explicit Lifted(MemoryMeter& m) : meter(m), limit(m.limit) {
+                meter.limit = std::numeric_limits<std::int64_t>::max();
+            }
+            ~Lifted() { meter.limit = limit; }
+        } lifted(meter);
+        return backend->bytes_needed(prepare_scene(a, b, query.weld, buffers), query, part);
+    }
+
+    const Collisions& find(const MeshView& a, const MeshView* b, const Part* part, const Query& query) {
+        const auto begin = std::chrono::steady_clock::now();
+        if (part) check_part(*part);
+        meter.peak = meter.used.load();
+        guarded(a, b, part, query, [&](const Scene& scene) {
+            result.statistics = {};
+            backend->find(scene, query, part, result);
+            result.statistics.triangles = scene.triangle_count();
+        });
+        result.statistics.pairs = static_cast<std::int64_t>(result.pairs.size());
+        result.statistics.peak_memory_bytes = meter.peak;
+        result.statistics.milliseconds =
+            std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+        return result;
+    }
+
+    bool any(const MeshView& a, const MeshView* b, const Query& query) {
+        bool found = false;
+        guarded(a, b, nullptr, query, [&](const Scene& scene) { found = backend->any(scene, query); });
+        return found;
+    }
+
+    std::vector<Part> partition(const MeshView& a, const MeshView* b, int count) {
+        check(count >= 1 && count <= max_clusters, "the number of parts must be 1 to 64");
+        std::vector<Part> parts;
+        guarded(a, b, nullptr, {}, [&](const Scene& scene) { parts = make_parts(scene, count); });
+        return parts;
+    }
+};
+
+Detector::Detector(const Options& options) : implementation_(std::make_unique<Implementation>(options)) {}
+Detector::~Detector() = default;
+Detector::Detector(Detector&&) noexcept = default;
+Detector& Detector::operator=(Detector&&) noexcept = default;
+
+const Collisions& Detector::find_self(const MeshView& mesh, const Query& query) {
+    return implementation_->find(mesh, nullptr, nullptr, query);
+}
+const Collisions& Detector::find_between(const MeshView& a, const MeshView& b, const Query& query) {
+    return implementation_->find(a, &b, nullptr, query);
+}
+const Collisions& Detector::find_self(const MeshView& mesh, const Part& part, const Query& query) {
+    return implementation_->find(mesh, nullptr, &part, query);
+}
+const Collisions& Detector::find_between(const MeshView& a, const MeshView& b, const Part& part, const Query& query) {
+    return implementation_->find(a, &b, &part, query);
+}
+bool Detector::has_collision(const MeshView& mesh, const Query& query) {
+    return implementation_->any(mesh, nullptr, query);
+}
+bool Detector::has_collision(const MeshView& a, const MeshView& b, const Query& query) {
+    return implementation_->any(a, &b, query);
+}
+std::vector<Part> Detector::partition(const MeshView& mesh, int count) {
+    return implementation_->partition(mesh, nullptr, count);
+}
+std::vector<Part> Detector::partition(const MeshView& a, const MeshView& b, int count) {
+    return implementation_->partition(a, &b, count);
+}
+const Options& Detector::options() const { return implementation_->options; }
+
+}  // namespace crumple

@@ -1,0 +1,37 @@
+#pragma once
+
+// The seam that a backend fills in. The detector checks the input, prepares the scene, and asks.
+
+#include <memory>
+
+#include "crumple/array.h"
+#include "crumple/collisions.h"
+#include "crumple/detector.h"
+#include "crumple/options.h"
+#include "pipeline/scene.h"
+
+namespace crumple {
+
+class BackendBase {
+   public:
+    virtual ~BackendBase() = default;
+
+    /// Fills `result.pairs` (sorted, unique), offsets, hit flags, contacts if asked for, and the statistics' counts and
+    /// stage times. `part` null: the whole answer.
+    virtual void find(const Scene& scene, const Query& query, const Part* part, Collisions& result) = 0;
+
+    /// Counts without storing pairs, and returns the memory limit with which find() will succeed. May use more than the
+    /// limit for records while it counts, never for the result.
+    virtual std::int64_t bytes_needed(const Scene& scene, const Query& query, const Part* part) = 0;
+
+    /// Whether there is any pair; stops at the first.
+    virtual bool any(const Scene& scene, const Query& query) = 0;
+
+    /// Drops what is kept between calls, memory and centres alike.
+    virtual void release() = 0;
+};
+
+std::unique_ptr<BackendBase> make_reference_backend(const Options& options, MemoryMeter& meter);
+std::unique_ptr<BackendBase> make_cpu_backend(const Options& options, MemoryMeter& meter);
+
+}  // namespace crumple

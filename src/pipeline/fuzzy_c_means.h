@@ -1,0 +1,97 @@
+#pragma once
+
+// Fuzzy C-means on a sample of points ([MZ] sec. 4, eqs. 2 to 4).
+//
+// One iteration computes the membership of each point in each cluster (eq. 3) and moves each centre to the mean of the
+// points weighted by membership^t (eq. 4). For t = 2, the usual choice, both exponents are integers:
+// u_k = d_k^-2 / sum_j d_j^-2. A point on a centre (d = 0) counts as one at a distance of 1e-15, a valid limit of
+// eq. 3. Iteration ends when no centre moved further than `stop`, or at the cap. Any centres give the right collisions;
+// they decide only speed, so the sample and the cap may be small ([MZ] sec. 4, end).
+//
+// Points and centres are normalised (at most about 1). Inner loops run over clusters, in lanes that no order of
+// summation links, so that every compiler and machine gives the same centres.
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+#include "geometry/vec.h"
+
+namespace crumple {
+
+inline constexpr int max_clusters = 64;  ///< of one level: bits of a mask
+
+/// Cluster centres of one subdivision; what is kept from frame to frame.
+struct Centres {
+    int count = 0;
+    std::array<float, max_clusters> x{}, y{}, z{};
+
+    Vec3f operator[](int k) const {
+        const auto i = static_cast<std::size_t>(k);
+        return {x[i], y[i], z[i]};
+    }
+    void set(int k, Vec3f p) {
+        const auto i = static_cast<std::size_t>(k);
+        x[i] = p.x, y[i] = p.y, z[i] = p.z;
+    }
+};
+
+struct FuzzyOptions {
+    double fuzziness = 2;  ///< t > 1
+    int iterations = 2;
+    double stop = 0;  ///< largest movement of a centre, in normalised coordinates, that ends the iteration
+};
+
+/// Starts `count` centres on points spread evenly over the sample's order.
+template <class Point>
+void start_centres(int count, std::size_t samples, Point&& point, Centres& centres) {
+    centres.count = count;
+    for (int k = 0; k < count; ++k)
+        centres.set(k, point((2 * static_cast<std::size_t>(k) + 1) * samples / (2 * static_cast<std::size_t>(count))));
+}
+
+/// Improves `centres` on the points point(0) ... point(samples - 1), Vec3f each. Returns the iterations done.
+template <class Point>
+int fuzzy_c_means(std::size_t samples, Point&& point, const FuzzyOptions& options, Centres& centres) {
+    const int count = centres.count;
+    const bool usual = options.fuzziness == 2.0;
+    const auto distance_power = static_cast<float>(1.0 / (options.fuzziness - 1.0));
+    const auto member_power = static_cast<float>(options.fuzziness);
+    alignas(64) std::array<float, max_clusters> w, sum_w, sum_x, sum_y, sum_z;
+    for (int iteration = 1; iteration <= options.iterations; ++iteration) {
+        for (auto* sum : {&sum_w, &sum_x, &sum_y, &sum_z}) sum->fill(0.0f);
+        for (std::size_t i = 0; i < samples; ++i) {
+            const Vec3f p = point(i);
+            for (int k = 0; k < count; ++k) {
+                const float dx = p.x - centres.x[k], dy = p.y - centres.y[k], dz = p.z - centres.z[k];
+                w[k] = 1.0f / (dx * dx + dy * dy + dz * dz + 1e-30f);
+            }
+            if (!usual)
+                for (int k = 0; k < count; ++k) w[k] = std::pow(w[k], distance_power);
+            float total = 0;
+            for (int k = 0; k < count; ++k) total += w[k];
+            const float scale = 1.0f / total;
+            for (int k = 0; k < count; ++k) {
+                const float u = w[k] * scale;
+                const float weight = usual ? u * u : std::pow(u, member_power);
+                sum_w[k] += weight;
+                sum_x[k] += weight * p.x;
+                sum_y[k] += weight * p.y;
+                sum_z[k] += weight * p.z;
+            }
+        }
+        float moved = 0;
+        for (int k = 0; k < count; ++k) {
+            if (!(sum_w[k] > 0)) continue;
+            const Vec3f next{sum_x[k] / sum_w[k], sum_y[k] / sum_w[k], sum_z[k] / sum_w[k]};
+            if (!(std::isfinite(next.x) && std::isfinite(next.y) && std::isfinite(next.z))) continue;
+            moved = max(moved, largest(abs(next - centres[k])));
+            centres.set(k, next);
+        }
+        if (moved <= static_cast<float>(options.stop)) return iteration;
+    }
+    return options.iterations;
+}
+
+}  // namespace crumple

@@ -1,0 +1,76 @@
+#pragma once
+
+// What every backend is given: one or two meshes as one soup, checked.
+//
+// Vertices and triangles of the first mesh come first, those of the second follow; `corners` are indices into that
+// joint numbering, three a triangle, with welded vertices replaced by the lowest of their kind. Coordinates stay where
+// the caller has them. `corners` is the caller's own array where that is one contiguous int32 mesh and nothing is
+// welded; otherwise it lies in SceneBuffers.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <span>
+
+#include "crumple/array.h"
+#include "crumple/mesh.h"
+#include "crumple/options.h"
+#include "geometry/triangle.h"
+#include "geometry/vec.h"
+
+namespace crumple {
+
+/// Reads coordinates where the caller left them.
+struct VertexReader {
+    const std::byte* data = nullptr;
+    std::int64_t row_stride = 0, column_stride = 0;
+    bool float32 = true;
+
+    Vec3d operator()(std::int64_t i) const {
+        const std::byte* row = data + i * row_stride;
+        return float32 ? read<float>(row) : read<double>(row);
+    }
+    template <class T>
+    Vec3d read(const std::byte* row) const {
+        T x, y, z;
+        std::memcpy(&x, row, sizeof(T));
+        std::memcpy(&y, row + column_stride, sizeof(T));
+        std::memcpy(&z, row + 2 * column_stride, sizeof(T));
+        return {static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)};
+    }
+};
+
+struct Scene {
+    bool between = false;                    ///< two meshes: pairs across only
+    bool float32 = true;                     ///< all coordinates are float32 numbers
+    std::array<VertexReader, 2> reader;      ///< of the first and the second mesh
+    std::array<std::int64_t, 2> vertices{};  ///< counts
+    std::array<std::int64_t, 2> triangles{};
+    const std::int32_t* corners = nullptr;  ///< 3 a triangle
+    const std::int32_t* groups = nullptr;   ///< 1 a triangle, or null: all in group 0
+    Vec3d low, high;                        ///< box of all vertices; 0 if there are none
+
+    std::int64_t vertex_count() const { return vertices[0] + vertices[1]; }
+    std::int64_t triangle_count() const { return triangles[0] + triangles[1]; }
+    Vec3d position(std::int64_t vertex) const {
+        return vertex < vertices[0] ? reader[0](vertex) : reader[1](vertex - vertices[0]);
+    }
+    Triangle triangle(std::int64_t t) const {
+        const std::int32_t* c = corners + 3 * t;
+        return {{position(c[0]), position(c[1]), position(c[2])}, {c[0], c[1], c[2]}};
+    }
+    std::int32_t group(std::int64_t t) const { return groups ? groups[t] : 0; }
+    bool second(std::int64_t t) const { return t >= triangles[0]; }
+};
+
+struct SceneBuffers {
+    Array<std::int32_t> corners, groups, representative, table;
+    explicit SceneBuffers(MemoryMeter* meter = nullptr)
+        : corners(meter), groups(meter), representative(meter), table(meter) {}
+};
+
+/// Checks one mesh (b null) or two and joins them. Throws Error: not_finite, index_out_of_range, invalid_argument.
+Scene prepare_scene(const MeshView& a, const MeshView* b, bool weld, SceneBuffers& buffers);
+
+}  // namespace crumple

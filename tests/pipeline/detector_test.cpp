@@ -1,0 +1,125 @@
+// What a detector keeps, gives and promises, whatever the backend.
+
+#include <gtest/gtest.h>
+
+#include <thread>
+
+#include "soups.h"
+
+#if defined(__SSE2__)
+#include <xmmintrin.h>
+#endif
+#include <cfenv>
+
+namespace crumple {
+namespace {
+
+using test::difference;
+using test::pairs_of;
+
+TEST(Detector, results_are_sorted_and_consistent) {
+    const auto soup = test::random_soup(2000, 0.1);
+    Detector detector;
+    const Collisions& c = detector.find_self(soup.view());
+    ASSERT_GT(c.pairs.size(), 100u);
+    EXPECT_TRUE(std::is_sorted(c.pairs.begin(), c.pairs.end()));
+    ASSERT_EQ(c.offsets.size(), 2001u);
+    std::vector<std::uint8_t> hit(2000, 0);
+    for (std::size_t i = 0; i < 2000; ++i)
+        for (auto k = c.offsets[i]; k < c.offsets[i + 1]; ++k) {
+            EXPECT_EQ(c.pairs[static_cast<std::size_t>(k)].a, static_cast<std::int32_t>(i));
+            EXPECT_LT(c.pairs[static_cast<std::size_t>(k)].a, c.pairs[static_cast<std::size_t>(k)].b);
+            hit[i] = hit[static_cast<std::size_t>(c.pairs[static_cast<std::size_t>(k)].b)] = 1;
+        }
+    EXPECT_EQ(c.offsets[2000], static_cast<std::int64_t>(c.pairs.size()));
+    EXPECT_EQ(hit, std::vector<std::uint8_t>(c.hit.begin(), c.hit.end()));
+    EXPECT_TRUE(c.hit_second.empty());
+    EXPECT_TRUE(c.contacts.kinds.empty()) << "not asked for";
+    EXPECT_EQ(c.statistics.pairs, static_cast<std::int64_t>(c.pairs.size()));
+}
+
+TEST(Detector, a_copied_result_outlives_the_next_call) {
+    const auto soup = test::random_soup(500, 0.2);
+    Detector detector;
+    const Collisions copy = detector.find_self(soup.view());
+    const std::vector<Pair> before = pairs_of(copy);
+    detector.find_self(test::random_soup(700, 0.3, 9).view());
+    EXPECT_EQ(difference(before, pairs_of(copy)), "");
+}
+
+TEST(Detector, frames_of_changing_topology_need_no_new_detector) {
+    Detector warm;
+    for (const int count : {1000, 10, 3000, 0, 2, 1500}) {
+        const auto soup = test::random_soup(count, 0.08, static_cast<unsigned>(count) + 1);
+        Detector cold;
+        const auto expected = pairs_of(cold.find_self(soup.view()));
+        EXPECT_EQ(difference(expected, pairs_of(warm.find_self(soup.view()))), "") << count << " triangles";
+    }
+}
+
+TEST(Detector, two_detectors_work_at_the_same_time) {
+    const auto soup = test::random_soup(3000, 0.06);
+    Detector detector;
+    const auto expected = pairs_of(detector.find_self(soup.view()));
+    std::vector<std::string> results(4);
+    std::vector<std::thread> threads;
+    for (std::size_t i = 0; i < results.size(); ++i)
+        threads.emplace_back([&, i] {
+            Detector own({.threads = 2});
+            for (int repeat = 0; repeat < 3; ++repeat)
+                results[i] += difference(expected, pairs_of(own.find_self(soup.view())));
+        });
+    for (std::thread& thread : threads) thread.join();
+    for (const std::string& result : results) EXPECT_EQ(result, "");
+}
+
+TEST(Detector, has_collision_says_whether_there_is_any) {
+    for (const Backend backend : {Backend::reference, Backend::cpu}) {
+        Detector detector({.backend = backend});
+        EXPECT_TRUE(detector.has_collision(test::random_soup(300, 0.3).view()));
+        EXPECT_FALSE(detector.has_collision(test::random_soup(50, 1e-4).view()));
+        const auto a = test::random_soup(100, 0.3), b = test::random_soup(100, 0.3, 2);
+        EXPECT_TRUE(detector.has_collision(a.view(), b.view()));
+        Query none{.wanted = Wanted::between};
+        EXPECT_FALSE(detector.has_collision(a.view(), none)) << "one group, so nothing lies between groups";
+    }
+}
+
+TEST(Detector, a_moved_detector_keeps_its_result) {
+    const auto soup = test::random_soup(300, 0.2);
+    Detector first;
+    const auto expected = pairs_of(first.find_self(soup.view()));
+    Detector second = std::move(first);
+    EXPECT_EQ(difference(expected, pairs_of(second.find_self(soup.view()))), "");
+}
+
+// The answer may not depend on the caller's rounding mode or flush-to-zero, and both must be back afterwards.
+TEST(Detector, sets_and_restores_the_floating_point_environment) {
+    auto soup = test::random_soup(400, 0.2);
+    for (auto& vertex : soup.vertices)
+        for (float& value : vertex) value *= 0x1p-130f;  // many become subnormal
+    Detector detector({.threads = 2});
+    const auto expected = pairs_of(detector.find_self(soup.view()));
+    ASSERT_GT(expected.size(), 10u);
+    for (const int mode : {FE_UPWARD, FE_DOWNWARD, FE_TOWARDZERO, FE_TONEAREST}) {
+        std::fesetround(mode);
+#if defined(__SSE2__)
+        const unsigned before = _mm_getcsr();
+        _mm_setcsr(before | 0x8040u);  // flush to zero, denormals are zero
+#endif
+        const auto found = pairs_of(detector.find_self(soup.view()));
+        Detector fresh({.threads = 2});
+        const auto found_fresh = pairs_of(fresh.find_self(soup.view()));
+        EXPECT_EQ(std::fegetround(), mode);
+#if defined(__SSE2__)
+        EXPECT_EQ(_mm_getcsr() & 0x8040u, 0x8040u);
+        _mm_setcsr(before);
+#endif
+        std::fesetround(FE_TONEAREST);
+        EXPECT_EQ(difference(expected, found), "") << "mode " << mode;
+        EXPECT_EQ(difference(expected, found_fresh), "") << "mode " << mode;
+    }
+}
+
+}  // namespace
+}  // namespace crumple

@@ -1,0 +1,87 @@
+#include "pipeline/fuzzy_c_means.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+#include <vector>
+
+namespace crumple {
+namespace {
+
+std::vector<Vec3f> two_blobs() {
+    std::mt19937 engine(3);
+    const auto number = [&] { return static_cast<float>(static_cast<double>(engine()) * 0x1p-32 - 0.5); };
+    std::vector<Vec3f> points;
+    for (int i = 0; i < 500; ++i) {
+        const float x = i < 250 ? 0.8f : -0.8f;
+        points.push_back({x + 0.1f * number(), 0.1f * number(), 0.1f * number()});
+    }
+    return points;
+}
+
+double objective(const std::vector<Vec3f>& points, const Centres& centres, double t) {  // [MZ] eqs. 2, 3
+    double q = 0;
+    for (const Vec3f& p : points) {
+        std::vector<double> d2;
+        for (int k = 0; k < centres.count; ++k) {
+            const Vec3f d = p - centres[k];
+            d2.push_back(static_cast<double>(dot(d, d)) + 1e-30);
+        }
+        for (double dk : d2) {
+            double sum = 0;
+            for (double dj : d2) sum += std::pow(dk / dj, 1 / (t - 1));
+            q += std::pow(1 / sum, t) * dk;
+        }
+    }
+    return q;
+}
+
+TEST(FuzzyCMeans, centres_find_two_separate_blobs) {
+    const auto points = two_blobs();
+    const auto point = [&](std::size_t i) { return points[i]; };
+    for (const double t : {2.0, 1.5, 3.0}) {
+        Centres centres;
+        start_centres(2, points.size(), point, centres);
+        fuzzy_c_means(points.size(), point, {.fuzziness = t, .iterations = 50, .stop = 1e-6}, centres);
+        EXPECT_NEAR(std::abs(centres[0].x), 0.8, 0.06) << "t = " << t;
+        EXPECT_NEAR(centres[0].x, -centres[1].x, 0.06) << "t = " << t;
+    }
+}
+
+TEST(FuzzyCMeans, each_iteration_lowers_the_objective) {
+    const auto points = two_blobs();
+    const auto point = [&](std::size_t i) { return points[i]; };
+    for (const double t : {2.0, 1.7}) {
+        Centres centres;
+        start_centres(5, points.size(), point, centres);
+        double last = objective(points, centres, t);
+        for (int i = 0; i < 10; ++i) {
+            fuzzy_c_means(points.size(), point, {.fuzziness = t, .iterations = 1}, centres);
+            const double now = objective(points, centres, t);
+            EXPECT_LE(now, last * (1 + 1e-5)) << "t = " << t << ", iteration " << i;
+            last = now;
+        }
+    }
+}
+
+TEST(FuzzyCMeans, ends_early_when_no_centre_moves) {
+    const auto points = two_blobs();
+    const auto point = [&](std::size_t i) { return points[i]; };
+    Centres centres;
+    start_centres(2, points.size(), point, centres);
+    const int first = fuzzy_c_means(points.size(), point, {.iterations = 100, .stop = 1e-4}, centres);
+    EXPECT_LT(first, 100);
+    EXPECT_EQ(fuzzy_c_means(points.size(), point, {.iterations = 100, .stop = 1e-3}, centres), 1);
+}
+
+TEST(FuzzyCMeans, points_on_centres_are_an_ordinary_case) {
+    const std::vector<Vec3f> points(20, Vec3f{0.5f, 0.25f, 0});
+    const auto point = [&](std::size_t i) { return points[i]; };
+    Centres centres;
+    start_centres(4, points.size(), point, centres);
+    fuzzy_c_means(points.size(), point, {.iterations = 5}, centres);
+    for (int k = 0; k < 4; ++k) EXPECT_EQ(centres[k], points[0]);
+}
+
+}  // namespace
+}  // namespace crumple

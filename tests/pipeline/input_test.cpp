@@ -1,0 +1,138 @@
+// The front door: every layout that the contract accepts is read where it lies; everything else is an error that names
+// the place and leaves the detector usable.
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <limits>
+
+#include "soups.h"
+
+namespace crumple {
+namespace {
+
+using test::pairs_of;
+
+const std::vector<std::array<float, 3>> vertices{{0, 0, 0},        {1, 0, 0},       {0, 1, 0},
+                                                 {0.2f, 0.2f, -1}, {0.2f, 0.2f, 1}, {2, 2, 0}};
+const std::vector<std::array<std::int32_t, 3>> triangles{{0, 1, 2}, {3, 4, 5}};
+const std::vector<Pair> expected{{0, 1}};
+
+template <class Call>
+Error error_of(Call call) {
+    try {
+        call();
+    } catch (const Error& error) {
+        return error;
+    }
+    ADD_FAILURE() << "no error";
+    return Error(ErrorCode::file, "");
+}
+
+TEST(Input, takes_every_index_type) {
+    Detector detector;
+    EXPECT_EQ(pairs_of(detector.find_self({vertices, triangles})), expected);
+    const std::vector<std::array<std::uint32_t, 3>> unsigned_triangles{{0, 1, 2}, {3, 4, 5}};
+    EXPECT_EQ(pairs_of(detector.find_self({vertices, unsigned_triangles})), expected);
+    const std::vector<std::array<std::int64_t, 3>> long_triangles{{0, 1, 2}, {3, 4, 5}};
+    EXPECT_EQ(pairs_of(detector.find_self({vertices, long_triangles})), expected);
+}
+
+TEST(Input, takes_column_major_and_interleaved_and_unaligned_arrays) {
+    Detector detector;
+    std::vector<double> columns(18);
+    for (std::size_t i = 0; i < 6; ++i)
+        for (std::size_t axis = 0; axis < 3; ++axis) columns[6 * axis + i] = vertices[i][axis];
+    const VertexView by_column{columns.data(), 6, sizeof(double), 6 * sizeof(double), ScalarType::float64};
+    EXPECT_EQ(pairs_of(detector.find_self({by_column, rows_of_three(triangles[0].data(), 2)})), expected);
+
+    std::vector<float> interleaved(6 * 8, 99.0f);  // position, then five other numbers
+    for (std::size_t i = 0; i < 6; ++i) std::copy(vertices[i].begin(), vertices[i].end(), interleaved.begin() + 8 * i);
+    const VertexView rows{interleaved.data(), 6, 8 * sizeof(float), sizeof(float), ScalarType::float32};
+    EXPECT_EQ(pairs_of(detector.find_self({rows, rows_of_three(triangles[0].data(), 2)})), expected);
+
+    std::vector<char> bytes(1 + sizeof(float) * 18 + sizeof(std::int32_t) * 6);
+    std::memcpy(bytes.data() + 1, vertices.data(), sizeof(float) * 18);
+    std::memcpy(bytes.data() + 1 + sizeof(float) * 18, triangles.data(), sizeof(std::int32_t) * 6);
+    const VertexView odd{bytes.data() + 1, 6, 12, 4, ScalarType::float32};
+    const TriangleView odd_triangles{bytes.data() + 1 + sizeof(float) * 18, 2, 12, 4, IndexType::int32};
+    EXPECT_EQ(pairs_of(detector.find_self({odd, odd_triangles})), expected);
+}
+
+TEST(Input, empty_soups_have_no_collisions) {
+    Detector detector;
+    EXPECT_TRUE(detector.find_self(MeshView()).pairs.empty());
+    EXPECT_EQ(detector.find_self(MeshView()).offsets.size(), 1u);
+    EXPECT_TRUE(detector.find_between({vertices, triangles}, MeshView()).pairs.empty());
+    EXPECT_TRUE(detector.find_between(MeshView(), {vertices, triangles}).pairs.empty());
+    EXPECT_FALSE(detector.has_collision(MeshView()));
+}
+
+TEST(Input, a_vertex_that_is_not_finite_is_named_even_if_no_triangle_uses_it) {
+    Detector detector;
+    for (const float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(),
+                            -std::numeric_limits<float>::infinity()}) {
+        for (std::size_t v : {0u, 3u, 5u, 6u}) {
+            auto broken = vertices;
+            broken.push_back({0, 0, 0});
+            broken[v][v % 3] = bad;
+            const Error error = error_of([&] { detector.find_self({broken, triangles}); });
+            EXPECT_EQ(error.code, ErrorCode::not_finite);
+            EXPECT_EQ(error.element, Element::vertex);
+            EXPECT_EQ(error.index, static_cast<std::int64_t>(v));
+            EXPECT_EQ(std::string(error.what()), "vertex " + std::to_string(v) + " is not finite");
+        }
+    }
+    EXPECT_EQ(pairs_of(detector.find_self({vertices, triangles})), expected) << "still usable";
+}
+
+TEST(Input, an_index_out_of_range_is_named) {
+    Detector detector;
+    for (const std::int32_t bad : {-1, 6, 90, std::numeric_limits<std::int32_t>::min()}) {
+        auto broken = triangles;
+        broken[1][2] = bad;
+        const Error error = error_of([&] { detector.find_self({vertices, broken}); });
+        EXPECT_EQ(error.code, ErrorCode::index_out_of_range);
+        EXPECT_EQ(error.element, Element::triangle);
+        EXPECT_EQ(error.index, 1);
+        EXPECT_EQ(std::string(error.what()), "triangle 1 names vertex " + std::to_string(bad) + " of 6");
+    }
+    const std::vector<std::array<std::int64_t, 3>> far{{0, 1, std::int64_t{1} << 32}};
+    EXPECT_EQ(error_of([&] { detector.find_self({vertices, far}); }).code, ErrorCode::index_out_of_range);
+}
+
+TEST(Input, between_two_meshes_the_message_says_which) {
+    Detector detector;
+    auto broken = triangles;
+    broken[0][0] = 77;
+    const Error error = error_of([&] { detector.find_between({vertices, triangles}, {vertices, broken}); });
+    EXPECT_EQ(std::string(error.what()), "second mesh: triangle 0 names vertex 77 of 6");
+}
+
+TEST(Input, wrong_shapes_and_options_are_errors) {
+    Detector detector;
+    const std::vector<std::int32_t> one_group{1};
+    EXPECT_EQ(error_of([&] {
+                  detector.find_self({vertices, triangles, one_group});
+              }).code,
+              ErrorCode::invalid_argument);
+    MeshView negative({vertices, triangles});
+    negative.triangles.rows = -1;
+    EXPECT_EQ(error_of([&] { detector.find_self(negative); }).code, ErrorCode::invalid_argument);
+    MeshView null({vertices, triangles});
+    null.vertices.data = nullptr;
+    EXPECT_EQ(error_of([&] { detector.find_self(null); }).code, ErrorCode::invalid_argument);
+    MeshView device({vertices, triangles});
+    device.memory = MemorySpace::cuda;
+    EXPECT_EQ(error_of([&] { detector.find_self(device); }).code, ErrorCode::invalid_argument);
+    for (const Options& options :
+         {Options{.threads = -1}, Options{.memory_limit = -5}, Options{.clusters = 65}, Options{.leaf_size = 0},
+          Options{.fuzziness = 1.0}, Options{.max_iterations = -1}, Options{.stop = -1.0}})
+        EXPECT_EQ(error_of([&] { Detector{options}; }).code, ErrorCode::invalid_argument);
+    EXPECT_EQ(error_of([&] { detector.partition({vertices, triangles}, 0); }).code, ErrorCode::invalid_argument);
+    EXPECT_EQ(error_of([&] { detector.partition({vertices, triangles}, 65); }).code, ErrorCode::invalid_argument);
+    EXPECT_EQ(error_of([&] { detector.find_self({vertices, triangles}, Part{}); }).code, ErrorCode::invalid_argument);
+}
+
+}  // namespace
+}  // namespace crumple

@@ -1,0 +1,64 @@
+// Public parts: independent, complete, nothing twice.
+
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+#include "soups.h"
+
+namespace crumple {
+namespace {
+
+using test::difference;
+using test::pairs_of;
+
+TEST(Part, the_union_of_the_parts_is_the_whole_answer) {
+    const auto soup = test::random_soup(1500, 0.1);
+    const auto other = test::random_soup(800, 0.1, 4);
+    Detector detector;
+    const auto whole = pairs_of(detector.find_self(soup.view()));
+    const auto whole_between = pairs_of(detector.find_between(soup.view(), other.view()));
+    for (const int count : {1, 2, 3, 8, 33, 64}) {
+        std::vector<Pair> all, all_between;
+        for (const Part& part : detector.partition(soup.view(), count)) {
+            Detector elsewhere({.threads = 1});
+            for (const Pair& pair : elsewhere.find_self(soup.view(), part).pairs) all.push_back(pair);
+        }
+        for (const Part& part : detector.partition(soup.view(), other.view(), count)) {
+            Detector elsewhere({.threads = 1});
+            for (const Pair& pair : elsewhere.find_between(soup.view(), other.view(), part).pairs)
+                all_between.push_back(pair);
+        }
+        std::sort(all.begin(), all.end());
+        std::sort(all_between.begin(), all_between.end());
+        EXPECT_EQ(difference(whole, all), "") << count << " parts";
+        EXPECT_EQ(difference(whole_between, all_between), "") << count << " parts";
+    }
+}
+
+TEST(Part, both_triangles_of_a_pair_are_members_of_the_part_that_answers_it) {
+    const auto soup = test::wavy_sheet(40);
+    Detector detector;
+    ASSERT_GT(detector.find_self(soup.view()).pairs.size(), 50u);
+    for (const Part& part : detector.partition(soup.view(), 7)) {
+        const auto is_member = [&](std::int32_t t) {
+            return std::binary_search(part.triangles.begin(), part.triangles.end(), t);
+        };
+        for (const Pair& pair : detector.find_self(soup.view(), part).pairs) {
+            EXPECT_TRUE(is_member(pair.a)) << pair.a << " in part " << part.index;
+            EXPECT_TRUE(is_member(pair.b)) << pair.b << " in part " << part.index;
+        }
+    }
+}
+
+TEST(Part, parts_overlap_little) {
+    const auto soup = test::wavy_sheet(100);
+    Detector detector;
+    std::size_t members = 0;
+    for (const Part& part : detector.partition(soup.view(), 8)) members += part.triangles.size();
+    EXPECT_GE(members, soup.triangles.size());
+    EXPECT_LT(members, soup.triangles.size() * 3 / 2);
+}
+
+}  // namespace
+}  // namespace crumple
