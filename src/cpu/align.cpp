@@ -1,0 +1,45 @@
+#include "cpu/align.h"
+
+#include <algorithm>
+
+#include "geometry/eigen.h"
+
+namespace crumple::cpu {
+
+LeafFrame leaf_frame(const Subdivision& s, const Leaf& leaf) {
+    const std::int64_t samples = std::min<std::int64_t>(leaf.size, 512);
+    const auto member = [&](std::int64_t i) { return s.member(leaf, i * leaf.size / samples); };
+    const auto centroid = [&](std::int64_t m) { return Vec3d{s.x[m], s.y[m], s.z[m]}; };
+
+    const double share = 1.0 / static_cast<double>(samples);
+    Vec3d mean;
+    double radius = 0;
+    for (std::int64_t i = 0; i < samples; ++i) {
+        const std::int64_t m = member(i);
+        mean = mean + share * centroid(m);
+        radius += share * s.r[m];
+    }
+    SymmetricMatrix covariance;
+    double spread = 0;
+    for (std::int64_t i = 0; i < samples; ++i) {
+        const Vec3d d = centroid(member(i)) - mean;
+        covariance.xx += share * d.x * d.x;
+        covariance.xy += share * d.x * d.y;
+        covariance.xz += share * d.x * d.z;
+        covariance.yy += share * d.y * d.y;
+        covariance.yz += share * d.y * d.z;
+        covariance.zz += share * d.z * d.z;
+        spread = std::max(spread, largest(abs(d)));
+    }
+    const PrincipalAxes axes = principal_axes(covariance);
+    LeafFrame frame;
+    const auto to_float = [](Vec3d p) {
+        return Vec3f{static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
+    };
+    frame.origin = to_float(mean);
+    for (int i = 0; i < 3; ++i) frame.axis[i] = to_float(axes.axis[i]);
+    frame.big = static_cast<float>(2 * (spread + radius)) + 1e-30f;
+    return frame;
+}
+
+}  // namespace crumple::cpu

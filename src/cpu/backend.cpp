@@ -1,0 +1,323 @@
+// The cpu backend: [MZ] Algorithm 1, one line a stage. Owns all buffers; the stages own none.
+
+#include "pipeline/backend.h"
+
+#include <algorithm>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include "cpu/align.h"
+#include "cpu/bounds.h"
+#include "cpu/kernels.h"
+#include "cpu/narrow.h"
+#include "cpu/output.h"
+#include "cpu/ownership.h"
+#include "cpu/parallel.h"
+#include "cpu/sort.h"
+#include "cpu/stopwatch.h"
+#include "cpu/subdivide.h"
+#include "pipeline/output.h"
+#include "pipeline/part.h"
+#include "pipeline/wanted.h"
+
+namespace crumple {
+namespace cpu {
+namespace {
+
+// Leaves with more interval tests than this are cut into tiles of about a quarter of it, for several workers.
+constexpr std::int64_t tile_work = std::int64_t{1} << 22;
+
+/// Memory of one worker.
+struct Scratch {
+    explicit Scratch(MemoryMeter* m) : members(m), sort(m), leaf(m), narrow(m) {}
+    LeafMembers members;
+    SortScratch sort;
+    SortedLeaf leaf;
+    NarrowScratch narrow;
+};
+
+class CpuBackend final : public BackendBase {
+   public:
+    CpuBackend(const Options& options, MemoryMeter& meter)
+        : options_(options), kernels_(kernels_for(options.simd)), workers_(options.threads), meter_(meter) {
+        release();
+    }
+
+    void find(const Scene& scene, const Query& query, const Part* part, Collisions& result) override {
+        workers_.run([&] {
+            if (scene.triangle_count() >= too_many_) {
+                find_in_chunks(scene, query, part, result);
+            } else {
+                try {
+                    find_at_once(scene, query, part, result);
+                } catch (const MemoryMeter::Exceeded&) {
+                    too_many_ = scene.triangle_count();
+                    find_in_chunks(scene, query, part, result);
+                }
+            }
+        });
+        result.statistics = statistics_;
+    }
+
+    std::int64_t bytes_needed(const Scene& scene, const Query& query, const Part* part) override {
+        std::int64_t pairs = 0;
+        workers_.run([&] {
+            prepare_chunks(scene, query, part);
+            pass_over_chunks(scene, query, part,
+                             [&](const Array<Pair>& found) { pairs += static_cast<std::int64_t>(found.size()); });
+        });
+        return meter_.peak + result_bytes(scene, query, pairs);
+    }
+
+    bool any(const Scene& scene, const Query& query) override {
+        std::atomic<bool> found{false};
+        workers_.run([&] {
+            try {
+                start(scene, query, nullptr);
+                gather_leaves(*primitives_, scene.triangle_count(), 0, subdivision_->clusters, options_, kernels_,
+                              workers_, warm_, *subdivision_);
+                NarrowContext context = narrow_context(scene, query);
+                context.found = &found;
+                sweep_leaves(context, nullptr);
+            } catch (const MemoryMeter::Exceeded&) {
+                prepare_chunks(scene, query, nullptr);
+                pass_over_chunks(
+                    scene, query, nullptr, [](const Array<Pair>&) {}, &found);
+            }
+        });
+        return found;
+    }
+
+    void release() override {
+        rule_ = GroupRule(&meter_);
+        points_ = std::make_unique<Points>(&meter_);
+        primitives_ = std::make_unique<Primitives>(&meter_);
+        subdivision_ = std::make_unique<Subdivision>(&meter_);
+        part_masks_ = Array<std::uint64_t>(&meter_);
+        output_ = OutputScratch(&meter_);
+        warm_ = {};
+        scratch_.clear();
+        found_.clear();
+        for (int w = 0; w < workers_.workers(); ++w) {
+            scratch_.push_back(std::make_unique<Scratch>(&meter_));
+            found_.push_back(&scratch_.back()->narrow.pairs);
+        }
+    }
+
+   private:
+    void find_at_once(const Scene& scene, const Query& query, const Part* part, Collisions& result) {
+        start(scene, query, part);
+        Stopwatch watch;
+        gather_leaves(*primitives_, scene.triangle_count(), 0, subdivision_->clusters, options_, kernels_, workers_,
+                      warm_, *subdivision_);
+        statistics_[Stage::subdivide] += watch.lap();
+        sweep_leaves(narrow_context(scene, query), part);
+        watch.lap();
+        write_output(scene, workers_, found_, output_, result);
+        write_contacts(scene, query, result);
+        statistics_[Stage::output] += watch.lap();
+    }
+
+    // Under a memory limit: first-level clusters one after another, on one thread, and twice: pairs are counted, then
+    // written to their places ([MZ] sec. 3.1's use of prefix sums). Nothing is stored but records and the result.
+    void find_in_chunks(const Scene& scene, const Query& query, const Part* part, Collisions& result) {
+        result.pairs.release();
+        result.contacts.points.release();
+        prepare_chunks(scene, query, part);
+        const auto n = static_cast<std::size_t>(scene.triangles[0]);
+        result.offsets.assign(n + 1, 0);
+        std::int64_t* offsets = result.offsets.data();
+        pass_over_chunks(scene, query, part, [&](const Array<Pair>& found) {
+            for (const Pair& pair : found) ++offsets[pair.a + 1];
+        });
+        for (std::size_t i = 0; i < n; ++i) offsets[i + 1] += offsets[i];
+        result.pairs.resize_discard(static_cast<std::size_t>(offsets[n]));
+        const auto second = static_cast<std::int32_t>(scene.between ? scene.triangles[0] : 0);
+        pass_over_chunks(scene, query, part, [&](const Array<Pair>& found) {
+            for (const Pair& pair : found) result.pairs[offsets[pair.a]++] = {pair.a, pair.b - second};
+        });
+        Stopwatch watch;
+        for (std::size_t i = n; i > 0; --i) offsets[i] = offsets[i - 1];
+        offsets[0] = 0;
+        for (std::size_t i = 0; i < n; ++i)
+            std::sort(result.pairs.begin() + offsets[i], result.pairs.begin() + offsets[i + 1]);
+        index_pairs(scene, result);
+        write_contacts(scene, query, result);
+        statistics_[Stage::output] += watch.lap();
+    }
+
+    void prepare_chunks(const Scene& scene, const Query& query, const Part* part) {
+        release();
+        meter_.peak = meter_.used.load();
+        start(scene, query, part);
+    }
+
+    void pass_over_chunks(const Scene& scene, const Query& query, const Part* part,
+                          const std::function<void(const Array<Pair>&)>& sink, std::atomic<bool>* found = nullptr) {
+        NarrowContext context = narrow_context(scene, query);
+        context.sink = &sink;
+        context.found = found;
+        Scratch& scratch = *scratch_[0];
+        scratch.narrow.statistics = {};
+        statistics_.leaves = statistics_.members = 0;
+        warm_.level2 = {};  // each pass makes the same leaves
+        for (int k = 0; k < subdivision_->clusters && !context.stop(); ++k) {
+            gather_leaves(*primitives_, scene.triangle_count(), k, k + 1, options_, kernels_, workers_, warm_,
+                          *subdivision_);
+            for (const Leaf& leaf : subdivision_->leaves) {
+                count_leaf(leaf);
+                if (leaf.size < 2) continue;
+                Ownership ownership(scene, *subdivision_, part_masks(part), part ? part->index : 0, leaf);
+                prepare_leaf(scene, leaf, ownership, scratch);
+                sweep_and_narrow(context, scratch.leaf, ownership, scratch.members.bounds.reach, 0, scratch.leaf.rows,
+                                 scratch.narrow);
+            }
+        }
+        add_counts(scratch.narrow.statistics);
+    }
+
+    // Everything up to the first level of subdivision.
+    void start(const Scene& scene, const Query& query, const Part* part) {
+        statistics_ = {};
+        statistics_.backend = "cpu";
+        statistics_.simd = kernels_.name;
+        statistics_.threads = workers_.workers();
+        for (auto& scratch : scratch_) {
+            scratch->narrow.pairs.clear();
+            scratch->narrow.statistics = {};
+        }
+        Stopwatch watch;
+        rule_.prepare(query);
+        compute_bounds(scene, workers_, *points_, *primitives_);
+        if (part) crumple::part_masks(scene, part->centres, part_masks_);
+        statistics_[Stage::bounds] = watch.lap();
+        place_clusters(*primitives_, scene.triangle_count(), part_masks(part), part ? part->index : 0, options_,
+                       kernels_, workers_, warm_, *subdivision_);
+        statistics_[Stage::subdivide] = watch.lap();
+        statistics_.clusters = subdivision_->clusters;
+    }
+
+    // Leaves the pairs in scratch_[...]->narrow.pairs.
+    void sweep_leaves(const NarrowContext& context, const Part* part) {
+        workers_.parallel_for(subdivision_->leaves.size(), [&](std::size_t l, std::size_t worker) {
+            const Leaf& leaf = subdivision_->leaves[l];
+            if (leaf.size < 2 || context.stop()) return;
+            Ownership ownership(context.scene, *subdivision_, part_masks(part), part ? part->index : 0, leaf);
+            prepare_leaf(context.scene, leaf, ownership, *scratch_[worker]);
+            sweep_leaf(context, ownership, *scratch_[worker]);
+        });
+        for (const auto& scratch : scratch_) add_counts(scratch->narrow.statistics);
+        for (const Leaf& leaf : subdivision_->leaves) count_leaf(leaf);
+    }
+
+    NarrowContext narrow_context(const Scene& scene, const Query& query) const {
+        return {scene, query, rule_, kernels_, point_rows(scene)};
+    }
+
+    const std::uint64_t* part_masks(const Part* part) const { return part ? part_masks_.data() : nullptr; }
+
+    void count_leaf(const Leaf& leaf) {
+        ++statistics_.leaves;
+        statistics_.members += leaf.size;
+    }
+
+    void write_contacts(const Scene& scene, const Query& query, Collisions& result) {
+        result.contacts.kinds.clear();
+        result.contacts.offsets.clear();
+        result.contacts.points.clear();
+        if (!query.contacts) return;
+        constexpr std::size_t batch = 256;
+        contacts_of_pairs(scene, result, [&](std::size_t n, auto task) {
+            workers_.parallel_for((n + batch - 1) / batch, [&](std::size_t b, std::size_t) {
+                for (std::size_t i = b * batch; i < std::min(n, (b + 1) * batch); ++i) task(i);
+            });
+        });
+    }
+
+    void prepare_leaf(const Scene& scene, const Leaf& leaf, Ownership& ownership, Scratch& scratch) {
+        Statistics& statistics = scratch.narrow.statistics;
+        Stopwatch watch;
+        LeafMembers& members = scratch.members;
+        const auto n = static_cast<std::size_t>(leaf.size);
+        members.triangle.resize_discard(n);
+        members.member.resize_discard(n);
+        members.lower.resize_discard(n);
+        members.record.resize_discard(n + padding);
+        members.box.resize_discard(n + padding);
+        for (std::size_t i = 0; i < n; ++i) {
+            const std::int64_t m = subdivision_->member(leaf, static_cast<std::int64_t>(i));
+            members.member[i] = static_cast<std::int32_t>(m);
+            members.triangle[i] = subdivision_->id[static_cast<std::size_t>(m)];
+        }
+        ownership.bits(members.triangle.data(), members.member.data(), leaf.size, rule_.groups_apart(),
+                       members.lower.data());
+        const RecordInput input{point_rows(scene), scene.corners, members.triangle.data(), leaf.size,
+                                leaf_frame(*subdivision_, leaf)};
+        kernels_.build(input, members.record.data(), members.box.data(), members.bounds);
+        statistics[Stage::align] += watch.lap();
+        sort_leaf(members, kernels_, scratch.sort, scratch.leaf);
+        statistics[Stage::sort] += watch.lap();
+    }
+
+    PointRows point_rows(const Scene& scene) const {
+        return scene.float32 ? PointRows{points_->f.data(), nullptr} : PointRows{nullptr, points_->d.data()};
+    }
+
+    void sweep_leaf(const NarrowContext& context, const Ownership& ownership, Scratch& scratch) {
+        const SortedLeaf& leaf = scratch.leaf;
+        const float reach = scratch.members.bounds.reach;
+        const std::int64_t work = leaf.work[leaf.rows];
+        if (workers_.workers() == 1 || work <= tile_work) {
+            sweep_and_narrow(context, leaf, ownership, reach, 0, leaf.rows, scratch.narrow);
+            return;
+        }
+        const std::size_t tiles = static_cast<std::size_t>(4 * work / tile_work) + 1;
+        const auto row_of = [&](std::size_t tile) {
+            const auto begin = leaf.work.begin(), end = begin + leaf.rows;
+            const auto share = static_cast<std::int64_t>(static_cast<double>(work) * static_cast<double>(tile) /
+                                                         static_cast<double>(tiles));
+            return tile == 0 ? 0 : tile == tiles ? leaf.rows : std::lower_bound(begin, end, share) - begin;
+        };
+        workers_.parallel_for(tiles, [&](std::size_t tile, std::size_t worker) {
+            sweep_and_narrow(context, leaf, ownership, reach, row_of(tile), row_of(tile + 1), scratch_[worker]->narrow);
+        });
+    }
+
+    void add_counts(const Statistics& other) {
+        for (int s = 0; s < stage_count; ++s) statistics_.stage_milliseconds[s] += other.stage_milliseconds[s];
+        statistics_.interval_tests += other.interval_tests;
+        statistics_.box_overlaps += other.box_overlaps;
+        statistics_.edge_tests += other.edge_tests;
+        statistics_.double_tests += other.double_tests;
+        statistics_.exact_tests += other.exact_tests;
+        statistics_.rational_tests += other.rational_tests;
+    }
+
+    Options options_;
+    const Kernels& kernels_;
+    Workers workers_;
+    MemoryMeter& meter_;
+    GroupRule rule_;
+    std::unique_ptr<Points> points_;
+    std::unique_ptr<Primitives> primitives_;
+    std::unique_ptr<Subdivision> subdivision_;
+    Array<std::uint64_t> part_masks_;
+    OutputScratch output_{nullptr};
+    WarmCentres warm_;
+    std::vector<std::unique_ptr<Scratch>> scratch_;  ///< one a worker
+    std::vector<const Array<Pair>*> found_;          ///< the pairs of each
+    Statistics statistics_;
+    std::int64_t too_many_ =
+        std::numeric_limits<std::int64_t>::max();  ///< triangles that did not fit the limit at once
+};
+
+}  // namespace
+}  // namespace cpu
+
+std::unique_ptr<BackendBase> make_cpu_backend(const Options& options, MemoryMeter& meter) {
+    return std::make_unique<cpu::CpuBackend>(options, meter);
+}
+
+}  // namespace crumple

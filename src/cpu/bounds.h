@@ -1,0 +1,17 @@
+#pragma once
+
+// Stage `bounds`: normalised vertices, and a ball around each triangle: its centroid and the largest distance from
+// there to a corner ([MZ] eq. 5, but one for each triangle).
+//
+// Centroid and radius are float32; the radius is widened so that the ball about the rounded centroid holds the
+// triangle.
+
+#include "cpu/layout.h"
+#include "cpu/parallel.h"
+#include "pipeline/scene.h"
+
+namespace crumple::cpu {
+
+void compute_bounds(const Scene& scene, Workers& workers, Points& points, Primitives& primitives);
+
+}  // namespace crumple::cpu

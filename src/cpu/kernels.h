@@ -1,0 +1,63 @@
+#pragma once
+
+// The inner loops of the cpu backend, as a table of functions: plain C++ (kernels_scalar.cpp, which also documents what
+// each computes) and one table for each SIMD instruction set, from one source (simd/, by Highway). All tables give the
+// same pairs; approximate results may differ in the last bit.
+
+#include <cstdint>
+
+#include "cpu/layout.h"
+#include "crumple/options.h"
+
+namespace crumple::cpu {
+
+struct RecordInput {
+    PointRows points;
+    const std::int32_t* corners;   ///< 3 a triangle
+    const std::int32_t* triangle;  ///< the leaf's members
+    std::int64_t members;
+    LeafFrame frame;
+};
+
+struct NarrowPolicy {
+    bool skip_neighbours = false;
+    bool proper = false;
+};
+
+struct Kernels {
+    const char* name;
+
+    /// Bit k of mask[i]: ball i may hold a point that is nearest to centre k (docs/subdivide.md).
+    void (*assign)(const float* x, const float* y, const float* z, const float* r, std::int64_t n,
+                   const Centres& centres, std::uint64_t* mask);
+
+    /// Records (plane not yet scaled) and boxes of a leaf's members.
+    void (*build)(const RecordInput& input, Record* record, Box* box, LeafBounds& bounds);
+
+    /// Boxes to 16 bits by (x - base) * scale, rounded down and clamped to [0, 65534]; monotone, so overlaps survive.
+    void (*quantise)(const Box* box, std::int64_t n, const float base_low[4], const float base_high[4],
+                     const float scale[4], QuantisedBox* out);
+
+    /// Copies record i to sorted[position[i]], its plane times `scale`.
+    void (*scatter)(const Record* record, std::int64_t n, const std::int32_t* position, float scale, Record* sorted);
+
+    /// Appends to `out` the candidates of rows [row, last) with columns in [columns, block_end), until at least
+    /// `capacity` columns are there; returns the row to go on with. `dummy` is the block's padding column.
+    std::int64_t (*sweep)(const SortedLeaf& leaf, std::int64_t row, std::int64_t last, std::int64_t block_end,
+                          std::uint16_t dummy, std::int64_t capacity, Candidates& out);
+
+    /// Filters: sorts each candidate into hit, undecided or (silently) apart.
+    void (*filter)(const SortedLeaf& leaf, const Candidates& candidates, const PointRows& points,
+                   const NarrowPolicy& policy, float reach, Verdicts& verdicts);
+};
+
+/// The table for an instruction set; throws backend_unavailable if the build or the machine lacks it.
+const Kernels& kernels_for(Simd simd);
+
+extern const Kernels scalar_kernels;
+
+/// Planes are scaled by 1 / (plane_bound u reach): the error of n . p - c (docs/narrow.md).
+inline constexpr float plane_bound = 28;
+inline constexpr float unit_roundoff = 0x1p-24f;  ///< u
+
+}  // namespace crumple::cpu

@@ -1,0 +1,181 @@
+// Plain C++ for every kernel: what a machine without a known SIMD instruction set runs, and the text to read first. The
+// filter knows only the plane test here and leaves the rest to exact arithmetic (geometry/decide.h).
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+
+#include "cpu/big.h"
+#include "cpu/kernels.h"
+
+namespace crumple::cpu {
+namespace {
+
+void assign(const float* x, const float* y, const float* z, const float* r, std::int64_t n, const Centres& centres,
+            std::uint64_t* mask) {
+    // Bisector rule: d_k^2 - d_min^2 <= 2 r |v_k - v_min|, with factors that cover the roundings (docs/subdivide.md).
+    float reach[max_clusters][max_clusters];
+    for (int j = 0; j < centres.count; ++j)
+        for (int k = 0; k < centres.count; ++k) {
+            const Vec3f d = centres[j] - centres[k];
+            reach[j][k] = 2.00001f * std::sqrt(dot(d, d)) + 1e-22f;
+        }
+    for (std::int64_t i = 0; i < n; ++i) {
+        float d2[max_clusters], best = std::numeric_limits<float>::infinity();
+        int nearest = 0;
+        for (int k = 0; k < centres.count; ++k) {
+            const Vec3f d = Vec3f{x[i], y[i], z[i]} - centres[k];
+            d2[k] = dot(d, d);
+            if (d2[k] < best) best = d2[k], nearest = k;
+        }
+        mask[i] = 0;
+        for (int k = 0; k < centres.count; ++k)
+            if (!(d2[k] > best * 1.000002f + r[i] * reach[nearest][k])) mask[i] |= std::uint64_t{1} << k;
+    }
+}
+
+Vec3d point(const RecordInput& in, std::int32_t vertex) {
+    const auto i = 4 * static_cast<std::int64_t>(vertex);
+    if (in.points.f) return {in.points.f[i], in.points.f[i + 1], in.points.f[i + 2]};
+    return {in.points.d[i], in.points.d[i + 1], in.points.d[i + 2]};
+}
+
+Vec3f to_float(Vec3d p) { return {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)}; }
+
+void build(const RecordInput& in, Record* record, Box* box, LeafBounds& bounds) {
+    constexpr float most = std::numeric_limits<float>::max();
+    bounds = {{most, most, most}, {-most, -most, -most}, 0, 0};
+    const Vec3d origin{in.frame.origin.x, in.frame.origin.y, in.frame.origin.z};
+    for (std::int64_t i = 0; i < in.members; ++i) {
+        const std::int32_t* corner = in.corners + 3 * static_cast<std::int64_t>(in.triangle[i]);
+        const Vec3d p[3] = {point(in, corner[0]), point(in, corner[1]), point(in, corner[2])};
+        const Vec3f q[3] = {to_float(p[0] - origin), to_float(p[1] - origin), to_float(p[2] - origin)};
+        const float reach = max(largest(abs(q[0])), max(largest(abs(q[1])), largest(abs(q[2]))));
+        const bool big = reach > in.frame.big;
+
+        Vec3f low{most, most, most}, high{-most, -most, -most};
+        for (const Vec3f& corner_point : q) {
+            const Vec3f turned{dot(in.frame.axis[0], corner_point), dot(in.frame.axis[1], corner_point),
+                               dot(in.frame.axis[2], corner_point)};
+            low = min(low, turned);
+            high = max(high, turned);
+        }
+        if (!big) {
+            bounds.low = min(bounds.low, low);
+            bounds.high = max(bounds.high, high);
+            bounds.reach = max(bounds.reach, reach);
+        }
+        box[i] = {{low.x, low.y, low.z, 0}, {high.x, high.y, high.z, 0}};
+
+        // The plane, normalised by the sum of its products' magnitudes, in which the error bound is expressed.
+        const Vec3f a = to_float(p[1] - p[0]), b = to_float(p[2] - p[0]);
+        Vec3f n = cross(a, b);
+        const float sum = (std::abs(a.y * b.z) + std::abs(a.z * b.y)) + (std::abs(a.z * b.x) + std::abs(a.x * b.z)) +
+                          (std::abs(a.x * b.y) + std::abs(a.y * b.x)) + 1e-30f;
+        n = {n.x / sum, n.y / sum, n.z / sum};
+        record[i] = {{q[0].x, q[1].x, q[2].x, n.x},
+                     {q[0].y, q[1].y, q[2].y, n.y},
+                     {q[0].z, q[1].z, q[2].z, n.z},
+                     {corner[0], corner[1], corner[2]},
+                     dot(n, q[0])};
+        if (big) {
+            const Vec3d relative[3] = {p[0] - origin, p[1] - origin, p[2] - origin};
+            make_big(relative, p[1] - p[0], p[2] - p[0], reach, record[i], box[i]);
+            bounds.reach = max(bounds.reach, 0x1p-28f * reach);
+            ++bounds.big;
+        }
+    }
+}
+
+void quantise(const Box* box, std::int64_t n, const float base_low[4], const float base_high[4], const float scale[4],
+              QuantisedBox* out) {
+    const auto to_16_bits = [](float value) { return static_cast<std::uint16_t>(std::clamp(value, 0.0f, 65534.0f)); };
+    for (std::int64_t i = 0; i < n; ++i)
+        for (int axis = 0; axis < 3; ++axis) {
+            out[i].low[axis] = to_16_bits((box[i].low[axis] - base_low[axis]) * scale[axis]);
+            out[i].high[axis] = to_16_bits((box[i].high[axis] - base_high[axis]) * scale[axis]);
+        }
+}
+
+void scatter(const Record* record, std::int64_t n, const std::int32_t* position, float scale, Record* sorted) {
+    for (std::int64_t i = 0; i < n; ++i) {
+        Record& out = sorted[position[i]];
+        out = record[i];
+        out.x[3] *= scale;
+        out.y[3] *= scale;
+        out.z[3] *= scale;
+        out.c *= scale;
+    }
+}
+
+std::int64_t sweep(const SortedLeaf& leaf, std::int64_t row, std::int64_t last, std::int64_t block_end,
+                   std::uint16_t dummy, std::int64_t capacity, Candidates& out) {
+    out.dummy = dummy;
+    std::int64_t columns = 4 * out.groups;
+    for (; row < last && columns < capacity; ++row) {
+        const std::int64_t first = columns;
+        const std::int64_t end = std::min<std::int64_t>(leaf.end[row], block_end);
+        for (std::int64_t j = std::max(row + 1, out.columns); j < end; ++j) {
+            const bool apart = leaf.low_y[j] > leaf.high_y[row] || leaf.low_y[row] > leaf.high_y[j] ||
+                               leaf.low_z[j] > leaf.high_z[row] || leaf.low_z[row] > leaf.high_z[j];
+            if (!apart && !(leaf.lower[row] & leaf.lower[j]))
+                out.column[columns++] = static_cast<std::uint16_t>(j - out.columns);
+        }
+        out.pairs += columns - first;
+        for (; columns % 4; ++columns) out.column[columns] = dummy;
+        for (; 4 * out.groups < columns; ++out.groups) out.row[out.groups] = static_cast<std::uint16_t>(row - out.rows);
+    }
+    for (; out.groups % 4; ++out.groups) {
+        out.row[out.groups] = 0;
+        for (int k = 0; k < 4; ++k) out.column[4 * out.groups + k] = dummy;
+    }
+    return row;
+}
+
+// Whether all corners of `other` that the two do not share lie, for certain, on one side of the plane of `plane`.
+bool plane_separates(const Record& plane, const Record& other, const bool shared[3]) {
+    bool above = true, below = true;
+    for (int k = 0; k < 3; ++k) {
+        const float side = plane.x[3] * other.x[k] + plane.y[3] * other.y[k] + plane.z[3] * other.z[k] - plane.c;
+        above = above && (shared[k] || side > 1);
+        below = below && (shared[k] || side < -1);
+    }
+    return above || below;
+}
+
+void filter(const SortedLeaf& leaf, const Candidates& candidates, const PointRows&, const NarrowPolicy& policy, float,
+            Verdicts& verdicts) {
+    verdicts.hit.clear();
+    verdicts.undecided.resize_discard(static_cast<std::size_t>(4 * candidates.groups));
+    std::size_t undecided = 0;
+    const Record* rows = leaf.record.data() + candidates.rows;
+    const Record* columns = leaf.record.data() + candidates.columns;
+    for (std::int64_t g = 0; g < candidates.groups; ++g) {
+        const std::uint32_t i = candidates.row[g];
+        const Record& a = rows[i];
+        for (std::int64_t k = 4 * g; k < 4 * g + 4; ++k) {
+            const std::uint32_t j = candidates.column[k];
+            const Record& b = columns[j];
+            if (b.id[0] < 0) continue;  // padding
+            bool shared_a[3] = {}, shared_b[3] = {}, neighbours = false;
+            for (int s = 0; s < 3; ++s)
+                for (int t = 0; t < 3; ++t)
+                    if (a.id[s] == b.id[t]) shared_a[s] = shared_b[t] = neighbours = true;
+            if (policy.skip_neighbours && neighbours) continue;
+            const bool all = shared_a[0] && shared_a[1] && shared_a[2];
+            if (!all && !(shared_b[0] && shared_b[1] && shared_b[2]) &&
+                (plane_separates(a, b, shared_b) || plane_separates(b, a, shared_a)))
+                continue;
+            verdicts.undecided[undecided++] = j << 16 | i;
+        }
+    }
+    verdicts.undecided.resize(undecided);
+    verdicts.edge_tests = verdicts.double_tests = static_cast<std::int64_t>(undecided);
+}
+
+}  // namespace
+
+const Kernels scalar_kernels{"scalar", assign, build, quantise, scatter, sweep, filter};
+
+}  // namespace crumple::cpu

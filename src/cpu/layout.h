@@ -1,0 +1,160 @@
+#pragma once
+
+// The arrays that the stages of the cpu backend hand on.
+//
+//   bounds      scene            -> Points (one a vertex), Primitives (one a triangle)
+//   subdivide   Primitives       -> Memberships: leaves, each a list of triangles
+//   align       one leaf         -> Record and Box of each member, in the leaf's frame
+//   sort        Records, Boxes   -> SortedLeaf: by start along the leaf's first axis, boxes in 16 bits
+//   sweep       SortedLeaf       -> Candidates: pairs whose boxes overlap, four to a group
+//   narrow      Candidates       -> pairs
+//
+// A Record is one cache line, transposed so that a load of four floats is one coordinate of three corners and of the
+// normal:
+//
+//     x0 x1 x2 nx | y0 y1 y2 ny | z0 z1 z2 nz | id0 id1 id2 c
+//
+// Corners are relative to the leaf's origin. The plane n . p = c is scaled by its error bound, so that a corner p of
+// any member lies for certain on the side of sign(n . p - c) iff |n . p - c| > 1 (docs/narrow.md). Members far larger
+// than their leaf ("big") have NaN corners: no filter decides anything from those, and comparisons with NaN keep a
+// pair.
+//
+// Sorted members lie in blocks of `block_members`, each followed by one dummy that overlaps nothing, so that a column
+// fits 16 bits: physical position of member j = j + j / block_members. Nearly every leaf has one block.
+
+#include <array>
+#include <cstdint>
+#include <utility>
+
+#include "crumple/array.h"
+#include "geometry/vec.h"
+#include "pipeline/fuzzy_c_means.h"
+
+namespace crumple::cpu {
+
+struct alignas(64) Record {
+    float x[4], y[4], z[4];
+    std::int32_t id[3];
+    float c;
+};
+static_assert(sizeof(Record) == 64);
+
+/// Box in the leaf's frame: low x, y, z, -, high x, y, z, -.
+struct alignas(32) Box {
+    float low[4], high[4];
+};
+
+/// Box in 16 bits: low x, y, z, -, high x, y, z, -.
+struct alignas(16) QuantisedBox {
+    std::uint16_t low[4], high[4];
+};
+
+inline constexpr int block_stride = 65472;  ///< a multiple of the widest vector of 16-bit lanes
+inline constexpr int block_members = block_stride - 1;
+inline constexpr int padding = 64;  ///< elements that kernels may read, and ignore, past an array's end
+
+inline std::int64_t physical(std::int64_t member) { return member + member / block_members; }
+
+/// Normalised vertices: float32 where that is exact, else float64. Rows of four, the last element 0.
+struct Points {
+    Array<float> f;
+    Array<double> d;
+    explicit Points(MemoryMeter* meter) : f(meter), d(meter) {}
+};
+
+/// The rows of Points, whichever there are: one pointer is null.
+struct PointRows {
+    const float* f = nullptr;
+    const double* d = nullptr;
+};
+
+/// Balls around the triangles: centroid and radius ([MZ] eq. 5, but one for each).
+struct Primitives {
+    Array<float> x, y, z, r;
+    explicit Primitives(MemoryMeter* meter) : x(meter), y(meter), z(meter), r(meter) {}
+    void resize(std::size_t n) {
+        for (auto* array : {&x, &y, &z, &r}) array->resize_discard(n + padding);
+    }
+};
+
+/// The frame in which a leaf is swept: sweep direction first.
+struct LeafFrame {
+    Vec3f origin;
+    Vec3f axis[3];
+    float big = 0;  ///< members that reach further than this from the origin, in any coordinate, are big
+};
+
+/// What `align` leaves behind beside records and boxes.
+struct LeafBounds {
+    Vec3f low, high;  ///< of the boxes of all members that are not big
+    float reach = 0;  ///< largest |coordinate| of their corners, relative to the origin
+    int big = 0;      ///< number of big members
+};
+
+/// A leaf after `sort`. `rows` arrays have physical positions.
+struct SortedLeaf {
+    std::int64_t members = 0;
+    std::int64_t rows = 0;  ///< physical length, dummies included
+    Array<Record> record;
+    Array<std::uint16_t> low_y, high_y, low_z, high_z;
+    Array<std::uint16_t> lower;    ///< memberships in lower clusters, sides; pairs with a common bit are not ours
+    Array<std::int32_t> end;       ///< first physical row whose start lies behind this row's end
+    Array<std::int32_t> triangle;  ///< id in the scene
+    Array<std::int32_t> member;    ///< position in the subdivision's member arrays
+    Array<std::int64_t> work;      ///< prefix sum of end - row - 1 over rows: interval tests ([MZ] sec. 3.1)
+    explicit SortedLeaf(MemoryMeter* m)
+        : record(m), low_y(m), high_y(m), low_z(m), high_z(m), lower(m), end(m), triangle(m), member(m), work(m) {}
+};
+
+/// Candidate pairs: group g is row[g] against column[4 g] ... column[4 g + 3], as offsets from `rows` and `columns`.
+/// Groups are padded with the block's dummy; their number is a multiple of four.
+struct Candidates {
+    std::int64_t rows = 0, columns = 0;  ///< physical position of row 0 and column 0
+    std::int64_t groups = 0;
+    std::int64_t pairs = 0;   ///< without padding
+    std::uint16_t dummy = 0;  ///< the padding column
+    Array<std::uint16_t> row, column;
+    explicit Candidates(MemoryMeter* m) : row(m), column(m) {}
+};
+
+/// Where the corners of 16 pairs lie: one nibble a pair, its three low bits one a corner.
+struct PlaneSigns {
+    std::uint64_t keep;                ///< lowest bit: no plane separates the pair
+    std::uint64_t above_a, below_a;    ///< the column's corners against the row's plane, where certain
+    std::uint64_t above_b, below_b;    ///< the row's corners against the column's plane
+    std::uint64_t shared_b, shared_a;  ///< the column's, the row's corners that both name
+    std::uint64_t group;               ///< first of the four groups
+};
+
+/// What the filters of `narrow` say, and what they hand to each other. Pairs are packed as column << 16 | row.
+struct Verdicts {
+    Array<std::uint32_t> hit;        ///< collide for certain
+    Array<std::uint32_t> undecided;  ///< for exact arithmetic
+    std::int64_t edge_tests = 0;     ///< pairs that no plane separated
+    std::int64_t double_tests = 0;   ///< pairs that float32 filters left open
+    // Between the SIMD filters:
+    Array<PlaneSigns> signs;
+    Array<std::uint32_t> edges, edge_signs;  ///< pairs for edge_test; below_a | below_b << 3
+    Array<std::uint32_t> flat, flat_shared;  ///< pairs for flat_test; shared_b | shared_a << 3
+    explicit Verdicts(MemoryMeter* m)
+        : hit(m), undecided(m), signs(m), edges(m), edge_signs(m), flat(m), flat_shared(m) {}
+};
+
+/// Corner orders for the edge test, by below_a | below_b << 3: p1, q1, r1, p2, q2, r2 in two bits each. A triangle's
+/// lone corner comes first; the other two are swapped where that corner lies below the other's plane, which is the
+/// same as turning that plane over.
+inline constexpr std::array<std::int32_t, 64> edge_orders = [] {
+    std::array<std::int32_t, 64> orders{};
+    constexpr int lone[8] = {0, 0, 1, 2, 2, 1, 0, 0};  // by the bits below; 0 and 7 (no straddling) do not occur
+    for (int bits = 0; bits < 64; ++bits) {
+        const int below_a = bits & 7, below_b = bits >> 3;
+        const int p1 = lone[below_b], p2 = lone[below_a];
+        int q1 = (p1 + 1) % 3, r1 = (p1 + 2) % 3, q2 = (p2 + 1) % 3, r2 = (p2 + 2) % 3;
+        if (below_b >> p1 & 1) std::swap(q2, r2);
+        if (below_a >> p2 & 1) std::swap(q1, r1);
+        orders[bits] = p1 | q1 << 2 | r1 << 4 | p2 << 6 | q2 << 8 | r2 << 10;
+    }
+    return orders;
+}();
+
+}  // namespace crumple::cpu

@@ -1,0 +1,84 @@
+#include "cpu/narrow.h"
+
+#include <algorithm>
+
+#include "cpu/stopwatch.h"
+
+namespace crumple::cpu {
+namespace {
+
+constexpr std::int64_t chunk_columns = 1 << 15;
+
+// Turns one chunk's verdicts into pairs.
+void decide(const NarrowContext& context, const SortedLeaf& leaf, const Ownership& ownership, NarrowScratch& scratch) {
+    const Candidates& candidates = scratch.candidates;
+    const auto ours = [&](std::int64_t row, std::int64_t column) {
+        const std::int32_t a = leaf.triangle[row], b = leaf.triangle[column];
+        if (!ownership.complete() && !ownership.owns(a, leaf.member[row], b, leaf.member[column])) return false;
+        return context.rule.trivial() || context.rule(context.scene.group(a), context.scene.group(b));
+    };
+    const auto found = [&](std::int32_t a, std::int32_t b) {
+        scratch.pairs.push_back({std::min(a, b), std::max(a, b)});
+        if (context.found) context.found->store(true, std::memory_order_relaxed);
+    };
+    const bool check = !ownership.complete() || !context.rule.trivial();
+    scratch.pairs.reserve(scratch.pairs.size() + scratch.verdicts.hit.size());
+    for (const std::uint32_t packed : scratch.verdicts.hit) {
+        const std::int64_t row = candidates.rows + (packed & 0xffff), column = candidates.columns + (packed >> 16);
+        if (!check || ours(row, column)) found(leaf.triangle[row], leaf.triangle[column]);
+    }
+    DecisionCounts counts;
+    for (const std::uint32_t packed : scratch.verdicts.undecided) {
+        const std::int64_t row = candidates.rows + (packed & 0xffff), column = candidates.columns + (packed >> 16);
+        if (check && !ours(row, column)) continue;
+        const std::int32_t a = leaf.triangle[row], b = leaf.triangle[column];
+        if (collide(context.scene.triangle(a), context.scene.triangle(b), context.query.neighbours,
+                    context.query.intersections, counts))
+            found(a, b);
+    }
+    scratch.statistics.exact_tests += counts.exact;
+    scratch.statistics.rational_tests += counts.rational;
+}
+
+}  // namespace
+
+void sweep_and_narrow(const NarrowContext& context, const SortedLeaf& leaf, const Ownership& ownership, float reach,
+                      std::int64_t first, std::int64_t last, NarrowScratch& scratch) {
+    const NarrowPolicy policy{context.query.neighbours == Neighbours::skip,
+                              context.query.intersections == Intersections::proper};
+    Statistics& statistics = scratch.statistics;
+    statistics.interval_tests += leaf.work[last] - leaf.work[first];
+
+    Candidates& candidates = scratch.candidates;
+    const auto longest_row = static_cast<std::size_t>(std::min<std::int64_t>(leaf.rows, block_stride));
+    candidates.column.resize_discard(static_cast<std::size_t>(chunk_columns) + longest_row + 4 * padding);
+    candidates.row.resize_discard(candidates.column.size() / 4 + 4 * padding);
+
+    for (std::int64_t block = 0; block < leaf.rows; block += block_stride) {
+        const std::int64_t block_end = std::min(block + block_stride, leaf.rows) - 1;  // without the dummy
+        const auto dummy = static_cast<std::uint16_t>(block_end - block);
+        for (std::int64_t row = first; row < std::min(last, block_end);) {
+            if (context.stop()) return;
+            Stopwatch watch;
+            candidates.rows = row;
+            candidates.columns = block;
+            candidates.groups = candidates.pairs = 0;
+            row = context.kernels.sweep(leaf, row, std::min({last, block_end, row + 65535}), block_end, dummy,
+                                        chunk_columns, candidates);
+            statistics[Stage::sweep] += watch.lap();
+            if (candidates.pairs == 0) continue;
+            statistics.box_overlaps += candidates.pairs;
+            context.kernels.filter(leaf, candidates, context.points, policy, reach, scratch.verdicts);
+            statistics.edge_tests += scratch.verdicts.edge_tests;
+            statistics.double_tests += scratch.verdicts.double_tests;
+            decide(context, leaf, ownership, scratch);
+            if (context.sink) {
+                (*context.sink)(scratch.pairs);
+                scratch.pairs.clear();
+            }
+            statistics[Stage::narrow] += watch.lap();
+        }
+    }
+}
+
+}  // namespace crumple::cpu

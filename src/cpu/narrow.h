@@ -1,0 +1,47 @@
+#pragma once
+
+// Stages `sweep` and `narrow` of one sorted leaf.
+//
+// Rows are swept in chunks: some 32,000 candidates are collected, then filtered, then decided, so that candidates never
+// leave the cache and memory stays bounded however many there are. The chunk's size is exact work, not a guess: it
+// comes from the prefix sums of `sort` ([MZ] sec. 3.1), which also cut large leaves into tiles of equal work.
+
+#include <atomic>
+#include <functional>
+
+#include "cpu/kernels.h"
+#include "cpu/ownership.h"
+#include "crumple/collisions.h"
+#include "geometry/decide.h"
+#include "pipeline/wanted.h"
+
+namespace crumple::cpu {
+
+/// What narrow needs to know about the call.
+struct NarrowContext {
+    const Scene& scene;
+    const Query& query;
+    const GroupRule& rule;
+    const Kernels& kernels;
+    PointRows points;
+    std::atomic<bool>* found = nullptr;  ///< not null: set, and everybody stops, as soon as a worker has found a pair
+    /// Takes the pairs of each chunk instead of letting them gather in NarrowScratch::pairs; null: they gather.
+    const std::function<void(const Array<Pair>&)>* sink = nullptr;
+
+    bool stop() const { return found && found->load(std::memory_order_relaxed); }
+};
+
+/// Scratch and findings of one worker.
+struct NarrowScratch {
+    explicit NarrowScratch(MemoryMeter* m) : candidates(m), verdicts(m), pairs(m) {}
+    Candidates candidates;
+    Verdicts verdicts;
+    Array<Pair> pairs;      ///< joint numbering, lower id first
+    Statistics statistics;  ///< counts and times of sweep and narrow
+};
+
+/// Sweeps rows [first, last) of a leaf and appends the colliding pairs that the leaf owns.
+void sweep_and_narrow(const NarrowContext& context, const SortedLeaf& leaf, const Ownership& ownership, float reach,
+                      std::int64_t first, std::int64_t last, NarrowScratch& scratch);
+
+}  // namespace crumple::cpu

@@ -1,0 +1,28 @@
+#pragma once
+
+// Stage `output`: the pairs that the workers found, in any order, become the sorted result.
+//
+// First triangles are cut into buckets of 4,096; pairs go to their bucket, and each bucket is sorted alone by counting
+// its first triangles, which yields the offsets as well, and by insertion within one first triangle, where pairs are
+// few. Two streaming passes, parallel over workers, then over buckets.
+
+#include <span>
+
+#include "cpu/parallel.h"
+#include "crumple/collisions.h"
+#include "pipeline/scene.h"
+
+namespace crumple::cpu {
+
+struct OutputScratch {
+    explicit OutputScratch(MemoryMeter* m) : histogram(m), begin(m), bucketed(m) {}
+    Array<std::int64_t> histogram;  ///< pairs by worker and bucket
+    Array<std::int64_t> begin;      ///< first pair of each bucket
+    Array<Pair> bucketed;
+};
+
+/// `found[w]`: the pairs of worker w, in the joint numbering of the scene, lower id first. Fills pairs, offsets, hits.
+void write_output(const Scene& scene, Workers& workers, std::span<const Array<Pair>* const> found,
+                  OutputScratch& scratch, Collisions& result);
+
+}  // namespace crumple::cpu

@@ -1,0 +1,120 @@
+#pragma once
+
+// Who handles a pair. A leaf owns it iff no lower cluster of any level holds both triangles: no part below the one
+// answered, no first-level cluster below k1, no second-level one below k2. Between two meshes, triangles of one side
+// count as members of a common lower cluster, too, and so do those of one group if only pairs between groups are
+// wanted.
+//
+// The sweep wants this as 16 bits a member, so that one AND tells. Each lower cluster that occurs in the leaf gets a
+// bit; in the rare leaf that meets more than 16, the rest is looked up in the masks for pairs that passed the filters.
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstdint>
+
+#include "cpu/subdivide.h"
+#include "pipeline/scene.h"
+
+namespace crumple::cpu {
+
+class Ownership {
+   public:
+    Ownership(const Scene& scene, const Subdivision& subdivision, const std::uint64_t* part_masks, int part,
+              const Leaf& leaf)
+        : scene_(scene),
+          subdivision_(subdivision),
+          part_masks_(part_masks),
+          below_{below(part_masks ? part : 0), below(leaf.cluster), below(leaf.child < 0 ? 0 : leaf.child)} {}
+
+    /// Ownership bits for the members of the leaf, written to `lower`. `groups_apart`: pairs of one group are unwanted;
+    /// the bits say so, too, where the leaf's groups are few.
+    void bits(const std::int32_t* triangle, const std::int32_t* member, std::int64_t n, bool groups_apart,
+              std::uint16_t* lower) {
+        std::array<std::uint64_t, levels> seen{};
+        for (std::int64_t i = 0; i < n; ++i)
+            for (int level = 0; level < levels; ++level) seen[level] |= mask(level, triangle[i], member[i]);
+        int lane = scene_.between ? 2 : 0;
+        complete_ = true;
+        std::array<std::array<std::uint16_t, max_clusters>, levels> lane_of{};
+        for (int level = 0; level < levels; ++level)
+            for (std::uint64_t left = seen[level]; left; left &= left - 1) {
+                if (lane == 16) {
+                    complete_ = false;
+                    break;
+                }
+                lane_of[level][std::countr_zero(left)] = static_cast<std::uint16_t>(1u << lane++);
+            }
+        const FewGroups groups(scene_, triangle, groups_apart ? n : 0, 16 - lane);
+        for (std::int64_t i = 0; i < n; ++i) {
+            std::uint32_t bits = groups.bit(scene_, triangle[i]) << lane;
+            bits |= scene_.between ? (scene_.second(triangle[i]) ? 2u : 1u) : 0u;
+            for (int level = 0; level < levels; ++level)
+                for (std::uint64_t m = mask(level, triangle[i], member[i]); m; m &= m - 1)
+                    bits |= lane_of[level][std::countr_zero(m)];
+            lower[i] = static_cast<std::uint16_t>(bits);
+        }
+    }
+
+    /// The bits say everything; otherwise ask `owns` about each pair that passed them.
+    bool complete() const { return complete_; }
+
+    bool owns(std::int32_t triangle_a, std::int32_t member_a, std::int32_t triangle_b, std::int32_t member_b) const {
+        for (int level = 0; level < levels; ++level)
+            if (mask(level, triangle_a, member_a) & mask(level, triangle_b, member_b)) return false;
+        return true;
+    }
+
+   private:
+    // The groups of a leaf, if they fit the lanes that are left.
+    class FewGroups {
+       public:
+        FewGroups(const Scene& scene, const std::int32_t* triangle, std::int64_t n, int lanes) {
+            for (std::int64_t i = 0; i < n; ++i) {
+                const std::int32_t group = scene.group(triangle[i]);
+                if (count_ > 0 && group == ids_[last_]) continue;
+                last_ = find(group);
+                if (last_ < count_) continue;
+                if (count_ == lanes) {
+                    count_ = 0;
+                    return;
+                }
+                ids_[count_++] = group;
+            }
+        }
+        std::uint32_t bit(const Scene& scene, std::int32_t triangle) const {
+            if (count_ == 0) return 0;
+            return std::uint32_t{1} << find(scene.group(triangle));
+        }
+
+       private:
+        int find(std::int32_t group) const {
+            return static_cast<int>(std::find(ids_.begin(), ids_.begin() + count_, group) - ids_.begin());
+        }
+        std::array<std::int32_t, 16> ids_{};
+        int count_ = 0, last_ = 0;
+    };
+
+    static constexpr int levels = 3;  // parts, first and second level of subdivision
+
+    static std::uint64_t below(int k) { return (std::uint64_t{1} << k) - 1; }
+
+    std::uint64_t mask(int level, std::int32_t triangle, std::int32_t member) const {
+        switch (level) {
+            case 0:
+                return below_[0] ? part_masks_[triangle] & below_[0] : 0;
+            case 1:
+                return subdivision_.mask1[static_cast<std::size_t>(triangle)] & below_[1];
+            default:
+                return below_[2] ? subdivision_.mask2[static_cast<std::size_t>(member)] & below_[2] : 0;
+        }
+    }
+
+    const Scene& scene_;
+    const Subdivision& subdivision_;
+    const std::uint64_t* part_masks_;
+    std::array<std::uint64_t, levels> below_;
+    bool complete_ = true;
+};
+
+}  // namespace crumple::cpu

@@ -1,0 +1,106 @@
+// Second filter of `narrow`: pairs of which no plane separates, with all six signs certain and no shared vertex.
+//
+// Each triangle has one corner alone on its side of the other's plane, p1 and p2; orders (p1, q1, r1) and (p2, q2, r2)
+// are chosen so that p1 lies above plane 2 and p2 above plane 1. Both triangles meet the line of the planes in an
+// interval, and these overlap iff det(q1 - p1, p2 - p1, q2 - p1) <= 0 and det(r1 - p1, r2 - p1, p2 - p1) <= 0 (Guigue
+// and Devillers 2003). Determinants in float32 carry a bound (docs/narrow.md); what it leaves open is undecided.
+//
+// Intervals that overlap mean a proper intersection unless they are the same: then edges meet edges at both ends. So a
+// query for proper intersections leaves hits undecided.
+
+#if defined(CRUMPLE_CPU_SIMD_EDGE_TEST_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef CRUMPLE_CPU_SIMD_EDGE_TEST_INL_H_
+#undef CRUMPLE_CPU_SIMD_EDGE_TEST_INL_H_
+#else
+#define CRUMPLE_CPU_SIMD_EDGE_TEST_INL_H_
+#endif
+
+#include "cpu/simd/common-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace crumple::cpu {
+namespace HWY_NAMESPACE {
+
+/// Appends to out.hit and out.undecided. `reach`: the leaf's largest coordinate.
+inline void edge_test(const SortedLeaf& leaf, const Candidates& candidates, float reach, bool proper, Verdicts& out) {
+    const hn::ScalableTag<float> d;
+    const hn::RebindToSigned<decltype(d)> di;
+    const hn::RebindToUnsigned<decltype(d)> du;
+    using V = hn::Vec<decltype(d)>;
+    using VI = hn::Vec<decltype(di)>;
+    constexpr std::size_t lanes = hn::MaxLanes(hn::ScalableTag<float>());
+    const auto* rows = reinterpret_cast<const float*>(leaf.record.data() + candidates.rows);
+    const auto* columns = reinterpret_cast<const float*>(leaf.record.data() + candidates.columns);
+
+    const std::size_t count = out.edges.size();
+    for (std::size_t k = count; k < count + lanes; ++k) {  // the last vector repeats a pair, and masks it out
+        out.edges.data()[k] = count ? out.edges[count - 1] : 0;
+        out.edge_signs.data()[k] = count ? out.edge_signs[count - 1] : 0;
+    }
+    const V relative = hn::Set(d, 10 * unit_roundoff), tiny = hn::Set(d, 1e-36f);
+    // Each difference of two corners carries the rounding of both relative coordinates.
+    const V delta = hn::Set(d, 2.1f * unit_roundoff * reach), delta3 = hn::Mul(delta, hn::Set(d, 3.0f));
+    const V delta6 = hn::Mul(hn::Mul(delta, delta), hn::Set(d, 6.0f));
+    struct Point {
+        V x, y, z;
+    };
+    const auto norm1 = [](const Point& p) { return hn::Add(hn::Abs(p.x), hn::Add(hn::Abs(p.y), hn::Abs(p.z))); };
+    // +1, -1 or undecided sign of det(a, b, c): sets of lanes.
+    const auto determinant = [&](const Point& a, const Point& b, const Point& c, auto& positive, auto& negative) {
+        const V m1 = hn::Mul(b.y, c.z), m2 = hn::Mul(b.z, c.y), m3 = hn::Mul(b.z, c.x), m4 = hn::Mul(b.x, c.z),
+                m5 = hn::Mul(b.x, c.y), m6 = hn::Mul(b.y, c.x);
+        const V value = hn::Add(hn::Mul(a.x, hn::Sub(m1, m2)),
+                                hn::Add(hn::Mul(a.y, hn::Sub(m3, m4)), hn::Mul(a.z, hn::Sub(m5, m6))));
+        const V permanent = hn::Add(hn::Mul(hn::Abs(a.x), hn::Add(hn::Abs(m1), hn::Abs(m2))),
+                                    hn::Add(hn::Mul(hn::Abs(a.y), hn::Add(hn::Abs(m3), hn::Abs(m4))),
+                                            hn::Mul(hn::Abs(a.z), hn::Add(hn::Abs(m5), hn::Abs(m6)))));
+        const V A = norm1(a), B = norm1(b), C = norm1(c);
+        const V products = hn::MulAdd(A, B, hn::MulAdd(B, C, hn::Mul(A, C)));
+        const V input = hn::Add(products, hn::MulAdd(delta3, hn::Add(A, hn::Add(B, C)), delta6));
+        const V error = hn::MulAdd(relative, permanent, hn::MulAdd(delta, input, tiny));
+        positive = hn::Gt(value, error);
+        negative = hn::Lt(value, hn::Neg(error));
+    };
+
+    std::size_t hits = out.hit.size(), undecided = out.undecided.size();
+    for (std::size_t k = 0; k < count; k += lanes) {
+        const auto packed = hn::LoadU(du, out.edges.data() + k);
+        const auto order =
+            hn::GatherIndex(di, edge_orders.data(), hn::BitCast(di, hn::LoadU(du, out.edge_signs.data() + k)));
+        const VI row = hn::BitCast(di, hn::ShiftLeft<4>(hn::And(packed, hn::Set(du, 0xffffu))));
+        const VI column = hn::BitCast(di, hn::ShiftLeft<4>(hn::ShiftRight<16>(packed)));
+        const VI three = hn::Set(di, 3);
+        const auto corner = [&](const float* base, VI record, VI which) {
+            const VI at = hn::Add(record, hn::And(which, three));
+            return Point{hn::GatherIndex(d, base, at), hn::GatherIndex(d, base + 4, at),
+                         hn::GatherIndex(d, base + 8, at)};
+        };
+        const Point p1 = corner(rows, row, order);
+        const auto from_p1 = [&](const Point& p) {
+            return Point{hn::Sub(p.x, p1.x), hn::Sub(p.y, p1.y), hn::Sub(p.z, p1.z)};
+        };
+        const Point q1 = from_p1(corner(rows, row, hn::ShiftRight<2>(order)));
+        const Point r1 = from_p1(corner(rows, row, hn::ShiftRight<4>(order)));
+        const Point p2 = from_p1(corner(columns, column, hn::ShiftRight<6>(order)));
+        const Point q2 = from_p1(corner(columns, column, hn::ShiftRight<8>(order)));
+        const Point r2 = from_p1(corner(columns, column, hn::ShiftRight<10>(order)));
+
+        hn::Mask<decltype(d)> apart1, over1, apart2, over2;
+        determinant(q1, p2, q2, apart1, over1);
+        determinant(r1, r2, p2, apart2, over2);
+        const auto valid = hn::FirstN(d, count - k);
+        const auto certain = hn::And(over1, over2);
+        const auto hit = hn::And(hn::And(valid, certain), hn::FirstN(d, proper ? 0 : lanes));
+        const auto open = hn::And(hn::And(valid, hn::Not(hn::Or(apart1, apart2))), hn::Not(hit));
+        hits += compress_to(du, packed, hn::RebindMask(du, hit), out.hit.data() + hits);
+        undecided += compress_to(du, packed, hn::RebindMask(du, open), out.undecided.data() + undecided);
+    }
+    out.hit.resize(hits);
+    out.undecided.resize(undecided);
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace crumple::cpu
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,88 @@
+// Stage `sweep`: a row's box against a vector of columns, in 16-bit lanes.
+//
+// Two intervals are apart iff one starts after the other's end, that is iff a saturated difference is not zero. So four
+// differences and the common ownership bits, ORed, are zero exactly for candidates that are ours.
+
+#if defined(CRUMPLE_CPU_SIMD_SWEEP_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef CRUMPLE_CPU_SIMD_SWEEP_INL_H_
+#undef CRUMPLE_CPU_SIMD_SWEEP_INL_H_
+#else
+#define CRUMPLE_CPU_SIMD_SWEEP_INL_H_
+#endif
+
+#include <algorithm>
+
+#include "cpu/simd/common-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace crumple::cpu {
+namespace HWY_NAMESPACE {
+
+inline std::int64_t sweep(const SortedLeaf& leaf, std::int64_t row, std::int64_t last, std::int64_t block_end,
+                          std::uint16_t dummy, std::int64_t capacity, Candidates& out) {
+    const hn::ScalableTag<std::uint16_t> d;
+    using V = hn::Vec<decltype(d)>;
+    const auto lanes = static_cast<std::int64_t>(hn::Lanes(d));
+    const std::uint16_t* HWY_RESTRICT low_y = leaf.low_y.data();
+    const std::uint16_t* HWY_RESTRICT high_y = leaf.high_y.data();
+    const std::uint16_t* HWY_RESTRICT low_z = leaf.low_z.data();
+    const std::uint16_t* HWY_RESTRICT high_z = leaf.high_z.data();
+    const std::uint16_t* HWY_RESTRICT lower = leaf.lower.data();
+    const std::int32_t* HWY_RESTRICT ends = leaf.end.data();
+    const V iota = hn::Iota(d, 0), step = hn::Set(d, static_cast<std::uint16_t>(lanes)), zero = hn::Zero(d);
+
+    out.dummy = dummy;
+    std::uint16_t* HWY_RESTRICT column = out.column.data();
+    std::uint16_t* HWY_RESTRICT group_row = out.row.data();
+    std::int64_t columns = 4 * out.groups, groups = out.groups, pairs = out.pairs;
+    for (; row < last && columns < capacity; ++row) {
+        const std::int64_t end = std::min<std::int64_t>(ends[row], block_end);
+        const std::int64_t begin = std::max(row + 1, out.columns);
+        if (begin >= end) continue;
+        const V row_low_y = hn::Set(d, low_y[row]), row_high_y = hn::Set(d, high_y[row]);
+        const V row_low_z = hn::Set(d, low_z[row]), row_high_z = hn::Set(d, high_z[row]);
+        const V row_lower = hn::Set(d, lower[row]);
+        const auto free_of = [&](std::int64_t j) {
+            const V y = hn::Or(hn::SaturatedSub(hn::Load(d, low_y + j), row_high_y),
+                               hn::SaturatedSub(row_low_y, hn::Load(d, high_y + j)));
+            const V z = hn::Or(hn::SaturatedSub(hn::Load(d, low_z + j), row_high_z),
+                               hn::SaturatedSub(row_low_z, hn::Load(d, high_z + j)));
+            const V common = hn::And(hn::Load(d, lower + j), row_lower);
+            return hn::Eq(hn::Or(hn::Or(y, z), common), zero);
+        };
+        const std::int64_t first = columns;
+        std::int64_t j = begin & ~(lanes - 1);
+        V index = hn::Add(iota, hn::Set(d, static_cast<std::uint16_t>(j - out.columns)));
+        // Lanes before `begin` are out in the first vector, lanes from `end` on in the last.
+        auto candidates = hn::And(free_of(j), hn::Not(hn::FirstN(d, static_cast<std::size_t>(begin - j))));
+        for (; j + lanes < end; j += lanes) {
+            columns += static_cast<std::int64_t>(compress_to(d, index, candidates, column + columns));
+            index = hn::Add(index, step);
+            candidates = free_of(j + lanes);
+        }
+        candidates = hn::And(candidates, hn::FirstN(d, static_cast<std::size_t>(end - j)));
+        columns += static_cast<std::int64_t>(compress_to(d, index, candidates, column + columns));
+
+        const std::int64_t found = columns - first;
+        if (found == 0) continue;
+        pairs += found;
+        for (int k = 0; k < 4; ++k) column[columns + k] = dummy;
+        columns = first + ((found + 3) & ~std::int64_t{3});
+        const V this_row = hn::Set(d, static_cast<std::uint16_t>(row - out.rows));
+        for (std::int64_t g = groups; g < columns / 4; g += lanes) hn::StoreU(this_row, d, group_row + g);
+        groups = columns / 4;
+    }
+    for (; groups % 4; ++groups) {
+        group_row[groups] = 0;
+        for (int k = 0; k < 4; ++k) column[4 * groups + k] = dummy;
+    }
+    out.groups = groups;
+    out.pairs = pairs;
+    return row;
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace crumple::cpu
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,95 @@
+#include "cpu/sort.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <limits>
+
+namespace crumple::cpu {
+namespace {
+
+constexpr int bin_bits = 10, bins = 1 << bin_bits, bin_shift = 16 - bin_bits;
+
+// A record that no filter can mistake for a triangle; its box overlaps nothing either.
+constexpr Record dummy_record{{0, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, 0}, {-1, -1, -1}, -2};
+
+void write_dummy(SortedLeaf& s, std::int64_t row) {
+    s.record[row] = dummy_record;
+    s.low_y[row] = s.low_z[row] = std::numeric_limits<std::uint16_t>::max();
+    s.high_y[row] = s.high_z[row] = 0;
+    s.lower[row] = 0xffff;
+    s.end[row] = 0;
+    s.triangle[row] = s.member[row] = -1;
+}
+
+}  // namespace
+
+void sort_leaf(const LeafMembers& in, const Kernels& kernels, SortScratch& scratch, SortedLeaf& s) {
+    const LeafBounds& bounds = in.bounds;
+    const auto members = static_cast<std::int64_t>(in.triangle.size());
+    // Range of quantisation. A computed coordinate errs by at most 8 u reach, so starts are moved down and ends up by
+    // 12 u reach (docs/align.md); both by way of the base that is subtracted.
+    const bool any = bounds.low.x <= bounds.high.x;
+    float base_low[4] = {}, base_high[4] = {}, scale[4] = {};
+    for (int axis = 0; axis < 3; ++axis) {
+        const float low = any ? bounds.low[axis] : 0, high = any ? bounds.high[axis] : 1;
+        const float margin = 12 * unit_roundoff * bounds.reach + 1e-30f;
+        const float base = low - 2 * margin;
+        base_low[axis] = base + margin;
+        base_high[axis] = base - margin;
+        scale[axis] = 65530.0f / (high - low + 4 * margin);
+    }
+    const auto n = static_cast<std::size_t>(members);
+    scratch.quantised.resize_discard(n + padding);
+    scratch.position.resize_discard(n + padding);
+    kernels.quantise(in.box.data(), members, base_low, base_high, scale, scratch.quantised.data());
+
+    std::array<std::int32_t, bins + 1> start{};
+    for (std::size_t i = 0; i < n; ++i) ++start[(scratch.quantised[i].low[0] >> bin_shift) + 1];
+    for (int b = 0; b < bins; ++b) start[b + 1] += start[b];
+    std::array<std::int32_t, bins> next;
+    std::copy_n(start.begin(), bins, next.begin());
+    const bool one_block = members <= block_members;
+    for (std::size_t i = 0; i < n; ++i) {
+        const std::int32_t j = next[scratch.quantised[i].low[0] >> bin_shift]++;
+        scratch.position[i] = one_block ? j : static_cast<std::int32_t>(physical(j));
+    }
+
+    const std::int64_t blocks = std::max<std::int64_t>(1, (members + block_members - 1) / block_members);
+    s.members = members;
+    s.rows = members + blocks;
+    const auto length = static_cast<std::size_t>(s.rows + padding);
+    s.record.resize_discard(length);
+    for (auto* array : {&s.low_y, &s.high_y, &s.low_z, &s.high_z, &s.lower}) array->resize_discard(length);
+    s.end.resize_discard(length);
+    s.triangle.resize_discard(length);
+    s.member.resize_discard(length);
+    s.work.resize_discard(length);
+    for (std::int64_t block = 0; block < blocks; ++block)
+        write_dummy(s, std::min<std::int64_t>(block * block_stride + block_members, s.rows - 1));
+    for (std::int64_t row = s.rows; row < s.rows + padding; ++row) write_dummy(s, row);
+
+    for (std::size_t i = 0; i < n; ++i) {
+        const QuantisedBox& box = scratch.quantised[i];
+        const auto row = static_cast<std::size_t>(scratch.position[i]);
+        s.low_y[row] = box.low[1];
+        s.low_z[row] = box.low[2];
+        s.high_y[row] = box.high[1];
+        s.high_z[row] = box.high[2];
+        s.lower[row] = in.lower[i];
+        s.triangle[row] = in.triangle[i];
+        s.member[row] = in.member[i];
+        s.end[row] = static_cast<std::int32_t>(physical(start[(box.high[0] >> bin_shift) + 1] - 1) + 1);
+    }
+    const float plane_scale = 1.0f / (plane_bound * unit_roundoff * bounds.reach + 1e-30f);
+    kernels.scatter(in.record.data(), members, scratch.position.data(), plane_scale, s.record.data());
+
+    std::int64_t work = 0;
+    for (std::int64_t row = 0; row < s.rows; ++row) {
+        s.work[row] = work;
+        work += std::max<std::int64_t>(0, s.end[row] - row - 1);
+    }
+    s.work[s.rows] = work;
+}
+
+}  // namespace crumple::cpu

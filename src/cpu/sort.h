@@ -1,0 +1,35 @@
+#pragma once
+
+// Stage `sort`: a leaf's members by the start of their interval along the sweep direction ([MZ] sec. 3).
+//
+// Boxes are quantised to 16 bits over the leaf's range, and starts are sorted by their upper ten bits: a counting sort
+// of 1,024 bins, one pass. A row's columns are then all members up to the bin that holds its end; members of one bin
+// may stand in any order, since only `end` decides. Rounding starts and ends by the same monotone map keeps every
+// overlap.
+
+#include "cpu/kernels.h"
+#include "cpu/subdivide.h"
+
+namespace crumple::cpu {
+
+/// Scratch of `sort`, one a worker.
+struct SortScratch {
+    explicit SortScratch(MemoryMeter* m) : quantised(m), position(m) {}
+    Array<QuantisedBox> quantised;
+    Array<std::int32_t> position;
+};
+
+/// A leaf's members before they are sorted: what `align` built, and what `narrow` will ask for.
+struct LeafMembers {
+    explicit LeafMembers(MemoryMeter* m) : record(m), box(m), triangle(m), member(m), lower(m) {}
+    Array<Record> record;
+    Array<Box> box;
+    Array<std::int32_t> triangle;  ///< id in the scene
+    Array<std::int32_t> member;    ///< position in the subdivision's member arrays
+    Array<std::uint16_t> lower;    ///< ownership bits
+    LeafBounds bounds;
+};
+
+void sort_leaf(const LeafMembers& members, const Kernels& kernels, SortScratch& scratch, SortedLeaf& sorted);
+
+}  // namespace crumple::cpu

@@ -1,0 +1,200 @@
+#include "cpu/subdivide.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+namespace crumple::cpu {
+namespace {
+
+constexpr std::int64_t chunk = 4096;
+constexpr std::size_t samples1 = 2048;            // points that place the first level's centres
+constexpr std::size_t samples2_per_cluster = 32;  // points for each centre of the second level
+
+// Splitting k ways pays while each triangle joins fewer than about k^(1/3) clusters: a sweep costs members^2 times the
+// mean interval over the extent, and the extent of a k-th of the scene is k^(1/3) times smaller.
+bool pays(std::int64_t memberships, std::int64_t members, int clusters) {
+    return static_cast<double>(memberships) <= 1.1 * std::cbrt(clusters) * static_cast<double>(members);
+}
+
+int choose_clusters(std::int64_t n, const Options& options) {
+    if (options.clusters > 0) return options.clusters;
+    const std::int64_t leaves = (n + options.leaf_size - 1) / options.leaf_size;
+    if (leaves <= 1) return 1;
+    return static_cast<int>(leaves <= 16 * 48 ? std::min<std::int64_t>(leaves, 16) : 64);
+}
+
+FuzzyOptions fuzzy(const Options& options, bool first) {
+    return {options.fuzziness, first ? options.first_iterations : options.max_iterations,
+            first ? options.first_stop : options.stop};
+}
+
+// Writes the members of clusters [begin, end), cluster by cluster, in the order of triangles: prefix sums of the counts
+// give each chunk of triangles its places.
+void scatter_members(const Primitives& p, std::int64_t n, int begin, int end, Workers& workers, Subdivision& s) {
+    const auto chunks = static_cast<std::size_t>((n + chunk - 1) / chunk);
+    s.place.resize_discard(chunks * max_clusters);
+    std::int64_t total = 0;
+    std::uint64_t wanted = 0;
+    for (int k = begin; k < end; ++k) {
+        wanted |= std::uint64_t{1} << k;
+        s.first[static_cast<std::size_t>(k)] = total;
+        for (std::size_t c = 0; c < chunks; ++c) {
+            const std::size_t cell = c * max_clusters + static_cast<std::size_t>(k);
+            s.place[cell] = total;
+            total += s.histogram[cell];
+        }
+    }
+    s.first[static_cast<std::size_t>(end)] = total;
+    for (auto* array : {&s.x, &s.y, &s.z, &s.r}) array->resize_discard(static_cast<std::size_t>(total + padding));
+    s.id.resize_discard(static_cast<std::size_t>(total));
+    s.mask2.resize_discard(static_cast<std::size_t>(total));
+    workers.parallel_for(chunks, [&](std::size_t c, std::size_t) {
+        std::int64_t* next = s.place.data() + c * max_clusters;
+        const std::int64_t first = static_cast<std::int64_t>(c) * chunk, last = std::min(n, first + chunk);
+        for (std::int64_t t = first; t < last; ++t) {
+            for (std::uint64_t mask = s.mask1[t] & wanted; mask; mask &= mask - 1) {
+                const std::int64_t m = next[std::countr_zero(mask)]++;
+                s.x[m] = p.x[t];
+                s.y[m] = p.y[t];
+                s.z[m] = p.z[t];
+                s.r[m] = p.r[t];
+                s.id[m] = static_cast<std::int32_t>(t);
+            }
+        }
+    });
+}
+
+// Masks of the first level and their histogram; returns the number of memberships.
+std::int64_t assign_all(const Primitives& p, std::int64_t n, const std::uint64_t* part_masks, int part,
+                        const Kernels& kernels, Workers& workers, const Centres& centres, Subdivision& s) {
+    const auto chunks = static_cast<std::size_t>((n + chunk - 1) / chunk);
+    s.histogram.assign(chunks * max_clusters, 0);
+    workers.parallel_for(chunks, [&](std::size_t c, std::size_t) {
+        const std::int64_t begin = static_cast<std::int64_t>(c) * chunk, end = std::min(n, begin + chunk);
+        kernels.assign(p.x.data() + begin, p.y.data() + begin, p.z.data() + begin, p.r.data() + begin, end - begin,
+                       centres, s.mask1.data() + begin);
+        std::int64_t* count = s.histogram.data() + c * max_clusters;
+        for (std::int64_t t = begin; t < end; ++t) {
+            if (part_masks && !(part_masks[t] >> part & 1)) s.mask1[t] = 0;
+            for (std::uint64_t mask = s.mask1[t]; mask; mask &= mask - 1) ++count[std::countr_zero(mask)];
+        }
+    });
+    std::int64_t total = 0;
+    for (std::int64_t count : s.histogram) total += count;
+    return total;
+}
+
+// Splits cluster k if it is large and that pays; appends nothing, leaves the lists in members2[k] and `sizes`.
+// Returns the number of children, 0 if it stays whole.
+int split_cluster(int cluster, const Options& options, const Kernels& kernels, Centres& centres, Subdivision& s,
+                  std::array<std::int64_t, max_clusters>& sizes) {
+    const auto k = static_cast<std::size_t>(cluster);
+    const std::int64_t begin = s.first[k], members = s.first[k + 1] - begin;
+    if (2 * members <= 3 * static_cast<std::int64_t>(options.leaf_size)) return 0;
+    const auto count =
+        static_cast<int>(std::min<std::int64_t>(max_clusters, (members + options.leaf_size - 1) / options.leaf_size));
+    const std::size_t samples = static_cast<std::size_t>(
+        std::min<std::int64_t>(members, static_cast<std::int64_t>(samples2_per_cluster) * count));
+    const auto point = [&](std::size_t i) {
+        const auto m = static_cast<std::size_t>(begin) + i * static_cast<std::size_t>(members) / samples;
+        return Vec3f{s.x[m], s.y[m], s.z[m]};
+    };
+    const bool first = centres.count != count;
+    if (first) start_centres(count, samples, point, centres);
+    fuzzy_c_means(samples, point, fuzzy(options, first), centres);
+    kernels.assign(s.x.data() + begin, s.y.data() + begin, s.z.data() + begin, s.r.data() + begin, members, centres,
+                   s.mask2.data() + begin);
+
+    sizes.fill(0);
+    std::int64_t total = 0;
+    for (std::int64_t m = begin; m < begin + members; ++m)
+        for (std::uint64_t mask = s.mask2[m]; mask; mask &= mask - 1) ++sizes[std::countr_zero(mask)], ++total;
+    if (!pays(total, members, count)) return 0;
+
+    std::array<std::int64_t, max_clusters> next;
+    std::int64_t sum = 0;
+    for (std::size_t c = 0; c < static_cast<std::size_t>(count); ++c) next[c] = sum, sum += sizes[c];
+    auto& list = s.members2[k];
+    list.resize_discard(static_cast<std::size_t>(total));
+    for (std::int64_t m = begin; m < begin + members; ++m)
+        for (std::uint64_t mask = s.mask2[m]; mask; mask &= mask - 1)
+            list[next[std::countr_zero(mask)]++] = static_cast<std::int32_t>(m);
+    return count;
+}
+
+}  // namespace
+
+void place_clusters(const Primitives& p, std::int64_t n, const std::uint64_t* part_masks, int part,
+                    const Options& options, const Kernels& kernels, Workers& workers, WarmCentres& warm,
+                    Subdivision& s) {
+    Centres& centres = warm.level1;
+    std::int64_t members = n;
+    if (part_masks) {
+        s.included.clear();
+        for (std::int64_t t = 0; t < n; ++t)
+            if (part_masks[t] >> part & 1) s.included.push_back(static_cast<std::int32_t>(t));
+        members = static_cast<std::int64_t>(s.included.size());
+    }
+    const auto samples = static_cast<std::size_t>(std::min<std::int64_t>(members, samples1));
+    const auto sample = [&](std::size_t i) {
+        auto t = static_cast<std::size_t>(i * static_cast<std::uint64_t>(members) / samples);
+        if (part_masks) t = static_cast<std::size_t>(s.included[t]);
+        return Vec3f{p.x[t], p.y[t], p.z[t]};
+    };
+    s.sample.resize_discard(samples);
+    for (std::size_t i = 0; i < samples; ++i) s.sample[i] = sample(i);
+    const auto point = [&](std::size_t i) { return s.sample[i]; };
+
+    const int wanted = choose_clusters(members, options);
+    s.mask1.resize_discard(static_cast<std::size_t>(n + padding));
+    for (int count = wanted;; count /= 2) {
+        // A warm start has as many centres as wanted, or fewer where more did not pay.
+        const bool first =
+            centres.count == 0 || centres.count > count || (count == wanted && centres.count * 8 <= count);
+        if (first) {
+            start_centres(
+                samples ? count : 1, std::max<std::size_t>(samples, 1),
+                [&](std::size_t i) { return samples ? point(i) : Vec3f{}; }, centres);
+        }
+        count = centres.count;
+        if (count > 1) fuzzy_c_means(samples, point, fuzzy(options, first), centres);
+        s.clusters = count;
+        const std::int64_t total = assign_all(p, n, part_masks, part, kernels, workers, centres, s);
+        if (count == 1 || options.clusters > 0 || pays(total, members, count)) break;
+    }
+}
+
+void gather_leaves(const Primitives& primitives, std::int64_t n, int begin, int end, const Options& options,
+                   const Kernels& kernels, Workers& workers, WarmCentres& warm, Subdivision& s) {
+    scatter_members(primitives, n, begin, end, workers, s);
+
+    std::array<std::array<std::int64_t, max_clusters>, max_clusters> sizes;
+    std::array<int, max_clusters> children{};
+    workers.parallel_for(static_cast<std::size_t>(end - begin), [&](std::size_t i, std::size_t) {
+        const std::size_t k = static_cast<std::size_t>(begin) + i;
+        children[k] = split_cluster(static_cast<int>(k), options, kernels, warm.level2[k], s, sizes[k]);
+    });
+
+    s.leaves.clear();
+    for (int cluster = begin; cluster < end; ++cluster) {
+        const auto k = static_cast<std::size_t>(cluster);
+        if (children[k] == 0) {
+            s.leaves.push_back({cluster, -1, s.first[k], s.first[k + 1] - s.first[k]});
+            continue;
+        }
+        std::int64_t first = 0;
+        for (std::int32_t child = 0; child < children[k]; ++child) {
+            const std::int64_t size = sizes[k][static_cast<std::size_t>(child)];
+            s.leaves.push_back({cluster, child, first, size});
+            first += size;
+        }
+    }
+    // Largest first, so that the last tasks of a parallel loop are short ones.
+    std::sort(s.leaves.begin(), s.leaves.end(), [](const Leaf& a, const Leaf& b) {
+        return a.size != b.size ? a.size > b.size
+                                : (a.cluster != b.cluster ? a.cluster < b.cluster : a.child < b.child);
+    });
+}
+
+}  // namespace crumple::cpu

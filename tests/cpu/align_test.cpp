@@ -1,0 +1,106 @@
+// Frames by principal components, and boxes that hold their triangles in them.
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "geometry/eigen.h"
+#include "tables.h"
+
+namespace crumple::cpu {
+namespace {
+
+TEST(PrincipalAxes, are_orthonormal_and_sorted_by_variance) {
+    std::mt19937 engine(2);
+    const auto number = [&] { return static_cast<double>(engine()) * 0x1p-31 - 1; };
+    for (int round = 0; round < 1000; ++round) {
+        SymmetricMatrix m;
+        const double stretch[3] = {1, std::ldexp(1.0, -static_cast<int>(engine() % 30)), number() * number()};
+        for (int i = 0; i < 8; ++i) {
+            const Vec3d d{stretch[0] * number(), stretch[1] * number() + number() * 0.3, stretch[2] * number()};
+            m.xx += d.x * d.x, m.xy += d.x * d.y, m.xz += d.x * d.z;
+            m.yy += d.y * d.y, m.yz += d.y * d.z, m.zz += d.z * d.z;
+        }
+        const PrincipalAxes axes = principal_axes(m);
+        EXPECT_GE(axes.variance[0], axes.variance[1]);
+        EXPECT_GE(axes.variance[1], axes.variance[2]);
+        for (int i = 0; i < 3; ++i) {
+            for (int j = 0; j < 3; ++j) EXPECT_NEAR(dot(axes.axis[i], axes.axis[j]), i == j, 1e-12);
+            const Vec3d e = axes.axis[i];
+            const Vec3d me{m.xx * e.x + m.xy * e.y + m.xz * e.z, m.xy * e.x + m.yy * e.y + m.yz * e.z,
+                           m.xz * e.x + m.yz * e.y + m.zz * e.z};
+            EXPECT_NEAR(dot(me, me), axes.variance[i] * axes.variance[i], 1e-10) << "an eigenvector";
+        }
+    }
+}
+
+TEST(PrincipalAxes, of_a_round_cloud_are_the_coordinate_axes) {
+    const PrincipalAxes axes = principal_axes({1, 0.001, -0.001, 1.001, 0.0005, 0.999});
+    EXPECT_EQ(axes.axis[0], (Vec3d{1, 0, 0}));
+    EXPECT_EQ(axes.axis[1], (Vec3d{0, 1, 0}));
+    EXPECT_EQ(axes.axis[2], (Vec3d{0, 0, 1}));
+    const PrincipalAxes none = principal_axes({});
+    EXPECT_EQ(none.axis[0], (Vec3d{1, 0, 0}));
+}
+
+TEST(Build, boxes_hold_the_rotated_corners_and_planes_hold_their_triangle) {
+    std::mt19937 engine(4);
+    const auto number = [&] { return static_cast<float>(static_cast<double>(engine()) * 0x1p-31 - 1); };
+    constexpr int n = 500;
+    std::vector<double> wide;
+    Array<float> points;
+    std::vector<std::int32_t> corners, triangle;
+    for (int v = 0; v < 3 * n; ++v) {
+        for (int axis = 0; axis < 3; ++axis) points.push_back(0.5f + 0.3f * number());
+        points.push_back(0);
+        corners.push_back(v);
+    }
+    Array<double> points64;
+    for (const float value : points) points64.push_back(value);
+    for (int t = 0; t < n; ++t) triangle.push_back(t);
+
+    LeafFrame frame;
+    frame.origin = {0.45f, 0.55f, 0.5f};
+    const PrincipalAxes axes = principal_axes({3, 0.4, 0.2, 2, -0.3, 1});
+    for (int i = 0; i < 3; ++i)
+        frame.axis[i] = {static_cast<float>(axes.axis[i].x), static_cast<float>(axes.axis[i].y),
+                         static_cast<float>(axes.axis[i].z)};
+    for (const float big : {10.0f, 0.3f}) {  // in the second case many are big
+        frame.big = big;
+        for (const Kernels* kernels : test::kernel_tables()) {
+            for (const PointRows rows : {PointRows{points.data(), nullptr}, PointRows{nullptr, points64.data()}}) {
+                Array<Record> record;
+                Array<Box> box;
+                record.resize(n + padding);
+                box.resize(n + padding);
+                LeafBounds bounds;
+                kernels->build({rows, corners.data(), triangle.data(), n, frame}, record.data(), box.data(), bounds);
+                EXPECT_EQ(bounds.big > 0, big < 1) << kernels->name;
+                for (int t = 0; t < n; ++t) {
+                    for (int k = 0; k < 3; ++k) {
+                        Vec3d p;
+                        for (int axis = 0; axis < 3; ++axis)
+                            p[axis] = static_cast<double>(points[static_cast<std::size_t>(4 * (3 * t + k) + axis)]) -
+                                      static_cast<double>(frame.origin[axis]);
+                        for (int axis = 0; axis < 3; ++axis) {
+                            const Vec3f e = frame.axis[axis];
+                            const double turned = dot(Vec3d{e.x, e.y, e.z}, p);
+                            const double margin = 8 * 0x1p-24 * std::max(1.0f, bounds.reach);
+                            EXPECT_LE(box[static_cast<std::size_t>(t)].low[axis], turned + margin) << kernels->name;
+                            EXPECT_GE(box[static_cast<std::size_t>(t)].high[axis], turned - margin) << kernels->name;
+                        }
+                        const Record& r = record[static_cast<std::size_t>(t)];
+                        EXPECT_EQ(r.id[k], corners[static_cast<std::size_t>(3 * t + k)]);
+                        const double off_plane = static_cast<double>(r.x[3]) * p.x + static_cast<double>(r.y[3]) * p.y +
+                                                 static_cast<double>(r.z[3]) * p.z - static_cast<double>(r.c);
+                        EXPECT_LE(std::abs(off_plane), static_cast<double>(plane_bound) * 0x1p-24)
+                            << kernels->name << ": the corners lie on the plane, within its bound";
+                    }
+                }
+            }
+        }
+    }
+}
+
+}  // namespace
+}  // namespace crumple::cpu

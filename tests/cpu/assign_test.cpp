@@ -1,0 +1,98 @@
+// The membership rule: a ball belongs to every cluster whose centre may be nearest to one of its points.
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "tables.h"
+
+namespace crumple::cpu {
+namespace {
+
+struct Balls {
+    std::vector<float> x, y, z, r;
+};
+
+// Balls of all sizes, some of them on centres, some in the middle between two.
+Balls make_balls(const Centres& centres, int count, std::mt19937& engine) {
+    const auto number = [&] { return static_cast<float>(static_cast<double>(engine()) * 0x1p-31 - 1); };
+    Balls balls;
+    for (int i = 0; i < count; ++i) {
+        const auto any = [&] { return static_cast<int>(engine() % static_cast<unsigned>(centres.count)); };
+        const Vec3f a = centres[any()], b = centres[any()];
+        const Vec3f c = i % 3 == 0 ? a : i % 3 == 1 ? 0.5f * (a + b) : Vec3f{number(), number(), number()};
+        balls.x.push_back(c.x);
+        balls.y.push_back(c.y);
+        balls.z.push_back(c.z);
+        balls.r.push_back(std::ldexp(1.0f, -static_cast<int>(engine() % 22)));
+    }
+    return balls;
+}
+
+TEST(Assign, a_cluster_whose_centre_is_nearest_to_a_point_of_the_ball_has_it_as_a_member) {
+    std::mt19937 engine(11);
+    const auto number = [&] { return static_cast<double>(engine()) * 0x1p-31 - 1; };
+    for (const Kernels* kernels : test::kernel_tables()) {
+        for (const int count : {1, 2, 3, 16, 17, 33, 64}) {
+            Centres centres;
+            centres.count = count;
+            for (int k = 0; k < count; ++k)
+                centres.set(k,
+                            {static_cast<float>(number()), static_cast<float>(number()), static_cast<float>(number())});
+            for (const int n : {1, 3, 16, 100}) {
+                const Balls balls = make_balls(centres, n, engine);
+                std::vector<std::uint64_t> mask(static_cast<std::size_t>(n));
+                kernels->assign(balls.x.data(), balls.y.data(), balls.z.data(), balls.r.data(), n, centres,
+                                mask.data());
+                for (std::size_t i = 0; i < mask.size(); ++i) {
+                    ASSERT_NE(mask[i], 0u);
+                    if (count < 64) {
+                        ASSERT_EQ(mask[i] >> count, 0u) << "no cluster that does not exist";
+                    }
+                    for (int trial = 0; trial < 30; ++trial) {
+                        Vec3d d{number(), number(), number()};
+                        const double length = std::sqrt(dot(d, d));
+                        if (length == 0) continue;
+                        const double reach = trial % 2 ? 1.0 : std::abs(number());  // on the sphere or inside
+                        d = (static_cast<double>(balls.r[i]) * reach * (1 - 1e-12) / length) * d;
+                        const Vec3d p = Vec3d{balls.x[i], balls.y[i], balls.z[i]} + d;
+                        int nearest = 0;
+                        double best = 1e300;
+                        for (int k = 0; k < count; ++k) {
+                            const Vec3f v = centres[k];
+                            const Vec3d w = p - Vec3d{v.x, v.y, v.z};
+                            if (dot(w, w) < best) best = dot(w, w), nearest = k;
+                        }
+                        ASSERT_TRUE(mask[i] >> nearest & 1)
+                            << kernels->name << ": ball " << i << ", centre " << nearest << " of " << count;
+                    }
+                }
+            }
+        }
+    }
+}
+
+TEST(Assign, small_balls_have_few_clusters) {
+    std::mt19937 engine(5);
+    const auto number = [&] { return static_cast<float>(static_cast<double>(engine()) * 0x1p-31 - 1); };
+    Centres centres;
+    centres.count = 16;
+    for (int k = 0; k < 16; ++k) centres.set(k, {number(), number(), number()});
+    std::vector<float> x, y, z, r;
+    for (int i = 0; i < 4000; ++i) {
+        x.push_back(number());
+        y.push_back(number());
+        z.push_back(number());
+        r.push_back(0.01f);
+    }
+    for (const Kernels* kernels : test::kernel_tables()) {
+        std::vector<std::uint64_t> mask(x.size());
+        kernels->assign(x.data(), y.data(), z.data(), r.data(), 4000, centres, mask.data());
+        int members = 0;
+        for (const std::uint64_t m : mask) members += std::popcount(m);
+        EXPECT_LT(members, 4600) << kernels->name;
+    }
+}
+
+}  // namespace
+}  // namespace crumple::cpu

@@ -1,0 +1,137 @@
+// Sort and sweep: every pair of overlapping boxes is a candidate, once, and only pairs that are ours.
+
+#include <gtest/gtest.h>
+
+#include <random>
+#include <set>
+
+#include "cpu/sort.h"
+#include "tables.h"
+
+namespace crumple::cpu {
+namespace {
+
+LeafMembers make_members(int n, float size, std::mt19937& engine) {
+    const auto number = [&] { return static_cast<float>(static_cast<double>(engine()) * 0x1p-31 - 1); };
+    LeafMembers members(nullptr);
+    constexpr float most = 3e38f;
+    members.bounds = {{most, most, most}, {-most, -most, -most}, 1, 0};
+    for (int i = 0; i < n; ++i) {
+        Box box{};
+        for (int axis = 0; axis < 3; ++axis) {
+            const float centre = number(), half = size * std::abs(number());
+            box.low[axis] = centre - half;
+            box.high[axis] = centre + half;
+            members.bounds.low[axis] = min(members.bounds.low[axis], box.low[axis]);
+            members.bounds.high[axis] = max(members.bounds.high[axis], box.high[axis]);
+        }
+        members.box.push_back(box);
+        members.record.push_back(Record{});
+        members.triangle.push_back(i);
+        members.member.push_back(i);
+        members.lower.push_back(static_cast<std::uint16_t>(1u << (engine() % 16) & (engine() % 2 ? 0xffff : 0)));
+    }
+    return members;
+}
+
+bool overlap(const Box& a, const Box& b) {
+    for (int axis = 0; axis < 3; ++axis)
+        if (a.low[axis] > b.high[axis] || b.low[axis] > a.high[axis]) return false;
+    return true;
+}
+
+std::multiset<std::pair<int, int>> candidates_of(const Kernels& kernels, const SortedLeaf& leaf,
+                                                 std::int64_t capacity) {
+    std::multiset<std::pair<int, int>> found;
+    Candidates out(nullptr);
+    out.column.resize(static_cast<std::size_t>(capacity + block_stride + 4 * padding));
+    out.row.resize(out.column.size() / 4 + 4 * padding);
+    for (std::int64_t block = 0; block < leaf.rows; block += block_stride) {
+        const std::int64_t block_end = std::min<std::int64_t>(block + block_stride, leaf.rows) - 1;
+        for (std::int64_t row = 0; row < block_end;) {
+            out.rows = row;
+            out.columns = block;
+            out.groups = out.pairs = 0;
+            row = kernels.sweep(leaf, row, std::min(block_end, row + 65535), block_end,
+                                static_cast<std::uint16_t>(block_end - block), capacity, out);
+            EXPECT_EQ(out.groups % 4, 0);
+            std::int64_t pairs = 0;
+            for (std::int64_t g = 0; g < out.groups; ++g)
+                for (std::int64_t k = 4 * g; k < 4 * g + 4; ++k) {
+                    const int a =
+                        leaf.triangle[static_cast<std::size_t>(out.rows + out.row[static_cast<std::size_t>(g)])];
+                    const int b =
+                        leaf.triangle[static_cast<std::size_t>(block + out.column[static_cast<std::size_t>(k)])];
+                    if (b < 0) continue;
+                    ++pairs;
+                    found.insert({std::min(a, b), std::max(a, b)});
+                }
+            EXPECT_EQ(pairs, out.pairs);
+        }
+    }
+    return found;
+}
+
+TEST(Sweep, finds_all_overlapping_boxes_once_and_none_that_a_lower_cluster_owns) {
+    std::mt19937 engine(6);
+    for (const Kernels* kernels : test::kernel_tables()) {
+        for (const int n : {1, 2, 31, 32, 33, 64, 700}) {
+            for (const float size : {0.0f, 0.05f, 0.5f, 3.0f}) {
+                const LeafMembers members = make_members(n, size, engine);
+                SortScratch scratch(nullptr);
+                SortedLeaf leaf(nullptr);
+                sort_leaf(members, *kernels, scratch, leaf);
+                for (const std::int64_t capacity : {std::int64_t{1}, std::int64_t{1} << 15}) {
+                    const auto found = candidates_of(*kernels, leaf, capacity);
+                    for (const auto& pair : found) {
+                        EXPECT_EQ(found.count(pair), 1u) << kernels->name << ": " << pair.first << ' ' << pair.second;
+                        EXPECT_FALSE(members.lower[static_cast<std::size_t>(pair.first)] &
+                                     members.lower[static_cast<std::size_t>(pair.second)])
+                            << kernels->name << ": " << pair.first << ' ' << pair.second;
+                    }
+                    std::int64_t overlaps = 0;
+                    for (int a = 0; a < n; ++a)
+                        for (int b = a + 1; b < n; ++b) {
+                            const auto i = static_cast<std::size_t>(a), j = static_cast<std::size_t>(b);
+                            if (members.lower[i] & members.lower[j] || !overlap(members.box[i], members.box[j]))
+                                continue;
+                            ++overlaps;
+                            ASSERT_EQ(found.count({a, b}), 1u) << kernels->name << ": " << a << ' ' << b << " of " << n;
+                        }
+                    EXPECT_LE(static_cast<std::int64_t>(found.size()), overlaps + overlaps / 50 + 40 * n)
+                        << kernels->name << ": quantisation may let a few through";
+                }
+                EXPECT_GE(leaf.work[static_cast<std::size_t>(leaf.rows)], 0);
+            }
+        }
+    }
+}
+
+TEST(Sweep, leaves_larger_than_16_bits_are_swept_in_blocks) {
+    std::mt19937 engine(8);
+    const LeafMembers members = make_members(150000, 0.01f, engine);
+    std::multiset<std::pair<int, int>> first;
+    for (const Kernels* kernels : test::kernel_tables()) {
+        SortScratch scratch(nullptr);
+        SortedLeaf leaf(nullptr);
+        sort_leaf(members, *kernels, scratch, leaf);
+        ASSERT_GT(leaf.rows, 2 * block_stride);
+        const auto found = candidates_of(*kernels, leaf, 1 << 15);
+        ASSERT_GT(found.size(), 500u);
+        if (first.empty()) {
+            first = found;
+            // Overlaps in the first block's reach are checked one by one, as all pairs would take too long.
+            for (int a = 0; a < 300; ++a)
+                for (int b = a + 1; b < 150000; ++b) {
+                    const auto i = static_cast<std::size_t>(a), j = static_cast<std::size_t>(b);
+                    if (!(members.lower[i] & members.lower[j]) && overlap(members.box[i], members.box[j])) {
+                        ASSERT_EQ(found.count({a, b}), 1u) << a << ' ' << b;
+                    }
+                }
+        }
+        EXPECT_TRUE(found == first) << kernels->name;
+    }
+}
+
+}  // namespace
+}  // namespace crumple::cpu
