@@ -1,0 +1,162 @@
+// Binary glTF: one mesh over one position array, free and colliding triangles as two primitives with a material each.
+// glTF holds float32 only. Where that would cost a float64 mesh more than 4 of the 24 bits, because it lies far from
+// the origin compared with its size, positions are relative to the centre of its box, which the node translates back.
+
+#include <tiny_gltf.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "io/bytes.h"
+#include "io/formats.h"
+
+namespace crumple::io {
+
+namespace {
+
+using Point = std::array<double, 3>;
+
+/// The translation that keeps the bits of a float64 mesh, or zero.
+Point origin_of(const std::vector<double>& xyz) {
+    Point low, high, centre;
+    low.fill(std::numeric_limits<double>::infinity());
+    high.fill(-std::numeric_limits<double>::infinity());
+    for (std::size_t i = 0; i < xyz.size(); ++i) {
+        low[i % 3] = std::min(low[i % 3], xyz[i]);
+        high[i % 3] = std::max(high[i % 3], xyz[i]);
+    }
+    double extent = 0, farthest = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        extent = std::max(extent, high[axis] - low[axis]);
+        farthest = std::max({farthest, std::abs(low[axis]), std::abs(high[axis])});
+        centre[axis] = low[axis] / 2 + high[axis] / 2;
+    }
+    constexpr double bits_to_lose = 4;
+    return !xyz.empty() && farthest > std::exp2(bits_to_lose) * extent ? centre : Point{};
+}
+Point origin_of(const std::vector<float>&) { return {}; }
+
+template <class Scalar>
+std::vector<float> positions_of(const std::vector<Scalar>& xyz, const Point& origin) {
+    std::vector<float> positions(xyz.size());
+    for (std::size_t i = 0; i < xyz.size(); ++i) {
+        positions[i] = static_cast<float>(double{xyz[i]} - origin[i % 3]);
+        if (std::isfinite(positions[i])) continue;
+        const std::size_t vertex = i / 3;
+        throw Error(ErrorCode::invalid_argument,
+                    "vertex " + std::to_string(vertex) + " overflows float32, which .glb holds", Element::vertex,
+                    static_cast<std::int64_t>(vertex));
+    }
+    return positions;
+}
+
+/// glTF's colours are linear.
+double linear(std::uint8_t srgb) {
+    const double value = srgb / 255.0;
+    return value <= 0.04045 ? value / 12.92 : std::pow((value + 0.055) / 1.055, 2.4);
+}
+
+tinygltf::Material material(const char* name, const Colour& colour) {
+    tinygltf::Material material;
+    material.name = name;
+    material.doubleSided = true;
+    auto& surface = material.pbrMetallicRoughness;
+    surface.baseColorFactor = {linear(colour.red), linear(colour.green), linear(colour.blue), 1};
+    surface.metallicFactor = 0;
+    surface.roughnessFactor = 0.8;
+    return material;
+}
+
+/// Appends the values to the model's one buffer and returns the index of their accessor.
+template <class T>
+int add_accessor(tinygltf::Model& model, const std::vector<T>& values, int component_type, int type, int target) {
+    std::vector<unsigned char>& bytes = model.buffers[0].data;
+    tinygltf::BufferView view;
+    view.buffer = 0;
+    view.byteOffset = bytes.size();
+    view.byteLength = values.size() * sizeof(T);
+    view.target = target;
+    bytes.reserve(bytes.size() + view.byteLength);
+    for (const T value : values) {
+        const auto little = std::bit_cast<std::array<unsigned char, sizeof(T)>>(little_endian(value));
+        bytes.insert(bytes.end(), little.begin(), little.end());
+    }
+    tinygltf::Accessor accessor;
+    accessor.bufferView = static_cast<int>(model.bufferViews.size());
+    accessor.componentType = component_type;
+    accessor.type = type;
+    accessor.count = values.size() / static_cast<std::size_t>(tinygltf::GetNumComponentsInType(type));
+    model.bufferViews.push_back(view);
+    model.accessors.push_back(accessor);
+    return static_cast<int>(model.accessors.size()) - 1;
+}
+
+int add_positions(tinygltf::Model& model, const std::vector<float>& positions) {
+    const int index =
+        add_accessor(model, positions, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC3, TINYGLTF_TARGET_ARRAY_BUFFER);
+    tinygltf::Accessor& accessor = model.accessors.back();
+    accessor.minValues.assign(positions.begin(), positions.begin() + 3);
+    accessor.maxValues = accessor.minValues;
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+        accessor.minValues[i % 3] = std::min(accessor.minValues[i % 3], double{positions[i]});
+        accessor.maxValues[i % 3] = std::max(accessor.maxValues[i % 3], double{positions[i]});
+    }
+    return index;
+}
+
+tinygltf::Mesh build_mesh(tinygltf::Model& model, const ColouredMesh& coloured, const std::vector<float>& positions) {
+    tinygltf::Mesh mesh;
+    const int position_accessor = add_positions(model, positions);
+    for (const bool colliding : {false, true}) {
+        std::vector<std::uint32_t> indices;
+        for (std::size_t i = 0; i < coloured.mesh.triangles.size(); ++i) {
+            if ((coloured.hit[i / 3] != 0) == colliding) {
+                indices.push_back(static_cast<std::uint32_t>(coloured.mesh.triangles[i]));
+            }
+        }
+        if (indices.empty()) continue;  // glTF knows no empty accessor
+        tinygltf::Primitive primitive;
+        primitive.attributes["POSITION"] = position_accessor;
+        primitive.indices = add_accessor(model, indices, TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT, TINYGLTF_TYPE_SCALAR,
+                                         TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER);
+        primitive.material = colliding;
+        primitive.mode = TINYGLTF_MODE_TRIANGLES;
+        mesh.primitives.push_back(primitive);
+    }
+    return mesh;
+}
+
+}  // namespace
+
+void write_coloured_glb(std::ostream& out, const ColouredMesh& coloured) {
+    const std::size_t bytes = 12 * (static_cast<std::size_t>(coloured.mesh.vertex_count()) + coloured.hit.size());
+    if (bytes > UINT32_MAX - (1u << 20)) {
+        throw Error(ErrorCode::invalid_argument, "the mesh is larger than the 4 GiB that .glb holds");
+    }
+    tinygltf::Model model;
+    model.asset.version = "2.0";
+    model.asset.generator = "Crumple";
+    model.materials = {material("free", free_colour), material("colliding", colliding_colour)};
+    model.scenes.resize(1);
+    model.scenes[0].name = "collisions";
+    model.defaultScene = 0;
+    if (!coloured.hit.empty()) {  // otherwise an empty scene: glTF knows no empty mesh either
+        std::visit(
+            [&](const auto& xyz) {
+                const Point origin = origin_of(xyz);
+                model.buffers.resize(1);
+                model.meshes.push_back(build_mesh(model, coloured, positions_of(xyz, origin)));
+                tinygltf::Node node;
+                node.mesh = 0;
+                if (origin != Point{}) node.translation.assign(origin.begin(), origin.end());
+                model.nodes.push_back(node);
+                model.scenes[0].nodes = {0};
+            },
+            coloured.mesh.vertices);
+    }
+    tinygltf::TinyGLTF().WriteGltfSceneToStream(&model, out, false, true);
+}
+
+}  // namespace crumple::io

@@ -1,0 +1,116 @@
+// OFF: counts, then a vertex a line, then a face a line. The header's prefixes (ST, C, N) announce what else a vertex
+// line holds after its coordinates; that is skipped, as are colours after a face's corners.
+
+#include "io/fan.h"
+#include "io/formats.h"
+#include "io/sink.h"
+#include "io/text.h"
+
+namespace crumple::io {
+
+namespace {
+
+template <class Scalar>
+class OffReader {
+   public:
+    explicit OffReader(const Source& source) : in_(source, {.lines = true, .comments = true}) {}
+
+    TriangleMesh read() {
+        read_header();
+        const std::int64_t vertices = read_count("vertices", 6);  // "0 0 0" and the line's end
+        const std::int64_t faces = read_count("faces", 8);        // "3 0 1 2"
+        if (!in_.finished()) in_.integer("a count of edges");     // never used, often wrong or missing
+        if (!in_.finished()) in_.fail("the line of counts goes on");
+        in_.skip_line();
+
+        std::vector<Scalar> xyz;
+        xyz.reserve(3 * static_cast<std::size_t>(vertices));
+        for (std::int64_t v = 0; v < vertices; ++v) {
+            next_line("a vertex");
+            for (int axis = 0; axis < 3; ++axis) xyz.push_back(in_.real<Scalar>());
+            in_.skip_line();
+        }
+        std::vector<std::int32_t> triangles;
+        triangles.reserve(3 * static_cast<std::size_t>(faces));
+        for (std::int64_t f = 0; f < faces; ++f) {
+            next_line("a face");
+            read_face(vertices, triangles);
+            in_.skip_line();
+        }
+        if (in_.next_line_with_items()) in_.fail("data follows the last face that the header announces");
+        return {std::move(xyz), std::move(triangles), {}};
+    }
+
+   private:
+    void next_line(const char* what) {
+        if (!in_.next_line_with_items()) in_.fail(std::string(what) + " is missing");
+    }
+
+    void read_header() {
+        next_line("the header");
+        const std::string_view word = in_.rest_of_word();
+        const bool named = is_off_header(word);
+        if (!named && word[0] >= '0' && word[0] <= '9') return;  // the keyword is optional
+        if (!named) in_.fail(in_quotes(word) + " instead of OFF");
+        if (word.find_first_of("4n") != word.npos) in_.fail("only OFF in three dimensions is read");
+        in_.word();
+        if (!in_.finished() && *in_.position() == 'B') in_.fail("binary OFF is not read");
+        next_line("a count of vertices");
+    }
+
+    std::int64_t read_count(const char* what, std::int64_t least_size) {
+        const char* const place = in_.position();
+        const std::int64_t count = in_.integer(what);
+        if (count < 0 || count > (static_cast<std::int64_t>(in_.remaining()) + 1) / least_size) {
+            in_.fail(place, std::to_string(count) + ' ' + what + " do not fit in the rest of the file");
+        }
+        return count;
+    }
+
+    void read_face(std::int64_t vertices, std::vector<std::int32_t>& triangles) {
+        const char* const place = in_.position();
+        const std::int64_t corners = in_.integer("a count of corners");
+        if (corners < 3) in_.fail(place, "a face has " + std::to_string(corners) + " corners");
+        Fan fan(triangles);
+        for (std::int64_t i = 0; i < corners; ++i) {
+            const std::int64_t index = in_.integer("a corner");
+            if (index < 0 || index >= vertices) {
+                in_.fail(place, "a face names vertex " + std::to_string(index) + " of " + std::to_string(vertices));
+            }
+            fan.add(static_cast<std::int32_t>(index));
+        }
+    }
+
+    Scanner in_;
+};
+
+}  // namespace
+
+bool is_off_header(std::string_view word) {
+    for (const std::string_view prefix : {"ST", "C", "N", "4", "n"}) {
+        if (word.substr(0, prefix.size()) == prefix) word.remove_prefix(prefix.size());
+    }
+    return word == "OFF";
+}
+
+TriangleMesh read_off(const Source& source, const ReadOptions& options) {
+    return in_precision(options.precision, ScalarType::float64,
+                        [&](auto zero) { return OffReader<decltype(zero)>(source).read(); });
+}
+
+void write_off(std::ostream& out, const TriangleMesh& mesh) {
+    Sink sink(out);
+    sink << "OFF\n" << mesh.vertex_count() << ' ' << mesh.triangle_count() << " 0\n";
+    std::visit(
+        [&](const auto& xyz) {
+            for (std::size_t i = 0; i < xyz.size(); i += 3) {
+                sink << xyz[i] << ' ' << xyz[i + 1] << ' ' << xyz[i + 2] << '\n';
+            }
+        },
+        mesh.vertices);
+    for (std::size_t i = 0; i < mesh.triangles.size(); i += 3) {
+        sink << "3 " << mesh.triangles[i] << ' ' << mesh.triangles[i + 1] << ' ' << mesh.triangles[i + 2] << '\n';
+    }
+}
+
+}  // namespace crumple::io

@@ -1,0 +1,25 @@
+#pragma once
+
+// What the writers of pairs have in common.
+
+#include <span>
+#include <string_view>
+
+#include "crumple/collisions.h"
+
+namespace crumple::io {
+
+inline std::string_view name_of(ContactKind kind) {
+    return kind == ContactKind::point ? "point" : kind == ContactKind::segment ? "segment" : "area";
+}
+
+inline bool has_contacts(const Collisions& collisions) { return !collisions.contacts.offsets.empty(); }
+
+inline std::span<const std::array<double, 3>> points_of_pair(const Collisions& collisions, std::size_t pair) {
+    const Contacts& contacts = collisions.contacts;
+    return contacts.points.span().subspan(
+        static_cast<std::size_t>(contacts.offsets[pair]),
+        static_cast<std::size_t>(contacts.offsets[pair + 1] - contacts.offsets[pair]));
+}
+
+}  // namespace crumple::io

@@ -1,0 +1,234 @@
+// PLY: a header that announces elements, then the rows of each. The reader walks the rows of `vertex` and `face` and
+// skips the rest. Before anything is allocated or looped over, the announced count is compared with the bytes left.
+
+#include <algorithm>
+#include <array>
+
+#include "io/fan.h"
+#include "io/formats.h"
+#include "io/ply_body.h"
+#include "io/ply_header.h"
+#include "io/sink.h"
+
+namespace crumple::io {
+
+namespace {
+
+template <class Body>
+class BodyReader {
+   public:
+    BodyReader(const Source& source, const PlyHeader& header, const std::string& group_property)
+        : source_(source),
+          header_(header),
+          body_(source, header),
+          vertex_(header.element(source, "vertex")),
+          face_(header.element(source, "face")),
+          xyz_{scalar(vertex_, "x"), scalar(vertex_, "y"), scalar(vertex_, "z")},
+          corners_(face_.find(source, {"vertex_indices", "vertex_index"})) {
+        if (!corners_ || !corners_->count_type || !is_integer(corners_->type)) {
+            source.fail_at_line(face_.place, "faces have no list of integers 'vertex_indices'");
+        }
+        if (!group_property.empty()) group_ = scalar(face_, group_property);
+        if (group_ && !is_integer(group_->type)) {
+            source.fail_at_line(face_.place, "face property " + in_quotes(group_property) + " is not an integer");
+        }
+    }
+
+    ScalarType precision() const {
+        for (const PlyProperty* property : xyz_) {
+            if (property->type != PlyType::float32) return ScalarType::float64;
+        }
+        return ScalarType::float32;
+    }
+
+    template <class Scalar>
+    TriangleMesh read() {
+        TriangleMesh mesh;
+        for (const PlyElement& element : header_.elements) {
+            check_count(element);
+            if (&element == &vertex_)
+                mesh.vertices = read_vertices<Scalar>();
+            else if (&element == &face_)
+                read_faces(mesh);
+            else
+                skip_rows(element);
+        }
+        // A count that is too small would otherwise hide the rest of the mesh.
+        const char* const rest = body_.position();
+        const std::string_view left(rest, static_cast<std::size_t>(source_.end() - rest));
+        if (left.find_first_not_of(" \t\r\n") != left.npos) {
+            body_.fail(rest, "data follows the last row that the header announces");
+        }
+        return mesh;
+    }
+
+   private:
+    const PlyProperty* scalar(const PlyElement& element, const std::string& name) const {
+        const PlyProperty* property = element.find(source_, {name});
+        if (!property || property->count_type) {
+            source_.fail_at_line(element.place,
+                                 "element " + in_quotes(element.name) + " has no scalar " + in_quotes(name));
+        }
+        return property;
+    }
+
+    void check_count(const PlyElement& element) {
+        std::int64_t row = 0;
+        for (const PlyProperty& property : element.properties) {
+            row += body_.least_size(property.count_type.value_or(property.type));
+            if (&property == corners_) row += 3 * body_.least_size(property.type);
+        }
+        if (row > 0 && element.count > body_.remaining() / row) {
+            source_.fail_at_line(element.place, std::to_string(element.count) + " rows of element " +
+                                                    in_quotes(element.name) + " do not fit in the rest of the file");
+        }
+    }
+
+    std::int64_t list_count(const PlyProperty& property) {
+        const char* const place = body_.position();
+        const std::int64_t count = body_.integer(*property.count_type);
+        if (count < 0 || count > body_.remaining() / body_.least_size(property.type)) {
+            body_.fail(place, "a list of " + std::to_string(count) + " values does not fit in the rest of the file");
+        }
+        return count;
+    }
+
+    void skip_value(const PlyProperty& property) {
+        body_.skip(property.type, property.count_type ? list_count(property) : 1);
+    }
+
+    void skip_rows(const PlyElement& element) {
+        if (element.properties.empty()) return;
+        for (std::int64_t row = 0; row < element.count; ++row) {
+            for (const PlyProperty& property : element.properties) skip_value(property);
+        }
+    }
+
+    template <class Scalar>
+    std::vector<Scalar> read_vertices() {
+        std::vector<Scalar> xyz(3 * static_cast<std::size_t>(vertex_.count));
+        std::vector<int> axes;  // of each property, -1 for those to skip
+        for (const PlyProperty& property : vertex_.properties) {
+            const auto axis = std::find(xyz_.begin(), xyz_.end(), &property);
+            axes.push_back(axis == xyz_.end() ? -1 : static_cast<int>(axis - xyz_.begin()));
+        }
+        Scalar* vertex = xyz.data();
+        for (std::int64_t row = 0; row < vertex_.count; ++row, vertex += 3) {
+            for (std::size_t i = 0; i < axes.size(); ++i) {
+                const PlyProperty& property = vertex_.properties[i];
+                if (axes[i] >= 0)
+                    vertex[axes[i]] = body_.template real<Scalar>(property.type);
+                else
+                    skip_value(property);
+            }
+        }
+        return xyz;
+    }
+
+    void read_faces(TriangleMesh& mesh) {
+        mesh.triangles.reserve(3 * static_cast<std::size_t>(face_.count));
+        for (std::int64_t row = 0; row < face_.count; ++row) {
+            std::int32_t group = 0;
+            for (const PlyProperty& property : face_.properties) {
+                if (&property == corners_)
+                    read_polygon(mesh.triangles);
+                else if (&property == group_)
+                    group = read_group();
+                else
+                    skip_value(property);
+            }
+            if (group_) mesh.groups.resize(mesh.triangles.size() / 3, group);
+        }
+    }
+
+    void read_polygon(std::vector<std::int32_t>& triangles) {
+        const char* const place = body_.position();
+        const std::int64_t count = list_count(*corners_);
+        if (count < 3) body_.fail(place, "a face has " + std::to_string(count) + " corners");
+        Fan fan(triangles);
+        for (std::int64_t i = 0; i < count; ++i) {
+            const char* const corner = body_.position();
+            const std::int64_t index = body_.integer(corners_->type);
+            if (index < 0 || index >= vertex_.count) {
+                body_.fail(corner,
+                           "a face names vertex " + std::to_string(index) + " of " + std::to_string(vertex_.count));
+            }
+            fan.add(static_cast<std::int32_t>(index));
+        }
+    }
+
+    std::int32_t read_group() {
+        const char* const place = body_.position();
+        const std::int64_t group = body_.integer(group_->type);
+        if (group != static_cast<std::int32_t>(group)) body_.fail(place, "a group does not fit in 32 bits");
+        return static_cast<std::int32_t>(group);
+    }
+
+    const Source& source_;
+    const PlyHeader& header_;
+    Body body_;
+    const PlyElement &vertex_, &face_;
+    std::array<const PlyProperty*, 3> xyz_;
+    const PlyProperty* corners_;
+    const PlyProperty* group_ = nullptr;
+};
+
+template <class Body>
+TriangleMesh read(const Source& source, const PlyHeader& header, const ReadOptions& options) {
+    BodyReader<Body> reader(source, header, options.group_property);
+    return in_precision(options.precision, reader.precision(),
+                        [&](auto zero) { return reader.template read<decltype(zero)>(); });
+}
+
+constexpr std::string_view colour_properties = "property uchar red\nproperty uchar green\nproperty uchar blue\n";
+
+/// `hit` may be null: no colours.
+void write(std::ostream& out, const TriangleMesh& mesh, const std::vector<std::uint8_t>* hit) {
+    const std::vector<std::int32_t>& corners = mesh.triangles;
+    const std::string scalar = mesh.precision() == ScalarType::float32 ? "float" : "double";
+    std::vector<std::uint8_t> hit_vertices(hit ? static_cast<std::size_t>(mesh.vertex_count()) : 0);
+    for (std::size_t i = 0; hit && i < corners.size(); ++i) {
+        if ((*hit)[i / 3]) hit_vertices[static_cast<std::size_t>(corners[i])] = 1;
+    }
+    Sink sink(out);
+    const auto colour = [&](bool collides) {
+        const Colour& c = collides ? colliding_colour : free_colour;
+        sink.little(c.red, c.green, c.blue);
+    };
+
+    sink << "ply\nformat binary_little_endian 1.0\nelement vertex " << mesh.vertex_count() << '\n';
+    for (const char* const axis : {"x", "y", "z"}) sink << "property " << scalar << ' ' << axis << '\n';
+    if (hit) sink << colour_properties;
+    sink << "element face " << mesh.triangle_count() << "\nproperty list uchar int vertex_indices\n";
+    if (!mesh.groups.empty()) sink << "property int group\n";
+    if (hit) sink << colour_properties;
+    sink << "end_header\n";
+
+    std::visit(
+        [&](const auto& xyz) {
+            for (std::size_t v = 0; v < xyz.size() / 3; ++v) {
+                sink.little(xyz[3 * v], xyz[3 * v + 1], xyz[3 * v + 2]);
+                if (hit) colour(hit_vertices[v]);
+            }
+        },
+        mesh.vertices);
+    for (std::size_t t = 0; t < corners.size() / 3; ++t) {
+        sink.little(std::uint8_t{3}, corners[3 * t], corners[3 * t + 1], corners[3 * t + 2]);
+        if (!mesh.groups.empty()) sink.little(mesh.groups[t]);
+        if (hit) colour((*hit)[t]);
+    }
+}
+
+}  // namespace
+
+TriangleMesh read_ply(const Source& source, const ReadOptions& options) {
+    const PlyHeader header = read_ply_header(source);
+    return header.encoding == PlyEncoding::ascii ? read<AsciiBody>(source, header, options)
+                                                 : read<BinaryBody>(source, header, options);
+}
+
+void write_ply(std::ostream& out, const TriangleMesh& mesh) { write(out, mesh, nullptr); }
+
+void write_coloured_ply(std::ostream& out, const ColouredMesh& coloured) { write(out, coloured.mesh, &coloured.hit); }
+
+}  // namespace crumple::io

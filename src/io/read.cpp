@@ -1,0 +1,68 @@
+// Which format a file has, by its content first and its extension second, and what all formats have in common.
+
+#include <cctype>
+
+#include "io/formats.h"
+#include "io/text.h"
+#include "io/weld.h"
+#include "pipeline/float_environment.h"
+
+namespace crumple::io {
+
+namespace {
+
+enum class Format { ply, obj, stl, off };
+
+Format format_of(const Source& source, const std::string& extension) {
+    if (is_binary_stl(source)) return Format::stl;
+    Scanner in(source, {.lines = true, .comments = true});
+    if (in.next_line_with_items()) {
+        const std::string_view word = in.word();
+        if (word == "ply" && word.data() == source.begin()) return Format::ply;
+        if (is_off_header(word)) return Format::off;
+        if (starts_obj(word)) return Format::obj;
+        if (word.size() == 5 && std::tolower(word[0]) == 's' && word.substr(1) == "olid") return Format::stl;
+    }
+    if (extension == ".ply") return Format::ply;
+    if (extension == ".obj") return Format::obj;
+    if (extension == ".stl") return Format::stl;
+    if (extension == ".off") return Format::off;
+    throw Error(ErrorCode::format, source.name() + ": neither content nor extension are those of PLY, OBJ, STL or OFF",
+                Element::byte, 0);
+}
+
+TriangleMesh read(const Source& source, Format format, const ReadOptions& options) {
+    switch (format) {
+        case Format::ply:
+            return read_ply(source, options);
+        case Format::obj:
+            return read_obj(source, options);
+        case Format::stl:
+            return read_stl(source, options);
+        default:
+            return read_off(source, options);
+    }
+}
+
+}  // namespace
+
+TriangleMesh read_mesh(const std::filesystem::path& path, const ReadOptions& options) {
+    const FloatEnvironment environment;
+    const Source source(path);
+    const Format format = format_of(source, extension_of(path));
+    if (!options.group_property.empty() && format != Format::ply) {
+        throw Error(ErrorCode::invalid_argument, source.name() + ": only PLY files hold groups", Element::option);
+    }
+    try {
+        TriangleMesh mesh = read(source, format, options);
+        if (mesh.vertex_count() > INT32_MAX || mesh.triangle_count() > INT32_MAX) {
+            throw Error(ErrorCode::format, source.name() + ": more vertices or triangles than 32-bit ids can name");
+        }
+        if (options.weld == Weld::yes || (options.weld == Weld::automatic && format == Format::stl)) weld(mesh);
+        return mesh;
+    } catch (const std::bad_alloc&) {
+        throw Error(ErrorCode::file, "cannot read " + source.name() + ": its mesh does not fit in memory");
+    }
+}
+
+}  // namespace crumple::io

@@ -1,0 +1,65 @@
+#include "io/source.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <fstream>
+#include <system_error>
+
+namespace crumple::io {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+[[noreturn]] void fail_to_read(const fs::path& path, const std::string& reason) {
+    throw Error(ErrorCode::file, "cannot read " + path.string() + ": " + reason);
+}
+
+}  // namespace
+
+Source::Source(const fs::path& path) : name_(path.string()) {
+    std::error_code error;
+    const fs::file_status status = fs::status(path, error);
+    if (error) fail_to_read(path, error.message());
+    if (fs::is_directory(status)) fail_to_read(path, "it is a directory");
+    // Pipes end; devices such as /dev/zero need not.
+    if (!fs::is_regular_file(status) && !fs::is_fifo(status)) fail_to_read(path, "it is not a file");
+
+    errno = 0;
+    std::ifstream in(path, std::ios::binary);
+    if (!in) fail_to_read(path, std::generic_category().message(errno));
+    const std::uintmax_t hint = fs::is_regular_file(status) ? fs::file_size(path, error) : 0;
+    try {
+        bytes_.resize(std::max<std::size_t>(error ? 0 : hint, 4095) + 1);  // one more, to see the end in one go
+        std::size_t size = 0;
+        while (true) {
+            in.read(bytes_.data() + size, static_cast<std::streamsize>(bytes_.size() - size));
+            size += static_cast<std::size_t>(in.gcount());
+            if (!in) break;
+            bytes_.resize(2 * bytes_.size());
+        }
+        bytes_.resize(size);
+    } catch (const std::bad_alloc&) {
+        fail_to_read(path, "it does not fit in memory");
+    }
+    if (in.bad()) fail_to_read(path, std::generic_category().message(errno));
+}
+
+void Source::fail_at_line(const char* place, const std::string& what) const {
+    const std::int64_t line = 1 + std::count(begin(), place, '\n');
+    throw Error(ErrorCode::format, name_ + ", line " + std::to_string(line) + ": " + what, Element::line, line);
+}
+
+void Source::fail_at_byte(const char* place, const std::string& what) const {
+    const std::int64_t byte = place - begin();
+    throw Error(ErrorCode::format, name_ + ", byte " + std::to_string(byte) + ": " + what, Element::byte, byte);
+}
+
+std::string in_quotes(std::string_view word) {
+    constexpr std::size_t longest = 40;
+    std::string result = "'";
+    for (const char c : word.substr(0, longest)) result += c >= ' ' && c <= '~' ? c : '?';
+    return result + (word.size() > longest ? "...'" : "'");
+}
+
+}  // namespace crumple::io

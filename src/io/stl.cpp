@@ -1,0 +1,171 @@
+// STL: triangles by their coordinates. Binary: 80 bytes of anything, a count, and 50 bytes a triangle (normal, three
+// vertices, 16 bits). Ascii: `solid`, facets, `endsolid`, as often as there are solids. Normals are skipped.
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <numeric>
+
+#include "io/bytes.h"
+#include "io/fan.h"
+#include "io/formats.h"
+#include "io/sink.h"
+#include "io/text.h"
+
+namespace crumple::io {
+
+namespace {
+
+constexpr std::size_t header_size = 80, prologue_size = 84, record_size = 50, normal_size = 12;
+
+bool equal_ignoring_case(std::string_view a, std::string_view b) {
+    return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                      [](unsigned char x, unsigned char y) { return std::tolower(x) == std::tolower(y); });
+}
+
+template <class Scalar>
+TriangleMesh read_binary(const Source& source) {
+    const char* record = source.begin() + prologue_size;
+    const std::size_t count = (source.text().size() - prologue_size) / record_size;
+    std::vector<Scalar> xyz(9 * count);
+    for (std::size_t t = 0; t < count; ++t, record += record_size) {
+        for (std::size_t i = 0; i < 9; ++i) {
+            const char* const place = record + normal_size + 4 * i;
+            const float value = load<float>(place, std::endian::little);
+            if (!std::isfinite(value)) source.fail_at_byte(place, "a coordinate is not finite");
+            xyz[9 * t + i] = value;
+        }
+    }
+    std::vector<std::int32_t> triangles(3 * count);
+    std::iota(triangles.begin(), triangles.end(), 0);
+    return {std::move(xyz), std::move(triangles), {}};
+}
+
+template <class Scalar>
+class AsciiReader {
+   public:
+    explicit AsciiReader(const Source& source) : in_(source, {}) {}
+
+    TriangleMesh read() {
+        do read_solid();
+        while (!in_.finished());
+        return {std::move(xyz_), std::move(triangles_), {}};
+    }
+
+   private:
+    void read_solid() {
+        expect("solid");
+        in_.skip_line();  // a name: anything
+        while (true) {
+            const char* const place = next();
+            const std::string_view word = in_.word("endsolid");
+            if (equal_ignoring_case(word, "endsolid")) break;
+            if (!equal_ignoring_case(word, "facet")) in_.fail(place, in_quotes(word) + " instead of facet or endsolid");
+            read_facet();
+        }
+        in_.skip_line();
+    }
+
+    void read_facet() {
+        expect("normal");
+        for (int axis = 0; axis < 3; ++axis) in_.word("a normal");
+        expect("outer");
+        expect("loop");
+        Fan fan(triangles_);
+        while (true) {
+            const char* const place = next();
+            const std::string_view word = in_.word("endloop");
+            if (equal_ignoring_case(word, "endloop")) {
+                if (fan.corners() < 3) in_.fail(place, "a facet has " + std::to_string(fan.corners()) + " corners");
+                break;
+            }
+            if (!equal_ignoring_case(word, "vertex"))
+                in_.fail(place, in_quotes(word) + " instead of vertex or endloop");
+            fan.add(static_cast<std::int32_t>(xyz_.size() / 3));
+            for (int axis = 0; axis < 3; ++axis) xyz_.push_back(in_.real<Scalar>());
+        }
+        expect("endfacet");
+    }
+
+    const char* next() {
+        in_.finished();
+        return in_.position();
+    }
+    void expect(const char* keyword) {
+        const char* const place = next();
+        const std::string_view word = in_.word(keyword);
+        if (!equal_ignoring_case(word, keyword)) in_.fail(place, in_quotes(word) + " instead of " + keyword);
+    }
+
+    Scanner in_;
+    std::vector<Scalar> xyz_;
+    std::vector<std::int32_t> triangles_;
+};
+
+/// Unit normal, or zero of a degenerate triangle. float32 coordinates neither overflow nor underflow here.
+std::array<float, 3> normal_of(const std::array<std::array<float, 3>, 3>& corners) {
+    std::array<double, 3> u, v;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        u[axis] = double{corners[1][axis]} - double{corners[0][axis]};
+        v[axis] = double{corners[2][axis]} - double{corners[0][axis]};
+    }
+    const std::array<double, 3> n{u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
+    const double length = std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+    if (!(length > 0)) return {};
+    return {static_cast<float>(n[0] / length), static_cast<float>(n[1] / length), static_cast<float>(n[2] / length)};
+}
+
+}  // namespace
+
+bool is_binary_stl(const Source& source) {
+    const std::size_t size = source.text().size();
+    return size >= prologue_size &&
+           size == prologue_size + record_size * load<std::uint32_t>(source.begin() + header_size, std::endian::little);
+}
+
+TriangleMesh read_stl(const Source& source, const ReadOptions& options) {
+    if (is_binary_stl(source)) {
+        constexpr std::uint32_t most = INT32_MAX / 3;  // three vertices each, ids int32
+        if (load<std::uint32_t>(source.begin() + header_size, std::endian::little) > most) {
+            source.fail_at_byte(source.begin() + header_size, "more than " + std::to_string(most) + " triangles");
+        }
+        return in_precision(options.precision, ScalarType::float32,
+                            [&](auto zero) { return read_binary<decltype(zero)>(source); });
+    }
+    const bool text = source.text().substr(0, 512).find('\0') == std::string_view::npos;
+    if (!text) {
+        const char* const place = source.begin() + std::min(header_size, source.text().size());
+        source.fail_at_byte(place, "the size of the file is not that of the triangles announced here");
+    }
+    return in_precision(options.precision, ScalarType::float64,
+                        [&](auto zero) { return AsciiReader<decltype(zero)>(source).read(); });
+}
+
+void write_stl(std::ostream& out, const TriangleMesh& mesh) {
+    Sink sink(out);
+    constexpr std::string_view title = "binary STL, written by Crumple";  // must not begin with "solid"
+    sink << title;
+    for (std::size_t i = title.size(); i < header_size; ++i) sink << ' ';
+    sink.little(static_cast<std::uint32_t>(mesh.triangle_count()));
+    for (std::size_t t = 0; t < mesh.triangles.size() / 3; ++t) {
+        std::array<std::array<float, 3>, 3> corners;
+        for (std::size_t c = 0; c < 3; ++c) {
+            const auto vertex = static_cast<std::size_t>(mesh.triangles[3 * t + c]);
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                corners[c][axis] = std::visit(
+                    [&](const auto& xyz) { return static_cast<float>(xyz[3 * vertex + axis]); }, mesh.vertices);
+                if (!std::isfinite(corners[c][axis])) {
+                    throw Error(ErrorCode::invalid_argument,
+                                "vertex " + std::to_string(vertex) + " overflows float32, which .stl holds",
+                                Element::vertex, static_cast<std::int64_t>(vertex));
+                }
+            }
+        }
+        for (const auto& row : {normal_of(corners), corners[0], corners[1], corners[2]}) {
+            sink.little(row[0], row[1], row[2]);
+        }
+        sink.little(std::uint16_t{0});
+    }
+}
+
+}  // namespace crumple::io

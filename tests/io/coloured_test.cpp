@@ -1,0 +1,147 @@
+#include <tiny_gltf.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include "io/formats.h"
+#include "samples.h"
+
+namespace crumple::io::test {
+namespace {
+
+/// Triangle 1 of sample_mesh() collides.
+Collisions one_hit() {
+    Collisions collisions;
+    for (const std::uint8_t hit : std::vector<std::uint8_t>{0, 1, 0}) collisions.hit.push_back(hit);
+    return collisions;
+}
+
+Collisions hits_of_two() {
+    Collisions collisions = one_hit();
+    for (const std::uint8_t hit : std::vector<std::uint8_t>{0, 0, 1}) collisions.hit_second.push_back(hit);
+    return collisions;
+}
+
+/// Colours of the faces, by way of the reader's groups.
+std::vector<std::int32_t> face_channel(const fs::path& path, const char* channel) {
+    return read_mesh(path, {.group_property = channel}).groups;
+}
+
+TEST(Coloured, PlyColoursFacesAndVertices) {
+    const Folder folder;
+    write_coloured(folder / "a.ply", sample_mesh(), nullptr, one_hit());
+    expect_same(read_mesh(folder / "a.ply"), sample_mesh());
+    EXPECT_EQ(face_channel(folder / "a.ply", "red"), (std::vector<std::int32_t>{178, 213, 178}));
+    EXPECT_EQ(face_channel(folder / "a.ply", "green"), (std::vector<std::int32_t>{178, 94, 178}));
+    EXPECT_EQ(face_channel(folder / "a.ply", "blue"), (std::vector<std::int32_t>{178, 0, 178}));
+    const std::string bytes = bytes_of(folder / "a.ply");
+    const std::size_t body = bytes.find("end_header\n") + 11;
+    for (std::size_t v = 0; v < 5; ++v) {
+        const bool hit = v == 0 || v == 2 || v == 3;
+        EXPECT_EQ(bytes.substr(body + 27 * v + 24, 3), hit ? std::string("\xd5\x5e\0", 3) : "\xb2\xb2\xb2") << v;
+    }
+}
+
+TEST(Coloured, TheSecondMeshFollowsTheFirst) {
+    const Folder folder;
+    TriangleMesh second = sample_mesh();
+    second.vertices = std::vector<float>(15, 0.25f);
+    for (const char* const name : {"a.ply", "a.obj"}) {
+        write_coloured(folder / name, sample_mesh(), &second, hits_of_two());
+        const TriangleMesh both = read_mesh(folder / name);
+        EXPECT_EQ(both.precision(), ScalarType::float64) << "the first mesh loses no bit";
+        EXPECT_EQ(both.vertex_count(), 10);
+        EXPECT_EQ(both.triangles, (std::vector<std::int32_t>{0, 1, 2, 0, 2, 3, 4, 1, 0, 5, 6, 7, 5, 7, 8, 9, 6, 5}));
+    }
+    EXPECT_EQ(face_channel(folder / "a.ply", "blue"), (std::vector<std::int32_t>{178, 0, 178, 178, 178, 0}));
+}
+
+TEST(Coloured, ObjKeepsTheOrderOfTrianglesAndNamesMaterials) {
+    const Folder folder;
+    write_coloured(folder / "a.obj", sample_mesh(), nullptr, one_hit());
+    expect_same(read_mesh(folder / "a.obj"), sample_mesh());
+    const std::string text = bytes_of(folder / "a.obj");
+    EXPECT_NE(text.find("mtllib a.mtl\n"), text.npos);
+    EXPECT_NE(text.find("usemtl free\nf 1 2 3\nusemtl colliding\nf 1 3 4\nusemtl free\nf 5 2 1\n"), text.npos) << text;
+    const std::string materials = bytes_of(folder / "a.mtl");
+    EXPECT_NE(materials.find("newmtl free\nKd 0.69"), materials.npos) << materials;
+    EXPECT_NE(materials.find("newmtl colliding\nKd 0.83"), materials.npos) << materials;
+}
+
+tinygltf::Model load_glb(const fs::path& path) {
+    tinygltf::Model model;
+    std::string error, warning;
+    EXPECT_TRUE(tinygltf::TinyGLTF().LoadBinaryFromFile(&model, &error, &warning, path.string())) << error;
+    EXPECT_EQ(error + warning, "");
+    return model;
+}
+
+template <class T>
+std::vector<T> values(const tinygltf::Model& model, int index) {
+    const tinygltf::Accessor& accessor = model.accessors[static_cast<std::size_t>(index)];
+    const tinygltf::BufferView& view = model.bufferViews[static_cast<std::size_t>(accessor.bufferView)];
+    std::vector<T> result(view.byteLength / sizeof(T));
+    EXPECT_EQ(view.byteOffset % 4, 0u);
+    std::memcpy(result.data(), model.buffers[0].data.data() + view.byteOffset, view.byteLength);
+    return result;
+}
+
+TEST(Coloured, GlbHasAPrimitiveAndAMaterialForEachColour) {
+    const Folder folder;
+    write_coloured(folder / "a.glb", sample_mesh(), nullptr, one_hit());
+    const tinygltf::Model model = load_glb(folder / "a.glb");
+    ASSERT_EQ(model.meshes.size(), 1u);
+    const auto& primitives = model.meshes[0].primitives;
+    ASSERT_EQ(primitives.size(), 2u);
+    EXPECT_EQ(values<std::uint32_t>(model, primitives[0].indices), (std::vector<std::uint32_t>{0, 1, 2, 4, 1, 0}));
+    EXPECT_EQ(values<std::uint32_t>(model, primitives[1].indices), (std::vector<std::uint32_t>{0, 2, 3}));
+    EXPECT_NE(primitives[0].material, primitives[1].material);
+    for (const auto& material : model.materials) EXPECT_TRUE(material.doubleSided);
+    const int positions = primitives[0].attributes.at("POSITION");
+    const std::vector<double> expected = coordinates(sample_mesh());
+    EXPECT_EQ(values<float>(model, positions), std::vector<float>(expected.begin(), expected.end()));
+    EXPECT_EQ(model.accessors[static_cast<std::size_t>(positions)].minValues, (std::vector<double>{0, 0, -2}));
+    EXPECT_EQ(model.accessors[static_cast<std::size_t>(positions)].maxValues, (std::vector<double>{1, 1, 0}));
+    EXPECT_TRUE(model.nodes[0].translation.empty());
+}
+
+TEST(Coloured, GlbMovesAFloat64MeshThatIsFarAway) {
+    const Folder folder;
+    TriangleMesh mesh = sample_mesh();
+    for (double& x : std::get<std::vector<double>>(mesh.vertices)) x += 5e6;
+    write_coloured(folder / "a.glb", mesh, nullptr, one_hit());
+    const tinygltf::Model model = load_glb(folder / "a.glb");
+    ASSERT_EQ(model.nodes[0].translation.size(), 3u);
+    const auto positions = values<float>(model, model.meshes[0].primitives[0].attributes.at("POSITION"));
+    const std::vector<double> expected = coordinates(mesh);
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+        EXPECT_NEAR(model.nodes[0].translation[i % 3] + positions[i], expected[i], 1e-6) << "coordinate " << i;
+    }
+}
+
+TEST(Coloured, GlbOfNothingIsAnEmptySceneAndOfOneColourOnePrimitive) {
+    const Folder folder;
+    write_coloured(folder / "empty.glb", {}, nullptr, {});
+    EXPECT_TRUE(load_glb(folder / "empty.glb").meshes.empty());
+    Collisions none = one_hit();
+    none.hit.fill(0);
+    write_coloured(folder / "free.glb", sample_mesh(), nullptr, none);
+    EXPECT_EQ(load_glb(folder / "free.glb").meshes[0].primitives.size(), 1u);
+}
+
+TEST(Coloured, CollisionsOfAnotherMeshAreRefused) {
+    const Folder folder;
+    const TriangleMesh mesh = sample_mesh();
+    for (const char* const name : {"a.ply", "a.obj", "a.glb"}) {
+        EXPECT_EQ(error_of([&] { write_coloured(folder / name, mesh, nullptr, {}); }).code,
+                  ErrorCode::invalid_argument);
+        EXPECT_EQ(error_of([&] { write_coloured(folder / name, mesh, &mesh, one_hit()); }).code,
+                  ErrorCode::invalid_argument);
+    }
+    EXPECT_EQ(error_of([&] { write_coloured(folder / "a.stl", mesh, nullptr, one_hit()); }).code,
+              ErrorCode::invalid_argument);
+    EXPECT_TRUE(fs::is_empty(folder.path()));
+}
+
+}  // namespace
+}  // namespace crumple::io::test

@@ -1,0 +1,54 @@
+#include "samples.h"
+
+namespace crumple::io::test {
+namespace {
+
+const std::string body = "3 1 3\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+const TriangleMesh corner{std::vector<double>{0, 0, 0, 1, 0, 0, 0, 1, 0}, {0, 1, 2}, {}};
+
+TEST(Off, TheHeaderMayBeShortLongOrMissing) {
+    for (const char* const header : {"OFF\n", "OFF ", "COFF\n", "NOFF\n", "CNOFF\n", "STOFF\n", "STCNOFF ", "",
+                                     "# comment\nOFF\n\n# comment\n", "OFF # comment\n"}) {
+        SCOPED_TRACE(header);
+        expect_same(read_bytes(header + body, "a.off"), corner);
+    }
+}
+
+TEST(Off, TheCountOfEdgesMayBeMissing) {
+    expect_same(read_bytes("OFF\n3 1\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", "a.off"), corner);
+}
+
+TEST(Off, ColoursNormalsAndTextureCoordinatesAreSkipped) {
+    expect_same(read_bytes("STCNOFF\n3 1 0\n0 0 0 0 0 1 255 0 0 255 .5 .5\n1 0 0 0 0 1\n0 1 0 # corner\n"
+                           "3 0 1 2 0.5 0.5 0.5 # face\n",
+                           "a.off"),
+                corner);
+}
+
+TEST(Off, PolygonsAreFannedFromTheirFirstCorner) {
+    EXPECT_EQ(read_bytes("OFF\n4 1 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 3 0 1 2\n", "a.off").triangles,
+              (std::vector<std::int32_t>{3, 0, 1, 3, 1, 2}));
+}
+
+TEST(Off, MistakesAreErrorsThatNameTheLine) {
+    const auto bad = [](const std::string& text, std::int64_t line, const char* what) {
+        SCOPED_TRACE(text);
+        expect_bad(text, "a.off", Element::line, line, what);
+    };
+    bad("4OFF\n" + body, 1, "three dimensions");
+    bad("OFF BINARY\n", 1, "binary");
+    bad("OOFF\n" + body, 1, "'OOFF'");
+    bad("OFF\n", 2, "count of vertices");
+    bad("OFF\n3\n0 0 0\n1 0 0\n0 1 0\n", 2, "faces is missing");
+    bad("OFF\n3 1 0 0 0 0\n", 2, "do not fit");
+    bad("OFF\n3 1 0 0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", 2, "goes on");
+    bad("OFF\n-3 1 0\n", 2, "-3 vertices");
+    bad("OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", 7, "a face is missing");
+    bad("OFF\n3 1 0\n0 0 0\n1 0\n0 1 0\n3 0 1 2\n", 4, "a number is missing");
+    bad("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", 6, "vertex 3 of 3");
+    bad("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n2 0 1\n", 6, "2 corners");
+    bad("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n3 0 1 2\n", 7, "data follows");
+}
+
+}  // namespace
+}  // namespace crumple::io::test

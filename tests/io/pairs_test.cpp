@@ -1,0 +1,199 @@
+#include <zip.h>
+
+#include <charconv>
+#include <cstring>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "files.h"
+
+namespace crumple::io::test {
+namespace {
+
+Collisions example(bool contacts) {
+    Collisions c;
+    c.pairs.push_back({0, 2});
+    c.pairs.push_back({0, INT32_MAX});
+    c.pairs.push_back({1, 2});
+    for (const std::int64_t offset : {0, 2, 3, 3}) c.offsets.push_back(offset);
+    for (const std::uint8_t hit : std::vector<std::uint8_t>{1, 1, 1}) c.hit.push_back(hit);
+    c.statistics.pairs = 3;
+    c.statistics.backend = "cpu";
+    c.statistics[Stage::sweep] = 1.5;
+    if (!contacts) return c;
+    for (const ContactKind kind : {ContactKind::point, ContactKind::segment, ContactKind::area}) {
+        c.contacts.kinds.push_back(kind);
+    }
+    for (const std::int64_t offset : {0, 1, 3, 6}) c.contacts.offsets.push_back(offset);
+    for (const double x : {0.1, -2.0, 1e300, 5e-324, 1.0 / 3, 0.0}) c.contacts.points.push_back({x, x, 1});
+    return c;
+}
+
+std::string written(const Collisions& collisions, PairFormat format) {
+    std::ostringstream out;
+    write_pairs(out, collisions, format);
+    return out.str();
+}
+
+TEST(Pairs, TextIsTwoNumbersALine) {
+    EXPECT_EQ(written(example(false), PairFormat::txt), "0 2\n0 2147483647\n1 2\n");
+    EXPECT_EQ(written(example(false), PairFormat::automatic), "0 2\n0 2147483647\n1 2\n");
+    EXPECT_EQ(written({}, PairFormat::txt), "");
+}
+
+TEST(Pairs, TextWithContactsAppendsKindAndPoints) {
+    EXPECT_EQ(written(example(true), PairFormat::txt),
+              "0 2 point 0.1 0.1 1\n0 2147483647 segment -2 -2 1 1e+300 1e+300 1\n"
+              "1 2 area 5e-324 5e-324 1 0.3333333333333333 0.3333333333333333 1 0 0 1\n");
+}
+
+TEST(Pairs, CsvHasAHeaderAndAsManyFieldsInEachLine) {
+    EXPECT_EQ(written(example(false), PairFormat::csv), "a,b\n0,2\n0,2147483647\n1,2\n");
+    std::istringstream lines(written(example(true), PairFormat::csv));
+    std::string line;
+    std::getline(lines, line);
+    EXPECT_EQ(line.substr(0, 29), "a,b,kind,points,x0,y0,z0,x1,y");
+    const auto fields = std::count(line.begin(), line.end(), ',');
+    std::getline(lines, line);
+    EXPECT_EQ(line, "0,2,point,1,0.1,0.1,1,,,,,,,,,,,,,,,");
+    EXPECT_EQ(std::count(line.begin(), line.end(), ','), fields);
+    std::getline(lines, line);
+    EXPECT_EQ(line, "0,2147483647,segment,2,-2,-2,1,1e+300,1e+300,1,,,,,,,,,,,,");
+}
+
+TEST(Pairs, JsonHoldsPairsContactsAndStatistics) {
+    const auto json = nlohmann::json::parse(written(example(true), PairFormat::json));
+    EXPECT_EQ(json["pairs"], nlohmann::json::parse("[[0,2],[0,2147483647],[1,2]]"));
+    ASSERT_EQ(json["contacts"].size(), 3u);
+    EXPECT_EQ(json["contacts"][1]["kind"], "segment");
+    EXPECT_EQ(json["contacts"][1]["points"], nlohmann::json::parse("[[-2,-2,1],[1e300,1e300,1]]"));
+    EXPECT_EQ(json["contacts"][2]["points"][0][0].get<double>(), 5e-324);
+    EXPECT_EQ(json["statistics"]["pairs"], 3);
+    EXPECT_EQ(json["statistics"]["backend"], "cpu");
+    EXPECT_EQ(json["statistics"]["stage_milliseconds"]["sweep"], 1.5);
+    const auto without = nlohmann::json::parse(written(example(false), PairFormat::json));
+    EXPECT_FALSE(without.contains("contacts"));
+    EXPECT_EQ(nlohmann::json::parse(written({}, PairFormat::json))["pairs"].size(), 0u);
+}
+
+/// Entry of a .npz: the header's dictionary and the array's bytes.
+struct Entry {
+    std::string dictionary, data;
+};
+
+Entry entry_of(const fs::path& path, const std::string& name) {
+    int code = 0;
+    zip_t* const archive = zip_open(path.c_str(), ZIP_RDONLY | ZIP_CHECKCONS, &code);
+    if (!archive) throw std::runtime_error("no zip archive");
+    zip_stat_t stat;
+    if (zip_stat(archive, (name + ".npy").c_str(), 0, &stat) != 0) {
+        zip_discard(archive);
+        return {};
+    }
+    EXPECT_EQ(stat.comp_method, ZIP_CM_STORE);
+    std::string bytes(stat.size, '\0');
+    zip_file_t* const file = zip_fopen_index(archive, stat.index, 0);
+    EXPECT_EQ(zip_fread(file, bytes.data(), bytes.size()), static_cast<zip_int64_t>(bytes.size()));
+    EXPECT_EQ(zip_fclose(file), 0) << "checksum";
+    zip_discard(archive);
+    EXPECT_EQ(bytes.substr(0, 8), std::string("\x93NUMPY\x01\x00", 8));
+    const std::size_t length = load<std::uint16_t>(bytes.data() + 8, std::endian::little);
+    EXPECT_EQ((10 + length) % 64, 0u) << "the array is aligned";
+    return {bytes.substr(10, length), bytes.substr(10 + length)};
+}
+
+template <class T>
+std::string raw(const Array<T>& array) {
+    return {reinterpret_cast<const char*>(array.data()), array.size() * sizeof(T)};
+}
+
+TEST(Pairs, NpzHoldsTheArraysByteForByte) {
+    const Folder folder;
+    const Collisions c = example(true);
+    write_pairs(folder / "a.npz", c);
+    const auto expect = [&](const char* name, const std::string& type, const std::string& shape,
+                            const std::string& data) {
+        const Entry entry = entry_of(folder / "a.npz", name);
+        EXPECT_NE(entry.dictionary.find("'descr': '" + type + "'"), std::string::npos) << entry.dictionary;
+        EXPECT_NE(entry.dictionary.find("'shape': (" + shape + ")"), std::string::npos) << entry.dictionary;
+        EXPECT_EQ(entry.data, data) << name;
+    };
+    expect("pairs", "<i4", "3,2", raw(c.pairs));
+    expect("offsets", "<i8", "4,", raw(c.offsets));
+    expect("hit", "|u1", "3,", raw(c.hit));
+    expect("contact_kinds", "|u1", "3,", raw(c.contacts.kinds));
+    expect("contact_offsets", "<i8", "4,", raw(c.contacts.offsets));
+    expect("contact_points", "<f8", "6,3", raw(c.contacts.points));
+    EXPECT_EQ(entry_of(folder / "a.npz", "hit_second").dictionary, "") << "one soup has no second mesh";
+}
+
+TEST(Pairs, EqualResultsGiveEqualNpzFiles) {
+    EXPECT_EQ(written(example(true), PairFormat::npz), written(example(true), PairFormat::npz));
+}
+
+TEST(Pairs, NumpyLoadsNpz) {
+    const auto run = [](const std::string& code) { return std::system(("python3 -c \"" + code + "\" 2>&1").c_str()); };
+    if (run("import numpy") != 0) GTEST_SKIP() << "python3 has no numpy";
+    const Folder folder;
+    write_pairs(folder / "a.npz", example(true));
+    write_pairs(folder / "empty.npz", {});
+    const std::string load = "import numpy as np; z = np.load('" + (folder / "a.npz").string() + "'); ";
+    EXPECT_EQ(run(load + "assert z['pairs'].dtype == np.int32 and z['pairs'].tolist() == [[0,2],[0,2147483647],[1,2]]"),
+              0);
+    EXPECT_EQ(run(load + "assert z['offsets'].dtype == np.int64 and z['offsets'].tolist() == [0,2,3,3]"), 0);
+    EXPECT_EQ(run(load + "assert z['hit'].dtype == np.uint8 and z['hit'].tolist() == [1,1,1]"), 0);
+    EXPECT_EQ(run(load + "assert z['contact_kinds'].tolist() == [1,2,3]"), 0);
+    EXPECT_EQ(run(load + "assert z['contact_points'].shape == (6,3) and z['contact_points'][3,0] == 5e-324"), 0);
+    EXPECT_EQ(
+        run("import numpy as np; assert np.load('" + (folder / "empty.npz").string() + "')['pairs'].shape == (0,2)"),
+        0);
+}
+
+TEST(Pairs, TextIsReadBack) {
+    const Folder folder;
+    for (const bool contacts : {false, true}) {
+        const Collisions c = example(contacts);
+        write_pairs(folder / "a.txt", c);
+        EXPECT_EQ(read_pairs(folder / "a.txt"), std::vector<Pair>(c.pairs.begin(), c.pairs.end()));
+    }
+    EXPECT_TRUE(read_pairs(folder.write("empty.txt", "")).empty());
+    EXPECT_EQ(read_pairs(folder.write("b.txt", "# a b\r\n3 4\r\n\r\n  5\t6 7 8 # more\n1 2")),
+              (std::vector<Pair>{{3, 4}, {5, 6}, {1, 2}}));
+}
+
+TEST(Pairs, MistakesInTextAreErrorsThatNameTheLine) {
+    const Folder folder;
+    for (const char* const bad :
+         {"1", "a b", "1 b", "-1 2", "1 2147483648", "1.5 2", "1 99999999999999999999", "1,2"}) {
+        const Error error =
+            error_of([&] { read_pairs(folder.write("a.txt", std::string("0 1\n\n") + bad + "\n4 5\n")); });
+        EXPECT_EQ(error.code, ErrorCode::format) << bad;
+        EXPECT_EQ(error.element, Element::line) << bad;
+        EXPECT_EQ(error.index, 3) << error.what();
+    }
+    EXPECT_EQ(error_of([&] { read_pairs(folder / "missing.txt"); }).code, ErrorCode::file);
+}
+
+TEST(Pairs, ContactsOfOtherPairsAreRefused) {
+    for (const PairFormat format : {PairFormat::txt, PairFormat::csv, PairFormat::json, PairFormat::npz}) {
+        Collisions c = example(true);
+        c.pairs.push_back({1, 3});
+        EXPECT_EQ(error_of([&] { written(c, format); }).code, ErrorCode::invalid_argument);
+        c = example(true);
+        for (const std::int64_t offset : {100, 1, 0, -1}) {  // each pair has 1 to 6 points
+            c.contacts.offsets[2] = offset;
+            EXPECT_EQ(error_of([&] { written(c, format); }).code, ErrorCode::invalid_argument) << offset;
+        }
+    }
+}
+
+TEST(Pairs, AStreamThatFailsIsAnError) {
+    for (const PairFormat format : {PairFormat::txt, PairFormat::csv, PairFormat::json, PairFormat::npz}) {
+        std::ofstream closed;
+        EXPECT_EQ(error_of([&] { write_pairs(closed, example(true), format); }).code, ErrorCode::file);
+    }
+}
+
+}  // namespace
+}  // namespace crumple::io::test

@@ -1,0 +1,159 @@
+// What all formats share: which format a file has, precision, rounding, welding, files that cannot be read.
+
+#include <unistd.h>
+
+#include <cfenv>
+#include <cmath>
+
+#include "samples.h"
+
+namespace crumple::io::test {
+namespace {
+
+TEST(Read, EveryFormatGivesTheSameMesh) {
+    for (const Sample& sample : samples()) {
+        SCOPED_TRACE(sample.name);
+        expect_same(read_bytes(sample.bytes, sample.name, {.precision = Precision::float64}), sample_mesh());
+    }
+}
+
+TEST(Read, ContentDecidesAndNotTheExtension) {
+    for (const Sample& sample : samples()) {
+        for (const char* const name : {"mesh.obj", "mesh.ply", "mesh.stl", "mesh.off", "mesh.dat", "mesh"}) {
+            SCOPED_TRACE(sample.name + " as " + name);
+            const ReadOptions options{.precision = Precision::float64, .weld = Weld::yes};
+            expect_same(read_bytes(sample.bytes, name, options), sample_mesh());
+        }
+    }
+}
+
+TEST(Read, WindowsLineEndsMakeNoDifferenceInText) {
+    for (const Sample& sample : samples()) {
+        if (sample.bytes.find('\0') != std::string::npos) continue;
+        SCOPED_TRACE(sample.name);
+        std::string bytes;
+        for (const char c : sample.bytes) bytes += c == '\n' ? "\r\n" : std::string(1, c);
+        expect_same(read_bytes(bytes, sample.name), read_bytes(sample.bytes, sample.name));
+    }
+}
+
+TEST(Read, TheLastLineNeedsNoEnd) {
+    for (Sample sample : samples()) {
+        if (sample.bytes.back() != '\n') continue;
+        SCOPED_TRACE(sample.name);
+        const TriangleMesh whole = read_bytes(sample.bytes, sample.name);
+        sample.bytes.pop_back();
+        expect_same(read_bytes(sample.bytes, sample.name), whole);
+    }
+}
+
+TEST(Read, AutomaticPrecisionLosesNothing) {
+    for (const Sample& sample : samples()) {
+        const bool single = sample.name == "binary.stl";
+        EXPECT_EQ(read_bytes(sample.bytes, sample.name).precision(), single ? ScalarType::float32 : ScalarType::float64)
+            << sample.name;
+        EXPECT_EQ(read_bytes(sample.bytes, sample.name, {.precision = Precision::float32}).precision(),
+                  ScalarType::float32)
+            << sample.name;
+    }
+}
+
+TEST(Read, TextIsRoundedOnce) {
+    // Just above half way between two float32: by way of float64 it would be rounded to even, downwards.
+    const std::string text = "v 1.000000059604644775390626 0 0\nv 0 0 0\nv 0 0 0\nf 1 2 3\n";
+    const auto mesh = read_bytes(text, "a.obj", {.precision = Precision::float32});
+    EXPECT_EQ(coordinates(mesh)[0], double{0x1.000002p0f});
+}
+
+TEST(Read, UnderflowIsNoError) {
+    const std::string text =
+        "v 1e-999 -1e-46 1e-40\nv 0.000e999999999999999999999 0 0\nv 1e-99999999999999999999 0 0\nf 1 2 3\n";
+    const auto x = coordinates(read_bytes(text, "a.obj", {.precision = Precision::float32}));
+    EXPECT_EQ(x[0], 0);
+    EXPECT_EQ(x[1], 0);
+    EXPECT_TRUE(std::signbit(x[1])) << "an underflow keeps its sign";
+    EXPECT_EQ(x[2], double{1e-40f});
+    EXPECT_EQ(coordinates(read_bytes(text, "a.obj"))[1], -1e-46);
+}
+
+TEST(Read, OverflowAndWhatIsNotFiniteAreErrors) {
+    const auto vertex = [](const std::string& x) { return "v 0 0 0\nv 0 " + x + " 0\nv 0 0 0\nf 1 2 3\n"; };
+    for (const char* const x : {"nan", "inf", "-inf", "-nan(1)", "1e999", "-1e400", "1e+309", "0x10", "1,5", "1.5x",
+                                "--1", "+-1", ".", "-", "1e999999999999999999999"}) {
+        SCOPED_TRACE(x);
+        expect_bad(vertex(x), "a.obj", Element::line, 2, x);
+    }
+    expect_bad(vertex("3.5e38"), "a.obj", Element::line, 2, "overflows float32", {.precision = Precision::float32});
+    EXPECT_EQ(coordinates(read_bytes(vertex("3.5e38"), "a.obj"))[4], 3.5e38);
+    EXPECT_EQ(coordinates(read_bytes(vertex("+1.5"), "a.obj"))[4], 1.5);
+}
+
+TEST(Read, RoundsToNearestWhateverTheCallersMode) {
+    const std::string text = "v 0.1 0.2 0.3\nv 0 0 0\nv 0 0 0\nf 1 2 3\n";
+    const Folder folder;
+    const fs::path path = folder.write("a.obj", text);
+    std::fesetround(FE_UPWARD);
+    const TriangleMesh mesh = read_mesh(path);
+    const int mode = std::fegetround();
+    std::fesetround(FE_TONEAREST);
+    EXPECT_EQ(mode, FE_UPWARD) << "the caller's mode is restored";
+    const auto x = coordinates(mesh);
+    EXPECT_EQ(x[0], 0.1);
+    EXPECT_EQ(x[1], 0.2);
+    EXPECT_EQ(x[2], 0.3);
+}
+
+TEST(Read, WeldingJoinsEqualPositionsAndKeepsTheFirst) {
+    const std::string text = "v -0 1 2\nv 5 5 5\nv 0 1 2\nv 5 5 5.000001\nv 5 5 5\nf 1 2 4\nf 3 5 4\n";
+    const TriangleMesh mesh = read_bytes(text, "a.obj", {.weld = Weld::yes});
+    EXPECT_EQ(mesh.vertex_count(), 3);
+    EXPECT_EQ(mesh.triangles, (std::vector<std::int32_t>{0, 1, 2, 0, 1, 2}));
+    EXPECT_TRUE(std::signbit(coordinates(mesh)[0]));
+    EXPECT_EQ(read_bytes(text, "a.obj").vertex_count(), 5) << "only STL is welded without being asked";
+}
+
+TEST(Read, WeldingFollowsConversionToThePrecisionUsed) {
+    const std::string text = "v 1 0 0\nv 1.00000000001 0 0\nv 0 0 0\nf 1 2 3\n";
+    EXPECT_EQ(read_bytes(text, "a.obj", {.precision = Precision::float32, .weld = Weld::yes}).vertex_count(), 2);
+    EXPECT_EQ(read_bytes(text, "a.obj", {.weld = Weld::yes}).vertex_count(), 3);
+}
+
+TEST(Read, WhatIsNoFileIsAnErrorThatNamesIt) {
+    const Folder folder;
+    for (const fs::path& path : {folder / "missing.ply", folder.path(), fs::path("/dev/zero"), fs::path("")}) {
+        const Error error = error_of([&] { read_mesh(path); });
+        EXPECT_EQ(error.code, ErrorCode::file);
+        EXPECT_NE(std::string(error.what()).find(path.string()), std::string::npos) << error.what();
+    }
+}
+
+TEST(Read, AFileWithoutPermissionIsAnError) {
+    if (geteuid() == 0) GTEST_SKIP() << "root may read everything";
+    const Folder folder;
+    const fs::path path = folder.write("a.obj", obj());
+    fs::permissions(path, fs::perms::none);
+    EXPECT_EQ(error_of([&] { read_mesh(path); }).code, ErrorCode::file);
+}
+
+TEST(Read, AnEmptyOrUnknownFileIsAnError) {
+    for (const char* const name : {"a.ply", "a.stl", "a.off", "a"}) {
+        EXPECT_EQ(error_of([&] { read_bytes("", name); }).code, ErrorCode::format) << name;
+    }
+    EXPECT_EQ(error_of([&] { read_bytes("hello world\n", "a.dat"); }).code, ErrorCode::format);
+}
+
+TEST(Read, GroupsAreOnlyInPly) {
+    for (const Sample& sample : samples()) {
+        SCOPED_TRACE(sample.name);
+        const ReadOptions options{.group_property = "part"};
+        if (sample.name.ends_with(".ply")) {
+            EXPECT_EQ(read_bytes(sample.bytes, sample.name, options).groups, (std::vector<std::int32_t>{5, 5, -6}));
+        } else {
+            const Error error = error_of([&] { read_bytes(sample.bytes, sample.name, options); });
+            EXPECT_EQ(error.code, ErrorCode::invalid_argument);
+        }
+    }
+}
+
+}  // namespace
+}  // namespace crumple::io::test

@@ -1,0 +1,83 @@
+#include <cmath>
+
+#include "samples.h"
+
+namespace crumple::io::test {
+namespace {
+
+TEST(Stl, IsWeldedByExactPositionUnlessToldOtherwise) {
+    for (const std::string& bytes : {binary_stl(), ascii_stl()}) {
+        EXPECT_EQ(read_bytes(bytes, "a.stl").vertex_count(), 5);
+        const TriangleMesh soup = read_bytes(bytes, "a.stl", {.weld = Weld::no});
+        EXPECT_EQ(soup.vertex_count(), 9);
+        EXPECT_EQ(soup.triangles, (std::vector<std::int32_t>{0, 1, 2, 3, 4, 5, 6, 7, 8}));
+    }
+}
+
+TEST(Stl, BinaryWhoseHeaderSaysSolidIsBinary) {
+    const std::string bytes = binary_stl();
+    ASSERT_EQ(bytes.substr(0, 5), "solid");
+    EXPECT_EQ(read_bytes(bytes, "a.stl").precision(), ScalarType::float32);
+}
+
+TEST(Stl, SeveralSolidsAreOneMesh) { EXPECT_EQ(read_bytes(ascii_stl(), "a.stl").triangle_count(), 3); }
+
+TEST(Stl, KeywordsAreOfAnyCase) {
+    std::string upper = ascii_stl();
+    for (char& c : upper) c = static_cast<char>(std::toupper(c));
+    expect_same(read_bytes(upper, "a.stl"), read_bytes(ascii_stl(), "a.stl"));
+}
+
+TEST(Stl, AnEmptySolidHasNoTriangles) {
+    EXPECT_EQ(read_bytes("solid nothing at all\nendsolid nothing at all\n", "a.stl").triangle_count(), 0);
+    EXPECT_EQ(read_bytes(std::string(84, '\0'), "a.stl").triangle_count(), 0);
+}
+
+TEST(Stl, PolygonalFacetsAreFanned) {
+    const TriangleMesh mesh = read_bytes(
+        "solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n"
+        "vertex 1 1 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid\n",
+        "a.stl");
+    EXPECT_EQ(mesh.triangles, (std::vector<std::int32_t>{0, 1, 2, 0, 2, 3}));
+}
+
+TEST(Stl, ASizeThatIsNotThatOfTheTrianglesIsAnError) {
+    for (std::string bytes : {binary_stl() + "x", binary_stl().substr(0, 200)}) {
+        expect_bad(bytes, "a.stl", Element::byte, 80, "size of the file");
+        bytes.replace(0, 5, "other");
+        expect_bad(bytes, "a.stl", Element::byte, 80, "size of the file");
+    }
+    expect_bad(std::string(20, '\0'), "a.stl", Element::byte, 20, "size of the file");
+}
+
+TEST(Stl, BinaryCoordinatesThatAreNotFiniteNameTheByte) {
+    std::string bytes = binary_stl();
+    bytes.replace(84 + 50 + 12 + 8, 4, packed(std::endian::little, std::nanf("")));
+    expect_bad(bytes, "a.stl", Element::byte, 84 + 50 + 12 + 8, "not finite");
+}
+
+TEST(Stl, NormalsAndAttributesMayHoldAnything) {
+    std::string bytes = binary_stl();
+    bytes.replace(84, 4, packed(std::endian::little, std::nanf("")));
+    bytes.replace(84 + 48, 2, "ab");
+    expect_same(read_bytes(bytes, "a.stl"), read_bytes(binary_stl(), "a.stl"));
+}
+
+TEST(Stl, AsciiMistakesAreErrorsThatNameTheLine) {
+    const std::string facet =
+        "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 1 1 0\nendloop\nendfacet\n";
+    const auto bad = [](const std::string& text, std::int64_t line, const char* what) {
+        SCOPED_TRACE(text);
+        expect_bad(text, "a.stl", Element::line, line, what);
+    };
+    bad("solid\n" + facet, 9, "endsolid is missing");
+    bad("solid\n" + facet + "endsolid\nfacet\n", 10, "instead of solid");
+    bad("solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nendloop\nendfacet\nendsolid\n", 6,
+        "2 corners");
+    bad("solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 inf\n", 4, "'inf'");
+    bad("solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0\nvertex 1 0 0\n", 5, "'vertex'");
+    bad("solid\nsphere 1\nendsolid\n", 2, "'sphere'");
+}
+
+}  // namespace
+}  // namespace crumple::io::test

@@ -1,0 +1,134 @@
+// Files appear whole or not at all.
+
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <limits>
+
+#include "samples.h"
+
+namespace crumple::io::test {
+namespace {
+
+std::size_t files_in(const fs::path& folder) {
+    return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
+}
+
+TEST(Write, WhatCannotBeWrittenIsAnErrorThatNamesThePath) {
+    const Folder folder;
+    fs::create_directory(folder / "folder.ply");
+    const Collisions none;
+    const auto expect_error = [](ErrorCode code, const fs::path& path, auto&& write) {
+        const Error error = error_of([&] { write(path); });
+        EXPECT_EQ(error.code, code) << error.what();
+        EXPECT_NE(std::string(error.what()).find(path.string()), std::string::npos) << error.what();
+    };
+    const auto mesh = [](const fs::path& path) { write_mesh(path, sample_mesh()); };
+    const auto pairs = [&](const fs::path& path) { write_pairs(path, none); };
+    expect_error(ErrorCode::file, folder / "missing/a.ply", mesh);
+    expect_error(ErrorCode::file, folder / "folder.ply", mesh);
+    expect_error(ErrorCode::file, folder / "missing/a.txt", pairs);
+    expect_error(ErrorCode::invalid_argument, folder / "a.xyz", mesh);
+    expect_error(ErrorCode::invalid_argument, folder / "a", mesh);
+    expect_error(ErrorCode::invalid_argument, folder / "a.glb", mesh);
+    expect_error(ErrorCode::invalid_argument, folder / "a.xml", pairs);
+    EXPECT_EQ(files_in(folder.path()), 1u) << "no half file stays";
+}
+
+TEST(Write, AFullDiskLeavesTheOldFile) {
+    // A limit on the size of files stands for the full disk.
+    const Folder folder;
+    const fs::path path = folder.write("a.ply", "old");
+    TriangleMesh large{std::vector<double>(30'000, 0.5), {0, 1, 2}, {}};
+    rlimit before;
+    getrlimit(RLIMIT_FSIZE, &before);
+    rlimit limit = before;
+    limit.rlim_cur = 10'000;
+    const auto old_handler = std::signal(SIGXFSZ, SIG_IGN);
+    setrlimit(RLIMIT_FSIZE, &limit);
+    std::optional<Error> error;
+    try {
+        write_mesh(path, large);
+    } catch (const Error& caught) {
+        error = caught;
+    }
+    setrlimit(RLIMIT_FSIZE, &before);
+    std::signal(SIGXFSZ, old_handler);
+    ASSERT_TRUE(error) << "the error was not noticed";
+    EXPECT_EQ(error->code, ErrorCode::file);
+    EXPECT_NE(std::string(error->what()).find("a.ply"), std::string::npos) << error->what();
+    EXPECT_EQ(bytes_of(path), "old");
+    EXPECT_EQ(files_in(folder.path()), 1u);
+}
+
+TEST(Write, AnExistingFileIsReplacedAndKeepsItsPermissions) {
+    const Folder folder;
+    const fs::path path = folder.write("a.ply", "old");
+    fs::permissions(path, fs::perms::owner_read | fs::perms::owner_write);
+    write_mesh(path, sample_mesh());
+    expect_same(read_mesh(path), sample_mesh());
+    EXPECT_EQ(fs::status(path).permissions(), fs::perms::owner_read | fs::perms::owner_write);
+    EXPECT_EQ(files_in(folder.path()), 1u);
+}
+
+TEST(Write, ALinkStaysALink) {
+    const Folder folder;
+    folder.write("target.ply", "old");
+    fs::create_symlink("target.ply", folder / "link.ply");
+    write_mesh(folder / "link.ply", sample_mesh());
+    EXPECT_TRUE(fs::is_symlink(folder / "link.ply"));
+    expect_same(read_mesh(folder / "target.ply"), sample_mesh());
+}
+
+TEST(Write, ADeviceIsWrittenAndNotReplaced) {
+    Collisions collisions;
+    collisions.pairs.push_back({1, 2});
+    write_pairs("/dev/null", collisions, PairFormat::txt);
+    EXPECT_TRUE(fs::is_character_file("/dev/null"));
+    if (!fs::exists("/dev/full")) return;
+    EXPECT_EQ(error_of([&] { write_pairs("/dev/full", collisions, PairFormat::txt); }).code, ErrorCode::file);
+    EXPECT_TRUE(fs::is_character_file("/dev/full"));
+}
+
+TEST(Write, ANameInTheWorkingFolderNeedsNoFolder) {
+    const Folder folder;
+    const fs::path before = fs::current_path();
+    fs::current_path(folder.path());
+    write_mesh("a.OBJ", sample_mesh());
+    fs::current_path(before);
+    expect_same(read_mesh(folder / "a.OBJ"), sample_mesh());
+}
+
+TEST(Write, MeshesThatMakeNoSenseAreRefused) {
+    const Folder folder;
+    const auto expect_error = [&](ErrorCode code, Element element, std::int64_t index, auto&& change) {
+        TriangleMesh mesh = sample_mesh();
+        change(mesh, std::get<std::vector<double>>(mesh.vertices));
+        const Error error = error_of([&] { write_mesh(folder / "a.ply", mesh); });
+        EXPECT_EQ(error.code, code) << error.what();
+        EXPECT_EQ(error.element, element) << error.what();
+        EXPECT_EQ(error.index, index) << error.what();
+    };
+    expect_error(ErrorCode::index_out_of_range, Element::triangle, 1, [](auto& mesh, auto&) { mesh.triangles[4] = 5; });
+    expect_error(ErrorCode::index_out_of_range, Element::triangle, 2,
+                 [](auto& mesh, auto&) { mesh.triangles[8] = -1; });
+    expect_error(ErrorCode::not_finite, Element::vertex, 1,
+                 [](auto&, auto& xyz) { xyz[5] = std::numeric_limits<double>::infinity(); });
+    expect_error(ErrorCode::invalid_argument, Element::none, -1, [](auto& mesh, auto&) { mesh.groups = {1, 2}; });
+    expect_error(ErrorCode::invalid_argument, Element::none, -1, [](auto&, auto& xyz) { xyz.pop_back(); });
+    expect_error(ErrorCode::invalid_argument, Element::none, -1, [](auto& mesh, auto&) { mesh.triangles.pop_back(); });
+    EXPECT_TRUE(fs::is_empty(folder.path()));
+}
+
+TEST(Write, StlHoldsUnitNormalsAndZeroForDegenerateTriangles) {
+    const Folder folder;
+    write_mesh(folder / "a.stl", {std::vector<float>{0, 0, 0, 1e-30f, 0, 0, 0, 1e-30f, 0}, {0, 1, 2, 0, 1, 1}, {}});
+    const std::string bytes = bytes_of(folder / "a.stl");
+    EXPECT_NE(bytes.substr(0, 5), "solid");
+    EXPECT_EQ(bytes.substr(84, 12), packed(std::endian::little, 0.f, 0.f, 1.f));
+    EXPECT_EQ(bytes.substr(134, 12), packed(std::endian::little, 0.f, 0.f, 0.f));
+}
+
+}  // namespace
+}  // namespace crumple::io::test
