@@ -1,0 +1,19 @@
+#pragma once
+
+// Every scene's function; scenes.cpp lists them, each has a file of its own or shares one with its family.
+
+#include "scenes/scenes.h"
+
+namespace crumple::scenes {
+
+io::TriangleMesh make_cloth(const Parameters& parameters);
+io::TriangleMesh make_ground(const Parameters& parameters);
+io::TriangleMesh make_soup(const Parameters& parameters);
+io::TriangleMesh make_needles(const Parameters& parameters);
+io::TriangleMesh make_five_decades(const Parameters& parameters);
+io::TriangleMesh make_bodies(const Parameters& parameters);
+io::TriangleMesh make_shells(const Parameters& parameters);
+io::TriangleMesh make_fans(const Parameters& parameters);
+io::TriangleMesh make_lattice(const Parameters& parameters);
+
+}  // namespace crumple::scenes

@@ -1,0 +1,56 @@
+#pragma once
+
+// A float32 mesh that grows, and closed solids to fill it with.
+
+#include <array>
+#include <cstdint>
+#include <utility>
+
+#include "geometry/vec.h"
+#include "scenes/scenes.h"
+
+namespace crumple::scenes {
+
+/// Coordinates are rounded to float32 as they enter.
+class Soup {
+   public:
+    void reserve(std::int64_t vertices, std::int64_t triangles);
+    /// Returns the new vertex's index.
+    std::int32_t vertex(Vec3d position);
+    /// One argument, so that vertices made in the call are made in their order: braces promise that, commas do not.
+    void triangle(std::array<std::int32_t, 3> corners);
+    /// A triangle with vertices of its own.
+    void triangle(Vec3d a, Vec3d b, Vec3d c);
+    /// Puts the triangles that have no group yet into this one.
+    void group(std::int32_t id) { mesh_.groups.resize(mesh_.triangles.size() / 3, id); }
+    std::int64_t triangle_count() const { return mesh_.triangle_count(); }
+    io::TriangleMesh take() { return std::move(mesh_); }
+
+   private:
+    io::TriangleMesh mesh_{std::vector<float>{}, {}, {}};
+};
+
+/// A rigid motion after a scaling: origin + axes * (scale * p).
+struct Pose {
+    std::array<Vec3d, 3> axes{Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}};
+    Vec3d origin{};
+    double scale = 1;
+
+    Vec3d operator()(Vec3d p) const {
+        p = scale * p;
+        return origin + p.x * axes[0] + p.y * axes[1] + p.z * axes[2];
+    }
+};
+
+// Closed and watertight: neighbours share vertices by index.
+
+/// Unit sphere of meridians and parallels about z: 2 slices (stacks - 1) triangles.
+void add_globe(Soup& soup, int slices, int stacks, const Pose& pose);
+/// Unit sphere from an icosahedron whose edges are cut in `cuts`: 20 cuts² triangles.
+void add_icosphere(Soup& soup, int cuts, const Pose& pose);
+/// Box of half widths `half` whose edges are cut in `cuts`: 12 cuts² triangles.
+void add_box(Soup& soup, int cuts, Vec3d half, const Pose& pose);
+/// Torus about z, a tube of radius `tube` about the unit circle: 2 around across triangles.
+void add_torus(Soup& soup, int around, int across, double tube, const Pose& pose);
+
+}  // namespace crumple::scenes

@@ -1,0 +1,68 @@
+// What the scenes were made for: how much collides in them.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "crumple/crumple.h"
+#include "scenes/scenes.h"
+
+namespace crumple {
+namespace {
+
+double pairs_per_triangle(std::string_view scene, const scenes::Parameters& parameters, Wanted wanted = Wanted::both) {
+    const io::TriangleMesh mesh = scenes::make(scene, parameters);
+    Detector detector;
+    Query query;
+    query.wanted = wanted;
+    return static_cast<double>(detector.find_self(mesh.view(), query).pairs.size()) /
+           static_cast<double>(mesh.triangle_count());
+}
+
+TEST(SceneAnswers, FlatClothCollidesNowhere) { EXPECT_EQ(pairs_per_triangle("cloth", {.triangles = 20'000}), 0); }
+
+TEST(SceneAnswers, FoldedClothCollidesAsMuchAsClothOnBall) {
+    EXPECT_NEAR(pairs_per_triangle("cloth", {.frame = 93}), 63'602.0 / 92'230, 0.15);
+}
+
+TEST(SceneAnswers, ClothNeverTouchesItsBall) {
+    for (int frame = 0; frame < 94; frame += 31) {
+        EXPECT_EQ(pairs_per_triangle("cloth", {.triangles = 30'000, .frame = frame}, Wanted::between), 0) << frame;
+    }
+}
+
+TEST(SceneAnswers, ClothCollidesMoreAndMore) {
+    double last = 0;
+    for (int frame = 43; frame < 94; frame += 10) {
+        const double now = pairs_per_triangle("cloth", {.triangles = 30'000, .frame = frame});
+        EXPECT_GT(now, last) << "frame " << frame;
+        last = now;
+    }
+}
+
+TEST(SceneAnswers, PairsPerTriangleDoNotDependOnTheResolution) {
+    for (const char* name : {"cloth", "soup", "five_decades", "bodies", "lattice"}) {
+        const int frame = std::string_view(name) == "cloth" ? 93 : 0;
+        const double coarse = pairs_per_triangle(name, {.triangles = 60'000, .frame = frame});
+        const double fine = pairs_per_triangle(name, {.triangles = 400'000, .frame = frame});
+        EXPECT_GT(coarse, 0) << name;
+        EXPECT_NEAR(fine / coarse, 1, 0.25) << name;
+    }
+}
+
+TEST(SceneAnswers, ShellsAreClean) { EXPECT_EQ(pairs_per_triangle("shells", {.triangles = 10'000}), 0); }
+
+TEST(SceneAnswers, GroundCutsTheHem) {
+    const io::TriangleMesh mesh = scenes::make("ground", {.triangles = 30'000, .frame = 93});
+    Detector detector;
+    Query query;
+    query.wanted = Wanted::between;
+    const Collisions& found = detector.find_self(mesh.view(), query);
+    const auto ground = static_cast<std::int32_t>(mesh.triangle_count() - 2);
+    EXPECT_GT(found.pairs.size(), 100u);
+    for (const Pair pair : found.pairs) EXPECT_GE(pair.b, ground) << "pair " << pair.a << ", " << pair.b;
+}
+
+}  // namespace
+}  // namespace crumple
