@@ -1,0 +1,31 @@
+#pragma once
+
+// The subcommands, and what the process tells by its exit status.
+
+#include <functional>
+
+#include <CLI/CLI.hpp>
+
+namespace crumple::cli {
+
+enum Status : int {
+    done = 0,
+    collided = 1,       ///< detect and sequence with --check: something collides; verify: the list is wrong
+    failed = 2,         ///< wrong use, bad input, a file that cannot be written
+    out_of_memory = 3,  ///< under --memory-limit the message names the limit that suffices
+    interrupted = 130   ///< Ctrl-C
+};
+
+/// A subcommand that was added to the command line: its `run` follows once the line is parsed.
+struct Command {
+    CLI::App* app;
+    std::function<int()> run;
+};
+
+Command add_detect(CLI::App& app);
+Command add_sequence(CLI::App& app);
+Command add_info(CLI::App& app);
+Command add_verify(CLI::App& app);
+Command add_make(CLI::App& app);
+
+}  // namespace crumple::cli

@@ -1,0 +1,87 @@
+// crumple info: what a file holds.
+
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "cli/commands.h"
+#include "cli/search.h"
+#include "cli/terminal.h"
+#include "cli/topology.h"
+
+namespace crumple::cli {
+namespace {
+
+/// "3 (5, 17, 40)": how many, and the first few.
+std::string some(const std::vector<std::int32_t>& triangles) {
+    constexpr std::size_t most = 5;
+    std::string text = grouped(static_cast<std::int64_t>(triangles.size()));
+    if (triangles.empty()) return text;
+    const auto end = triangles.begin() + static_cast<std::ptrdiff_t>(std::min(most, triangles.size()));
+    return text +
+           fmt::format(" ({}{})", fmt::join(triangles.begin(), end, ", "), end == triangles.end() ? "" : ", ...");
+}
+
+std::int64_t count_unused_vertices(const io::TriangleMesh& mesh) {
+    std::vector<bool> used(static_cast<std::size_t>(mesh.vertex_count()));
+    for (const std::int32_t corner : mesh.triangles) used[corner] = true;
+    return std::count(used.begin(), used.end(), false);
+}
+
+void print_box(std::ostream& out, const io::TriangleMesh& mesh) {
+    std::visit(
+        [&](const auto& xyz) {
+            auto low = std::array{xyz[0], xyz[1], xyz[2]}, high = low;
+            for (std::size_t i = 0; i < xyz.size(); ++i) {
+                low[i % 3] = std::min(low[i % 3], xyz[i]);
+                high[i % 3] = std::max(high[i % 3], xyz[i]);
+            }
+            out << fmt::format("box                   {} to {}\n", fmt::join(low, " "), fmt::join(high, " "));
+        },
+        mesh.vertices);
+}
+
+void print_information(std::ostream& out, const io::TriangleMesh& mesh) {
+    const auto row = [&](std::string_view name, const std::string& value) {
+        out << fmt::format("{:<22}{}\n", name, value);
+    };
+    row("vertices", fmt::format("{} ({} unused)", grouped(mesh.vertex_count()), grouped(count_unused_vertices(mesh))));
+    row("triangles", grouped(mesh.triangle_count()));
+    row("precision", mesh.precision() == ScalarType::float32 ? "float32" : "float64");
+    if (mesh.vertex_count() > 0) print_box(out, mesh);
+    row("degenerate triangles", some(degenerate_triangles(mesh)));
+    row("duplicated triangles", some(duplicated_triangles(mesh)));
+    const EdgeCounts edges = count_edges(mesh);
+    row("open edges", grouped(edges.open));
+    row("non-manifold edges", grouped(edges.non_manifold));
+    std::vector<std::int32_t> labels;
+    row("connected components", grouped(label_components(mesh, labels)));
+}
+
+}  // namespace
+
+Command add_info(CLI::App& app) {
+    struct Info {
+        std::string file;
+        ReadingOptions reading;
+    };
+    const auto info = std::make_shared<Info>();
+    CLI::App& command = *app.add_subcommand("info", "Tell what a mesh file holds, and what is odd about it");
+    command.add_option("FILE", info->file, "A mesh (PLY, OBJ, STL, OFF)")->type_name("FILE")->required();
+    add_reading_options(command, info->reading);
+    command.footer(
+        "Degenerate and duplicated triangles are found by exact tests on positions; edges and components go by vertex\n"
+        "index, so files without shared vertices want --weld.\n"
+        "Example: crumple info part.stl");
+    return {&command, [info] {
+                const io::TriangleMesh mesh = io::read_mesh(info->file, read_options(info->reading));
+                to_standard_output([&](std::ostream& out) { print_information(out, mesh); });
+                return static_cast<int>(done);
+            }};
+}
+
+}  // namespace crumple::cli

@@ -1,0 +1,58 @@
+#include <array>
+#include <csignal>
+#include <exception>
+#include <memory>
+#include <new>
+#include <string>
+
+#include "cli/commands.h"
+#include "cli/help.h"
+#include "cli/terminal.h"
+#include "crumple/error.h"
+#include "crumple/version.h"
+
+namespace {
+
+using namespace crumple::cli;
+
+int run(int argc, char** argv) {
+    CLI::App app("Crumple finds every pair of colliding triangles, exactly.", "crumple");
+    app.formatter(std::make_shared<Help>());
+    app.set_version_flag("--version", "crumple " CRUMPLE_VERSION, "Print the version and exit");
+    app.footer(
+        "Exit status: 0 done; 1 something collides (with --check) or a list is wrong (verify); 2 wrong use or bad\n"
+        "input; 3 out of memory, with the limit that suffices; 130 interrupted.\n\n"
+        "Example: crumple detect bunny.ply -o pairs.txt --stats");
+    const std::array commands{add_detect(app), add_sequence(app), add_info(app), add_verify(app), add_make(app)};
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::Success& success) {
+        return app.exit(success);  // prints help or version
+    } catch (const CLI::ParseError& error) {
+        print_error(error.what());
+        return failed;
+    }
+    for (const Command& command : commands) {
+        if (*command.app) return command.run();
+    }
+    print_error("a subcommand is required: detect, sequence, info, verify or make");
+    return failed;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    std::signal(SIGPIPE, SIG_IGN);  // a reader that left early shows as an error of the write instead
+    try {
+        return run(argc, argv);
+    } catch (const crumple::Error& error) {
+        print_error(error.what());
+        return error.code == crumple::ErrorCode::memory_limit ? out_of_memory : failed;
+    } catch (const std::bad_alloc&) {
+        print_error("the machine has not enough memory");
+        return out_of_memory;
+    } catch (const std::exception& error) {
+        print_error(error.what());
+        return failed;
+    }
+}

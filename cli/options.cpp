@@ -1,0 +1,138 @@
+#include "cli/options.h"
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <string_view>
+
+#include "crumple/error.h"
+
+namespace crumple::cli {
+namespace {
+
+/// An option whose value is one of a few words.
+template <class Target, class Value>
+void add_choice(CLI::App& app, const char* name, Target& target, std::vector<std::pair<std::string, Value>> choices,
+                const char* help) {
+    std::string words;
+    for (const auto& [word, value] : choices) words += (words.empty() ? "" : "|") + word;
+    const auto set = [&target, choices, words, name](const std::string& text) {
+        const auto found = std::find_if(choices.begin(), choices.end(), [&](const auto& c) { return c.first == text; });
+        if (found == choices.end()) throw CLI::ValidationError(name, text + " is none of " + words);
+        target = found->second;
+    };
+    app.add_option_function<std::string>(name, set, help)->type_name(words);
+}
+
+PartOfMany parse_part(const std::string& text) {
+    PartOfMany part{};
+    const char* const end = text.data() + text.size();
+    const auto k = std::from_chars(text.data(), end, part.index);
+    const bool slash = k.ec == std::errc() && k.ptr != end && *k.ptr == '/';
+    const auto n = slash ? std::from_chars(k.ptr + 1, end, part.count) : k;
+    if (!slash || n.ec != std::errc() || n.ptr != end || part.count < 1 || part.count > 64 || part.index < 1 ||
+        part.index > part.count) {
+        throw CLI::ValidationError("--part", text + " is not K/N with 1 <= K <= N <= 64");
+    }
+    return part;
+}
+
+/// 2GiB, 500 MB, 1.5g or bytes; k, M, G and T are powers of 1000, with an i of 1024.
+std::int64_t parse_bytes(const std::string& text) {
+    double value = 0;
+    const char* const end = text.data() + text.size();
+    const auto number = std::from_chars(text.data(), end, value, std::chars_format::fixed);
+    std::string unit;
+    for (const char* c = number.ptr; c != end; ++c) {
+        if (*c != ' ') unit += static_cast<char>(std::tolower(static_cast<unsigned char>(*c)));
+    }
+    if (!unit.empty() && unit.back() == 'b') unit.pop_back();
+    const bool binary = unit.size() == 2 && unit.back() == 'i';
+    if (binary) unit.pop_back();
+    constexpr std::string_view prefixes = "kmgt";
+    const std::size_t prefix = unit.size() == 1 ? prefixes.find(unit) : prefixes.npos;
+    if (prefix != prefixes.npos) value *= std::pow(binary ? 1024 : 1000, static_cast<double>(prefix + 1));
+    const bool known = unit.empty() ? !binary : prefix != prefixes.npos;
+    if (number.ec != std::errc() || !known || !(value >= 1 && value < 0x1p63)) {
+        throw CLI::ValidationError("--memory-limit", text + " is no size, such as 2GiB, 500MB or 1000000");
+    }
+    return static_cast<std::int64_t>(value);
+}
+
+void fail(const char* message) { throw Error(ErrorCode::invalid_argument, message, Element::option); }
+
+}  // namespace
+
+void add_reading_options(CLI::App& app, ReadingOptions& options) {
+    CLI::Option* const weld = app.add_flag_callback(
+        "--weld", [&options] { options.weld = true; }, "Vertices at equal positions are one");
+    app.add_flag_callback(
+           "--no-weld", [&options] { options.weld = false; },
+           "Vertices at equal positions stay apart; without either option only those of STL files are one")
+        ->excludes(weld);
+    add_choice<io::Precision, io::Precision>(
+        app, "--precision", options.precision,
+        {{"auto", io::Precision::automatic}, {"float32", io::Precision::float32}, {"float64", io::Precision::float64}},
+        "Precision that coordinates are rounded to; auto loses no bit of the file");
+}
+
+void add_answer_options(CLI::App& app, AnswerOptions& options) {
+    add_choice<Neighbours, Neighbours>(
+        app, "--neighbours", options.neighbours, {{"geometric", Neighbours::geometric}, {"skip", Neighbours::skip}},
+        "Triangles that share a vertex collide if they meet elsewhere too (geometric, the default), or never (skip)");
+    add_choice<Intersections, Intersections>(
+        app, "--intersections", options.intersections, {{"all", Intersections::all}, {"proper", Intersections::proper}},
+        "Touching counts (all, the default), or only edges that strictly cross the inside of a triangle (proper)");
+    add_reading_options(app, options);
+    app.add_option("--groups", options.groups,
+                   "What the groups of --wanted are: the connected components, the integers in a file (one a line for "
+                   "each triangle, those of FILE_B last), or an integer property of a PLY file's faces")
+        ->type_name("components|FILE|PROPERTY");
+    add_choice<std::optional<Wanted>, Wanted>(
+        app, "--wanted", options.wanted,
+        {{"between", Wanted::between}, {"within", Wanted::within}, {"both", Wanted::both}},
+        "Pairs between different groups, within one group, or both");
+    app.add_option_function<std::string>(
+           "--part", [&options](const std::string& text) { options.part = parse_part(text); },
+           "Only part K of N (1/N to N/N) of the answer: the parts are independent, together they are the whole answer")
+        ->type_name("K/N");
+}
+
+void AnswerOptions::check() const {
+    if (groups.empty() && wanted && *wanted != Wanted::both) fail("--wanted between and within need --groups");
+    if (!groups.empty() && !wanted) fail("--groups changes nothing without --wanted");
+}
+
+void add_cost_options(CLI::App& app, Options& options) {
+    add_choice<Backend, Backend>(
+        app, "--backend", options.backend,
+        {{"auto", Backend::automatic}, {"reference", Backend::reference}, {"cpu", Backend::cpu}},
+        "Who does the work; reference is brute force in rational arithmetic, slow and simple");
+    app.add_option("--threads", options.threads, "Threads; without it as many as the machine has")
+        ->type_name("N")
+        ->check(CLI::Range(1, 1024).description(""));
+    app.add_option("--clusters", options.clusters, "Clusters of the first level, 1 to 64; without it as the size asks")
+        ->type_name("N")
+        ->check(CLI::Range(1, 64).description(""));
+    app.add_option_function<std::string>(
+           "--memory-limit", [&options](const std::string& text) { options.memory_limit = parse_bytes(text); },
+           "Most memory that the search may own: 2GiB, 500MB, 1.5g or a number of bytes")
+        ->type_name("SIZE");
+}
+
+void check_cost_options(const Options& options) {
+    if (options.backend != Backend::reference) return;
+    if (options.threads) fail("--threads does not apply to --backend reference, which has one thread");
+    if (options.clusters) fail("--clusters does not apply to --backend reference, which has none");
+}
+
+std::string extension_of(const std::string& path) {
+    std::string extension = std::filesystem::path(path).extension().string();
+    std::transform(extension.begin(), extension.end(), extension.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return extension;
+}
+
+}  // namespace crumple::cli

@@ -1,0 +1,47 @@
+#pragma once
+
+// From files and options to the answer.
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cli/options.h"
+#include "crumple/detector.h"
+
+namespace crumple::cli {
+
+/// One mesh or two, with groups if they are asked for.
+struct Input {
+    std::string name;  ///< for messages
+    io::TriangleMesh first;
+    std::optional<io::TriangleMesh> second;
+
+    const io::TriangleMesh* second_or_null() const { return second ? &*second : nullptr; }
+    std::int64_t triangle_count() const { return first.triangle_count() + (second ? second->triangle_count() : 0); }
+};
+
+io::ReadOptions read_options(const ReadingOptions& options);
+
+/// Reads one file or two. Throws Error that names the file and the place.
+Input read_input(const std::vector<std::string>& files, const AnswerOptions& options);
+
+/// A detector that stays warm from one input to the next.
+class Search {
+   public:
+    /// Throws Error (invalid_argument) where options do not go together.
+    Search(const AnswerOptions& answer, const Options& options);
+    ~Search();
+
+    /// Valid until the next call. Throws Error that names the input.
+    const Collisions& find(const Input& input);
+
+   private:
+    struct Threads;
+    AnswerOptions answer_;
+    std::unique_ptr<Threads> threads_;
+    Detector detector_;
+};
+
+}  // namespace crumple::cli

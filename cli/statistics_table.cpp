@@ -1,0 +1,68 @@
+#include "cli/statistics_table.h"
+
+#include <algorithm>
+#include <numeric>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "cli/terminal.h"
+
+namespace crumple::cli {
+namespace {
+
+void row(std::string_view name, std::int64_t count, const std::string& remark = {}) {
+    fmt::print(stderr, "{:<15}{:>15}{}{}\n", name, grouped(count), remark.empty() ? "" : "  ", remark);
+}
+
+double ratio(std::int64_t part, std::int64_t whole) {
+    return whole ? static_cast<double>(part) / static_cast<double>(whole) : 0;
+}
+
+}  // namespace
+
+std::int64_t count_hits(const Collisions& collisions) {
+    const auto count = [](const Array<std::uint8_t>& hit) { return std::count(hit.begin(), hit.end(), 1); };
+    return count(collisions.hit) + count(collisions.hit_second);
+}
+
+void print_statistics(const Statistics& s, std::int64_t hits) {
+    const double sum = std::accumulate(s.stage_milliseconds.begin(), s.stage_milliseconds.end(), 0.0);
+    fmt::print(stderr, on_terminal(2, fmt::emphasis::bold), "{:<15}{:>12}{:>9}\n", "stage", "time", "share");
+    for (int i = 0; i < stage_count; ++i) {
+        const auto stage = static_cast<Stage>(i);
+        fmt::print(stderr, "{:<15}{:>9.2f} ms{:>7.0f} %\n", stage_name(stage), s[stage],
+                   sum > 0 ? 100 * s[stage] / sum : 0);
+    }
+    fmt::print(stderr, "{:<15}{:>9.2f} ms\n", "all threads", sum);
+    fmt::print(stderr, on_terminal(2, fmt::emphasis::bold), "{:<15}{:>9.2f} ms", "wall clock", s.milliseconds);
+    fmt::print(stderr, "  {} thread{}, {} backend, {}\n\n", s.threads, s.threads == 1 ? "" : "s", s.backend,
+               s.simd.empty() ? "scalar" : s.simd);
+    row("triangles", s.triangles);
+    row("clusters", s.clusters, fmt::format("{} leaves swept", grouped(s.leaves)));
+    row("members", s.members, fmt::format("{:.2f} a triangle", ratio(s.members, s.triangles)));
+    row("interval tests", s.interval_tests);
+    row("box overlaps", s.box_overlaps, fmt::format("{:.1f} a triangle", ratio(s.box_overlaps, s.triangles)));
+    row("edge tests", s.edge_tests);
+    row("double tests", s.double_tests);
+    row("exact tests", s.exact_tests, fmt::format("{} in rational numbers", grouped(s.rational_tests)));
+    row("pairs", s.pairs, fmt::format("{} triangles collide", grouped(hits)));
+    fmt::print(stderr, "{:<15}{:>15}\n", "peak memory", readable_bytes(s.peak_memory_bytes));
+}
+
+void add(Statistics& sum, const Statistics& more) {
+    sum.milliseconds += more.milliseconds;
+    for (int i = 0; i < stage_count; ++i) sum[static_cast<Stage>(i)] += more[static_cast<Stage>(i)];
+    for (const auto count :
+         {&Statistics::triangles, &Statistics::clusters, &Statistics::leaves, &Statistics::members,
+          &Statistics::interval_tests, &Statistics::box_overlaps, &Statistics::edge_tests, &Statistics::double_tests,
+          &Statistics::exact_tests, &Statistics::rational_tests, &Statistics::pairs}) {
+        sum.*count += more.*count;
+    }
+    sum.peak_memory_bytes = std::max(sum.peak_memory_bytes, more.peak_memory_bytes);
+    sum.threads = more.threads;
+    sum.backend = more.backend;
+    sum.simd = more.simd;
+}
+
+}  // namespace crumple::cli

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <cstdint>
+
+#include "crumple/collisions.h"
+
+namespace crumple::cli {
+
+/// Triangles that take part in some pair.
+std::int64_t count_hits(const Collisions& collisions);
+
+/// What --stats prints, to standard error. `hits`: colliding triangles.
+void print_statistics(const Statistics& statistics, std::int64_t hits);
+
+/// Adds one call's counts and times to a sum; the peak memory is the larger one.
+void add(Statistics& sum, const Statistics& more);
+
+}  // namespace crumple::cli

@@ -1,0 +1,46 @@
+#pragma once
+
+// Standard output and standard error: terminal or pipe, colour or not.
+
+#include <cstddef>
+#include <functional>
+#include <ostream>
+#include <string>
+#include <string_view>
+
+#include <fmt/color.h>
+
+namespace crumple::cli {
+
+/// Calls write(out) and sees that everything arrives. That whoever reads has left (`crumple ... | head`) is no error.
+/// Throws Error (file).
+void to_standard_output(const std::function<void(std::ostream&)>& write);
+
+/// `crumple: message` in one line on standard error.
+void print_error(std::string_view message);
+
+/// The style where the stream (1 or 2) is a terminal and NO_COLOR is not set, else none.
+fmt::text_style on_terminal(int stream, fmt::text_style style);
+
+/// 63,602; the number is not negative.
+std::string grouped(std::int64_t number);
+/// 12.3 MiB
+std::string readable_bytes(std::int64_t bytes);
+
+/// A bar in the last line of a terminal; silent where standard error is none.
+class Progress {
+   public:
+    explicit Progress(std::size_t steps);
+    ~Progress();
+    Progress(const Progress&) = delete;
+    Progress& operator=(const Progress&) = delete;
+
+    void show(std::size_t step, std::string_view text);
+    void clear();
+
+   private:
+    std::size_t steps_;
+    bool shown_;
+};
+
+}  // namespace crumple::cli

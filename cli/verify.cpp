@@ -1,0 +1,94 @@
+// crumple verify: is somebody's list of pairs the answer?
+
+#include <algorithm>
+#include <iterator>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "cli/commands.h"
+#include "cli/search.h"
+#include "cli/terminal.h"
+#include "crumple/error.h"
+
+namespace crumple::cli {
+namespace {
+
+struct Comparison {
+    std::vector<Pair> missing, extra, repeated;  // repeated: each pair once, however often it is listed
+
+    bool right() const { return missing.empty() && extra.empty() && repeated.empty(); }
+};
+
+/// `list` in any order; of one mesh (i, j) is the pair (j, i) too.
+Comparison compare(std::vector<Pair> list, const Array<Pair>& answer, bool one_mesh) {
+    if (one_mesh) {
+        for (Pair& pair : list) pair = {std::min(pair.a, pair.b), std::max(pair.a, pair.b)};
+    }
+    std::sort(list.begin(), list.end());
+    Comparison result;
+    for (std::size_t i = 1; i < list.size(); ++i) {
+        const bool first_repetition = list[i] == list[i - 1] && (i < 2 || list[i] != list[i - 2]);
+        if (first_repetition) result.repeated.push_back(list[i]);
+    }
+    list.erase(std::unique(list.begin(), list.end()), list.end());
+    std::set_difference(answer.begin(), answer.end(), list.begin(), list.end(), std::back_inserter(result.missing));
+    std::set_difference(list.begin(), list.end(), answer.begin(), answer.end(), std::back_inserter(result.extra));
+    return result;
+}
+
+void print_some(std::ostream& out, std::string_view what, const std::vector<Pair>& pairs) {
+    constexpr std::size_t most = 10;
+    for (std::size_t i = 0; i < std::min(pairs.size(), most); ++i) {
+        out << fmt::format("{} {} {}\n", what, pairs[i].a, pairs[i].b);
+    }
+    if (pairs.size() > most) out << fmt::format("and {} more {}\n", pairs.size() - most, what);
+}
+
+struct Verify {
+    std::vector<std::string> files;  // meshes, then the list
+    AnswerOptions answer;
+    Options options;
+
+    int run() const {
+        Search search(answer, options);
+        std::vector<Pair> list = io::read_pairs(files.back());
+        const Input input = read_input({files.begin(), files.end() - 1}, answer);
+        const Array<Pair>& pairs = search.find(input).pairs;
+        const Comparison comparison = compare(std::move(list), pairs, !input.second);
+        const bool right = comparison.right();
+        const auto colour = fmt::fg(right ? fmt::terminal_color::green : fmt::terminal_color::red);
+        const std::string verdict =
+            fmt::format(on_terminal(1, colour | fmt::emphasis::bold), right ? "right" : "wrong");
+        to_standard_output([&](std::ostream& out) {
+            out << fmt::format("{}: {} pairs, {} missing, {} extra, {} repeated\n", verdict, pairs.size(),
+                               comparison.missing.size(), comparison.extra.size(), comparison.repeated.size());
+            print_some(out, "missing", comparison.missing);
+            print_some(out, "extra", comparison.extra);
+            print_some(out, "repeated", comparison.repeated);
+        });
+        return right ? done : collided;
+    }
+};
+
+}  // namespace
+
+Command add_verify(CLI::App& app) {
+    const auto verify = std::make_shared<Verify>();
+    CLI::App& command =
+        *app.add_subcommand("verify", "Tell whether a list of pairs is the whole answer and nothing else");
+    command
+        .add_option("FILE", verify->files,
+                    "One mesh or two, then a list of pairs: the first two integers of each line, in any order")
+        ->type_name("FILE [FILE_B] PAIRS.txt")
+        ->required()
+        ->expected(2, 3);
+    add_answer_options(command, verify->answer);
+    add_cost_options(command, verify->options);
+    command.footer(
+        "Prints the counts and the first few of what is missing, extra or repeated; exits with status 1 if anything "
+        "is.\nExample: crumple verify bunny.ply theirs.txt --neighbours skip");
+    return {&command, [verify] { return verify->run(); }};
+}
+
+}  // namespace crumple::cli

@@ -1,0 +1,190 @@
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "crumple/io.h"
+#include "run.h"
+
+namespace crumple::cli::test {
+namespace {
+
+class Detect : public Cli {
+   protected:
+    Detect() {
+        write("five.off", five_off);
+        write("two.off", two_off);
+        write("near.off", near_off);
+    }
+    /// Standard output of a run that succeeds and says nothing else.
+    std::string pairs(const std::string& arguments) const {
+        const Outcome outcome = crumple("detect " + arguments);
+        EXPECT_EQ(outcome.status, 0) << arguments;
+        EXPECT_EQ(outcome.err, "") << arguments;
+        return outcome.out;
+    }
+};
+
+TEST_F(Detect, WritesPairsToStandardOutput) { EXPECT_EQ(pairs("five.off"), five_pairs); }
+
+TEST_F(Detect, OfTwoFilesCountsFirstInTheFirst) { EXPECT_EQ(pairs("five.off two.off"), "0 1\n2 0\n3 1\n4 0\n"); }
+
+TEST_F(Detect, SkipsNeighboursIfAsked) {
+    EXPECT_EQ(pairs("five.off --neighbours skip"), "0 1\n0 3\n");
+    EXPECT_EQ(pairs("five.off --neighbours geometric"), five_pairs);
+}
+
+TEST_F(Detect, ProperLeavesOutTouchesAndFolds) {
+    EXPECT_EQ(pairs("five.off --intersections proper"), "0 1\n");
+    EXPECT_EQ(pairs("five.off --intersections all"), five_pairs);
+}
+
+TEST_F(Detect, WeldMakesTheCornerAHinge) {
+    EXPECT_EQ(pairs("five.off --weld"), "0 1\n2 4\n");
+    EXPECT_EQ(pairs("five.off --no-weld"), five_pairs);
+    EXPECT_EQ(pairs("five.off two.off --weld"), "2 0\n4 0\n");
+}
+
+TEST_F(Detect, StlIsWeldedUnlessToldOtherwise) {
+    write("hinge.stl",
+          "solid\nfacet normal 0 0 0\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n"
+          "facet normal 0 0 0\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 0 1\nendloop\nendfacet\nendsolid\n");
+    EXPECT_EQ(pairs("hinge.stl"), "");
+    EXPECT_EQ(pairs("hinge.stl --no-weld"), "0 1\n");
+}
+
+TEST_F(Detect, PrecisionDecidesWhatTouches) {
+    EXPECT_EQ(pairs("near.off"), "");
+    EXPECT_EQ(pairs("near.off --precision float64"), "");
+    EXPECT_EQ(pairs("near.off --precision float32"), "0 1\n");
+}
+
+TEST_F(Detect, ContactsFollowThePairs) {
+    EXPECT_EQ(pairs("five.off --contacts"),
+              "0 1 segment 1 1 0 2 2 0\n0 3 point 0 0 0\n2 4 area 10 0 0 14 0 0 11 3 0\n");
+}
+
+TEST_F(Detect, GroupsMayBeComponents) {
+    EXPECT_EQ(pairs("five.off --groups components --wanted between"), "0 1\n0 3\n");
+    EXPECT_EQ(pairs("five.off --groups components --wanted within"), "2 4\n");
+    EXPECT_EQ(pairs("five.off --groups components --wanted both"), five_pairs);
+    EXPECT_EQ(pairs("five.off --groups components --wanted between --weld"), "0 1\n");
+}
+
+TEST_F(Detect, ComponentsOfTwoFilesAreDistinct) {
+    EXPECT_EQ(pairs("five.off two.off --groups components --wanted within"), "");
+    EXPECT_EQ(pairs("five.off two.off --groups components --wanted between"), "0 1\n2 0\n3 1\n4 0\n");
+}
+
+TEST_F(Detect, GroupsMayComeFromAFile) {
+    write("groups.txt", "0\n0\n1\n1\n0\n");
+    EXPECT_EQ(pairs("five.off --groups groups.txt --wanted between"), "0 3\n2 4\n");
+    EXPECT_EQ(pairs("five.off --groups groups.txt --wanted within"), "0 1\n");
+    write("seven.txt", "0\r\n0\r\n1\r\n1\r\n0\r\n1\r\n-7\r\n");
+    EXPECT_EQ(pairs("five.off two.off --groups seven.txt --wanted within"), "2 0\n");
+}
+
+TEST_F(Detect, GroupsMayBeAPropertyOfPly) {
+    write("parts.ply",
+          "ply\nformat ascii 1.0\nelement vertex 6\nproperty float x\nproperty float y\nproperty float z\n"
+          "element face 3\nproperty list uchar int vertex_indices\nproperty int part\nend_header\n"
+          "0 0 0\n4 0 0\n0 4 0\n1 1 -1\n1 1 1\n3 3 0.5\n3 0 1 2 8\n3 3 4 5 9\n3 2 1 0 8\n");
+    EXPECT_EQ(pairs("parts.ply"), "0 1\n0 2\n1 2\n");
+    EXPECT_EQ(pairs("parts.ply --groups part --wanted between"), "0 1\n1 2\n");
+    EXPECT_EQ(pairs("parts.ply --groups part --wanted within"), "0 2\n");
+}
+
+TEST_F(Detect, BackendsThreadsAndClustersChangeNothing) {
+    ASSERT_EQ(crumple("make bodies --triangles 3000 -o bodies.ply").status, 0);
+    const std::string answer = pairs("bodies.ply");
+    ASSERT_GT(std::count(answer.begin(), answer.end(), '\n'), 100);
+    for (const char* option : {"--backend reference", "--backend cpu", "--backend auto", "--threads 1", "--threads 7",
+                               "--clusters 1", "--clusters 64", "--memory-limit 1GiB"}) {
+        EXPECT_EQ(pairs(std::string("bodies.ply ") + option), answer) << option;
+    }
+}
+
+TEST_F(Detect, PartsTogetherAreTheAnswer) {
+    ASSERT_EQ(crumple("make soup --triangles 20000 -o soup.ply").status, 0);
+    std::vector<std::string> lines;
+    for (const char* part : {"3/3", "1/3", "2/3"}) {
+        std::istringstream in(pairs(std::string("soup.ply --part ") + part));
+        std::size_t before = lines.size();
+        for (std::string line; std::getline(in, line);) lines.push_back(line);
+        EXPECT_GT(lines.size(), before) << part;
+    }
+    std::istringstream in(pairs("soup.ply"));
+    std::vector<std::string> whole;
+    for (std::string line; std::getline(in, line);) whole.push_back(line);
+    std::sort(lines.begin(), lines.end());
+    std::sort(whole.begin(), whole.end());
+    EXPECT_EQ(lines, whole);
+    EXPECT_EQ(pairs("five.off two.off --part 1/1"), pairs("five.off two.off"));
+}
+
+TEST_F(Detect, WritesLists) {
+    EXPECT_EQ(pairs("five.off -o p.txt -o p.csv -o p.json -o p.npz"), "");
+    EXPECT_EQ(read("p.txt"), five_pairs);
+    EXPECT_EQ(read("p.csv"), "a,b\n0,1\n0,3\n2,4\n");
+    const auto json = nlohmann::json::parse(read("p.json"));
+    EXPECT_EQ(json["pairs"].dump(), "[[0,1],[0,3],[2,4]]");
+    EXPECT_EQ(json["statistics"]["pairs"], 3);
+    EXPECT_TRUE(read("p.npz").starts_with("PK"));
+    EXPECT_TRUE(contains(read("p.npz"), "pairs.npy"));
+}
+
+TEST_F(Detect, WritesContactsToLists) {
+    EXPECT_EQ(pairs("five.off --contacts --output p.csv -o p.json"), "");
+    EXPECT_TRUE(contains(read("p.csv"), "0,3,point,1,0,0,0,"));
+    EXPECT_EQ(nlohmann::json::parse(read("p.json"))["contacts"][0].dump(),
+              R"({"kind":"segment","points":[[1,1,0],[2,2,0]]})");
+}
+
+TEST_F(Detect, WritesColouredMeshes) {
+    EXPECT_EQ(pairs("-o c.ply -o c.obj -o c.glb five.off two.off"), "");
+    EXPECT_EQ(io::read_mesh(file("c.ply")).triangle_count(), 7);
+    EXPECT_TRUE(contains(read("c.ply"), "property uchar red"));
+    EXPECT_EQ(io::read_mesh(file("c.obj")).triangle_count(), 7);
+    EXPECT_TRUE(fs::exists(file("c.mtl")));
+    EXPECT_TRUE(read("c.glb").starts_with("glTF"));
+}
+
+TEST_F(Detect, ChecksByExitStatus) {
+    EXPECT_EQ(crumple("detect five.off --check").status, 1);
+    EXPECT_EQ(crumple("detect five.off --check").out, five_pairs);
+    EXPECT_EQ(crumple("detect five.off --check -o p.txt").status, 1);
+    EXPECT_EQ(read("p.txt"), five_pairs);
+    EXPECT_EQ(crumple("detect near.off --check").status, 0);
+}
+
+TEST_F(Detect, PrintsStatisticsToStandardError) {
+    const Outcome outcome = crumple("detect five.off --stats");
+    EXPECT_EQ(outcome.status, 0);
+    EXPECT_EQ(outcome.out, five_pairs);
+    for (const char* row : {"bounds", "subdivide", "align", "sort", "sweep", "narrow", "output", "wall clock", "share",
+                            "clusters", "members", "interval tests", "box overlaps", "edge tests", "double tests",
+                            "exact tests", "pairs                        3  5 triangles collide", "peak memory"}) {
+        EXPECT_TRUE(contains(outcome.err, row)) << row << " in\n" << outcome.err;
+    }
+}
+
+TEST_F(Detect, MemoryLimitNamesTheLimitThatSuffices) {
+    ASSERT_EQ(crumple("make bodies --triangles 3000 -o bodies.ply").status, 0);
+    const Outcome outcome = crumple("detect bodies.ply --memory-limit 1000");
+    EXPECT_EQ(outcome.status, 3);
+    EXPECT_EQ(outcome.out, "");
+    EXPECT_TRUE(is_error_line(outcome.err)) << outcome.err;
+    EXPECT_TRUE(contains(outcome.err, "crumple: bodies.ply: ")) << outcome.err;
+    const std::size_t place = outcome.err.find("; ");
+    ASSERT_NE(place, std::string::npos) << outcome.err;
+    const std::string enough = std::to_string(std::stoll(outcome.err.substr(place + 2)));
+    EXPECT_EQ(pairs("bodies.ply --memory-limit " + enough), pairs("bodies.ply"));
+}
+
+TEST_F(Detect, MemoryLimitTakesUnits) {
+    for (const char* size : {"1GiB", "500MB", "'1.5 g'", "700kib", "1T", "100000000", "100000000B"}) {
+        EXPECT_EQ(pairs(std::string("five.off --memory-limit ") + size), five_pairs) << size;
+    }
+}
+
+}  // namespace
+}  // namespace crumple::cli::test

@@ -1,0 +1,58 @@
+#include "crumple/io.h"
+#include "run.h"
+
+namespace crumple::cli::test {
+namespace {
+
+using Make = Cli;
+
+TEST_F(Make, ListsTheScenes) {
+    const Outcome outcome = crumple("make --list");
+    EXPECT_EQ(outcome.status, 0);
+    for (const char* scene :
+         {"cloth ", "ground ", "soup ", "needles ", "five_decades ", "bodies ", "shells ", "fans ", "lattice "}) {
+        EXPECT_TRUE(contains(outcome.out, scene)) << scene;
+    }
+    EXPECT_TRUE(contains(outcome.out, "92230      94"));
+}
+
+TEST_F(Make, WritesEveryFormat) {
+    for (const char* name : {"s.ply", "s.obj", "s.stl", "s.off"}) {
+        EXPECT_EQ(crumple(std::string("make soup --triangles 321 -o ") + name).status, 0) << name;
+        EXPECT_EQ(io::read_mesh(file(name)).triangle_count(), 321) << name;
+    }
+}
+
+TEST_F(Make, TakesTheLastFrameUnlessToldOtherwise) {
+    crumple("make cloth --triangles 3000 -o last.ply");
+    crumple("make cloth --triangles 3000 --frame 93 -o f93.ply");
+    crumple("make cloth --triangles 3000 --frame 0 -o f0.ply");
+    EXPECT_EQ(read("last.ply"), read("f93.ply"));
+    EXPECT_NE(read("last.ply"), read("f0.ply"));
+    EXPECT_EQ(crumple("detect f0.ply").out, "");
+    EXPECT_NE(crumple("detect last.ply").out, "");
+}
+
+TEST_F(Make, SeedsGiveOtherScenes) {
+    crumple("make soup --triangles 100 -o a.ply");
+    crumple("make soup --triangles 100 --seed 1 -o b.ply");
+    crumple("make soup --triangles 100 --seed 2 -o c.ply");
+    EXPECT_EQ(read("a.ply"), read("b.ply"));
+    EXPECT_NE(read("a.ply"), read("c.ply"));
+}
+
+TEST_F(Make, RefusesWhatDoesNotExist) {
+    for (const char* wrong :
+         {"make", "make clot -o x.ply", "make cloth", "make cloth --frame 94 -o x.ply",
+          "make cloth --frame -1 -o x.ply", "make soup --triangles 0 -o x.ply", "make soup --triangles many -o x.ply",
+          "make soup -o x.doc", "make soup -o no/where.ply", "make --list soup", "make --list -o x.ply"}) {
+        const Outcome outcome = crumple(wrong);
+        EXPECT_EQ(outcome.status, 2) << wrong;
+        EXPECT_TRUE(is_error_line(outcome.err)) << wrong << ": " << outcome.err;
+        EXPECT_FALSE(fs::exists(file("x.ply"))) << wrong;
+    }
+    EXPECT_TRUE(contains(crumple("make clot -o x.ply").err, "cloth, ground"));
+}
+
+}  // namespace
+}  // namespace crumple::cli::test

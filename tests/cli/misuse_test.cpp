@@ -1,0 +1,130 @@
+// Wrong use and bad input: status 2, nothing on standard output, one line on standard error that says what and where.
+
+#include "run.h"
+
+namespace crumple::cli::test {
+namespace {
+
+class Misuse : public Cli {
+   protected:
+    Misuse() { write("five.off", five_off); }
+    void expect_refused(const std::string& arguments, const std::string& reason) const {
+        const Outcome outcome = crumple(arguments);
+        EXPECT_EQ(outcome.status, 2) << arguments;
+        EXPECT_EQ(outcome.out, "") << arguments;
+        EXPECT_TRUE(is_error_line(outcome.err)) << arguments << ": " << outcome.err;
+        EXPECT_TRUE(contains(outcome.err, reason)) << arguments << ": " << outcome.err;
+    }
+};
+
+TEST_F(Misuse, OfTheCommandLine) {
+    expect_refused("", "detect, sequence, info, verify or make");
+    expect_refused("dettect five.off", "dettect");
+    expect_refused("detect", "FILE");
+    expect_refused("detect five.off five.off five.off", "At Most 2");
+    expect_refused("detect five.off --fast", "--fast");
+    expect_refused("detect five.off -o", "--output");
+    expect_refused("verify five.off", "FILE");
+    expect_refused("sequence", "FRAME");
+    expect_refused("info", "FILE");
+    expect_refused("info five.off --neighbours skip", "--neighbours");
+}
+
+TEST_F(Misuse, OfOptionsWithFewValues) {
+    expect_refused("detect five.off --neighbours none", "geometric|skip");
+    expect_refused("detect five.off --intersections some", "all|proper");
+    expect_refused("detect five.off --precision float16", "auto|float32|float64");
+    expect_refused("detect five.off --backend gpu", "auto|reference|cpu");
+    expect_refused("detect five.off --wanted inside", "between|within|both");
+}
+
+TEST_F(Misuse, OfNumbers) {
+    for (const char* threads : {"0", "-1", "1025", "two", "1.5"}) {
+        expect_refused(std::string("detect five.off --threads ") + threads, "--threads");
+    }
+    for (const char* clusters : {"0", "65", "x"}) {
+        expect_refused(std::string("detect five.off --clusters ") + clusters, "--clusters");
+    }
+    for (const char* size :
+         {"0", "-1", "GiB", "1e9", "nan", "inf", "12XB", "1ib", "99999999999999999999", "10000000T"}) {
+        expect_refused(std::string("detect five.off --memory-limit ") + size, "--memory-limit");
+    }
+    for (const char* part : {"0/3", "4/3", "1/65", "1", "1/", "/2", "a/b", "1/2/3", "-1/2", "1/0"}) {
+        expect_refused(std::string("detect five.off --part ") + part, "--part");
+    }
+}
+
+TEST_F(Misuse, OfOptionsThatDoNotGoTogether) {
+    expect_refused("detect five.off --weld --no-weld", "excludes");
+    expect_refused("detect five.off --wanted between", "need --groups");
+    expect_refused("detect five.off --wanted within", "need --groups");
+    expect_refused("detect five.off --groups components", "--wanted");
+    expect_refused("detect five.off --backend reference --threads 2", "--threads does not apply");
+    expect_refused("detect five.off --backend reference --clusters 2", "--clusters does not apply");
+    expect_refused("detect five.off --contacts -o x.glb", "hold no contacts");
+    expect_refused("sequence five.off --json -o x.csv", "--json");
+}
+
+TEST_F(Misuse, OfOutputs) {
+    expect_refused("detect five.off -o x.doc", "x.doc");
+    expect_refused("detect five.off -o x", ".txt, .csv, .json or .npz");
+    expect_refused("detect five.off -o no/such/folder.txt", "no/such");
+    expect_refused("sequence five.off -o x.txt", ".csv or .json");
+    expect_refused("sequence five.off -o no/such/folder.csv", "no/such");
+    EXPECT_EQ(crumple("detect missing.off -o x.doc").err.find("missing"), std::string::npos) << "outputs first";
+}
+
+TEST_F(Misuse, OfGroups) {
+    write("short.txt", "0\n1\n");
+    write("words.txt", "0\n1\ntwo\n3\n4\n");
+    write("large.txt", "0\n1\n2\n3\n4000000000\n");
+    expect_refused("detect five.off --wanted between --groups short.txt", "2 groups for 5 triangles");
+    expect_refused("detect five.off --wanted between --groups words.txt", "words.txt, line 3");
+    expect_refused("detect five.off --wanted between --groups large.txt", "large.txt, line 5");
+    expect_refused("detect five.off --wanted between --groups part", "five.off");
+}
+
+TEST_F(Misuse, OfFiles) {
+    const auto refused = [&](const std::string& name, std::string_view bytes, const std::string& place) {
+        write(name, bytes);
+        for (const char* command : {"detect ", "info ", "sequence "}) {
+            const Outcome outcome = crumple(command + name);
+            EXPECT_EQ(outcome.status, 2) << command << name;
+            EXPECT_TRUE(is_error_line(outcome.err)) << command << name << ": " << outcome.err;
+            EXPECT_TRUE(contains(outcome.err, name)) << outcome.err;
+            EXPECT_TRUE(contains(outcome.err, place)) << outcome.err;
+        }
+    };
+    expect_refused("detect missing.ply", "missing.ply");
+    expect_refused("detect .", "crumple: ");
+    expect_refused("detect five.off missing.ply", "missing.ply");
+    refused("empty.ply", "", "");
+    refused("text.txt", "Dear reader,\n", "PLY, OBJ, STL or OFF");
+    refused("short.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n", "line");
+    refused("index.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n", "line 6");
+    refused("nan.off", "OFF\n3 1 0\n0 0 0\n1 nan 0\n0 1 0\n3 0 1 2\n", "line 4");
+    refused("cut.ply",
+            "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+            "property float z\nelement face 0\nproperty list uchar int vertex_indices\nend_header\n0123456789",
+            "line 3");
+}
+
+TEST_F(Misuse, OfABadSecondFileNamesIt) {
+    write("index.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n");
+    expect_refused("detect five.off index.off", "index.off, line 6");
+}
+
+TEST_F(Misuse, HelpIsNoMisuse) {
+    for (const char* command : {"", "detect ", "sequence ", "info ", "verify ", "make "}) {
+        const Outcome outcome = crumple(std::string(command) + "--help");
+        EXPECT_EQ(outcome.status, 0) << command;
+        EXPECT_EQ(outcome.err, "") << command;
+        EXPECT_TRUE(contains(outcome.out, "Usage: crumple ")) << command;
+        EXPECT_TRUE(contains(outcome.out, std::string("Example: crumple ") + command)) << command;
+    }
+    EXPECT_TRUE(crumple("--version").out.starts_with("crumple "));
+    EXPECT_EQ(crumple("--version").status, 0);
+}
+
+}  // namespace
+}  // namespace crumple::cli::test

@@ -1,0 +1,111 @@
+#include <csignal>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <thread>
+#include <vector>
+
+#include "run.h"
+
+namespace crumple::cli::test {
+namespace {
+
+constexpr const char* header = "frame,triangles,pairs,milliseconds,bounds,subdivide,align,sort,sweep,narrow,output";
+
+class Sequence : public Cli {
+   protected:
+    Sequence() {
+        write("a.off", five_off);
+        write("b,2.off", near_off);
+    }
+    static std::vector<std::string> lines(const std::string& text) {
+        std::vector<std::string> result;
+        std::istringstream in(text);
+        for (std::string line; std::getline(in, line);) result.push_back(line);
+        return result;
+    }
+    /// Starts a sequence of thousands of frames, presses Ctrl-C after the first rows, and returns the exit status.
+    int interrupt(const std::string& output) const {
+        EXPECT_EQ(crumple("make soup --triangles 5000 -o frame.ply").status, 0);
+        std::string command = "exec $crumple sequence -o " + output;
+        for (int i = 0; i < 5000; ++i) command += " frame.ply";
+        const std::string rows = file(output).string();
+        std::thread keyboard([&] {
+            while (lines(text_of(rows)).size() < 4) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+            EXPECT_EQ(std::system(("kill -INT $(cat " + file("pid").string() + ")").c_str()), 0);
+        });
+        const Outcome outcome = shell("{ trap - INT; echo $BASHPID >pid; " + command + "; } & wait $!");
+        keyboard.join();
+        EXPECT_TRUE(contains(outcome.err, "interrupted after ")) << outcome.err;
+        return outcome.status;
+    }
+};
+
+TEST_F(Sequence, WritesARowAFrame) {
+    const Outcome outcome = crumple("sequence a.off 'b,2.off' a.off");
+    EXPECT_EQ(outcome.status, 0);
+    EXPECT_EQ(outcome.err, "");
+    const auto rows = lines(outcome.out);
+    ASSERT_EQ(rows.size(), 4u);
+    EXPECT_EQ(rows[0], header);
+    EXPECT_TRUE(rows[1].starts_with("a.off,5,3,")) << rows[1];
+    EXPECT_TRUE(rows[2].starts_with("\"b,2.off\",2,0,")) << rows[2];
+    EXPECT_TRUE(rows[3].starts_with("a.off,5,3,")) << rows[3];
+    EXPECT_EQ(std::count(rows[1].begin(), rows[1].end(), ','), std::count(rows[0].begin(), rows[0].end(), ','));
+}
+
+TEST_F(Sequence, WritesFiles) {
+    EXPECT_EQ(crumple("sequence a.off 'b,2.off' -o t.csv").out, "");
+    EXPECT_EQ(lines(read("t.csv")).size(), 3u);
+    EXPECT_EQ(crumple("sequence a.off 'b,2.off' -o t.json").out, "");
+    for (const std::string& text : {read("t.json"), crumple("sequence --json a.off 'b,2.off'").out}) {
+        const auto json = nlohmann::json::parse(text);
+        ASSERT_EQ(json.size(), 2u);
+        EXPECT_EQ(json[0]["pairs"], 3);
+        EXPECT_EQ(json[1]["frame"], "b,2.off");
+        EXPECT_TRUE(json[1].contains("narrow"));
+    }
+}
+
+TEST_F(Sequence, TakesTheOptionsOfDetect) {
+    EXPECT_TRUE(contains(crumple("sequence a.off --neighbours skip").out, "a.off,5,2,"));
+    EXPECT_TRUE(contains(crumple("sequence a.off --intersections proper --threads 1").out, "a.off,5,1,"));
+    EXPECT_TRUE(contains(crumple("sequence a.off --groups components --wanted within").out, "a.off,5,1,"));
+    EXPECT_TRUE(contains(crumple("sequence 'b,2.off' --precision float32").out, ",2,1,"));
+}
+
+TEST_F(Sequence, ChecksByExitStatus) {
+    EXPECT_EQ(crumple("sequence 'b,2.off' a.off --check").status, 1);
+    EXPECT_EQ(crumple("sequence 'b,2.off' 'b,2.off' --check").status, 0);
+}
+
+TEST_F(Sequence, SumsUpStatistics) {
+    const std::string err = crumple("sequence a.off a.off --stats").err;
+    EXPECT_TRUE(contains(err, "triangles                   10\n")) << err;
+    EXPECT_TRUE(contains(err, "pairs                        6  10 triangles collide\n")) << err;
+}
+
+TEST_F(Sequence, KeepsTheRowsBeforeABadFrame) {
+    const Outcome outcome = crumple("sequence a.off missing.off a.off");
+    EXPECT_EQ(outcome.status, 2);
+    EXPECT_TRUE(is_error_line(outcome.err) && contains(outcome.err, "missing.off")) << outcome.err;
+    EXPECT_EQ(lines(outcome.out).size(), 2u);
+    EXPECT_EQ(crumple("sequence a.off missing.off -o t.json").status, 2);
+    EXPECT_EQ(nlohmann::json::parse(read("t.json")).size(), 1u);
+}
+
+TEST_F(Sequence, SurvivesCtrlC) {
+    EXPECT_EQ(interrupt("t.csv"), 130);
+    const auto rows = lines(read("t.csv"));
+    EXPECT_GE(rows.size(), 4u);
+    EXPECT_LT(rows.size(), 5000u);
+    EXPECT_EQ(rows.front(), header);
+    EXPECT_EQ(std::count(rows.back().begin(), rows.back().end(), ','), 10) << rows.back();
+}
+
+TEST_F(Sequence, LeavesValidJsonAfterCtrlC) {
+    EXPECT_EQ(interrupt("t.json"), 130);
+    EXPECT_GE(nlohmann::json::parse(read("t.json")).size(), 3u);
+}
+
+}  // namespace
+}  // namespace crumple::cli::test
