@@ -1,0 +1,307 @@
+// Every backend against exact answers from outside, on real scenes: as sets, in both precisions, under all policies.
+
+#include <fstream>
+#include <memory>
+#include <string>
+
+#include "agreement/compare.h"
+#include "io/files.h"
+
+namespace crumple {
+namespace {
+
+using io::Precision;
+using test::backend_name;
+using test::same_pairs;
+namespace fs = std::filesystem;
+
+/// A line of an answer: `shared` distinct vertices that both name, extreme points of the intersection, and whether an
+/// edge of one strictly crosses the inside of the other.
+struct Line {
+    Pair pair;
+    int shared, degenerate, points, strict;
+};
+
+struct Truth {
+    std::vector<Line> lines;
+
+    template <class Wanted>
+    std::vector<Pair> pairs(Wanted wanted) const {
+        std::vector<Pair> chosen;
+        for (const Line& line : lines) {
+            if (wanted(line)) chosen.push_back(line.pair);
+        }
+        return chosen;
+    }
+};
+
+class DataTest : public testing::Test {
+   protected:
+    void SetUp() override {
+        if (!folder) GTEST_SKIP() << "no scenes: set CRUMPLE_DATA";
+    }
+    std::ifstream open(const std::string& answer) const {
+        std::ifstream file(*folder / "gt" / answer);
+        EXPECT_TRUE(file) << answer;
+        return file;
+    }
+    Truth truth(const std::string& answer) const {
+        Truth truth;
+        std::ifstream file = open(answer);
+        Line x;
+        while (file >> x.pair.a >> x.pair.b >> x.shared >> x.degenerate >> x.points >> x.strict)
+            truth.lines.push_back(x);
+        return truth;
+    }
+    std::optional<fs::path> folder = io::test::data_folder();
+};
+
+/// Brute force is left out where it takes more than a second.
+std::vector<Backend> backends_for(std::int64_t triangles) {
+    if (triangles <= 1'500) return {Backend::reference, Backend::cpu};
+    return {Backend::cpu};
+}
+
+Detector detector_of(Backend backend) {
+    Options options;
+    options.backend = backend;
+    return Detector(options);
+}
+
+void expect_truth(Detector& detector, const MeshView& mesh, const Truth& truth) {
+    Query query;
+    const auto found = [&] { return detector.find_self(mesh, query).pairs.span(); };
+    EXPECT_TRUE(same_pairs(found(), truth.pairs([](const Line&) { return true; })));
+    EXPECT_EQ(detector.has_collision(mesh, query), !truth.lines.empty());
+    query.intersections = Intersections::proper;
+    EXPECT_TRUE(same_pairs(found(), truth.pairs([](const Line& line) { return line.strict == 1; }))) << "proper";
+    query.neighbours = Neighbours::skip;
+    EXPECT_TRUE(same_pairs(found(), truth.pairs([](const Line& line) { return line.strict == 1 && line.shared == 0; })))
+        << "proper, neighbours skipped";
+    query.intersections = Intersections::all;
+    EXPECT_TRUE(same_pairs(found(), truth.pairs([](const Line& line) { return line.shared == 0; })))
+        << "neighbours skipped";
+}
+
+void expect_contacts(Detector& detector, const MeshView& mesh, const Truth& truth) {
+    Query query;
+    query.contacts = true;
+    const Contacts& contacts = detector.find_self(mesh, query).contacts;
+    ASSERT_EQ(contacts.kinds.size(), truth.lines.size());
+    ASSERT_EQ(contacts.offsets.size(), truth.lines.size() + 1);
+    for (std::size_t i = 0; i < truth.lines.size(); ++i) {
+        const int points = truth.lines[i].points;
+        ASSERT_EQ(contacts.offsets[i + 1] - contacts.offsets[i], points) << testing::PrintToString(truth.lines[i].pair);
+        ASSERT_EQ(static_cast<int>(contacts.kinds[i]), std::min(points, 3))
+            << testing::PrintToString(truth.lines[i].pair);
+    }
+}
+
+struct SelfCase {
+    const char* mesh;
+    const char* answer;
+    Precision precision = Precision::automatic;
+    friend std::ostream& operator<<(std::ostream& out, const SelfCase& c) { return out << c.answer; }
+};
+
+/// Tests are named by their answers.
+const auto name_of = [](const auto& info) { return test::test_name(info.param.answer); };
+
+/// Answers that hold in either precision are tested in both.
+std::vector<Precision> precisions(const SelfCase& scene) {
+    if (scene.precision != Precision::automatic) return {scene.precision};
+    return {Precision::float32, Precision::float64};
+}
+
+class SelfTruth : public DataTest, public testing::WithParamInterface<SelfCase> {};
+
+TEST_P(SelfTruth, IsFoundByEveryBackend) {
+    const SelfCase scene = GetParam();
+    const Truth expected = truth(scene.answer);
+    for (const Precision precision : precisions(scene)) {
+        const io::TriangleMesh mesh = io::read_mesh(*folder / scene.mesh, {.precision = precision});
+        for (const Backend backend : backends_for(mesh.triangle_count())) {
+            SCOPED_TRACE(testing::Message()
+                         << backend_name(backend) << ", " << (precision == Precision::float32 ? "float32" : "float64"));
+            Detector detector = detector_of(backend);
+            expect_truth(detector, mesh.view(), expected);
+            expect_contacts(detector, mesh.view(), expected);
+        }
+    }
+}
+
+constexpr Precision single = Precision::float32, twofold = Precision::float64;
+const SelfCase self_cases[] = {
+    {"soups/soup_degenerate.ply", "soup_degenerate.txt"},
+    {"soups/soup_grid.ply", "soup_grid.txt"},
+    {"soups/soup_huge32.ply", "soup_huge32.txt"},
+    {"soups/soup_repeat.ply", "soup_repeat.txt"},
+    {"soups/soup_tiny64.ply", "soup_tiny64.f64.txt", twofold},
+    {"ipc-toolkit-test-data/bunny.ply", "ipc_bunny.txt"},
+    {"ipc-toolkit-test-data/height-field.ply", "ipc_height-field.txt"},
+    {"ipc-toolkit-test-data/highres-cube.ply", "ipc_highres-cube.txt"},
+    {"ipc-toolkit-test-data/spike-plane.ply", "ipc_spike-plane.txt"},
+    {"ipc-toolkit-test-data/two-layer-ball.ply", "ipc_two-layer-ball.txt"},
+    {"ipc-toolkit-test-data/uv-ball.ply", "ipc_uv-ball.txt"},
+    {"ipc-toolkit-test-data/two-cubes-close.ply", "two-cubes-close.txt"},
+    {"ipc-toolkit-test-data/two-cubes-far.ply", "two-cubes-far.txt"},
+    {"ipc-toolkit-test-data/two-cubes-intersecting.ply", "two-cubes-intersecting.txt"},
+    {"ipc-toolkit-test-data/thick-cloth/t0.ply", "thick-cloth-t0.txt"},
+    {"ipc-toolkit-test-data/thick-cloth/t1.ply", "thick-cloth-t1.txt"},
+    {"meshes/Generic_Twin_right.obj", "Generic_Twin_right.f32.txt", single},
+    {"meshes/Generic_Twin_right.obj", "Generic_Twin_right.f64.txt", twofold},
+    {"meshes/armadillo_86k.obj", "armadillo_86k.txt"},
+    {"meshes/bunny_69k.obj", "bunny_69k.txt"},
+    {"meshes/dragon_100k.ply", "dragon_100k.txt"},
+    {"meshes/hull-mask.obj", "hull-mask.txt"},
+    {"meshes/human_neutral.obj", "human_neutral.txt"},
+    {"meshes/lucy_100k.ply", "lucy_100k.txt"},
+    {"meshes/ogre_124k.obj", "ogre_124k.f32.txt", single},
+    {"meshes/ogre_124k.obj", "ogre_124k.f64.txt", twofold},
+    {"meshes/self_intersectA_17k.obj", "self_intersectA_17k.txt"},
+    {"meshes/shark_50k.stl", "shark_50k.txt"},
+    {"meshes/truck.obj", "truck.f32.txt", single},
+    {"meshes/truck.obj", "truck.f64.txt", twofold},
+    {"meshes/turbineblade_199k.ply", "turbineblade_199k.txt"},
+    {"scalable-ccd/cloth-ball/frames/cloth_ball92.ply", "cloth_ball92.txt"},
+    {"scalable-ccd/cloth-ball/frames/cloth_ball93.ply", "cloth_ball93.txt"},
+    {"scalable-ccd/cloth-funnel/frames/227.ply", "cloth_funnel227.txt"},
+    {"scalable-ccd/cloth-funnel/frames/228.ply", "cloth_funnel228.txt"},
+    {"scalable-ccd/n-body-simulation/frames/balls16_18.ply", "balls16_18.txt"},
+    {"scalable-ccd/n-body-simulation/frames/balls16_19.ply", "balls16_19.txt"},
+};
+
+INSTANTIATE_TEST_SUITE_P(GroundTruth, SelfTruth, testing::ValuesIn(self_cases), name_of);
+
+class WeldedTruth : public DataTest, public testing::WithParamInterface<SelfCase> {};
+
+TEST_P(WeldedTruth, IsFoundWhenEqualPositionsAreOneVertex) {
+    const SelfCase scene = GetParam();
+    std::vector<Pair> expected;
+    std::ifstream file = open(scene.answer);
+    for (Pair pair; file >> pair.a >> pair.b;) expected.push_back(pair);
+    ASSERT_FALSE(expected.empty());
+
+    Detector detector = detector_of(Backend::cpu);
+    Query query;
+    query.weld = true;
+    for (const Precision precision : precisions(scene)) {
+        const io::TriangleMesh mesh = io::read_mesh(*folder / scene.mesh, {.precision = precision});
+        EXPECT_TRUE(same_pairs(detector.find_self(mesh.view(), query).pairs.span(), expected));
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(GroundTruth, WeldedTruth,
+                         testing::Values(SelfCase{"scalable-ccd/n-body-simulation/frames/balls16_18.ply",
+                                                  "balls16_18_welded.pairs.txt"},
+                                         SelfCase{"meshes/ogre_124k.obj", "ogre_124k_welded.f32.pairs.txt", single},
+                                         SelfCase{"meshes/ogre_124k.obj", "ogre_124k_welded.f64.pairs.txt", twofold}),
+                         name_of);
+
+struct BetweenCase {
+    const char *a, *b, *answer;
+    friend std::ostream& operator<<(std::ostream& out, const BetweenCase& c) { return out << c.answer; }
+};
+
+class BetweenTruth : public DataTest, public testing::WithParamInterface<BetweenCase> {};
+
+TEST_P(BetweenTruth, IsFoundForOneMeshAgainstAnother) {
+    const BetweenCase scene = GetParam();
+    std::vector<Pair> all, coincident_none, proper;
+    std::ifstream file = open(scene.answer);
+    int coincident = 0, strict = 0;
+    for (Pair pair; file >> pair.a >> pair.b >> coincident >> strict;) {
+        all.push_back(pair);
+        if (coincident == 0) coincident_none.push_back(pair);
+        if (strict == 1) proper.push_back(pair);
+    }
+    ASSERT_FALSE(all.empty());
+
+    Detector detector = detector_of(Backend::cpu);
+    for (const Precision precision : {single, twofold}) {
+        const io::TriangleMesh a = io::read_mesh(*folder / scene.a, {.precision = precision});
+        const io::TriangleMesh b = io::read_mesh(*folder / scene.b, {.precision = precision});
+        Query query;
+        EXPECT_TRUE(same_pairs(detector.find_between(a.view(), b.view(), query).pairs.span(), all));
+        EXPECT_TRUE(detector.has_collision(a.view(), b.view(), query));
+        query.intersections = Intersections::proper;
+        EXPECT_TRUE(same_pairs(detector.find_between(a.view(), b.view(), query).pairs.span(), proper));
+        query = {};
+        query.weld = true;
+        query.neighbours = Neighbours::skip;
+        EXPECT_TRUE(same_pairs(detector.find_between(a.view(), b.view(), query).pairs.span(), coincident_none));
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(GroundTruth, BetweenTruth,
+                         testing::Values(BetweenCase{"thingi10k-ember/case016_a_88566.ply",
+                                                     "thingi10k-ember/case016_b_58011.ply", "ember_case016.a_vs_b.txt"},
+                                         BetweenCase{"thingi10k-ember/case260_a_908460.ply",
+                                                     "thingi10k-ember/case260_b_73416.ply", "ember_case260.a_vs_b.txt"},
+                                         BetweenCase{"thingi10k-ember/case406_a_1063852.ply",
+                                                     "thingi10k-ember/case406_b_72214.ply",
+                                                     "ember_case406.a_vs_b.txt"}),
+                         name_of);
+
+class Frames : public DataTest {};
+
+// As groups of one soup and as two meshes.
+TEST_F(Frames, ClothNeverMeetsTheBall) {
+    for (const char* frame : {"cloth_ball92.ply", "cloth_ball93.ply"}) {
+        io::TriangleMesh mesh = io::read_mesh(*folder / "scalable-ccd/cloth-ball/frames" / frame);
+        constexpr std::int64_t cloth_end = 91'470;
+        mesh.groups.assign(static_cast<std::size_t>(mesh.triangle_count()), 0);
+        std::fill(mesh.groups.begin() + cloth_end, mesh.groups.end(), 1);
+        Detector detector = detector_of(Backend::cpu);
+        Query query;
+        query.wanted = Wanted::between;
+        EXPECT_TRUE(same_pairs(detector.find_self(mesh.view(), query).pairs.span(), {}));
+
+        MeshView cloth = mesh.view(), ball = mesh.view();
+        cloth.groups = ball.groups = {};
+        cloth.triangles.rows = cloth_end;
+        ball.triangles.data = static_cast<const char*>(ball.triangles.data) + cloth_end * ball.triangles.row_stride;
+        ball.triangles.rows -= cloth_end;
+        EXPECT_TRUE(same_pairs(detector.find_between(cloth, ball).pairs.span(), {}));
+        EXPECT_FALSE(detector.has_collision(cloth, ball));
+    }
+}
+
+// One detector for all frames, so that it starts each from the centres of the frame before.
+TEST_F(Frames, OfACharacterAreRightOneAfterTheOther) {
+    constexpr std::int64_t vertices = 12'811, triangles = 25'472;
+    std::vector<std::int32_t> corners(3 * triangles);
+    std::vector<float> xyz(3 * vertices);
+    std::ifstream faces(*folder / "codim-ipc/Kick/faces.i32", std::ios::binary);
+    std::ifstream positions(*folder / "codim-ipc/Kick/verts.f32", std::ios::binary);
+    faces.read(reinterpret_cast<char*>(corners.data()),
+               static_cast<std::streamsize>(corners.size() * sizeof(corners[0])));
+    ASSERT_TRUE(faces);
+    std::ifstream counts = open("Kick.counts.csv");
+    std::string heading;
+    std::getline(counts, heading);
+
+    Detector detector = detector_of(Backend::cpu);
+    int frame, all, skip, neighbours;
+    char comma;
+    int frames = 0;
+    while (counts >> frame >> comma >> all >> comma >> skip >> comma >> neighbours) {
+        SCOPED_TRACE(testing::Message() << "frame " << frame);
+        positions.read(reinterpret_cast<char*>(xyz.data()), static_cast<std::streamsize>(xyz.size() * sizeof(xyz[0])));
+        ASSERT_TRUE(positions);
+        const MeshView mesh(xyz.data(), vertices, corners.data(), triangles);
+        ASSERT_EQ(detector.find_self(mesh).pairs.size(), static_cast<std::size_t>(all));
+        if (frame % 30 == 0) {
+            const std::string number = std::to_string(1000 + frame).substr(1);
+            const Truth expected = truth("Kick_" + number + ".txt");
+            ASSERT_EQ(expected.lines.size(), static_cast<std::size_t>(all));
+            expect_truth(detector, mesh, expected);
+            expect_contacts(detector, mesh, expected);
+        }
+        ++frames;
+    }
+    EXPECT_EQ(frames, 121);
+}
+
+}  // namespace
+}  // namespace crumple

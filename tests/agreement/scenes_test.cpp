@@ -1,0 +1,283 @@
+// Every backend under every option against brute force: the same bytes, on procedural scenes and on soups in which
+// everything happens exactly.
+
+#include <gtest/gtest.h>
+
+#include <map>
+#include <optional>
+#include <sstream>
+
+#ifndef CRUMPLE_STD_THREADS
+#include <tbb/global_control.h>
+#endif
+
+#include "agreement/compare.h"
+#include "agreement/hard_soups.h"
+#include "crumple/error.h"
+#include "scenes/scenes.h"
+
+namespace crumple::test {
+namespace {
+
+#ifndef CRUMPLE_STD_THREADS
+// Lets an arena of 16 have 16 threads on any machine.
+const tbb::global_control sixteen_threads(tbb::global_control::max_allowed_parallelism, 16);
+#endif
+
+std::vector<NamedMesh> small_scenes() {
+    std::vector<NamedMesh> scenes;
+    for (const scenes::Description& scene : scenes::descriptions()) {
+        scenes.push_back(
+            {std::string(scene.name), scenes::make(scene.name, {.triangles = 200, .frame = scene.frames - 1})});
+    }
+    return scenes;
+}
+
+const std::vector<NamedMesh>& meshes() {
+    static const std::vector<NamedMesh> all = [] {
+        std::vector<NamedMesh> list = hard_soups();
+        for (NamedMesh& scene : small_scenes()) list.push_back(std::move(scene));
+        return list;
+    }();
+    return all;
+}
+
+struct NamedQuery {
+    std::string name;
+    Query query;
+};
+
+std::vector<NamedQuery> queries() {
+    static const std::array excluded{GroupPair{1, -1}, GroupPair{0, 0}};
+    std::vector<NamedQuery> all(1);
+    all[0].name = "default";
+    const auto add = [&](const char* name, auto change) {
+        all.push_back({name, {}});
+        change(all.back().query);
+    };
+    add("contacts", [](Query& q) { q.contacts = true; });
+    add("skip", [](Query& q) { q.neighbours = Neighbours::skip; });
+    add("proper", [](Query& q) { q.intersections = Intersections::proper; });
+    add("proper, skip, contacts", [](Query& q) {
+        q.neighbours = Neighbours::skip;
+        q.intersections = Intersections::proper;
+        q.contacts = true;
+    });
+    add("welded", [](Query& q) { q.weld = true; });
+    add("welded, skip", [](Query& q) {
+        q.weld = true;
+        q.neighbours = Neighbours::skip;
+    });
+    add("between groups", [](Query& q) { q.wanted = Wanted::between; });
+    add("within groups, contacts", [](Query& q) {
+        q.wanted = Wanted::within;
+        q.contacts = true;
+    });
+    add("excluded groups", [](Query& q) { q.excluded_groups = excluded; });
+    add("between groups, some excluded, welded", [](Query& q) {
+        q.wanted = Wanted::between;
+        q.excluded_groups = excluded;
+        q.weld = true;
+    });
+    return all;
+}
+
+std::string describe(const Options& o) {
+    std::ostringstream text;
+    text << o.clusters << " clusters, leaves of " << o.leaf_size << ", " << o.threads << " threads, simd "
+         << static_cast<int>(o.simd);
+    return text.str();
+}
+
+/// Few and many clusters, leaves so small that there are several levels, all thread counts and instruction sets.
+std::vector<Options> option_list() {
+    std::vector<Options> list(1);
+    constexpr std::array clusters{1, 2, 3, 5, 16, 33, 64};
+    constexpr std::array leaves{1, 4, 16, 60, 200, 3000};
+    constexpr std::array threads{1, 2, 3, 7, 16};
+    constexpr std::array instructions{Simd::automatic, Simd::scalar, Simd::sse4, Simd::avx2, Simd::avx512, Simd::neon};
+    for (std::size_t i = 0; i < 24; ++i) {
+        Options o;
+        o.backend = Backend::cpu;
+        o.clusters = clusters[i % clusters.size()];
+        o.leaf_size = leaves[i % leaves.size()];
+        o.threads = threads[i % threads.size()];
+        o.simd = instructions[(i + i / 6) % instructions.size()];
+        list.push_back(o);
+    }
+    return list;
+}
+
+struct Subject {
+    Options options;
+    Detector detector;
+};
+
+/// A detector for each of the options, but for those that the machine lacks.
+std::vector<Subject> subjects() {
+    std::vector<Subject> list;
+    for (const Options& o : option_list()) {
+        try {
+            list.push_back({o, Detector(o)});
+        } catch (const Error& error) {
+            EXPECT_EQ(error.code, ErrorCode::backend_unavailable) << error.what();
+        }
+    }
+    return list;
+}
+
+/// Another fifth of the list at each turn.
+std::span<Subject> share(std::vector<Subject>& list, std::size_t turn) {
+    constexpr std::size_t parts = 5;
+    const std::size_t part = turn % parts, begin = part * list.size() / parts;
+    return std::span(list).subspan(begin, (part + 1) * list.size() / parts - begin);
+}
+
+class Agreement : public testing::TestWithParam<std::size_t> {
+   protected:
+    const NamedMesh& scene() const { return meshes()[GetParam()]; }
+    MeshView view() const { return scene().mesh.view(); }
+    /// It takes 20 us for each pair of boxes that overlap.
+    bool too_large_for_brute_force() const { return scene().mesh.triangle_count() > 1'000; }
+    /// Every other triangle, over the same vertices, and the rest.
+    std::array<MeshView, 2> halves() const {
+        std::array<MeshView, 2> half{view(), view()};
+        for (std::size_t side = 0; side < 2; ++side) {
+            std::vector<std::int32_t>& groups = half_groups_[side];
+            groups.clear();
+            for (std::size_t t = side; t < scene().mesh.groups.size(); t += 2) groups.push_back(scene().mesh.groups[t]);
+            TriangleView& triangles = half[side].triangles;
+            const auto total = triangles.rows;
+            triangles.rows = (total + 1 - static_cast<std::int64_t>(side)) / 2;
+            triangles.data =
+                static_cast<const char*>(triangles.data) + side * static_cast<std::size_t>(triangles.row_stride);
+            triangles.row_stride *= 2;
+            half[side].groups = groups;
+        }
+        return half;
+    }
+
+    Detector reference{{.backend = Backend::reference}};
+
+   private:
+    mutable std::array<std::vector<std::int32_t>, 2> half_groups_;
+};
+
+// Each detector goes through several queries, so that what it keeps from one must not show in the next.
+TEST_P(Agreement, ForEveryQueryUnderEveryOption) {
+    if (too_large_for_brute_force()) GTEST_SKIP() << scene().name;
+    std::vector<Subject> list = subjects();
+    std::size_t turn = 0;
+    for (const auto& [name, query] : queries()) {
+        const Collisions& expected = reference.find_self(view(), query);
+        for (auto& [options, detector] : share(list, turn++)) {
+            SCOPED_TRACE(testing::Message() << scene().name << ", " << name << ", " << describe(options));
+            EXPECT_TRUE(same_answer(detector.find_self(view(), query), expected));
+            EXPECT_EQ(detector.has_collision(view(), query), !expected.pairs.empty());
+        }
+        EXPECT_EQ(reference.has_collision(view(), query), !expected.pairs.empty()) << scene().name << ", " << name;
+    }
+}
+
+TEST_P(Agreement, ForOneMeshAgainstAnother) {
+    if (too_large_for_brute_force()) GTEST_SKIP() << scene().name;
+    const auto [a, b] = halves();
+    std::vector<Subject> list = subjects();
+    std::size_t turn = 0;
+    for (const auto& [name, query] : queries()) {
+        const Collisions& expected = reference.find_between(a, b, query);
+        for (auto& [options, detector] : share(list, turn++)) {
+            SCOPED_TRACE(testing::Message() << scene().name << ", " << name << ", " << describe(options));
+            EXPECT_TRUE(same_answer(detector.find_between(a, b, query), expected));
+            EXPECT_EQ(detector.has_collision(a, b, query), !expected.pairs.empty());
+        }
+    }
+}
+
+/// The answers of parts put together: pairs in order, contacts with their pairs.
+struct Union {
+    struct Contact {
+        ContactKind kind;
+        std::vector<std::array<double, 3>> points;
+        friend bool operator==(const Contact&, const Contact&) = default;
+    };
+    std::map<Pair, Contact> pairs;
+
+    void add(const Collisions& answer) {
+        for (std::size_t i = 0; i < answer.pairs.size(); ++i) {
+            Contact contact{};
+            if (!answer.contacts.kinds.empty()) {
+                contact.kind = answer.contacts.kinds[i];
+                const auto* points = answer.contacts.points.data();
+                contact.points.assign(points + answer.contacts.offsets[i], points + answer.contacts.offsets[i + 1]);
+            }
+            const bool fresh = pairs.emplace(answer.pairs[i], contact).second;
+            EXPECT_TRUE(fresh) << "two parts own " << testing::PrintToString(answer.pairs[i]);
+        }
+    }
+    std::vector<Pair> list() const {
+        std::vector<Pair> result;
+        for (const auto& [pair, contact] : pairs) result.push_back(pair);
+        return result;
+    }
+};
+
+TEST_P(Agreement, OfTheUnionOfAnyNumberOfParts) {
+    Detector cpu({.backend = Backend::cpu, .leaf_size = 100});
+    Query query;
+    query.contacts = true;
+    Union whole, whole_between;
+    const auto [a, b] = halves();
+    whole.add(cpu.find_self(view(), query));
+    whole_between.add(cpu.find_between(a, b, query));
+    for (const int count : {1, 2, 3, 8, 31, 64}) {
+        SCOPED_TRACE(testing::Message() << scene().name << ", " << count << " parts");
+        const std::vector<Part> parts = cpu.partition(view(), count), between = cpu.partition(a, b, count);
+        ASSERT_EQ(parts.size(), static_cast<std::size_t>(count));
+        Union joined, joined_between, joined_reference;
+        // In any order: from the last to the first.
+        for (auto part = parts.rbegin(); part != parts.rend(); ++part) joined.add(cpu.find_self(view(), *part, query));
+        for (const Part& part : between) joined_between.add(cpu.find_between(a, b, part, query));
+        ASSERT_EQ(difference(whole.list(), joined.list()), "");
+        ASSERT_TRUE(whole.pairs == joined.pairs) << "contacts differ";
+        ASSERT_EQ(difference(whole_between.list(), joined_between.list()), "");
+        ASSERT_TRUE(whole_between.pairs == joined_between.pairs) << "contacts between meshes differ";
+        if (count > 3 || too_large_for_brute_force()) continue;
+        for (const Part& part : parts) joined_reference.add(reference.find_self(view(), part, query));
+        ASSERT_EQ(difference(whole.list(), joined_reference.list()), "") << "reference";
+    }
+}
+
+TEST_P(Agreement, UnderAnyMemoryLimit) {
+    Query query;
+    query.contacts = true;
+    const Options unlimited{.backend = Backend::cpu, .leaf_size = 100};
+    const auto limited = [&](std::int64_t bytes) {
+        Options options = unlimited;
+        options.memory_limit = bytes;
+        return Detector(options);
+    };
+    const Collisions expected = Detector(unlimited).find_self(view(), query);
+    for (std::int64_t limit = expected.statistics.peak_memory_bytes; limit > 3'000; limit /= 3) {
+        SCOPED_TRACE(testing::Message() << scene().name << ", " << limit << " bytes");
+        std::int64_t needed = 0;
+        Detector detector = limited(limit);
+        try {
+            EXPECT_TRUE(same_answer(detector.find_self(view(), query), expected));
+            continue;
+        } catch (const Error& error) {
+            ASSERT_EQ(error.code, ErrorCode::memory_limit) << error.what();
+            needed = error.bytes_needed;
+            EXPECT_GT(needed, limit);
+        }
+        Detector enough = limited(needed);
+        EXPECT_NO_THROW(EXPECT_TRUE(same_answer(enough.find_self(view(), query), expected)))
+            << needed << " bytes do not suffice";
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, Agreement, testing::Range<std::size_t>(0, meshes().size()),
+                         [](const auto& info) { return test_name(meshes()[info.param].name); });
+
+}  // namespace
+}  // namespace crumple::test
