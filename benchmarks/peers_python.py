@@ -1,0 +1,205 @@
+"""Times the peers that come from PyPI against crumple_benchmark, taking turns.
+
+Every contestant is a process that waits for its turn: crumple_benchmark --serve, or a worker (peers/worker.py). All are
+given the same arrays. A turn answers the milliseconds of each call that fits into a slice of time. What is timed is work
+inside the libraries: arrays are converted before, answers after, except where a contestant is called "from Python". The
+race is that of race.h: median over all calls, ratios formed round by round, hopeless ways of a peer left out after the
+warm-up.
+
+    python peers_python.py --benchmark build/benchmarks/crumple_benchmark --json out.json
+"""
+
+import argparse
+import importlib
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from statistics import median, quantiles
+
+sys.dont_write_bytecode = True
+PEERS = ["peers.ipc_toolkit", "peers.mesh_lib"]
+SCENES = ["cloth_ball92", "balls16_18", "227", "bunny_69k", "armadillo_86k"]
+PROCEDURAL = ["cloth", "bodies", "any:shells"]
+QUICK, QUICK_PROCEDURAL = ["cloth_ball92", "bunny_69k"], ["cloth:20000", "any:shells"]
+HOPELESS = 1.5  # times slower than the fastest way of the same name
+LEAST_ROUNDS = 3
+
+
+class Process:
+    """Somebody who answers each line by a line of JSON."""
+
+    def __init__(self, *command):
+        self.process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+
+    def ask(self, request):
+        print(request, file=self.process.stdin, flush=True)
+        return self.answer()
+
+    def answer(self):
+        line = self.process.stdout.readline()
+        if not line:
+            raise RuntimeError(" ".join(map(str, self.process.args)) + " ended")
+        return json.loads(line)
+
+    def close(self):
+        self.process.stdin.close()
+        self.process.wait()
+
+
+class Crumple:
+    name, pairs, size = "crumple", None, None
+
+    def __init__(self, process, threads, computes):
+        self.process, self.threads, self.computes = process, threads, computes
+        self.way = "1 thread" if threads == 1 else "all threads"
+
+    def turn(self, seconds):
+        return self.process.ask(f"run {self.threads} {seconds}")
+
+
+class Peer:
+    size = None
+
+    def __init__(self, module, kind, label, threads, folder):
+        self.name, self.computes = kind.name, kind.computes
+        self.way = ", ".join(filter(None, [label, "1 thread" if threads == 1 else "all threads"]))
+        arguments = [module, kind.__name__, label, threads, folder]
+        self.process = Process(sys.executable, __file__, "--work", *map(str, arguments))
+        self.process.answer()
+        self.pairs = (lambda: self.process.ask("pairs")) if hasattr(kind, "pairs") else None
+
+    def turn(self, seconds):
+        answer = self.process.ask(f"run {seconds}")
+        self.size = answer["size"]
+        return answer["ms"]
+
+
+def enter(workload, benchmark, folder):
+    """The contestants for a workload, crumple first, and the workload's description."""
+    ours = Process(benchmark, "--scene", workload, "--serve")
+    description = ours.ask(f"dump {folder}")
+    (folder / "description").write_text(json.dumps(description))
+    computes = "exact pairs, sorted" if description["question"] == "self" else "exact yes or no"
+    contestants = [Crumple(ours, threads, computes) for threads in (1, 0)]
+    for module in PEERS:
+        try:
+            kinds = importlib.import_module(module).WORKERS
+        except ImportError as error:
+            print(f"{module} is left out: {error}")
+            continue
+        for kind in kinds:
+            if kind.question == description["question"]:
+                contestants += [Peer(module, kind, label, threads, folder) for label, threads in kind.ways]
+    return contestants, description
+
+
+def race(contestants, rounds, seconds, budget):
+    """Leaves in each contestant `rounds`, milliseconds of each call in each round; empty for the hopeless."""
+    for c in contestants:
+        c.rounds, c.warm_up = [], min(c.turn(2 * seconds))
+    fastest = {c.name: min(d.warm_up for d in contestants if d.name == c.name) for c in contestants}
+    turns = [c for c in contestants if c.warm_up <= HOPELESS * fastest[c.name]]
+    affordable = int(budget / sum(max(seconds, c.warm_up / 1000) for c in turns))
+    for _ in range(min(rounds, max(LEAST_ROUNDS, affordable))):
+        for c in turns:
+            c.rounds.append(c.turn(seconds))
+        turns.reverse()
+
+
+def summary(values):
+    lower, middle, upper = quantiles(values, method="inclusive") if len(values) > 1 else 3 * values
+    return {"median": middle, "lower_quartile": lower, "upper_quartile": upper, "minimum": min(values), "calls": len(values)}
+
+
+def judge(contestants):
+    """An entry for each contestant; those of the fastest way of each name have a ratio and a difference from crumple."""
+    entries = []
+    for c in contestants:
+        calls = [t for times in c.rounds for t in times]
+        c.time = summary(calls or [c.warm_up])
+    best = {}
+    for c in contestants:
+        if c.rounds and (c.name not in best or c.time["median"] < best[c.name].time["median"]):
+            best[c.name] = c
+    ours = best["crumple"]
+    for c in contestants:
+        entry = {"name": c.name, "way": c.way, "computes": c.computes, "milliseconds": c.time, "raced": bool(c.rounds)}
+        entry["fastest_way"] = c is best[c.name]
+        if c.size is not None:
+            entry["size"] = c.size
+        if entry["fastest_way"] and c is not ours:
+            entry["ratio"] = summary([median(t) / median(o) for t, o in zip(c.rounds, ours.rounds)])
+            entry.update(c.pairs() if c.pairs else {})
+        entries.append(entry)
+    return entries
+
+
+def number(value):
+    return f"{value:.0f}" if value >= 100 else f"{value:#.3g}"
+
+
+def spread(figures):
+    return [number(figures["median"]), f"{number(figures['lower_quartile'])} - {number(figures['upper_quartile'])}"]
+
+
+def show(description, entries):
+    pairs = f"{description['pairs']} pairs" if "pairs" in description else "yes or no"
+    print("\n{workload} ({question}, {scalar}): {triangles} triangles, ".format(**description) + pairs)
+    rows = [["", "fastest way", "computes", "ms", "quartiles", "ratio", "quartiles", "missing", "extra"]]
+    for e in entries:
+        if e["fastest_way"]:
+            ratio = spread(e["ratio"]) if "ratio" in e else ["", ""]
+            difference = [str(e.get("missing", "")), str(e.get("extra", ""))]
+            rows.append([e["name"], e["way"], e["computes"], *spread(e["milliseconds"]), *ratio, *difference])
+    widths = [max(map(len, column)) for column in zip(*rows)]
+    for row in rows:
+        cells = [text.ljust(w) if column < 3 else text.rjust(w) for column, (text, w) in enumerate(zip(row, widths))]
+        print("  " + "  ".join(cells))
+    at_hand, every = description["processors_at_hand"], os.cpu_count()
+    busy = ": BUSY, figures are rough" if at_hand < 0.9 * every else ""
+    print(f"  {at_hand:.1f} of {every} processors at hand{busy}", flush=True)
+
+
+def contest(workload, benchmark, rounds, seconds, budget):
+    with tempfile.TemporaryDirectory() as folder:
+        contestants, description = enter(workload, benchmark, Path(folder))
+        before = contestants[0].process.ask("processors")
+        race(contestants, rounds, seconds, budget)
+        description["processors_at_hand"] = min(before, contestants[0].process.ask("processors"))
+        entries = judge(contestants)
+        for process in {c.process for c in contestants}:
+            process.close()
+    show(description, entries)
+    return {**description, "contestants": entries}
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--benchmark", help="the program crumple_benchmark")
+    parser.add_argument("--scene", action="append", help="workload, as for crumple_benchmark; may be repeated")
+    parser.add_argument("--repetitions", type=int, help="rounds of a race")
+    parser.add_argument("--json", help="file for the figures")
+    parser.add_argument("--quick", action="store_true", help="few and short rounds, to see that all is well")
+    parser.add_argument("--work", nargs=5, help=argparse.SUPPRESS)
+    arguments = parser.parse_args()
+    if arguments.work:
+        from peers.worker import work
+
+        module, name, way, threads, folder = arguments.work
+        return work(module, name, way, int(threads), Path(folder))
+    if not arguments.benchmark:
+        parser.error("--benchmark is needed")
+    listed = subprocess.run([arguments.benchmark, "--list"], capture_output=True, text=True, check=True).stdout
+    real, procedural = (QUICK, QUICK_PROCEDURAL) if arguments.quick else (SCENES, PROCEDURAL)
+    scenes = arguments.scene or (real if "cloth_ball92" in listed else procedural)
+    rounds, seconds, budget = (5, 0.02, 3) if arguments.quick else (15, 0.03, 40)
+    rows = [contest(s, arguments.benchmark, arguments.repetitions or rounds, seconds, budget) for s in scenes]
+    if arguments.json:
+        Path(arguments.json).write_text(json.dumps({"contests": rows}, indent=1) + "\n")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,47 @@
+#include "report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+namespace crumple::benchmark {
+
+void Table::print() const {
+    std::vector<std::size_t> widths;
+    for (const auto& row : rows_) {
+        widths.resize(std::max(widths.size(), row.size()));
+        for (std::size_t c = 0; c < row.size(); ++c) widths[c] = std::max(widths[c], row[c].size());
+    }
+    fmt::print("\n{}\n", title_);
+    for (const auto& row : rows_) {
+        std::string line;
+        for (std::size_t c = 0; c < row.size(); ++c) {
+            const bool text = !row[c].empty() && std::isalpha(static_cast<unsigned char>(row[c].front()));
+            line += text ? fmt::format("  {:<{}}", row[c], widths[c]) : fmt::format("  {:>{}}", row[c], widths[c]);
+        }
+        fmt::print("{}\n", line);
+    }
+    std::fflush(stdout);
+}
+
+std::string number(double value) {
+    const double magnitude = value == 0 ? 0 : std::floor(std::log10(std::abs(value)));
+    return fmt::format("{:.{}f}", value, static_cast<int>(std::clamp(2 - magnitude, 0.0, 6.0)));
+}
+
+std::string range(const Summary& summary) {
+    return fmt::format("{} - {}", number(summary.lower_quartile), number(summary.upper_quartile));
+}
+
+nlohmann::json to_json(const Summary& summary) {
+    return {{"median", summary.median},
+            {"lower_quartile", summary.lower_quartile},
+            {"upper_quartile", summary.upper_quartile},
+            {"minimum", summary.minimum},
+            {"calls", summary.calls}};
+}
+
+}  // namespace crumple::benchmark

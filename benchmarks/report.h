@@ -1,0 +1,32 @@
+#pragma once
+
+// Tables for people, JSON for machines.
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "race.h"
+
+namespace crumple::benchmark {
+
+/// Columns as wide as they need to be; the first is aligned to the left, numbers to the right.
+class Table {
+   public:
+    Table(std::string title, std::vector<std::string> header) : title_(std::move(title)), rows_{std::move(header)} {}
+    void row(std::vector<std::string> cells) { rows_.push_back(std::move(cells)); }
+    void print() const;
+
+   private:
+    std::string title_;
+    std::vector<std::vector<std::string>> rows_;
+};
+
+/// Three significant digits.
+std::string number(double value);
+/// "lower - upper" quartile.
+std::string range(const Summary& summary);
+
+nlohmann::json to_json(const Summary& summary);
+
+}  // namespace crumple::benchmark

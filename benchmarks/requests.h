@@ -1,0 +1,16 @@
+#pragma once
+
+#include "workload.h"
+
+namespace crumple::benchmark {
+
+/// Serves another process that wants to take turns with crumple: reads requests from standard input, a line each, and
+/// answers each with a line on standard output. The detectors stay warm in between.
+///
+///     dump FOLDER     writes the workload and its answer as raw arrays; answers their description as JSON
+///     processors      answers how many are at hand (race.h)
+///     run THREADS S   calls for S seconds, at least once, with 1 thread or 0, all; answers the milliseconds of each
+///     call
+void serve(const Workload& workload);
+
+}  // namespace crumple::benchmark

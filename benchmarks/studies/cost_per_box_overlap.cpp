@@ -1,0 +1,79 @@
+// Triangles of very different size ([MZ] 5.1): what does an overlapping pair of boxes cost in scenes full of needles or
+// of sizes over decades, and on cloth? Boxes are those of the triangles along the axes of the input, whatever frames
+// the detector uses inside, so that the measure is the scene's own.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "report.h"
+#include "studies/studies.h"
+
+namespace crumple::benchmark {
+namespace {
+
+constexpr double limit = 2;  // times the cost on cloth
+
+struct Box {
+    std::array<double, 3> low, high;
+};
+
+/// Pairs of triangles whose closed boxes overlap, neighbours included, by sweep along x.
+std::int64_t overlapping_boxes(const io::TriangleMesh& mesh) {
+    const std::vector<double> xyz = coordinates<double>(mesh);
+    std::vector<Box> boxes(static_cast<std::size_t>(mesh.triangle_count()));
+    for (std::size_t c = 0; c < mesh.triangles.size(); ++c) {
+        Box& box = boxes[c / 3];
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const double x = xyz[3 * static_cast<std::size_t>(mesh.triangles[c]) + axis];
+            box.low[axis] = c % 3 ? std::min(box.low[axis], x) : x;
+            box.high[axis] = c % 3 ? std::max(box.high[axis], x) : x;
+        }
+    }
+    std::ranges::sort(boxes, {}, [](const Box& box) { return box.low[0]; });
+    std::int64_t count = 0;
+    for (auto a = boxes.begin(); a != boxes.end(); ++a) {
+        for (auto b = a + 1; b != boxes.end() && b->low[0] <= a->high[0]; ++b) {
+            count += a->low[1] <= b->high[1] && b->low[1] <= a->high[1] && a->low[2] <= b->high[2] &&
+                     b->low[2] <= a->high[2];
+        }
+    }
+    return count;
+}
+
+}  // namespace
+
+nlohmann::json study_cost_per_box_overlap(const StudySettings& settings) {
+    // The first one is the yardstick.
+    const std::vector<std::string> scenes =
+        choose_scenes(settings, {"cloth_ball92", "Generic_Twin_right", "needles", "five_decades", "fans", "soup"},
+                      {"cloth", "needles", "five_decades", "fans", "soup"});
+    std::vector<Workload> workloads;
+    for (const std::string& scene : scenes) workloads.push_back(load(scene));
+    std::vector<Contestant> contestants;
+    for (const Workload& workload : workloads) contestants.push_back(crumple_with({}, workload, workload.name));
+    const std::vector<Times> times = race(contestants, settings.effort);
+
+    Table table(fmt::format("cost of an overlapping pair of boxes, limit {} times that of {}", limit, scenes.front()),
+                {"scene", "triangles", "overlapping boxes", "ms", "ns a box pair", "times " + scenes.front()});
+    nlohmann::json rows = nlohmann::json::array();
+    double yardstick = 0;
+    for (std::size_t i = 0; i < workloads.size(); ++i) {
+        const std::int64_t overlaps = overlapping_boxes(workloads[i].a);
+        const Summary time = times[i].summary();
+        const double cost = 1e6 * time.median / static_cast<double>(overlaps);
+        if (i == 0) yardstick = cost;
+        table.row({scenes[i], std::to_string(workloads[i].triangle_count()), std::to_string(overlaps),
+                   number(time.median), number(cost), number(cost / yardstick)});
+        rows.push_back({{"workload", scenes[i]},
+                        {"overlapping_boxes", overlaps},
+                        {"milliseconds", to_json(time)},
+                        {"nanoseconds_a_box_pair", cost},
+                        {"relative", cost / yardstick}});
+    }
+    table.print();
+    return rows;
+}
+
+}  // namespace crumple::benchmark

@@ -1,0 +1,48 @@
+#include "studies/studies.h"
+
+#include <array>
+#include <memory>
+
+namespace crumple::benchmark {
+namespace {
+
+constexpr std::array list{
+    Study{"stages", "where the time goes, and how many pairs each filter leaves", study_stages},
+    Study{"growth", "time and memory over the number of triangles", study_growth},
+    Study{"first_call", "a new process, a new detector, a warm one", study_first_call},
+    Study{"cost_per_box_overlap", "triangles of unequal size: time per overlapping pair of boxes",
+          study_cost_per_box_overlap},
+    Study{"ground", "two huge triangles under the cloth", study_ground},
+    Study{"threads", "one thread to all", study_threads},
+    Study{"simd", "instruction sets", study_simd},
+    Study{"clusters", "Options::clusters", study_clusters},
+    Study{"leaf_size", "Options::leaf_size", study_leaf_size},
+    Study{"fuzziness", "Options::fuzziness", study_fuzziness},
+    Study{"iterations", "Options::max_iterations, on moving scenes", study_iterations},
+    Study{"first_iterations", "Options::first_iterations, a new detector at each call", study_first_iterations},
+};
+
+}  // namespace
+
+std::span<const Study> studies() { return list; }
+
+std::vector<std::string> choose_scenes(const StudySettings& settings, std::vector<std::string> real,
+                                       std::vector<std::string> procedural) {
+    if (!settings.scenes.empty()) return settings.scenes;
+    return real_scenes().empty() ? procedural : real;
+}
+
+Contestant crumple_with(const Options& options, const Workload& workload, std::string name) {
+    const auto detector = std::make_shared<Detector>(options);
+    const MeshView a = workload.a.view(), b = workload.b.view();
+    const Question question = workload.question;
+    Contestant contestant{std::move(name), "", "", {}, {}};
+    contestant.call = [=] {
+        if (question == Question::self) detector->find_self(a);
+        if (question == Question::between) detector->find_between(a, b);
+        if (question == Question::any) detector->has_collision(a);
+    };
+    return contestant;
+}
+
+}  // namespace crumple::benchmark

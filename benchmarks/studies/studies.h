@@ -1,0 +1,55 @@
+#pragma once
+
+// Measurements of crumple alone. Each prints its tables and returns the same as JSON.
+
+#include <nlohmann/json.hpp>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "crumple/detector.h"
+#include "race.h"
+#include "workload.h"
+
+namespace crumple::benchmark {
+
+struct StudySettings {
+    std::vector<std::string> scenes;  ///< those that the user named; empty: the study's own
+    Effort effort;
+    bool quick = false;
+};
+
+struct Study {
+    const char* name;
+    const char* summary;
+    nlohmann::json (*run)(const StudySettings& settings);
+};
+
+/// Every study, in the order to run them in.
+std::span<const Study> studies();
+
+/// The scenes that the user named, else `real` if the files are there, else `procedural`.
+std::vector<std::string> choose_scenes(const StudySettings& settings, std::vector<std::string> real,
+                                       std::vector<std::string> procedural);
+
+/// A detector of its own, kept warm, that answers the workload at each call.
+Contestant crumple_with(const Options& options, const Workload& workload, std::string name);
+
+nlohmann::json study_stages(const StudySettings& settings);
+nlohmann::json study_growth(const StudySettings& settings);
+nlohmann::json study_first_call(const StudySettings& settings);
+nlohmann::json study_cost_per_box_overlap(const StudySettings& settings);
+nlohmann::json study_ground(const StudySettings& settings);
+nlohmann::json study_threads(const StudySettings& settings);
+nlohmann::json study_simd(const StudySettings& settings);
+nlohmann::json study_clusters(const StudySettings& settings);
+nlohmann::json study_leaf_size(const StudySettings& settings);
+nlohmann::json study_fuzziness(const StudySettings& settings);
+nlohmann::json study_iterations(const StudySettings& settings);
+nlohmann::json study_first_iterations(const StudySettings& settings);
+
+/// Milliseconds of a new detector's call; printed by `crumple_benchmark --first-call`, which study_first_call starts to
+/// see what a new process pays.
+double first_call(const Workload& workload);
+
+}  // namespace crumple::benchmark

@@ -1,0 +1,132 @@
+#include "workload.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cstdlib>
+#include <filesystem>
+
+#include "crumple/error.h"
+#include "scenes/scenes.h"
+
+namespace crumple::benchmark {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct RealScene {
+    const char* name;
+    Question question;
+    const char *a, *b;
+    io::Precision precision;
+};
+
+constexpr auto as_in_file = io::Precision::automatic;
+constexpr auto float32 = io::Precision::float32;
+constexpr std::array known{
+    RealScene{"cloth_ball92", Question::self, "scalable-ccd/cloth-ball/frames/cloth_ball92.ply", "", as_in_file},
+    RealScene{"balls16_18", Question::self, "scalable-ccd/n-body-simulation/frames/balls16_18.ply", "", as_in_file},
+    RealScene{"227", Question::self, "scalable-ccd/cloth-funnel/frames/227.ply", "", as_in_file},
+    RealScene{"Generic_Twin_right", Question::self, "meshes/Generic_Twin_right.obj", "", float32},
+    RealScene{"ember_016", Question::between, "thingi10k-ember/case016_a_88566.ply",
+              "thingi10k-ember/case016_b_58011.ply", as_in_file},
+    RealScene{"ember_260", Question::between, "thingi10k-ember/case260_a_908460.ply",
+              "thingi10k-ember/case260_b_73416.ply", as_in_file},
+    RealScene{"ember_406", Question::between, "thingi10k-ember/case406_a_1063852.ply",
+              "thingi10k-ember/case406_b_72214.ply", as_in_file},
+    RealScene{"bunny_69k", Question::any, "meshes/bunny_69k.obj", "", as_in_file},
+    RealScene{"armadillo_86k", Question::any, "meshes/armadillo_86k.obj", "", as_in_file},
+};
+
+fs::path data_folder() {
+    if (const char* folder = std::getenv("CRUMPLE_DATA")) return folder;
+    return fs::path(CRUMPLE_SOURCE_DIR).parent_path() / "shared" / "data";
+}
+
+bool starts_with(std::string& name, std::string_view prefix) {
+    if (!name.starts_with(prefix)) return false;
+    name.erase(0, prefix.size());
+    return true;
+}
+
+io::TriangleMesh procedural(const std::string& name, const std::string& triangles) {
+    scenes::Parameters parameters;
+    if (!triangles.empty()) {
+        const char* end = triangles.data() + triangles.size();
+        const auto [stop, error] = std::from_chars(triangles.data(), end, parameters.triangles);
+        if (error != std::errc() || stop != end)
+            throw Error(ErrorCode::invalid_argument, "not a number of triangles: " + triangles);
+    }
+    for (const auto& description : scenes::descriptions())
+        if (description.name == name) parameters.frame = description.frames - 1;
+    return scenes::make(name, parameters);
+}
+
+/// The triangles whose group is even (remainder 0) or odd (1).
+io::TriangleMesh groups_of(const io::TriangleMesh& mesh, int remainder) {
+    io::TriangleMesh part{mesh.vertices, {}, {}};
+    for (std::size_t t = 0; t < mesh.groups.size(); ++t) {
+        if ((mesh.groups[t] & 1) != remainder) continue;
+        for (std::size_t corner = 3 * t; corner < 3 * t + 3; ++corner) part.triangles.push_back(mesh.triangles[corner]);
+    }
+    return part;
+}
+
+}  // namespace
+
+std::string_view name_of(Question question) {
+    constexpr std::array names{"self", "between", "any"};
+    return names[static_cast<std::size_t>(question)];
+}
+
+Workload load(const std::string& name) {
+    Workload workload{name, Question::self, {}, {}};
+    std::string scene = name;
+    const bool any = starts_with(scene, "any:"), between = !any && starts_with(scene, "between:");
+    const auto real = std::find_if(known.begin(), known.end(), [&](const RealScene& r) { return scene == r.name; });
+    if (real != known.end()) {
+        const io::ReadOptions options{.precision = real->precision};
+        workload.question = real->question;
+        workload.a = io::read_mesh(data_folder() / real->a, options);
+        if (*real->b) workload.b = io::read_mesh(data_folder() / real->b, options);
+    } else {
+        const std::size_t colon = scene.find(':');
+        workload.a = procedural(scene.substr(0, colon), colon == scene.npos ? "" : scene.substr(colon + 1));
+        if (between) {
+            workload.question = Question::between;
+            workload.b = groups_of(workload.a, 1);
+            workload.a = groups_of(workload.a, 0);
+        }
+        workload.a.groups.clear();
+    }
+    if (any) workload.question = Question::any;
+    return workload;
+}
+
+std::vector<std::string> real_scenes() {
+    std::vector<std::string> names;
+    if (!fs::exists(data_folder())) return names;
+    for (const RealScene& scene : known) names.emplace_back(scene.name);
+    return names;
+}
+
+std::vector<std::string> procedural_scenes() {
+    return {"cloth", "needles", "five_decades", "ground", "fans", "bodies", "between:bodies", "any:shells"};
+}
+
+std::vector<std::string> quick_scenes() {
+    if (real_scenes().empty()) return {"cloth:20000", "needles:20000", "between:bodies:20000", "any:shells"};
+    return {"cloth_ball92", "227", "ember_406", "bunny_69k"};
+}
+
+void normalise(std::vector<Pair>& pairs, Question question) {
+    if (question != Question::between) {
+        std::erase_if(pairs, [](const Pair& pair) { return pair.a == pair.b; });
+        for (Pair& pair : pairs)
+            if (pair.a > pair.b) std::swap(pair.a, pair.b);
+    }
+    std::sort(pairs.begin(), pairs.end());
+    pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+}
+
+}  // namespace crumple::benchmark

@@ -1,0 +1,58 @@
+#!/usr/bin/env bash
+# Measures crumple against its peers and alone, prints the tables and writes the figures to benchmarks/results/NAME.json.
+#   scripts/bench.sh [--quick] [NAME]
+# NAME is the host's by default. --quick takes under two minutes once everything is built: it shows that all is well, but
+# its figures are rough. Installs what is missing (Debian 12; Python peers into build-bench/python) and builds first.
+# Real scenes come from $CRUMPLE_DATA or ../shared/data beside the checkout; without them procedural ones are measured.
+set -euo pipefail
+top=$(cd "$(dirname "$0")/.." && pwd)
+build=$top/build-bench
+
+quick=()
+name=$(hostname)
+for argument in "$@"; do
+    case $argument in
+        --quick) quick=(--quick) ;;
+        -*) echo "usage: $0 [--quick] [NAME]" >&2; exit 2 ;;
+        *) name=$argument ;;
+    esac
+done
+
+"$top/scripts/install_dependencies.sh"
+peers=(libcgal-dev libembree-dev libfcl-dev libeigen3-dev python3-venv)
+missing=()
+for package in "${peers[@]}"; do
+    dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null | grep -qx installed || missing+=("$package")
+done
+if ((${#missing[@]})); then
+    sudo=(); ((EUID == 0)) || sudo=(sudo)
+    "${sudo[@]}" apt-get install -y -qq --no-install-recommends "${missing[@]}" ||
+        echo "Not installed, so left out: ${missing[*]}" >&2
+fi
+
+mkdir -p "$build"
+echo "Building (the first time takes some minutes)"
+{
+    cmake -G Ninja -S "$top" -B "$build" -DCMAKE_BUILD_TYPE=Release -DCRUMPLE_BENCHMARKS=ON -DCRUMPLE_TESTS=OFF \
+        -DCRUMPLE_CLI=OFF -DCRUMPLE_EXAMPLES=OFF
+    cmake --build "$build" --target crumple_benchmark -j "$(nproc)"
+} >"$build/build.log" 2>&1 || { cat "$build/build.log" >&2; exit 1; }
+grep -h 'Benchmarks:' "$build/build.log" || true
+
+python=$build/python/bin/python
+[[ -x $python ]] || python3 -m venv "$build/python" || true
+if [[ -x $python ]] && ! "$python" -c 'import ipctk, meshlib, numpy' 2>/dev/null; then
+    "$python" -m pip install --quiet ipctk meshlib numpy || echo "No Python peers: pip cannot install them" >&2
+fi
+
+parts=("$build/contests.json" "$build/python.json" "$build/studies.json")
+rm -f "${parts[@]}"
+benchmark=$build/benchmarks/crumple_benchmark
+"$benchmark" "${quick[@]}" --json "${parts[0]}"
+if "$python" -c 'import ipctk, meshlib, numpy' 2>/dev/null; then
+    "$python" "$top/benchmarks/peers_python.py" --benchmark "$benchmark" "${quick[@]}" --json "${parts[1]}"
+fi
+"$benchmark" "${quick[@]}" --study all --json "${parts[2]}"
+
+mkdir -p "$top/benchmarks/results"
+python3 "$top/benchmarks/merge_results.py" "$benchmark" "$top/benchmarks/results/$name.json" "${parts[@]}"
