@@ -1,0 +1,22 @@
+#!/usr/bin/env bash
+# Cross-compiles library and kernel tests for 64-bit Arm and runs them under qemu-user: the NEON table of kernels.
+# Debian packages of that architecture are unpacked into build-arm64/sysroot, not installed.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+scripts/install_dependencies.sh --tests --arm64
+sysroot=$PWD/build-arm64/sysroot
+if [ ! -e "$sysroot/done" ]; then
+    mkdir -p "$sysroot" build-arm64/apt/lists/partial build-arm64/apt/cache/archives/partial
+    apt=(-oAPT::Architecture=arm64 -oAPT::Architectures=arm64 -oDir::State::Lists="$PWD/build-arm64/apt/lists"
+         -oDir::Cache="$PWD/build-arm64/apt/cache" -qq)
+    apt-get "${apt[@]}" update
+    (cd build-arm64/apt && apt-get "${apt[@]}" download libhwy1 libhwy-dev libgtest-dev librapidcheck-dev 2>/dev/null)
+    for package in build-arm64/apt/*.deb; do dpkg -x "$package" "$sysroot"; done
+    ln -sfn /usr/include/boost "$sysroot/usr/include/boost"
+    touch "$sysroot/done"
+fi
+cmake -S . -B build-arm64 -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_TOOLCHAIN_FILE=cmake/aarch64.cmake \
+    -DCRUMPLE_PARALLEL=std -DCRUMPLE_IO=OFF -DCRUMPLE_SCENES=OFF -DCRUMPLE_CLI=OFF -DCRUMPLE_EXAMPLES=OFF >/dev/null
+cmake --build build-arm64 --target cpu_test
+qemu-aarch64-static -L /usr/aarch64-linux-gnu -E LD_LIBRARY_PATH="$sysroot/usr/lib/aarch64-linux-gnu" \
+    build-arm64/tests/cpu/cpu_test --gtest_filter='Assign.*:Build.*:Sweep.finds*:Filter.*'
