@@ -17,18 +17,19 @@ void decide(const NarrowContext& context, const SortedLeaf& leaf, const Ownershi
         if (!ownership.complete() && !ownership.owns(a, leaf.member[row], b, leaf.member[column])) return false;
         return context.rule.trivial() || context.rule(context.scene.group(a), context.scene.group(b));
     };
-    const auto found = [&](std::int32_t a, std::int32_t b) {
-        scratch.pairs.push_back({std::min(a, b), std::max(a, b)});
-        if (context.found) context.found->store(true, std::memory_order_relaxed);
-    };
     const bool check = !ownership.complete() || !context.rule.trivial();
-    scratch.pairs.reserve(scratch.pairs.size() + scratch.verdicts.hit.size());
-    for (const std::uint32_t packed : scratch.verdicts.hit) {
+    const Array<std::uint32_t>& hits = scratch.verdicts.hit;
+    const Array<std::uint32_t>& undecided = scratch.verdicts.undecided;
+    const std::size_t before = scratch.pairs.size();
+    scratch.pairs.reserve(before + hits.size() + undecided.size());
+    Pair* next = scratch.pairs.data() + before;
+    const auto found = [&](std::int32_t a, std::int32_t b) { *next++ = {std::min(a, b), std::max(a, b)}; };
+    for (const std::uint32_t packed : hits) {
         const std::int64_t row = candidates.rows + (packed & 0xffff), column = candidates.columns + (packed >> 16);
         if (!check || ours(row, column)) found(leaf.triangle[row], leaf.triangle[column]);
     }
     DecisionCounts counts;
-    for (const std::uint32_t packed : scratch.verdicts.undecided) {
+    for (const std::uint32_t packed : undecided) {
         const std::int64_t row = candidates.rows + (packed & 0xffff), column = candidates.columns + (packed >> 16);
         if (check && !ours(row, column)) continue;
         const std::int32_t a = leaf.triangle[row], b = leaf.triangle[column];
@@ -36,6 +37,8 @@ void decide(const NarrowContext& context, const SortedLeaf& leaf, const Ownershi
                     context.query.intersections, counts))
             found(a, b);
     }
+    scratch.pairs.resize(static_cast<std::size_t>(next - scratch.pairs.data()));
+    if (context.found && scratch.pairs.size() > before) context.found->store(true, std::memory_order_relaxed);
     scratch.statistics.exact_tests += counts.exact;
     scratch.statistics.rational_tests += counts.rational;
 }

@@ -3,43 +3,49 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <bit>
+#include <utility>
 
 namespace crumple::cpu {
 namespace {
 
 constexpr int bucket_bits = 12, bucket_size = 1 << bucket_bits;
+constexpr int most_digit_bits = 11;
 
 void mark(Array<std::uint8_t>& flags, std::int32_t triangle) {
     // Several buckets may mark the same triangle at the same time.
     std::atomic_ref<std::uint8_t>(flags[static_cast<std::size_t>(triangle)]).store(1, std::memory_order_relaxed);
 }
 
-// Sorts the pairs of one bucket of first triangles, [first, last), into out[begin, ...) and writes their offsets.
-void sort_bucket(const Pair* pairs, std::int64_t count, std::int32_t first, std::int32_t last, std::int64_t begin,
-                 Collisions& result) {
+// One stable pass of a counting sort by `bits` bits of the second triangle, from bit `shift` on.
+void sort_by_digit(const Pair* in, std::int64_t count, int shift, int bits, Pair* out) {
+    std::array<std::int32_t, 1 << most_digit_bits> next;
+    std::fill_n(next.begin(), 1 << bits, 0);
+    const std::int32_t mask = (1 << bits) - 1;
+    for (std::int64_t i = 0; i < count; ++i) ++next[in[i].b >> shift & mask];
+    std::int32_t sum = 0;
+    for (int digit = 0; digit <= mask; ++digit) sum += std::exchange(next[digit], sum);
+    for (std::int64_t i = 0; i < count; ++i) out[next[in[i].b >> shift & mask]++] = in[i];
+}
+
+// Sorts the pairs of one bucket of first triangles, [first, last), into out[begin, ...) and writes their offsets. By the
+// second triangle first, an even number of passes to and fro, then by the first one: all passes are stable.
+void sort_bucket(Pair* pairs, std::int64_t count, std::int32_t first, std::int32_t last, int second_bits,
+                 std::int64_t begin, Collisions& result) {
+    Pair* out = result.pairs.data() + begin;
+    const int passes = second_bits <= 2 * most_digit_bits ? 2 : 4, bits = (second_bits + passes - 1) / passes;
+    for (int shift = 0; shift < passes * bits; shift += 2 * bits) {
+        sort_by_digit(pairs, count, shift, bits, out);
+        sort_by_digit(out, count, shift + bits, bits, pairs);
+    }
     std::array<std::int64_t, bucket_size + 1> next{};
     for (std::int64_t i = 0; i < count; ++i) ++next[pairs[i].a - first + 1];
-    for (int k = 0; k < bucket_size; ++k) next[k + 1] += next[k];
-    for (std::int32_t a = first; a < last; ++a) result.offsets[a] = begin + next[a - first];
-    Pair* out = result.pairs.data() + begin;
-    for (std::int64_t i = 0; i < count; ++i) out[next[pairs[i].a - first]++] = pairs[i];
-    // next[k] is now the end of row k.
-    std::int64_t row_begin = 0;
-    for (std::int32_t a = first; a < last; ++a) {
-        const std::int64_t row_end = next[a - first];
-        if (row_end > row_begin) result.hit[a] = 1;
-        if (row_end - row_begin > 32) {
-            std::sort(out + row_begin, out + row_end);
-        } else {
-            for (std::int64_t i = row_begin + 1; i < row_end; ++i) {
-                const Pair pair = out[i];
-                std::int64_t j = i;
-                for (; j > row_begin && out[j - 1].b > pair.b; --j) out[j] = out[j - 1];
-                out[j] = pair;
-            }
-        }
-        row_begin = row_end;
+    for (std::int32_t k = 0; k < last - first; ++k) {
+        result.offsets[first + k] = begin + next[k];
+        if (next[k + 1] > 0) result.hit[first + k] = 1;
+        next[k + 1] += next[k];
     }
+    for (std::int64_t i = 0; i < count; ++i) out[next[pairs[i].a - first]++] = pairs[i];
 }
 
 }  // namespace
@@ -79,10 +85,11 @@ void write_output(const Scene& scene, Workers& workers, std::span<const Array<Pa
         for (const Pair& pair : *found[w]) scratch.bucketed[next[pair.a >> bucket_bits]++] = {pair.a, pair.b - second};
     });
     result.offsets[static_cast<std::size_t>(n)] = total;
+    const int second_bits = std::bit_width(static_cast<std::uint32_t>(scene.triangles[scene.between ? 1 : 0]));
     workers.parallel_for(buckets, [&](std::size_t b, std::size_t) {
         const auto first = static_cast<std::int32_t>(b << bucket_bits);
-        sort_bucket(scratch.bucketed.data() + begin[b], begin[b + 1] - begin[b], first,
-                    static_cast<std::int32_t>(std::min<std::int64_t>(n, std::int64_t{first} + bucket_size)), begin[b],
+        const auto last = static_cast<std::int32_t>(std::min<std::int64_t>(n, std::int64_t{first} + bucket_size));
+        sort_bucket(scratch.bucketed.data() + begin[b], begin[b + 1] - begin[b], first, last, second_bits, begin[b],
                     result);
     });
     Array<std::uint8_t>& other = scene.between ? result.hit_second : result.hit;
