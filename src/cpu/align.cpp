@@ -9,7 +9,7 @@ namespace crumple::cpu {
 LeafFrame leaf_frame(const Subdivision& s, const Leaf& leaf) {
     const std::int64_t samples = std::min<std::int64_t>(leaf.size, 512);
     const auto member = [&](std::int64_t i) { return s.member(leaf, i * leaf.size / samples); };
-    const auto centroid = [&](std::int64_t m) { return Vec3d{s.x[m], s.y[m], s.z[m]}; };
+    const auto centroid = [&](std::int64_t m) { return Vec3d{s.ball[m].x, s.ball[m].y, s.ball[m].z}; };
 
     const double share = 1.0 / static_cast<double>(samples);
     Vec3d mean;
@@ -17,7 +17,7 @@ LeafFrame leaf_frame(const Subdivision& s, const Leaf& leaf) {
     for (std::int64_t i = 0; i < samples; ++i) {
         const std::int64_t m = member(i);
         mean = mean + share * centroid(m);
-        radius += share * s.r[m];
+        radius += share * s.ball[m].r;
     }
     SymmetricMatrix covariance;
     double spread = 0;

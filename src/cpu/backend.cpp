@@ -76,8 +76,8 @@ class CpuBackend final : public BackendBase {
         workers_.run([&] {
             try {
                 start(scene, query, nullptr);
-                gather_leaves(*primitives_, scene.triangle_count(), 0, subdivision_->clusters, options_, kernels_,
-                              workers_, warm_, *subdivision_);
+                gather_leaves(balls_, scene.triangle_count(), 0, subdivision_->clusters, options_, kernels_, workers_,
+                              warm_, *subdivision_);
                 NarrowContext context = narrow_context(scene, query);
                 context.found = &found;
                 sweep_leaves(context, nullptr);
@@ -93,7 +93,7 @@ class CpuBackend final : public BackendBase {
     void release() override {
         rule_ = GroupRule(&meter_);
         points_ = std::make_unique<Points>(&meter_);
-        primitives_ = std::make_unique<Primitives>(&meter_);
+        balls_ = Array<Ball>(&meter_);
         subdivision_ = std::make_unique<Subdivision>(&meter_);
         part_masks_ = Array<std::uint64_t>(&meter_);
         output_ = OutputScratch(&meter_);
@@ -110,8 +110,8 @@ class CpuBackend final : public BackendBase {
     void find_at_once(const Scene& scene, const Query& query, const Part* part, Collisions& result) {
         start(scene, query, part);
         Stopwatch watch;
-        gather_leaves(*primitives_, scene.triangle_count(), 0, subdivision_->clusters, options_, kernels_, workers_,
-                      warm_, *subdivision_);
+        gather_leaves(balls_, scene.triangle_count(), 0, subdivision_->clusters, options_, kernels_, workers_, warm_,
+                      *subdivision_);
         statistics_[Stage::subdivide] += watch.lap();
         sweep_leaves(narrow_context(scene, query), part);
         watch.lap();
@@ -164,8 +164,7 @@ class CpuBackend final : public BackendBase {
         statistics_.leaves = statistics_.members = 0;
         warm_.level2 = {};  // each pass makes the same leaves
         for (int k = 0; k < subdivision_->clusters && !context.stop(); ++k) {
-            gather_leaves(*primitives_, scene.triangle_count(), k, k + 1, options_, kernels_, workers_, warm_,
-                          *subdivision_);
+            gather_leaves(balls_, scene.triangle_count(), k, k + 1, options_, kernels_, workers_, warm_, *subdivision_);
             for (const Leaf& leaf : subdivision_->leaves) {
                 count_leaf(leaf);
                 if (leaf.size < 2) continue;
@@ -190,11 +189,11 @@ class CpuBackend final : public BackendBase {
         }
         Stopwatch watch;
         rule_.prepare(query);
-        compute_bounds(scene, workers_, *points_, *primitives_);
+        compute_bounds(scene, kernels_, workers_, *points_, balls_);
         if (part) crumple::part_masks(scene, part->centres, part_masks_);
         statistics_[Stage::bounds] = watch.lap();
-        place_clusters(*primitives_, scene.triangle_count(), part_masks(part), part ? part->index : 0, options_,
-                       kernels_, workers_, warm_, *subdivision_);
+        place_clusters(balls_, scene.triangle_count(), part_masks(part), part ? part->index : 0, options_, kernels_,
+                       workers_, warm_, *subdivision_);
         statistics_[Stage::subdivide] = watch.lap();
         statistics_.clusters = subdivision_->clusters;
     }
@@ -301,7 +300,7 @@ class CpuBackend final : public BackendBase {
     MemoryMeter& meter_;
     GroupRule rule_;
     std::unique_ptr<Points> points_;
-    std::unique_ptr<Primitives> primitives_;
+    Array<Ball> balls_;
     std::unique_ptr<Subdivision> subdivision_;
     Array<std::uint64_t> part_masks_;
     OutputScratch output_{nullptr};

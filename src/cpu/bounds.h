@@ -6,12 +6,13 @@
 // Centroid and radius are float32; the radius is widened so that the ball about the rounded centroid holds the
 // triangle.
 
+#include "cpu/kernels.h"
 #include "cpu/layout.h"
 #include "cpu/parallel.h"
 #include "pipeline/scene.h"
 
 namespace crumple::cpu {
 
-void compute_bounds(const Scene& scene, Workers& workers, Points& points, Primitives& primitives);
+void compute_bounds(const Scene& scene, const Kernels& kernels, Workers& workers, Points& points, Array<Ball>& balls);
 
 }  // namespace crumple::cpu

@@ -27,9 +27,13 @@ struct NarrowPolicy {
 struct Kernels {
     const char* name;
 
-    /// Bit k of mask[i]: ball i may hold a point that is nearest to centre k (docs/subdivide.md).
-    void (*assign)(const float* x, const float* y, const float* z, const float* r, std::int64_t n,
-                   const Centres& centres, std::uint64_t* mask);
+    /// ball[t] holds triangle t, for t in [begin, end). `corners`: 3 a triangle.
+    void (*balls)(const PointRows& points, const std::int32_t* corners, std::int64_t begin, std::int64_t end,
+                  Ball* ball);
+
+    /// Bit k of mask[i]: ball i may hold a point that is nearest to centre k (docs/subdivide.md). Adds the number of
+    /// such balls to count[k].
+    void (*assign)(const Ball* ball, std::int64_t n, const Centres& centres, std::uint64_t* mask, std::int64_t* count);
 
     /// Records (plane not yet scaled) and boxes of a leaf's members.
     void (*build)(const RecordInput& input, Record* record, Box* box, LeafBounds& bounds);
@@ -59,5 +63,8 @@ extern const Kernels scalar_kernels;
 /// Planes are scaled by 1 / (plane_bound u reach): the error of n . p - c (docs/narrow.md).
 inline constexpr float plane_bound = 28;
 inline constexpr float unit_roundoff = 0x1p-24f;  ///< u
+
+/// Widen a computed radius. Coordinates are at most 1: differences and the corners of float64 input err by at most 2 u.
+inline constexpr float ball_factor = 1.000002f, ball_slack = 4e-7f;
 
 }  // namespace crumple::cpu

@@ -12,8 +12,26 @@
 namespace crumple::cpu {
 namespace {
 
-void assign(const float* x, const float* y, const float* z, const float* r, std::int64_t n, const Centres& centres,
-            std::uint64_t* mask) {
+Vec3d point(const PointRows& points, std::int32_t vertex) {
+    const auto i = 4 * static_cast<std::int64_t>(vertex);
+    if (points.f) return {points.f[i], points.f[i + 1], points.f[i + 2]};
+    return {points.d[i], points.d[i + 1], points.d[i + 2]};
+}
+
+Vec3f to_float(Vec3d p) { return {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)}; }
+
+void balls(const PointRows& points, const std::int32_t* corners, std::int64_t begin, std::int64_t end, Ball* ball) {
+    for (std::int64_t t = begin; t < end; ++t) {
+        Vec3f p[3];
+        for (int k = 0; k < 3; ++k) p[k] = to_float(point(points, corners[3 * t + k]));
+        const Vec3f c = (1.0f / 3.0f) * (p[0] + p[1] + p[2]);
+        float r2 = 0;
+        for (const Vec3f& corner : p) r2 = max(r2, dot(corner - c, corner - c));
+        ball[t] = {c.x, c.y, c.z, std::sqrt(r2) * ball_factor + ball_slack};
+    }
+}
+
+void assign(const Ball* ball, std::int64_t n, const Centres& centres, std::uint64_t* mask, std::int64_t* count) {
     // Bisector rule: d_k^2 - d_min^2 <= 2 r |v_k - v_min|, with factors that cover the roundings (docs/subdivide.md).
     float reach[max_clusters][max_clusters];
     for (int j = 0; j < centres.count; ++j)
@@ -25,23 +43,16 @@ void assign(const float* x, const float* y, const float* z, const float* r, std:
         float d2[max_clusters], best = std::numeric_limits<float>::infinity();
         int nearest = 0;
         for (int k = 0; k < centres.count; ++k) {
-            const Vec3f d = Vec3f{x[i], y[i], z[i]} - centres[k];
+            const Vec3f d = Vec3f{ball[i].x, ball[i].y, ball[i].z} - centres[k];
             d2[k] = dot(d, d);
             if (d2[k] < best) best = d2[k], nearest = k;
         }
         mask[i] = 0;
         for (int k = 0; k < centres.count; ++k)
-            if (!(d2[k] > best * 1.000002f + r[i] * reach[nearest][k])) mask[i] |= std::uint64_t{1} << k;
+            if (!(d2[k] > best * 1.000002f + ball[i].r * reach[nearest][k]))
+                mask[i] |= std::uint64_t{1} << k, ++count[k];
     }
 }
-
-Vec3d point(const RecordInput& in, std::int32_t vertex) {
-    const auto i = 4 * static_cast<std::int64_t>(vertex);
-    if (in.points.f) return {in.points.f[i], in.points.f[i + 1], in.points.f[i + 2]};
-    return {in.points.d[i], in.points.d[i + 1], in.points.d[i + 2]};
-}
-
-Vec3f to_float(Vec3d p) { return {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)}; }
 
 void build(const RecordInput& in, Record* record, Box* box, LeafBounds& bounds) {
     constexpr float most = std::numeric_limits<float>::max();
@@ -49,7 +60,7 @@ void build(const RecordInput& in, Record* record, Box* box, LeafBounds& bounds) 
     const Vec3d origin{in.frame.origin.x, in.frame.origin.y, in.frame.origin.z};
     for (std::int64_t i = 0; i < in.members; ++i) {
         const std::int32_t* corner = in.corners + 3 * static_cast<std::int64_t>(in.triangle[i]);
-        const Vec3d p[3] = {point(in, corner[0]), point(in, corner[1]), point(in, corner[2])};
+        const Vec3d p[3] = {point(in.points, corner[0]), point(in.points, corner[1]), point(in.points, corner[2])};
         const Vec3f q[3] = {to_float(p[0] - origin), to_float(p[1] - origin), to_float(p[2] - origin)};
         const float reach = max(largest(abs(q[0])), max(largest(abs(q[1])), largest(abs(q[2]))));
         const bool big = reach > in.frame.big;
@@ -112,24 +123,24 @@ void scatter(const Record* record, std::int64_t n, const std::int32_t* position,
 std::int64_t sweep(const SortedLeaf& leaf, std::int64_t row, std::int64_t last, std::int64_t block_end,
                    std::uint16_t dummy, std::int64_t capacity, Candidates& out) {
     out.dummy = dummy;
-    std::int64_t columns = 4 * out.groups;
-    for (; row < last && columns < capacity; ++row) {
-        const std::int64_t first = columns;
+    std::int64_t count = out.count;
+    const auto add = [&](std::int64_t i, std::int64_t column) {
+        out.row[static_cast<std::size_t>(count)] = static_cast<std::uint16_t>(i - out.rows);
+        out.column[static_cast<std::size_t>(count++)] = static_cast<std::uint16_t>(column);
+    };
+    for (; row < last && count < capacity; ++row) {
+        const std::int64_t first = count;
         const std::int64_t end = std::min<std::int64_t>(leaf.end[row], block_end);
         for (std::int64_t j = std::max(row + 1, out.columns); j < end; ++j) {
             const bool apart = leaf.low_y[j] > leaf.high_y[row] || leaf.low_y[row] > leaf.high_y[j] ||
                                leaf.low_z[j] > leaf.high_z[row] || leaf.low_z[row] > leaf.high_z[j];
-            if (!apart && !(leaf.lower[row] & leaf.lower[j]))
-                out.column[columns++] = static_cast<std::uint16_t>(j - out.columns);
+            if (!apart && !(leaf.lower[row] & leaf.lower[j])) add(row, j - out.columns);
         }
-        out.pairs += columns - first;
-        for (; columns % 4; ++columns) out.column[columns] = dummy;
-        for (; 4 * out.groups < columns; ++out.groups) out.row[out.groups] = static_cast<std::uint16_t>(row - out.rows);
+        out.pairs += count - first;
+        while (count % 4) add(row, dummy);
     }
-    for (; out.groups % 4; ++out.groups) {
-        out.row[out.groups] = 0;
-        for (int k = 0; k < 4; ++k) out.column[4 * out.groups + k] = dummy;
-    }
+    while (count % 16) add(out.rows, dummy);
+    out.count = count;
     return row;
 }
 
@@ -147,28 +158,24 @@ bool plane_separates(const Record& plane, const Record& other, const bool shared
 void filter(const SortedLeaf& leaf, const Candidates& candidates, const PointRows&, const NarrowPolicy& policy, float,
             Verdicts& verdicts) {
     verdicts.hit.clear();
-    verdicts.undecided.resize_discard(static_cast<std::size_t>(4 * candidates.groups));
+    verdicts.undecided.resize_discard(static_cast<std::size_t>(candidates.count));
     std::size_t undecided = 0;
     const Record* rows = leaf.record.data() + candidates.rows;
     const Record* columns = leaf.record.data() + candidates.columns;
-    for (std::int64_t g = 0; g < candidates.groups; ++g) {
-        const std::uint32_t i = candidates.row[g];
-        const Record& a = rows[i];
-        for (std::int64_t k = 4 * g; k < 4 * g + 4; ++k) {
-            const std::uint32_t j = candidates.column[k];
-            const Record& b = columns[j];
-            if (b.id[0] < 0) continue;  // padding
-            bool shared_a[3] = {}, shared_b[3] = {}, neighbours = false;
-            for (int s = 0; s < 3; ++s)
-                for (int t = 0; t < 3; ++t)
-                    if (a.id[s] == b.id[t]) shared_a[s] = shared_b[t] = neighbours = true;
-            if (policy.skip_neighbours && neighbours) continue;
-            const bool all = shared_a[0] && shared_a[1] && shared_a[2];
-            if (!all && !(shared_b[0] && shared_b[1] && shared_b[2]) &&
-                (plane_separates(a, b, shared_b) || plane_separates(b, a, shared_a)))
-                continue;
-            verdicts.undecided[undecided++] = j << 16 | i;
-        }
+    for (std::int64_t k = 0; k < candidates.count; ++k) {
+        const std::uint32_t i = candidates.row[k], j = candidates.column[k];
+        const Record &a = rows[i], &b = columns[j];
+        if (b.id[0] < 0) continue;  // padding
+        bool shared_a[3] = {}, shared_b[3] = {}, neighbours = false;
+        for (int s = 0; s < 3; ++s)
+            for (int t = 0; t < 3; ++t)
+                if (a.id[s] == b.id[t]) shared_a[s] = shared_b[t] = neighbours = true;
+        if (policy.skip_neighbours && neighbours) continue;
+        const bool all = shared_a[0] && shared_a[1] && shared_a[2];
+        if (!all && !(shared_b[0] && shared_b[1] && shared_b[2]) &&
+            (plane_separates(a, b, shared_b) || plane_separates(b, a, shared_a)))
+            continue;
+        verdicts.undecided[undecided++] = j << 16 | i;
     }
     verdicts.undecided.resize(undecided);
     verdicts.edge_tests = verdicts.double_tests = static_cast<std::int64_t>(undecided);
@@ -176,6 +183,6 @@ void filter(const SortedLeaf& leaf, const Candidates& candidates, const PointRow
 
 }  // namespace
 
-const Kernels scalar_kernels{"scalar", assign, build, quantise, scatter, sweep, filter};
+const Kernels scalar_kernels{"scalar", balls, assign, build, quantise, scatter, sweep, filter};
 
 }  // namespace crumple::cpu

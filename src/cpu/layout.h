@@ -2,11 +2,11 @@
 
 // The arrays that the stages of the cpu backend hand on.
 //
-//   bounds      scene            -> Points (one a vertex), Primitives (one a triangle)
-//   subdivide   Primitives       -> Memberships: leaves, each a list of triangles
+//   bounds      scene            -> Points (one a vertex), Balls (one a triangle)
+//   subdivide   Balls            -> Memberships: leaves, each a list of triangles
 //   align       one leaf         -> Record and Box of each member, in the leaf's frame
 //   sort        Records, Boxes   -> SortedLeaf: by start along the leaf's first axis, boxes in 16 bits
-//   sweep       SortedLeaf       -> Candidates: pairs whose boxes overlap, four to a group
+//   sweep       SortedLeaf       -> Candidates: pairs whose boxes overlap, four by four
 //   narrow      Candidates       -> pairs
 //
 // A Record is one cache line, transposed so that a load of four floats is one coordinate of three corners and of the
@@ -68,13 +68,9 @@ struct PointRows {
     const double* d = nullptr;
 };
 
-/// Balls around the triangles: centroid and radius ([MZ] eq. 5, but one for each).
-struct Primitives {
-    Array<float> x, y, z, r;
-    explicit Primitives(MemoryMeter* meter) : x(meter), y(meter), z(meter), r(meter) {}
-    void resize(std::size_t n) {
-        for (auto* array : {&x, &y, &z, &r}) array->resize_discard(n + padding);
-    }
+/// A ball that holds a primitive: centroid and radius ([MZ] eq. 5, but one for each).
+struct alignas(16) Ball {
+    float x, y, z, r;
 };
 
 /// The frame in which a leaf is swept: sweep direction first.
@@ -106,24 +102,32 @@ struct SortedLeaf {
         : record(m), low_y(m), high_y(m), low_z(m), high_z(m), lower(m), end(m), triangle(m), member(m), work(m) {}
 };
 
-/// Candidate pairs: group g is row[g] against column[4 g] ... column[4 g + 3], as offsets from `rows` and `columns`.
-/// Groups are padded with the block's dummy; their number is a multiple of four.
+/// Candidate pairs: row[i] against column[i], as offsets from `rows` and `columns`. Four in a row, from a multiple of
+/// four on, have the same row; gaps are filled with the block's dummy. `count` is a multiple of 16.
 struct Candidates {
     std::int64_t rows = 0, columns = 0;  ///< physical position of row 0 and column 0
-    std::int64_t groups = 0;
+    std::int64_t count = 0;
     std::int64_t pairs = 0;   ///< without padding
     std::uint16_t dummy = 0;  ///< the padding column
     Array<std::uint16_t> row, column;
     explicit Candidates(MemoryMeter* m) : row(m), column(m) {}
 };
 
-/// Where the corners of 16 pairs lie: one nibble a pair, its three low bits one a corner.
+/// Where the corners of candidates lie: one nibble a pair, its three low bits one a corner; the fourth means nothing.
 struct PlaneSigns {
-    std::uint64_t keep;                ///< lowest bit: no plane separates the pair
-    std::uint64_t above_a, below_a;    ///< the column's corners against the row's plane, where certain
-    std::uint64_t above_b, below_b;    ///< the row's corners against the column's plane
-    std::uint64_t shared_b, shared_a;  ///< the column's, the row's corners that both name
-    std::uint64_t group;               ///< first of the four groups
+    Array<std::uint8_t> above_a, below_a;  ///< the column's corners against the row's plane, where certain
+    Array<std::uint8_t> above_b, below_b;  ///< the row's corners against the column's plane
+    Array<std::uint8_t> same[3];           ///< the column's corners that are the row's corner 0, 1, 2
+    explicit PlaneSigns(MemoryMeter* m)
+        : above_a(m),
+          below_a(m),
+          above_b(m),
+          below_b(m),
+          same{Array<std::uint8_t>(m), Array<std::uint8_t>(m), Array<std::uint8_t>(m)} {}
+    void resize(std::int64_t candidates) {
+        for (auto* stream : {&above_a, &below_a, &above_b, &below_b, &same[0], &same[1], &same[2]})
+            stream->resize_discard(static_cast<std::size_t>(candidates / 2 + padding));
+    }
 };
 
 /// What the filters of `narrow` say, and what they hand to each other. Pairs are packed as column << 16 | row.
@@ -133,11 +137,22 @@ struct Verdicts {
     std::int64_t edge_tests = 0;     ///< pairs that no plane separated
     std::int64_t double_tests = 0;   ///< pairs that float32 filters left open
     // Between the SIMD filters:
-    Array<PlaneSigns> signs;
-    Array<std::uint32_t> edges, edge_signs;  ///< pairs for edge_test; below_a | below_b << 3
-    Array<std::uint32_t> flat, flat_shared;  ///< pairs for flat_test; shared_b | shared_a << 3
+    PlaneSigns signs;
+    Array<std::uint8_t> code;                      ///< what `classify` makes of each candidate
+    Array<std::uint32_t> survivor, survivor_code;  ///< those that no plane separates
+    Array<std::uint32_t> edges, edge_signs;        ///< pairs for edge_test; below_a | below_b << 3
+    Array<std::uint32_t> flat, flat_shared;        ///< pairs for flat_test; shared_b | shared_a << 3
     explicit Verdicts(MemoryMeter* m)
-        : hit(m), undecided(m), signs(m), edges(m), edge_signs(m), flat(m), flat_shared(m) {}
+        : hit(m),
+          undecided(m),
+          signs(m),
+          code(m),
+          survivor(m),
+          survivor_code(m),
+          edges(m),
+          edge_signs(m),
+          flat(m),
+          flat_shared(m) {}
 };
 
 /// Corner orders for the edge test, by below_a | below_b << 3: p1, q1, r1, p2, q2, r2 in two bits each. A triangle's

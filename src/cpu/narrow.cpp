@@ -7,7 +7,7 @@
 namespace crumple::cpu {
 namespace {
 
-constexpr std::int64_t chunk_columns = 1 << 15;
+constexpr std::int64_t chunk_columns = 1 << 14;
 
 // Turns one chunk's verdicts into pairs.
 void decide(const NarrowContext& context, const SortedLeaf& leaf, const Ownership& ownership, NarrowScratch& scratch) {
@@ -55,7 +55,7 @@ void sweep_and_narrow(const NarrowContext& context, const SortedLeaf& leaf, cons
     Candidates& candidates = scratch.candidates;
     const auto longest_row = static_cast<std::size_t>(std::min<std::int64_t>(leaf.rows, block_stride));
     candidates.column.resize_discard(static_cast<std::size_t>(chunk_columns) + longest_row + 4 * padding);
-    candidates.row.resize_discard(candidates.column.size() / 4 + 4 * padding);
+    candidates.row.resize_discard(candidates.column.size());
 
     for (std::int64_t block = 0; block < leaf.rows; block += block_stride) {
         const std::int64_t block_end = std::min(block + block_stride, leaf.rows) - 1;  // without the dummy
@@ -65,7 +65,7 @@ void sweep_and_narrow(const NarrowContext& context, const SortedLeaf& leaf, cons
             Stopwatch watch;
             candidates.rows = row;
             candidates.columns = block;
-            candidates.groups = candidates.pairs = 0;
+            candidates.count = candidates.pairs = 0;
             row = context.kernels.sweep(leaf, row, std::min({last, block_end, row + 65535}), block_end, dummy,
                                         chunk_columns, candidates);
             statistics[Stage::sweep] += watch.lap();

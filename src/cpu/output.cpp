@@ -28,8 +28,8 @@ void sort_by_digit(const Pair* in, std::int64_t count, int shift, int bits, Pair
     for (std::int64_t i = 0; i < count; ++i) out[next[in[i].b >> shift & mask]++] = in[i];
 }
 
-// Sorts the pairs of one bucket of first triangles, [first, last), into out[begin, ...) and writes their offsets. By the
-// second triangle first, an even number of passes to and fro, then by the first one: all passes are stable.
+// Sorts the pairs of one bucket of first triangles, [first, last), into out[begin, ...) and writes their offsets. By
+// the second triangle first, an even number of passes to and fro, then by the first one: all passes are stable.
 void sort_bucket(Pair* pairs, std::int64_t count, std::int32_t first, std::int32_t last, int second_bits,
                  std::int64_t begin, Collisions& result) {
     Pair* out = result.pairs.data() + begin;

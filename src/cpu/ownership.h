@@ -31,29 +31,19 @@ class Ownership {
     /// the bits say so, too, where the leaf's groups are few.
     void bits(const std::int32_t* triangle, const std::int32_t* member, std::int64_t n, bool groups_apart,
               std::uint16_t* lower) {
-        std::array<std::uint64_t, levels> seen{};
-        for (std::int64_t i = 0; i < n; ++i)
-            for (int level = 0; level < levels; ++level) seen[level] |= mask(level, triangle[i], member[i]);
         int lane = scene_.between ? 2 : 0;
+        if (scene_.between)
+            for (std::int64_t i = 0; i < n; ++i) lower[i] = scene_.second(triangle[i]) ? 2 : 1;
+        else
+            std::fill(lower, lower + n, std::uint16_t{0});
         complete_ = true;
-        std::array<std::array<std::uint16_t, max_clusters>, levels> lane_of{};
-        for (int level = 0; level < levels; ++level)
-            for (std::uint64_t left = seen[level]; left; left &= left - 1) {
-                if (lane == 16) {
-                    complete_ = false;
-                    break;
-                }
-                lane_of[level][std::countr_zero(left)] = static_cast<std::uint16_t>(1u << lane++);
-            }
-        const FewGroups groups(scene_, triangle, groups_apart ? n : 0, 16 - lane);
-        for (std::int64_t i = 0; i < n; ++i) {
-            std::uint32_t bits = groups.bit(scene_, triangle[i]) << lane;
-            bits |= scene_.between ? (scene_.second(triangle[i]) ? 2u : 1u) : 0u;
-            for (int level = 0; level < levels; ++level)
-                for (std::uint64_t m = mask(level, triangle[i], member[i]); m; m &= m - 1)
-                    bits |= lane_of[level][std::countr_zero(m)];
-            lower[i] = static_cast<std::uint16_t>(bits);
-        }
+        if (below_[0]) add_level(n, lane, lower, [&](std::int64_t i) { return mask(0, triangle[i], member[i]); });
+        if (below_[1]) add_level(n, lane, lower, [&](std::int64_t i) { return mask(1, triangle[i], member[i]); });
+        if (below_[2]) add_level(n, lane, lower, [&](std::int64_t i) { return mask(2, triangle[i], member[i]); });
+        if (!groups_apart) return;
+        const FewGroups groups(scene_, triangle, n, 16 - lane);
+        for (std::int64_t i = 0; i < n; ++i)
+            lower[i] = static_cast<std::uint16_t>(lower[i] | groups.bit(scene_, triangle[i]) << lane);
     }
 
     /// The bits say everything; otherwise ask `owns` about each pair that passed them.
@@ -66,6 +56,32 @@ class Ownership {
     }
 
    private:
+    // Gives each cluster that occurs in mask_of(i) one of the lanes that are left, and members their bits: eight
+    // clusters at a time, by a table of what their bits become.
+    template <class MaskOf>
+    void add_level(std::int64_t n, int& lane, std::uint16_t* lower, MaskOf mask_of) {
+        std::uint64_t seen = 0;
+        for (std::int64_t i = 0; i < n; ++i) seen |= mask_of(i);
+        for (int shift = 0; seen >> shift != 0; shift += 8) {
+            if ((seen >> shift & 255) == 0) continue;
+            std::array<std::uint16_t, 256> bits{};
+            for (int k = 0; k < 8; ++k) {
+                std::uint32_t bit = 0;
+                if (seen >> (shift + k) & 1) {
+                    if (lane < 16)
+                        bit = 1u << lane++;
+                    else
+                        complete_ = false;
+                }
+                for (std::size_t m = 0; m < std::size_t{1} << k; ++m)
+                    bits[m | std::size_t{1} << k] = static_cast<std::uint16_t>(bits[m] | bit);
+            }
+            for (std::int64_t i = 0; i < n; ++i)
+                lower[i] = static_cast<std::uint16_t>(lower[i] | bits[mask_of(i) >> shift & 255]);
+            if (shift == 56) break;
+        }
+    }
+
     // The groups of a leaf, if they fit the lanes that are left.
     class FewGroups {
        public:

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <numeric>
 
 namespace crumple::cpu {
 namespace {
@@ -31,7 +32,7 @@ FuzzyOptions fuzzy(const Options& options, bool first) {
 
 // Writes the members of clusters [begin, end), cluster by cluster, in the order of triangles: prefix sums of the counts
 // give each chunk of triangles its places.
-void scatter_members(const Primitives& p, std::int64_t n, int begin, int end, Workers& workers, Subdivision& s) {
+void scatter_members(const Array<Ball>& balls, std::int64_t n, int begin, int end, Workers& workers, Subdivision& s) {
     const auto chunks = static_cast<std::size_t>((n + chunk - 1) / chunk);
     s.place.resize_discard(chunks * max_clusters);
     std::int64_t total = 0;
@@ -46,7 +47,7 @@ void scatter_members(const Primitives& p, std::int64_t n, int begin, int end, Wo
         }
     }
     s.first[static_cast<std::size_t>(end)] = total;
-    for (auto* array : {&s.x, &s.y, &s.z, &s.r}) array->resize_discard(static_cast<std::size_t>(total + padding));
+    s.ball.resize_discard(static_cast<std::size_t>(total + padding));
     s.id.resize_discard(static_cast<std::size_t>(total));
     s.mask2.resize_discard(static_cast<std::size_t>(total));
     workers.parallel_for(chunks, [&](std::size_t c, std::size_t) {
@@ -55,10 +56,7 @@ void scatter_members(const Primitives& p, std::int64_t n, int begin, int end, Wo
         for (std::int64_t t = first; t < last; ++t) {
             for (std::uint64_t mask = s.mask1[t] & wanted; mask; mask &= mask - 1) {
                 const std::int64_t m = next[std::countr_zero(mask)]++;
-                s.x[m] = p.x[t];
-                s.y[m] = p.y[t];
-                s.z[m] = p.z[t];
-                s.r[m] = p.r[t];
+                s.ball[m] = balls[t];
                 s.id[m] = static_cast<std::int32_t>(t);
             }
         }
@@ -66,18 +64,19 @@ void scatter_members(const Primitives& p, std::int64_t n, int begin, int end, Wo
 }
 
 // Masks of the first level and their histogram; returns the number of memberships.
-std::int64_t assign_all(const Primitives& p, std::int64_t n, const std::uint64_t* part_masks, int part,
+std::int64_t assign_all(const Array<Ball>& balls, std::int64_t n, const std::uint64_t* part_masks, int part,
                         const Kernels& kernels, Workers& workers, const Centres& centres, Subdivision& s) {
     const auto chunks = static_cast<std::size_t>((n + chunk - 1) / chunk);
     s.histogram.assign(chunks * max_clusters, 0);
     workers.parallel_for(chunks, [&](std::size_t c, std::size_t) {
         const std::int64_t begin = static_cast<std::int64_t>(c) * chunk, end = std::min(n, begin + chunk);
-        kernels.assign(p.x.data() + begin, p.y.data() + begin, p.z.data() + begin, p.r.data() + begin, end - begin,
-                       centres, s.mask1.data() + begin);
         std::int64_t* count = s.histogram.data() + c * max_clusters;
+        kernels.assign(balls.data() + begin, end - begin, centres, s.mask1.data() + begin, count);
+        if (!part_masks) return;
         for (std::int64_t t = begin; t < end; ++t) {
-            if (part_masks && !(part_masks[t] >> part & 1)) s.mask1[t] = 0;
-            for (std::uint64_t mask = s.mask1[t]; mask; mask &= mask - 1) ++count[std::countr_zero(mask)];
+            if (part_masks[t] >> part & 1) continue;
+            for (std::uint64_t mask = s.mask1[t]; mask; mask &= mask - 1) --count[std::countr_zero(mask)];
+            s.mask1[t] = 0;
         }
     });
     std::int64_t total = 0;
@@ -98,18 +97,14 @@ int split_cluster(int cluster, const Options& options, const Kernels& kernels, C
         std::min<std::int64_t>(members, static_cast<std::int64_t>(samples2_per_cluster) * count));
     const auto point = [&](std::size_t i) {
         const auto m = static_cast<std::size_t>(begin) + i * static_cast<std::size_t>(members) / samples;
-        return Vec3f{s.x[m], s.y[m], s.z[m]};
+        return Vec3f{s.ball[m].x, s.ball[m].y, s.ball[m].z};
     };
     const bool first = centres.count != count;
     if (first) start_centres(count, samples, point, centres);
     fuzzy_c_means(samples, point, fuzzy(options, first), centres);
-    kernels.assign(s.x.data() + begin, s.y.data() + begin, s.z.data() + begin, s.r.data() + begin, members, centres,
-                   s.mask2.data() + begin);
-
     sizes.fill(0);
-    std::int64_t total = 0;
-    for (std::int64_t m = begin; m < begin + members; ++m)
-        for (std::uint64_t mask = s.mask2[m]; mask; mask &= mask - 1) ++sizes[std::countr_zero(mask)], ++total;
+    kernels.assign(s.ball.data() + begin, members, centres, s.mask2.data() + begin, sizes.data());
+    const std::int64_t total = std::accumulate(sizes.begin(), sizes.end(), std::int64_t{0});
     if (!pays(total, members, count)) return 0;
 
     std::array<std::int64_t, max_clusters> next;
@@ -125,7 +120,7 @@ int split_cluster(int cluster, const Options& options, const Kernels& kernels, C
 
 }  // namespace
 
-void place_clusters(const Primitives& p, std::int64_t n, const std::uint64_t* part_masks, int part,
+void place_clusters(const Array<Ball>& balls, std::int64_t n, const std::uint64_t* part_masks, int part,
                     const Options& options, const Kernels& kernels, Workers& workers, WarmCentres& warm,
                     Subdivision& s) {
     Centres& centres = warm.level1;
@@ -140,7 +135,7 @@ void place_clusters(const Primitives& p, std::int64_t n, const std::uint64_t* pa
     const auto sample = [&](std::size_t i) {
         auto t = static_cast<std::size_t>(i * static_cast<std::uint64_t>(members) / samples);
         if (part_masks) t = static_cast<std::size_t>(s.included[t]);
-        return Vec3f{p.x[t], p.y[t], p.z[t]};
+        return Vec3f{balls[t].x, balls[t].y, balls[t].z};
     };
     s.sample.resize_discard(samples);
     for (std::size_t i = 0; i < samples; ++i) s.sample[i] = sample(i);
@@ -160,14 +155,14 @@ void place_clusters(const Primitives& p, std::int64_t n, const std::uint64_t* pa
         count = centres.count;
         if (count > 1) fuzzy_c_means(samples, point, fuzzy(options, first), centres);
         s.clusters = count;
-        const std::int64_t total = assign_all(p, n, part_masks, part, kernels, workers, centres, s);
+        const std::int64_t total = assign_all(balls, n, part_masks, part, kernels, workers, centres, s);
         if (count == 1 || options.clusters > 0 || pays(total, members, count)) break;
     }
 }
 
-void gather_leaves(const Primitives& primitives, std::int64_t n, int begin, int end, const Options& options,
+void gather_leaves(const Array<Ball>& balls, std::int64_t n, int begin, int end, const Options& options,
                    const Kernels& kernels, Workers& workers, WarmCentres& warm, Subdivision& s) {
-    scatter_members(primitives, n, begin, end, workers, s);
+    scatter_members(balls, n, begin, end, workers, s);
 
     std::array<std::array<std::int64_t, max_clusters>, max_clusters> sizes;
     std::array<int, max_clusters> children{};

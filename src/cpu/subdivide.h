@@ -36,12 +36,12 @@ struct Leaf {
 
 struct Subdivision {
     explicit Subdivision(MemoryMeter* m)
-        : mask1(m), mask2(m), x(m), y(m), z(m), r(m), id(m), histogram(m), place(m), leaves(m), sample(m), included(m) {
+        : mask1(m), mask2(m), ball(m), id(m), histogram(m), place(m), leaves(m), sample(m), included(m) {
         for (auto& list : members2) list = Array<std::int32_t>(m);
     }
     Array<std::uint64_t> mask1;                              ///< by triangle
     Array<std::uint64_t> mask2;                              ///< by member
-    Array<float> x, y, z, r;                                 ///< balls, by member
+    Array<Ball> ball;                                        ///< by member
     Array<std::int32_t> id;                                  ///< triangle, by member
     std::array<std::int64_t, max_clusters + 1> first{};      ///< first member of each cluster
     std::array<Array<std::int32_t>, max_clusters> members2;  ///< member positions, leaf by leaf
@@ -61,12 +61,12 @@ struct Subdivision {
 };
 
 /// First level: centres and masks of triangles [0, n). Only those with bit `part` in part_masks, if that is not null.
-void place_clusters(const Primitives& primitives, std::int64_t n, const std::uint64_t* part_masks, int part,
+void place_clusters(const Array<Ball>& balls, std::int64_t n, const std::uint64_t* part_masks, int part,
                     const Options& options, const Kernels& kernels, Workers& workers, WarmCentres& warm,
                     Subdivision& subdivision);
 
 /// Gathers the members of clusters [begin, end), splits the large ones again, and lists the leaves of these.
-void gather_leaves(const Primitives& primitives, std::int64_t n, int begin, int end, const Options& options,
+void gather_leaves(const Array<Ball>& balls, std::int64_t n, int begin, int end, const Options& options,
                    const Kernels& kernels, Workers& workers, WarmCentres& warm, Subdivision& subdivision);
 
 }  // namespace crumple::cpu

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <numeric>
 #include <random>
 
 #include "tables.h"
@@ -9,22 +10,16 @@
 namespace crumple::cpu {
 namespace {
 
-struct Balls {
-    std::vector<float> x, y, z, r;
-};
-
 // Balls of all sizes, some of them on centres, some in the middle between two.
-Balls make_balls(const Centres& centres, int count, std::mt19937& engine) {
+Array<Ball> make_balls(const Centres& centres, int count, std::mt19937& engine) {
     const auto number = [&] { return static_cast<float>(static_cast<double>(engine()) * 0x1p-31 - 1); };
-    Balls balls;
+    Array<Ball> balls;
+    balls.resize(static_cast<std::size_t>(count + padding));
     for (int i = 0; i < count; ++i) {
         const auto any = [&] { return static_cast<int>(engine() % static_cast<unsigned>(centres.count)); };
         const Vec3f a = centres[any()], b = centres[any()];
         const Vec3f c = i % 3 == 0 ? a : i % 3 == 1 ? 0.5f * (a + b) : Vec3f{number(), number(), number()};
-        balls.x.push_back(c.x);
-        balls.y.push_back(c.y);
-        balls.z.push_back(c.z);
-        balls.r.push_back(std::ldexp(1.0f, -static_cast<int>(engine() % 22)));
+        balls[static_cast<std::size_t>(i)] = {c.x, c.y, c.z, std::ldexp(1.0f, -static_cast<int>(engine() % 22))};
     }
     return balls;
 }
@@ -40,10 +35,13 @@ TEST(Assign, a_cluster_whose_centre_is_nearest_to_a_point_of_the_ball_has_it_as_
                 centres.set(k,
                             {static_cast<float>(number()), static_cast<float>(number()), static_cast<float>(number())});
             for (const int n : {1, 3, 16, 100}) {
-                const Balls balls = make_balls(centres, n, engine);
+                const Array<Ball> balls = make_balls(centres, n, engine);
                 std::vector<std::uint64_t> mask(static_cast<std::size_t>(n));
-                kernels->assign(balls.x.data(), balls.y.data(), balls.z.data(), balls.r.data(), n, centres,
-                                mask.data());
+                std::array<std::int64_t, max_clusters> counts{}, members{};
+                kernels->assign(balls.data(), n, centres, mask.data(), counts.data());
+                for (const std::uint64_t m : mask)
+                    for (int k = 0; k < max_clusters; ++k) members[static_cast<std::size_t>(k)] += m >> k & 1;
+                EXPECT_EQ(counts, members) << kernels->name;
                 for (std::size_t i = 0; i < mask.size(); ++i) {
                     ASSERT_NE(mask[i], 0u);
                     if (count < 64) {
@@ -54,8 +52,8 @@ TEST(Assign, a_cluster_whose_centre_is_nearest_to_a_point_of_the_ball_has_it_as_
                         const double length = std::sqrt(dot(d, d));
                         if (length == 0) continue;
                         const double reach = trial % 2 ? 1.0 : std::abs(number());  // on the sphere or inside
-                        d = (static_cast<double>(balls.r[i]) * reach * (1 - 1e-12) / length) * d;
-                        const Vec3d p = Vec3d{balls.x[i], balls.y[i], balls.z[i]} + d;
+                        d = (static_cast<double>(balls[i].r) * reach * (1 - 1e-12) / length) * d;
+                        const Vec3d p = Vec3d{balls[i].x, balls[i].y, balls[i].z} + d;
                         int nearest = 0;
                         double best = 1e300;
                         for (int k = 0; k < count; ++k) {
@@ -78,18 +76,13 @@ TEST(Assign, small_balls_have_few_clusters) {
     Centres centres;
     centres.count = 16;
     for (int k = 0; k < 16; ++k) centres.set(k, {number(), number(), number()});
-    std::vector<float> x, y, z, r;
-    for (int i = 0; i < 4000; ++i) {
-        x.push_back(number());
-        y.push_back(number());
-        z.push_back(number());
-        r.push_back(0.01f);
-    }
+    std::vector<Ball> balls;
+    for (int i = 0; i < 4000; ++i) balls.push_back({number(), number(), number(), 0.01f});
     for (const Kernels* kernels : test::kernel_tables()) {
-        std::vector<std::uint64_t> mask(x.size());
-        kernels->assign(x.data(), y.data(), z.data(), r.data(), 4000, centres, mask.data());
-        int members = 0;
-        for (const std::uint64_t m : mask) members += std::popcount(m);
+        std::vector<std::uint64_t> mask(balls.size());
+        std::array<std::int64_t, max_clusters> counts{};
+        kernels->assign(balls.data(), 4000, centres, mask.data(), counts.data());
+        const std::int64_t members = std::accumulate(counts.begin(), counts.end(), std::int64_t{0});
         EXPECT_LT(members, 4600) << kernels->name;
     }
 }

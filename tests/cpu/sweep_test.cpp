@@ -45,27 +45,25 @@ std::multiset<std::pair<int, int>> candidates_of(const Kernels& kernels, const S
     std::multiset<std::pair<int, int>> found;
     Candidates out(nullptr);
     out.column.resize(static_cast<std::size_t>(capacity + block_stride + 4 * padding));
-    out.row.resize(out.column.size() / 4 + 4 * padding);
+    out.row.resize(out.column.size());
     for (std::int64_t block = 0; block < leaf.rows; block += block_stride) {
         const std::int64_t block_end = std::min<std::int64_t>(block + block_stride, leaf.rows) - 1;
         for (std::int64_t row = 0; row < block_end;) {
             out.rows = row;
             out.columns = block;
-            out.groups = out.pairs = 0;
+            out.count = out.pairs = 0;
             row = kernels.sweep(leaf, row, std::min(block_end, row + 65535), block_end,
                                 static_cast<std::uint16_t>(block_end - block), capacity, out);
-            EXPECT_EQ(out.groups % 4, 0);
+            EXPECT_EQ(out.count % 16, 0);
             std::int64_t pairs = 0;
-            for (std::int64_t g = 0; g < out.groups; ++g)
-                for (std::int64_t k = 4 * g; k < 4 * g + 4; ++k) {
-                    const int a =
-                        leaf.triangle[static_cast<std::size_t>(out.rows + out.row[static_cast<std::size_t>(g)])];
-                    const int b =
-                        leaf.triangle[static_cast<std::size_t>(block + out.column[static_cast<std::size_t>(k)])];
-                    if (b < 0) continue;
-                    ++pairs;
-                    found.insert({std::min(a, b), std::max(a, b)});
-                }
+            for (std::size_t i = 0; i < static_cast<std::size_t>(out.count); ++i) {
+                EXPECT_EQ(out.row[i], out.row[i - i % 4]);
+                const int a = leaf.triangle[static_cast<std::size_t>(out.rows + out.row[i])];
+                const int b = leaf.triangle[static_cast<std::size_t>(block + out.column[i])];
+                if (b < 0) continue;
+                ++pairs;
+                found.insert({std::min(a, b), std::max(a, b)});
+            }
             EXPECT_EQ(pairs, out.pairs);
         }
     }

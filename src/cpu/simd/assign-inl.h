@@ -1,9 +1,9 @@
 // Membership of balls in clusters (stage `subdivide`), a vector of balls at a time.
 //
-// Two passes over the centres. The first finds the nearest centre. The second first asks the looser but cheaper rule
+// Three passes over the centres. The first finds the nearest one. The second asks the looser but cheaper rule
 // d_k <= d_min + 2 r, as d_k^2 <= (d_min + 2 r)^2, which nearly all centres fail for all balls of a vector, since
-// neighbours in the array tend to be neighbours in space; only the few left pay for the bisector rule, whose factor
-// |v_k - v_nearest| has to be gathered.
+// neighbours in the array tend to be neighbours in space. The third visits the few left, without a branch that cannot
+// be foreseen but its end, and asks the bisector rule, whose factor |v_k - v_nearest| has to be gathered.
 
 #if defined(CRUMPLE_CPU_SIMD_ASSIGN_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef CRUMPLE_CPU_SIMD_ASSIGN_INL_H_
@@ -13,6 +13,7 @@
 #endif
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -22,8 +23,7 @@ HWY_BEFORE_NAMESPACE();
 namespace crumple::cpu {
 namespace HWY_NAMESPACE {
 
-inline void assign(const float* x, const float* y, const float* z, const float* r, std::int64_t n,
-                   const Centres& centres, std::uint64_t* mask) {
+inline void assign(const Ball* ball, std::int64_t n, const Centres& centres, std::uint64_t* mask, std::int64_t* count) {
     const hn::ScalableTag<float> d;
     const hn::RebindToSigned<decltype(d)> di;
     const hn::RebindToUnsigned<decltype(d)> du;
@@ -37,17 +37,9 @@ inline void assign(const float* x, const float* y, const float* z, const float* 
             reach[k][j] = 2.00001f * std::sqrt(dot(between, between)) + 1e-22f;
         }
     HWY_ALIGN float d2[max_clusters * hn::MaxLanes(d)];
-    // The last vector starts earlier and writes some masks a second time.
-    for (std::int64_t begin = 0; begin < n; begin += lanes) {
-        const std::int64_t i = n >= lanes ? std::min(begin, n - lanes) : 0;
+    for (std::int64_t i = 0; i < n; i += lanes) {
         V px, py, pz, pr;
-        if (n >= lanes) {
-            px = hn::LoadU(d, x + i), py = hn::LoadU(d, y + i), pz = hn::LoadU(d, z + i), pr = hn::LoadU(d, r + i);
-        } else {
-            HWY_ALIGN float few[4][hn::MaxLanes(d)] = {};
-            for (std::int64_t l = 0; l < n; ++l) few[0][l] = x[l], few[1][l] = y[l], few[2][l] = z[l], few[3][l] = r[l];
-            px = hn::Load(d, few[0]), py = hn::Load(d, few[1]), pz = hn::Load(d, few[2]), pr = hn::Load(d, few[3]);
-        }
+        hn::LoadInterleaved4(d, reinterpret_cast<const float*>(ball + i), px, py, pz, pr);
         V best = hn::Set(d, std::numeric_limits<float>::infinity());
         auto nearest = hn::Zero(di);
         for (int k = 0; k < centres.count; ++k) {
@@ -64,12 +56,17 @@ inline void assign(const float* x, const float* y, const float* z, const float* 
         const V root = hn::MulAdd(hn::Set(d, 2.0f), pr, hn::Sqrt(best));
         const V loose = hn::Mul(hn::Mul(root, root), hn::Set(d, 1.00001f));
         const V tight = hn::Mul(best, hn::Set(d, 1.000002f));
+        const auto distance_to = [&](int k) { return hn::Load(d, d2 + static_cast<std::size_t>(k) * hn::MaxLanes(d)); };
+        std::uint64_t near = 0;
+        for (int k = 0; k < centres.count; ++k)
+            near |= static_cast<std::uint64_t>(!hn::AllFalse(d, hn::Le(distance_to(k), loose))) << k;
         auto low = hn::Zero(du), high = hn::Zero(du);
-        for (int k = 0; k < centres.count; ++k) {
-            const V distance = hn::Load(d, d2 + static_cast<std::size_t>(k) * hn::MaxLanes(d));
-            const auto near = hn::Le(distance, loose);
-            if (hn::AllFalse(d, near)) continue;
-            const auto member = hn::Le(distance, hn::MulAdd(pr, hn::GatherIndex(d, reach[k], nearest), tight));
+        const auto valid = hn::FirstN(d, static_cast<std::size_t>(n - i));
+        for (; near; near &= near - 1) {
+            const int k = std::countr_zero(near);
+            const V factor = hn::GatherIndex(d, reach[k], nearest);
+            const auto member = hn::And(valid, hn::Le(distance_to(k), hn::MulAdd(pr, factor, tight)));
+            count[k] += static_cast<std::int64_t>(hn::CountTrue(d, member));
             const auto bit = hn::IfThenElseZero(hn::RebindMask(du, member), hn::Set(du, std::uint32_t{1} << (k % 32)));
             if (k < 32)
                 low = hn::Or(low, bit);
@@ -78,7 +75,7 @@ inline void assign(const float* x, const float* y, const float* z, const float* 
         }
         HWY_ALIGN std::uint32_t halves[2 * hn::MaxLanes(d)];
         hn::StoreInterleaved2(low, high, du, halves);
-        std::memcpy(mask + i, halves, sizeof(std::uint64_t) * static_cast<std::size_t>(std::min(lanes, n)));
+        std::memcpy(mask + i, halves, sizeof(std::uint64_t) * static_cast<std::size_t>(std::min(lanes, n - i)));
     }
 }
 

@@ -3,7 +3,8 @@
 // A vector holds one, two or four records (128, 256, 512 bits), one of a candidate's in each block of four lanes. After
 // a transpose of blocks, X, Y, Z hold x, y, z of the three corners and of the normal of every candidate, so that
 // n_row . p - c_row for all corners is three multiply-adds, and the other plane three more with lanes broadcast. There
-// is no branch and no gather; what is found goes, as one nibble a pair, into words for 16 pairs.
+// is no branch and no gather; what is found goes, as one nibble a pair, into words for 16 pairs, which `classify`
+// reads.
 
 #if defined(CRUMPLE_CPU_SIMD_PLANE_FILTER_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef CRUMPLE_CPU_SIMD_PLANE_FILTER_INL_H_
@@ -44,54 +45,51 @@ HWY_INLINE void load_records(D d, const Record* columns, const std::uint16_t* j,
     }
 }
 
-// Three bits in each nibble: any of them, and all of them, in the lowest.
-constexpr std::uint64_t low_bits = 0x1111111111111111u, three_bits = 0x7777777777777777u;
-HWY_INLINE std::uint64_t any_of_three(std::uint64_t x) { return (x | x >> 1 | x >> 2) & low_bits; }
-HWY_INLINE std::uint64_t all_of_three(std::uint64_t x) { return x & x >> 1 & x >> 2 & low_bits; }
+/// Stores the nibbles of `mask`, those of candidates `pair` and on. Where these are whole bytes, a mask goes straight
+/// to memory, and no arithmetic on masks competes with that on vectors.
+template <class D, class M>
+HWY_INLINE void put_nibbles(D d, M mask, std::int64_t pair, std::uint8_t* HWY_RESTRICT stream) {
+    std::uint8_t* bytes = stream + pair / 2;
+    if constexpr (blocks > 1) {
+        hn::StoreMaskBits(d, mask, bytes);
+    } else {
+        const auto bits = static_cast<std::uint8_t>(bits_of(d, mask));
+        *bytes = static_cast<std::uint8_t>(pair % 2 ? *bytes | bits << 4 : bits);
+    }
+}
 
-/// Writes a PlaneSigns for each 16 pairs of which some survive; returns their number.
-inline std::size_t plane_filter(const SortedLeaf& leaf, const Candidates& candidates, bool skip_neighbours,
-                                PlaneSigns* HWY_RESTRICT out) {
+inline void plane_filter(const SortedLeaf& leaf, const Candidates& candidates, PlaneSigns& out) {
     const hn::ScalableTag<float> d;
     const hn::RebindToSigned<decltype(d)> di;
     using V = hn::Vec<decltype(d)>;
     const Record* HWY_RESTRICT rows = leaf.record.data() + candidates.rows;
     const Record* HWY_RESTRICT columns = leaf.record.data() + candidates.columns;
+    const std::uint16_t* HWY_RESTRICT row = candidates.row.data();
+    const std::uint16_t* HWY_RESTRICT column = candidates.column.data();
+    std::uint8_t *above_a = out.above_a.data(), *below_a = out.below_a.data(), *above_b = out.above_b.data(),
+                 *below_b = out.below_b.data(), *same0 = out.same[0].data(), *same1 = out.same[1].data(),
+                 *same2 = out.same[2].data();
     const V one = hn::Set(d, 1.0f), minus_one = hn::Set(d, -1.0f);
-    std::size_t survivors = 0;
-    for (std::int64_t g = 0; g < candidates.groups; g += 4) {
-        std::uint64_t above_a = 0, below_a = 0, above_b = 0, below_b = 0, same[3] = {0, 0, 0};
-        for (int pair = 0; pair < 16; pair += blocks) {
-            const Record& a = rows[candidates.row[g + pair / 4]];
-            V X, Y, Z, I;
-            load_records(d, columns, candidates.column.data() + 4 * g + pair, X, Y, Z, I);
-            const V of_a =
-                hn::MulAdd(X, hn::Set(d, a.x[3]),
-                           hn::MulAdd(Y, hn::Set(d, a.y[3]), hn::MulSub(Z, hn::Set(d, a.z[3]), hn::Set(d, a.c))));
-            const V of_b =
-                hn::MulAdd(hn::LoadDup128(d, a.x), hn::Broadcast<3>(X),
-                           hn::MulAdd(hn::LoadDup128(d, a.y), hn::Broadcast<3>(Y),
-                                      hn::MulSub(hn::LoadDup128(d, a.z), hn::Broadcast<3>(Z), hn::Broadcast<3>(I))));
-            const int shift = 4 * pair;
-            above_a |= bits_of(d, hn::Gt(of_a, one)) << shift;
-            below_a |= bits_of(d, hn::Lt(of_a, minus_one)) << shift;
-            above_b |= bits_of(d, hn::Gt(of_b, one)) << shift;
-            below_b |= bits_of(d, hn::Lt(of_b, minus_one)) << shift;
-            const auto ids = hn::BitCast(di, I);
-            for (int k = 0; k < 3; ++k) same[k] |= bits_of(di, hn::Eq(ids, hn::Set(di, a.id[k]))) << shift;
-        }
-        const std::uint64_t shared_b = (same[0] | same[1] | same[2]) & three_bits;
-        const std::uint64_t shared_a = any_of_three(same[0] & three_bits) | any_of_three(same[1] & three_bits) << 1 |
-                                       any_of_three(same[2] & three_bits) << 2;
-        std::uint64_t apart = all_of_three(above_a | shared_b) | all_of_three(below_a | shared_b) |
-                              all_of_three(above_b | shared_a) | all_of_three(below_b | shared_a);
-        apart &= ~all_of_three(shared_b);  // duplicated faces are for the exact test
-        if (skip_neighbours) apart |= any_of_three(shared_b);
-        const std::uint64_t keep = ~apart & low_bits;
-        out[survivors] = {keep, above_a, below_a, above_b, below_b, shared_b, shared_a, static_cast<std::uint64_t>(g)};
-        survivors += keep != 0;
+    for (std::int64_t pair = 0; pair < candidates.count; pair += blocks) {
+        const Record& a = rows[row[pair]];
+        V X, Y, Z, I;
+        load_records(d, columns, column + pair, X, Y, Z, I);
+        const V of_a =
+            hn::MulAdd(X, hn::Set(d, a.x[3]),
+                       hn::MulAdd(Y, hn::Set(d, a.y[3]), hn::MulSub(Z, hn::Set(d, a.z[3]), hn::Set(d, a.c))));
+        const V of_b =
+            hn::MulAdd(hn::LoadDup128(d, a.x), hn::Broadcast<3>(X),
+                       hn::MulAdd(hn::LoadDup128(d, a.y), hn::Broadcast<3>(Y),
+                                  hn::MulSub(hn::LoadDup128(d, a.z), hn::Broadcast<3>(Z), hn::Broadcast<3>(I))));
+        put_nibbles(d, hn::Gt(of_a, one), pair, above_a);
+        put_nibbles(d, hn::Lt(of_a, minus_one), pair, below_a);
+        put_nibbles(d, hn::Gt(of_b, one), pair, above_b);
+        put_nibbles(d, hn::Lt(of_b, minus_one), pair, below_b);
+        const auto ids = hn::BitCast(di, I);
+        put_nibbles(di, hn::Eq(ids, hn::Set(di, a.id[0])), pair, same0);
+        put_nibbles(di, hn::Eq(ids, hn::Set(di, a.id[1])), pair, same1);
+        put_nibbles(di, hn::Eq(ids, hn::Set(di, a.id[2])), pair, same2);
     }
-    return survivors;
 }
 
 }  // namespace HWY_NAMESPACE

@@ -2,8 +2,6 @@
 
 #include "cpu/simd/simd.h"
 
-#include <bit>
-
 #include "hwy/detect_targets.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -15,6 +13,7 @@
 // One-lane vectors have no fixed tags: the plain kernels serve there.
 #if HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128
 #include "cpu/simd/assign-inl.h"
+#include "cpu/simd/balls-inl.h"
 #include "cpu/simd/build-inl.h"
 #include "cpu/simd/classify-inl.h"
 #include "cpu/simd/edge_test-inl.h"
@@ -29,16 +28,9 @@ namespace HWY_NAMESPACE {
 
 inline void filter(const SortedLeaf& leaf, const Candidates& candidates, const PointRows& points,
                    const NarrowPolicy& policy, float reach, Verdicts& verdicts) {
-    verdicts.signs.resize_discard(static_cast<std::size_t>(candidates.groups / 4 + 1));
-    const std::size_t words = plane_filter(leaf, candidates, policy.skip_neighbours, verdicts.signs.data());
-    std::size_t survivors = 0;
-    for (std::size_t w = 0; w < words; ++w)
-        survivors += static_cast<std::size_t>(std::popcount(verdicts.signs[w].keep));
-    for (auto* list : {&verdicts.edges, &verdicts.edge_signs, &verdicts.flat, &verdicts.flat_shared, &verdicts.hit,
-                       &verdicts.undecided})
-        list->resize_discard(survivors + padding);
-    classify(candidates, verdicts.signs.data(), words, policy.proper, verdicts);
-    verdicts.edge_tests = static_cast<std::int64_t>(survivors);
+    verdicts.signs.resize(candidates.count);
+    plane_filter(leaf, candidates, verdicts.signs);
+    classify(candidates, policy, verdicts);
     flat_test(leaf, candidates, points, reach, verdicts);
     edge_test(leaf, candidates, reach, policy.proper, verdicts);
     separation_test_float(leaf, candidates, points, reach, verdicts);
@@ -46,7 +38,7 @@ inline void filter(const SortedLeaf& leaf, const Candidates& candidates, const P
     separation_test_double(leaf, candidates, points, verdicts);
 }
 
-const Kernels table{hwy::TargetName(HWY_TARGET), assign, build, quantise, scatter, sweep, filter};
+const Kernels table{hwy::TargetName(HWY_TARGET), balls, assign, build, quantise, scatter, sweep, filter};
 
 }  // namespace HWY_NAMESPACE
 }  // namespace crumple::cpu

@@ -33,9 +33,9 @@ inline std::int64_t sweep(const SortedLeaf& leaf, std::int64_t row, std::int64_t
 
     out.dummy = dummy;
     std::uint16_t* HWY_RESTRICT column = out.column.data();
-    std::uint16_t* HWY_RESTRICT group_row = out.row.data();
-    std::int64_t columns = 4 * out.groups, groups = out.groups, pairs = out.pairs;
-    for (; row < last && columns < capacity; ++row) {
+    std::uint16_t* HWY_RESTRICT rows = out.row.data();
+    std::int64_t count = out.count, pairs = out.pairs;
+    for (; row < last && count < capacity; ++row) {
         const std::int64_t end = std::min<std::int64_t>(ends[row], block_end);
         const std::int64_t begin = std::max(row + 1, out.columns);
         if (begin >= end) continue;
@@ -50,33 +50,30 @@ inline std::int64_t sweep(const SortedLeaf& leaf, std::int64_t row, std::int64_t
             const V common = hn::And(hn::Load(d, lower + j), row_lower);
             return hn::Eq(hn::Or(hn::Or(y, z), common), zero);
         };
-        const std::int64_t first = columns;
+        const std::int64_t first = count;
         std::int64_t j = begin & ~(lanes - 1);
         V index = hn::Add(iota, hn::Set(d, static_cast<std::uint16_t>(j - out.columns)));
         // Lanes before `begin` are out in the first vector, lanes from `end` on in the last.
         auto candidates = hn::And(free_of(j), hn::Not(hn::FirstN(d, static_cast<std::size_t>(begin - j))));
         for (; j + lanes < end; j += lanes) {
-            columns += static_cast<std::int64_t>(compress_to(d, index, candidates, column + columns));
+            count += static_cast<std::int64_t>(compress_to(d, index, candidates, column + count));
             index = hn::Add(index, step);
             candidates = free_of(j + lanes);
         }
         candidates = hn::And(candidates, hn::FirstN(d, static_cast<std::size_t>(end - j)));
-        columns += static_cast<std::int64_t>(compress_to(d, index, candidates, column + columns));
+        count += static_cast<std::int64_t>(compress_to(d, index, candidates, column + count));
 
-        const std::int64_t found = columns - first;
-        if (found == 0) continue;
-        pairs += found;
-        for (int k = 0; k < 4; ++k) column[columns + k] = dummy;
-        columns = first + ((found + 3) & ~std::int64_t{3});
+        pairs += count - first;
+        for (int k = 0; k < 4; ++k) column[count + k] = dummy;
+        count = (count + 3) & ~std::int64_t{3};
         const V this_row = hn::Set(d, static_cast<std::uint16_t>(row - out.rows));
-        for (std::int64_t g = groups; g < columns / 4; g += lanes) hn::StoreU(this_row, d, group_row + g);
-        groups = columns / 4;
+        for (std::int64_t i = first; i < count; i += lanes) hn::StoreU(this_row, d, rows + i);
     }
-    for (; groups % 4; ++groups) {
-        group_row[groups] = 0;
-        for (int k = 0; k < 4; ++k) column[4 * groups + k] = dummy;
+    for (; count % 16; ++count) {
+        rows[count] = 0;
+        column[count] = dummy;
     }
-    out.groups = groups;
+    out.count = count;
     out.pairs = pairs;
     return row;
 }
