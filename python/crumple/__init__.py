@@ -1,0 +1,53 @@
+"""Crumple finds all pairs of triangles that intersect, in one mesh or between two, exactly and fast.
+
+    import crumple
+
+    pairs = crumple.find_self_intersections(vertices, faces)          # (k, 2) int32, sorted
+
+    detector = crumple.Detector(threads=2)                            # keep it: the next call is faster
+    result = detector.find_self(vertices, faces, contacts=True)       # result.pairs, .offsets, .hit, .contacts
+    result.save("collisions.png")
+
+Vertices are (n, 3) float32 or float64, faces (m, 3) integers: NumPy arrays, or anything that speaks DLPack. Any triangle
+soup will do. What counts as a collision: docs/contract.md.
+"""
+
+from ._core import Part, Statistics, __version__
+from ._detector import (
+    Detector,
+    find_intersections_between,
+    find_self_intersections,
+    has_intersections,
+    has_intersections_between,
+)
+from ._errors import BackendUnavailable, Error, FileError, InvalidInput, MemoryLimit
+from ._files import Scene, make_scene, read_mesh, read_pairs, scenes, write_mesh
+from ._mesh import Mesh, as_mesh
+from ._result import ContactKind, Contacts, Result
+
+__all__ = [
+    "BackendUnavailable",
+    "ContactKind",
+    "Contacts",
+    "Detector",
+    "Error",
+    "FileError",
+    "InvalidInput",
+    "MemoryLimit",
+    "Mesh",
+    "Part",
+    "Result",
+    "Scene",
+    "Statistics",
+    "__version__",
+    "as_mesh",
+    "find_intersections_between",
+    "find_self_intersections",
+    "has_intersections",
+    "has_intersections_between",
+    "make_scene",
+    "read_mesh",
+    "read_pairs",
+    "scenes",
+    "write_mesh",
+]

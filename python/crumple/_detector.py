@@ -1,0 +1,217 @@
+"""Detector, and functions for a single call."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any, Literal
+
+from . import _core
+from ._mesh import Mesh, as_mesh
+from ._result import Result
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+Neighbours = Literal["geometric", "skip"]
+Intersections = Literal["all", "proper"]
+Wanted = Literal["both", "between", "within"]
+Backend = Literal["automatic", "cpu", "reference"]
+Simd = Literal["automatic", "scalar", "sse4", "avx2", "avx512", "neon"]
+GroupPairs = Iterable[tuple[int, int]]
+
+
+def _mesh(vertices: Any, faces: Any, groups: Any) -> Mesh:
+    if faces is not None:
+        return Mesh(vertices, faces, groups)
+    mesh = as_mesh(vertices)
+    return mesh if groups is None else mesh._replace(groups=groups)
+
+
+class Detector:
+    """Finds all pairs of triangles that intersect, exactly.
+
+    Keeps buffers and cluster centres between calls, so a detector that is fed the frames of a simulation is faster than a
+    new one for each; the topology may change freely. Any triangle soup will do.
+
+    Meshes are given as (vertices, faces), or as one object that as_mesh knows: crumple.Mesh, a tuple, a mesh of trimesh,
+    meshio, Open3D or PyVista. Arrays are read in place: NumPy or anything on the host that speaks DLPack or the buffer
+    protocol, float32 or float64, int32, uint32 or int64, in any order and with any strides. Other integers and Python
+    lists are converted, at the cost of a copy. Inputs are not written to, and must stay as they are until the call
+    returns.
+
+    Calls release the GIL. Different detectors work at the same time; calls of one detector from several threads take
+    turns. Ctrl-C ends a call when its answer is there, not before: the answer is then dropped and KeyboardInterrupt
+    raised.
+
+    Args:
+        backend: "automatic", "cpu", or "reference", brute force in rational arithmetic to compare with.
+        threads: 0: as many as the machine has.
+        memory_limit: bytes that the detector may own, 0: no limit. Results in Python's hands are not counted: under a
+            limit they are copies. Work that exceeds the limit is cut into chunks, on one thread.
+        clusters: parts of the first level of subdivision, 1 to 64; 0: chosen from the number of triangles.
+        leaf_size: triangles that a leaf should have; larger clusters are subdivided again.
+        fuzziness: t of fuzzy C-means, above 1.
+        max_iterations: cap on fuzzy C-means iterations, warm.
+        first_iterations: the same for a first frame.
+        stop: iteration ends when no centre moves further, in units of the scene's extent.
+        first_stop: the same for a first frame.
+        simd: instruction set: "automatic" takes the best that the machine has.
+
+    No option changes an answer, only its cost. Raises InvalidInput for options out of range, BackendUnavailable for what
+    this machine or build lacks.
+    """
+
+    __slots__ = ("_core", "_options", "__weakref__")
+
+    def __init__(
+        self,
+        *,
+        backend: Backend = "automatic",
+        threads: int = 0,
+        memory_limit: int = 0,
+        clusters: int = 0,
+        leaf_size: int = 3000,
+        fuzziness: float = 2.0,
+        max_iterations: int = 2,
+        first_iterations: int = 20,
+        stop: float = 1e-2,
+        first_stop: float = 1e-4,
+        simd: Simd = "automatic",
+    ) -> None:
+        self._options = {name: value for name, value in locals().items() if name != "self"}
+        self._core = _core.Detector(**self._options)
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """What the detector was made with."""
+        return dict(self._options)
+
+    def __repr__(self) -> str:
+        return "crumple.Detector(" + ", ".join(f"{name}={value!r}" for name, value in self._options.items()) + ")"
+
+    def find_self(
+        self,
+        vertices: Any,
+        faces: Any = None,
+        *,
+        groups: Any = None,
+        neighbours: Neighbours = "geometric",
+        intersections: Intersections = "all",
+        weld: bool = False,
+        contacts: bool = False,
+        wanted: Wanted = "both",
+        excluded_groups: GroupPairs | None = None,
+        part: _core.Part | None = None,
+        copy: bool = False,
+    ) -> Result:
+        """All colliding pairs within one soup.
+
+        Args:
+            vertices: (n, 3) float32 or float64; or a mesh, and then no `faces`.
+            faces: (m, 3) integers.
+            groups: (m,) integers that fit int32, one a triangle; None: the mesh's, or all in group 0.
+            neighbours: pairs that share a vertex. "geometric": they collide only if they meet outside the hull of what
+                they share (a fold counts, a hinge does not); "skip": never reported.
+            intersections: "all": touching counts; "proper": only if an edge strictly crosses an interior.
+            weld: vertices at equal positions count as one.
+            contacts: also compute where each pair meets.
+            wanted: which pairs, by their groups: "both", "between" different groups, "within" one.
+            excluded_groups: pairs of groups that are not tested against each other.
+            part: only the pairs that this part owns; see partition.
+            copy: give writable arrays of their own instead of read-only views.
+
+        Raises InvalidInput, which names the argument and the place; MemoryLimit.
+
+        A warm call takes about 0.1 microseconds a triangle and thread-pair on ordinary scenes, and grows with the number
+        of pairs of boxes that overlap; contacts take about a microsecond a pair.
+        """
+        mesh = _mesh(vertices, faces, groups)
+        found = self._core.find(mesh, None, part, neighbours, intersections, weld, contacts, wanted, excluded_groups)
+        return Result(found, mesh, None, contacts, copy)
+
+    def find_between(
+        self,
+        a: Any,
+        b: Any,
+        *,
+        neighbours: Neighbours = "geometric",
+        intersections: Intersections = "all",
+        weld: bool = False,
+        contacts: bool = False,
+        wanted: Wanted = "both",
+        excluded_groups: GroupPairs | None = None,
+        part: _core.Part | None = None,
+        copy: bool = False,
+    ) -> Result:
+        """All colliding pairs of a triangle of mesh `a` with one of mesh `b`: (index in a, index in b).
+
+        Meshes are what as_mesh takes, for instance a tuple (vertices, faces). Groups, which compare across both, come with
+        crumple.Mesh or a tuple of three. Equal indices share nothing here; with `weld` equal positions do. If one mesh is
+        float64, both are computed in float64. Otherwise as find_self, errors and cost included.
+        """
+        first, second = as_mesh(a), as_mesh(b)
+        found = self._core.find(first, second, part, neighbours, intersections, weld, contacts, wanted, excluded_groups)
+        return Result(found, first, second, contacts, copy)
+
+    def has_intersections(
+        self,
+        vertices: Any,
+        faces: Any = None,
+        *,
+        groups: Any = None,
+        neighbours: Neighbours = "geometric",
+        intersections: Intersections = "all",
+        weld: bool = False,
+        wanted: Wanted = "both",
+        excluded_groups: GroupPairs | None = None,
+    ) -> bool:
+        """Whether any two triangles of a soup collide; stops at the first pair. Arguments and errors as of find_self."""
+        mesh = _mesh(vertices, faces, groups)
+        return self._core.any(mesh, None, neighbours, intersections, weld, wanted, excluded_groups)
+
+    def has_intersections_between(
+        self,
+        a: Any,
+        b: Any,
+        *,
+        neighbours: Neighbours = "geometric",
+        intersections: Intersections = "all",
+        weld: bool = False,
+        wanted: Wanted = "both",
+        excluded_groups: GroupPairs | None = None,
+    ) -> bool:
+        """Whether two meshes collide; stops at the first pair. Arguments and errors as of find_between."""
+        return self._core.any(as_mesh(a), as_mesh(b), neighbours, intersections, weld, wanted, excluded_groups)
+
+    def partition(self, mesh: Any, second: Any = None, *, count: int) -> list[_core.Part]:
+        """Cuts a scene of one mesh or two into `count` (1 to 64) overlapping, independent parts.
+
+        Each part can be answered anywhere, for the same meshes, by find_self or find_between with `part=`; the answers
+        together are the whole answer, and no pair is in two of them. Parts can be pickled, and depend only on the
+        arguments. Raises InvalidInput.
+        """
+        return self._core.partition(as_mesh(mesh), None if second is None else as_mesh(second), count)
+
+
+def find_self_intersections(vertices: Any, faces: Any = None, *, copy: bool = False, **query: Any) -> NDArray[np.int32]:
+    """(k, 2) int32: all colliding pairs within one soup, sorted, from a detector that lives for this call.
+
+    Arguments and errors as of Detector.find_self. For more than one call keep a Detector: it is faster when warm.
+    """
+    return Detector().find_self(vertices, faces, copy=copy, **query).pairs
+
+
+def find_intersections_between(a: Any, b: Any, *, copy: bool = False, **query: Any) -> NDArray[np.int32]:
+    """(k, 2) int32: all colliding pairs of two meshes, (index in a, index in b), sorted; see Detector.find_between."""
+    return Detector().find_between(a, b, copy=copy, **query).pairs
+
+
+def has_intersections(vertices: Any, faces: Any = None, **query: Any) -> bool:
+    """Whether any two triangles of a soup collide; see Detector.has_intersections."""
+    return Detector().has_intersections(vertices, faces, **query)
+
+
+def has_intersections_between(a: Any, b: Any, **query: Any) -> bool:
+    """Whether two meshes collide; see Detector.has_intersections_between."""
+    return Detector().has_intersections_between(a, b, **query)

@@ -1,0 +1,77 @@
+"""Mesh files, lists of pairs, and scenes made by formula."""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+
+from . import _core
+from ._mesh import Mesh, as_mesh
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+
+def read_mesh(
+    path: str | os.PathLike[str],
+    *,
+    precision: Literal["automatic", "float32", "float64"] = "automatic",
+    weld: Literal["automatic", "yes", "no"] = "automatic",
+    group_property: str = "",
+) -> Mesh:
+    """Reads PLY, OBJ, STL or OFF, told apart by content first and extension second.
+
+    Args:
+        path: the file.
+        precision: of the coordinates; "automatic" loses no bit of the file.
+        weld: whether to join vertices at equal positions; "automatic": STL only, which names no vertices.
+        group_property: PLY: the integer face property that holds the groups.
+
+    Returns a Mesh of (n, 3) float32 or float64, (m, 3) int32 and, if asked for, (m,) int32. Polygons are fanned. Raises
+    FileError, and InvalidInput that names the file and the line or byte; never gives a part of a mesh. Hundreds of MB a
+    second.
+    """
+    return Mesh(*_core.read_mesh(path, precision, weld, group_property))
+
+
+def write_mesh(path: str | os.PathLike[str], mesh: Any) -> None:
+    """Writes .ply, .obj, .stl or .off by extension. `mesh` is what as_mesh takes.
+
+    Coordinates keep every bit, but for .stl, which holds float32; groups are kept by .ply, as the face property `group`.
+    Raises FileError, InvalidInput; the file then stays as it was.
+    """
+    _core.write_mesh(path, as_mesh(mesh))
+
+
+def read_pairs(path: str | os.PathLike[str]) -> NDArray[np.int32]:
+    """(k, 2) int32: the first two numbers of each line of a text file, in file order. Raises FileError, InvalidInput."""
+    return _core.read_pairs(path)
+
+
+class Scene(NamedTuple):
+    """What a procedural scene is: its default number of triangles, and how many frames it has."""
+
+    name: str
+    summary: str
+    triangles: int
+    frames: int
+
+
+def scenes() -> list[Scene]:
+    """The scenes that make_scene knows."""
+    return [Scene(*description) for description in _core.scenes()]
+
+
+def make_scene(name: str, *, triangles: int = 0, frame: int = 0, seed: int = 1) -> Mesh:
+    """Makes a procedural scene, the same bits on every machine.
+
+    Args:
+        name: one of those that scenes() lists, for instance "cloth".
+        triangles: about how many; 0: the scene's default.
+        frame: of an animation, from 0.
+        seed: other numbers give other scenes of the same kind.
+
+    Returns a Mesh with groups. Raises InvalidInput.
+    """
+    return Mesh(*_core.make_scene(name, triangles, frame, seed))

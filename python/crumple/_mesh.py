@@ -1,0 +1,88 @@
+"""Meshes on their way in: crumple's own, and those of trimesh, meshio, Open3D and PyVista as they are."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from ._errors import InvalidInput
+
+
+class Mesh(NamedTuple):
+    """A triangle soup: any will do, open, non-manifold, degenerate, several objects in one array. Nothing is copied.
+
+    Attributes:
+        vertices: (n, 3) float32 or float64: NumPy, or anything that speaks DLPack or the buffer protocol; any strides.
+        faces: (m, 3) integers, indices into `vertices`.
+        groups: (m,) integers that fit int32, one group a face, or None: all in group 0.
+    """
+
+    vertices: Any
+    faces: Any
+    groups: Any = None
+
+
+def as_mesh(mesh: Any) -> Mesh:
+    """Looks at another package's mesh as a Mesh, without a copy where that package's arrays allow it.
+
+    Takes a Mesh, a tuple (vertices, faces) or (vertices, faces, groups), and meshes of
+
+    - trimesh: Trimesh
+    - meshio: Mesh; triangles, and quadrilaterals split in two; its vertices, lines and higher-order relatives of those
+      bound nothing and are left out
+    - Open3D: geometry.TriangleMesh and t.geometry.TriangleMesh
+    - PyVista: PolyData of triangles
+
+    Raises InvalidInput for anything else, and for cells that are neither triangles nor quadrilaterals.
+    """
+    if isinstance(mesh, Mesh):
+        return mesh
+    if isinstance(mesh, tuple) and len(mesh) in (2, 3):
+        return Mesh(*mesh)
+    package = type(mesh).__module__.partition(".")[0]
+    if package in ("pyvista", "pyvista_wasm") or hasattr(mesh, "regular_faces"):
+        return _from_pyvista(mesh)
+    if hasattr(mesh, "vertices") and hasattr(mesh, "faces"):  # trimesh, and whatever calls its arrays so
+        return Mesh(mesh.vertices, mesh.faces)
+    if hasattr(mesh, "points") and hasattr(mesh, "cells_dict"):
+        return _from_meshio(mesh)
+    if hasattr(mesh, "vertices") and hasattr(mesh, "triangles"):
+        return _from_open3d(mesh)
+    if hasattr(mesh, "vertex") and hasattr(mesh, "triangle"):
+        return Mesh(mesh.vertex.positions, mesh.triangle.indices)
+    raise InvalidInput(
+        f"a mesh must be crumple.Mesh, a tuple (vertices, faces), or of trimesh, meshio, Open3D or PyVista, "
+        f"not {type(mesh).__module__}.{type(mesh).__qualname__}"
+    )
+
+
+def _from_open3d(mesh: Any) -> Mesh:
+    import numpy as np
+
+    return Mesh(np.asarray(mesh.vertices), np.asarray(mesh.triangles))
+
+
+def _from_pyvista(mesh: Any) -> Mesh:
+    if not mesh.is_all_triangles:
+        raise InvalidInput("the PyVista mesh has faces that are no triangles: call .triangulate() first")
+    return Mesh(mesh.points, mesh.regular_faces)
+
+
+def _from_meshio(mesh: Any) -> Mesh:
+    import numpy as np
+
+    blocks = []
+    for kind, cells in mesh.cells_dict.items():
+        if kind == "triangle":
+            blocks.append(cells)
+        elif kind == "quad":
+            blocks.append(cells[:, [[0, 1, 2], [0, 2, 3]]].reshape(-1, 3))
+        elif kind != "vertex" and not kind.startswith("line"):
+            raise InvalidInput(
+                f"the meshio mesh has cells of type {kind}: extract its surface, or pass "
+                "(mesh.points, mesh.cells_dict['triangle'])"
+            )
+    faces = blocks[0] if len(blocks) == 1 else np.concatenate([np.empty((0, 3), np.int64), *blocks])
+    points = np.asarray(mesh.points)
+    if points.dtype.kind in "iu":
+        points = points.astype(np.float64)
+    return Mesh(points, faces)

@@ -1,0 +1,176 @@
+"""The answer to a call: NumPy views, and what can be made of them."""
+
+from __future__ import annotations
+
+import os
+from enum import IntEnum
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ._core import Collisions, Statistics
+from ._errors import InvalidInput
+from ._mesh import Mesh
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+_PAIR_FILES = {".txt", ".csv", ".json", ".npz"}
+_MESH_FILES = {".ply", ".obj", ".glb"}
+
+
+class ContactKind(IntEnum):
+    """What two triangles have in common: 1, 2 or 3 to 6 extreme points."""
+
+    POINT = 1
+    SEGMENT = 2
+    AREA = 3
+
+
+class Contacts:
+    """Where the pairs of a result meet: the whole intersection of each pair by its extreme points.
+
+    Each coordinate is the exact one, rounded to the nearest float64. The lexicographically smallest exact point comes
+    first; areas run counter-clockwise about the first triangle's normal.
+
+    Attributes:
+        kinds: (pairs,) uint8, a ContactKind each.
+        offsets: (pairs + 1,) int64; the points of pair i are points[offsets[i]:offsets[i + 1]], or contacts[i].
+        points: (k, 3) float64; 1, 2 or 3 to 6 a pair.
+    """
+
+    kinds: NDArray[np.uint8]
+    offsets: NDArray[np.int64]
+    points: NDArray[np.float64]
+
+    def __init__(self, kinds: NDArray[np.uint8], offsets: NDArray[np.int64], points: NDArray[np.float64]) -> None:
+        self.kinds = kinds
+        self.offsets = offsets
+        self.points = points
+
+    def __len__(self) -> int:
+        """How many pairs."""
+        return len(self.kinds)
+
+    def __getitem__(self, pair: int) -> NDArray[np.float64]:
+        """(1 to 6, 3) float64: the points of a pair, a view. Raises IndexError."""
+        if not -len(self) <= pair < len(self):
+            raise IndexError(f"there are {len(self)} contacts, none of number {pair}")
+        pair %= len(self)
+        return self.points[self.offsets[pair] : self.offsets[pair + 1]]
+
+    def __repr__(self) -> str:
+        return f"<crumple.Contacts: {len(self)} pairs, {len(self.points)} points>"
+
+
+class Result:
+    """Every colliding pair, once, in lexicographic order: the same bytes from every backend and thread count.
+
+    A result belongs to whoever holds it: it outlives the detector, and no later call changes it. Its arrays are
+    read-only views of the library's memory that keep that memory alive; once the last of them is gone, the detector's
+    next call uses the memory again. With `copy=True` they are writable arrays of their own.
+
+    `len(result)` is the number of pairs, and a result without pairs is false. A result keeps the input arrays too, for
+    show, save and to_html, but not copies: pictures show what is in them then.
+    """
+
+    def __init__(self, collisions: Collisions, first: Mesh, second: Mesh | None, contacts: bool, copy: bool) -> None:
+        self._collisions = collisions
+        self._meshes = (first, second)
+        self._has_contacts = contacts
+        self._copy = copy
+
+    def _array(self, name: str) -> Any:
+        array = getattr(self._collisions, name)
+        return array.copy() if self._copy else array
+
+    @cached_property
+    def pairs(self) -> NDArray[np.int32]:
+        """(k, 2) int32: the colliding pairs, sorted. One soup: first < second; two meshes: index in each."""
+        return self._array("pairs")
+
+    @cached_property
+    def offsets(self) -> NDArray[np.int64]:
+        """(m + 1,) int64: the pairs of which triangle i is the first are pairs[offsets[i]:offsets[i + 1]]."""
+        return self._array("offsets")
+
+    @cached_property
+    def hit(self) -> NDArray[np.bool_]:
+        """(m,) bool: which triangles (of the first mesh) collide."""
+        return self._array("hit")
+
+    @cached_property
+    def hit_second(self) -> NDArray[np.bool_]:
+        """(m of the second mesh,) bool: the same for the second mesh; empty for one soup."""
+        return self._array("hit_second")
+
+    @cached_property
+    def contacts(self) -> Contacts | None:
+        """Where the pairs meet, or None if `contacts=True` was not asked for."""
+        if not self._has_contacts:
+            return None
+        return Contacts(self._array("contact_kinds"), self._array("contact_offsets"), self._array("contact_points"))
+
+    @cached_property
+    def statistics(self) -> Statistics:
+        """Counts and times of the stages."""
+        return self._collisions.statistics
+
+    def __len__(self) -> int:
+        return len(self._collisions)
+
+    def __repr__(self) -> str:
+        s = self.statistics
+        return f"<crumple.Result: {s.pairs} colliding pairs of {s.triangles} triangles, {s.milliseconds:.3g} ms>"
+
+    def show(self, **options: Any) -> Any:
+        """Opens a window, or a picture in a notebook: colliding triangles coloured, contacts drawn. Needs PyVista.
+
+        `options` go to pyvista.Plotter.show, whose answer is returned. Raises ModuleNotFoundError without PyVista.
+        """
+        from ._pictures import plotter
+
+        return plotter(self, off_screen=None).show(**options)
+
+    def save(self, path: str | os.PathLike[str], **options: Any) -> None:
+        """Writes what the extension says.
+
+        - .txt, .csv, .json, .npz: the pairs, and contacts if there are any
+        - .ply, .obj, .glb: the meshes with colliding triangles coloured
+        - .png, .jpg, .jpeg, .bmp, .tif, .tiff: a picture, as show paints it; needs PyVista. `options`, for instance
+          window_size=(1600, 1200), go to pyvista.Plotter.screenshot
+        - .html: a page to turn and zoom, as to_html makes it
+
+        Raises InvalidInput for other extensions, FileError, and ModuleNotFoundError without PyVista.
+        """
+        extension = Path(path).suffix.lower()
+        if extension in _PAIR_FILES:
+            from ._core import write_pairs
+
+            write_pairs(path, self._collisions)
+        elif extension in _MESH_FILES:
+            from ._core import write_coloured
+
+            write_coloured(path, *self._meshes, self._collisions)
+        elif extension == ".html":
+            Path(path).write_text(self.to_html(**options), encoding="utf-8")
+        elif extension in {".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff"}:
+            from ._pictures import save
+
+            save(self, path, **options)
+        else:
+            raise InvalidInput(
+                f"{os.fspath(path)}: a result is saved as .txt, .csv, .json, .npz (pairs), .ply, .obj, .glb (coloured "
+                "meshes), .png, .jpg, .bmp, .tif (pictures) or .html"
+            )
+
+    def to_html(self, height: int = 480) -> str:
+        """A self-contained piece of HTML that shows the meshes in WebGL: drag to turn, wheel to zoom.
+
+        For a notebook: IPython.display.HTML(result.to_html()). It needs no package and no network. About 100 bytes a
+        triangle. `height` is in pixels.
+        """
+        from ._html import page
+
+        return page(self, height)

@@ -1,0 +1,59 @@
+#include "errors.h"
+
+#include <array>
+
+namespace nb = nanobind;
+
+namespace crumple::python {
+namespace {
+
+const char* name_of(ErrorCode code) {
+    constexpr std::array names{"invalid_argument",
+                               "not_finite",
+                               "index_out_of_range",
+                               "memory_limit",
+                               "backend_unavailable",
+                               "file",
+                               "format"};
+    return names[static_cast<std::size_t>(code)];
+}
+
+const char* name_of(Element element) {
+    constexpr std::array names{"none", "vertex", "triangle", "group", "option", "line", "byte"};
+    return names[static_cast<std::size_t>(element)];
+}
+
+const char* class_of(ErrorCode code) {
+    switch (code) {
+        case ErrorCode::memory_limit:
+            return "MemoryLimit";
+        case ErrorCode::backend_unavailable:
+            return "BackendUnavailable";
+        case ErrorCode::file:
+            return "FileError";
+        case ErrorCode::invalid_argument:
+        case ErrorCode::not_finite:
+        case ErrorCode::index_out_of_range:
+        case ErrorCode::format:
+            break;
+    }
+    return "InvalidInput";
+}
+
+void translate(const std::exception_ptr& pointer, void*) {
+    try {
+        std::rethrow_exception(pointer);
+    } catch (const Error& error) {
+        const nb::object type = nb::module_::import_("crumple._errors").attr(class_of(error.code));
+        const nb::object exception =
+            type(error.what(), nb::arg("code") = name_of(error.code), nb::arg("element") = name_of(error.element),
+                 nb::arg("index") = error.index, nb::arg("bytes_needed") = error.bytes_needed);
+        PyErr_SetObject(type.ptr(), exception.ptr());
+    }
+}
+
+}  // namespace
+
+void translate_errors() { nb::register_exception_translator(translate); }
+
+}  // namespace crumple::python

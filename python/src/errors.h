@@ -1,0 +1,21 @@
+#pragma once
+
+// Failures as Python exceptions: the classes of crumple/_errors.py, with the sentences of the C++ library.
+
+#include <string>
+
+#include <nanobind/nanobind.h>
+
+#include "crumple/error.h"
+
+namespace crumple::python {
+
+/// Lets crumple::Error cross into Python. Call once, at the module's start.
+void translate_errors();
+
+/// An Error (invalid_argument) about an argument of the Python call.
+[[noreturn]] inline void refuse(const std::string& message) {
+    throw Error(ErrorCode::invalid_argument, message, Element::option);
+}
+
+}  // namespace crumple::python

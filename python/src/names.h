@@ -1,0 +1,51 @@
+#pragma once
+
+// Words for enumerators, as Python writes them.
+
+#include <array>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "crumple/io.h"
+#include "crumple/options.h"
+#include "errors.h"
+
+namespace crumple::python {
+
+template <class Enum, std::size_t count>
+using Names = std::array<std::pair<std::string_view, Enum>, count>;
+
+inline constexpr Names<Backend, 3> backend_names{
+    {{"automatic", Backend::automatic}, {"cpu", Backend::cpu}, {"reference", Backend::reference}}};
+inline constexpr Names<Simd, 6> simd_names{{{"automatic", Simd::automatic},
+                                            {"scalar", Simd::scalar},
+                                            {"sse4", Simd::sse4},
+                                            {"avx2", Simd::avx2},
+                                            {"avx512", Simd::avx512},
+                                            {"neon", Simd::neon}}};
+inline constexpr Names<Neighbours, 2> neighbours_names{
+    {{"geometric", Neighbours::geometric}, {"skip", Neighbours::skip}}};
+inline constexpr Names<Intersections, 2> intersections_names{
+    {{"all", Intersections::all}, {"proper", Intersections::proper}}};
+inline constexpr Names<Wanted, 3> wanted_names{
+    {{"both", Wanted::both}, {"between", Wanted::between}, {"within", Wanted::within}}};
+inline constexpr Names<io::Precision, 3> precision_names{{{"automatic", io::Precision::automatic},
+                                                          {"float32", io::Precision::float32},
+                                                          {"float64", io::Precision::float64}}};
+inline constexpr Names<io::Weld, 3> weld_names{
+    {{"automatic", io::Weld::automatic}, {"yes", io::Weld::yes}, {"no", io::Weld::no}}};
+
+/// The enumerator that is called so; else an Error that names the argument and what it may be.
+template <class Enum, std::size_t count>
+Enum named(const Names<Enum, count>& names, std::string_view argument, std::string_view name) {
+    std::string known;
+    for (const auto& [known_name, value] : names) {
+        if (known_name == name) return value;
+        if (!known.empty()) known += ", ";
+        known.append("\"").append(known_name).append("\"");
+    }
+    refuse(std::string(argument) + " must be one of " + known + ", not \"" + std::string(name) + "\"");
+}
+
+}  // namespace crumple::python
