@@ -31,10 +31,11 @@ constexpr std::int64_t tile_work = std::int64_t{1} << 22;
 
 /// Memory of one worker.
 struct Scratch {
-    explicit Scratch(MemoryMeter* m) : members(m), sort(m), leaf(m), narrow(m) {}
+    explicit Scratch(MemoryMeter* m) : members(m), sort(m), leaf(m), tile_begin(m), narrow(m) {}
     LeafMembers members;
     SortScratch sort;
     SortedLeaf leaf;
+    Array<std::int64_t> tile_begin;  ///< rows at which a large leaf is cut
     NarrowScratch narrow;
 };
 
@@ -244,7 +245,7 @@ class CpuBackend final : public BackendBase {
         members.member.resize_discard(n);
         members.lower.resize_discard(n);
         members.record.resize_discard(n + padding);
-        members.box.resize_discard(n + padding);
+        members.boxes.resize(n);
         for (std::size_t i = 0; i < n; ++i) {
             const std::int64_t m = subdivision_->member(leaf, static_cast<std::int64_t>(i));
             members.member[i] = static_cast<std::int32_t>(m);
@@ -252,11 +253,13 @@ class CpuBackend final : public BackendBase {
         }
         ownership.bits(members.triangle.data(), members.member.data(), leaf.size, rule_.groups_apart(),
                        members.lower.data());
-        const RecordInput input{point_rows(scene), scene.corners, members.triangle.data(), leaf.size,
-                                leaf_frame(*subdivision_, leaf)};
-        kernels_.build(input, members.record.data(), members.box.data(), members.bounds);
+        members.keep_members = !ownership.complete();
+        const RecordInput input{point_rows(scene),       scene.corners, scene.triangle_count(),
+                                members.triangle.data(), leaf.size,     leaf_frame(*subdivision_, leaf)};
+        kernels_.build(input, members.record.data(), members.boxes, members.bounds);
         statistics[Stage::align] += watch.lap();
         sort_leaf(members, kernels_, scratch.sort, scratch.leaf);
+        statistics.interval_tests += scratch.leaf.work;
         statistics[Stage::sort] += watch.lap();
     }
 
@@ -267,20 +270,23 @@ class CpuBackend final : public BackendBase {
     void sweep_leaf(const NarrowContext& context, const Ownership& ownership, Scratch& scratch) {
         const SortedLeaf& leaf = scratch.leaf;
         const float reach = scratch.members.bounds.reach;
-        const std::int64_t work = leaf.work[leaf.rows];
-        if (workers_.workers() == 1 || work <= tile_work) {
+        if (workers_.workers() == 1 || leaf.work <= tile_work) {
             sweep_and_narrow(context, leaf, ownership, reach, 0, leaf.rows, scratch.narrow);
             return;
         }
-        const std::size_t tiles = static_cast<std::size_t>(4 * work / tile_work) + 1;
-        const auto row_of = [&](std::size_t tile) {
-            const auto begin = leaf.work.begin(), end = begin + leaf.rows;
-            const auto share = static_cast<std::int64_t>(static_cast<double>(work) * static_cast<double>(tile) /
-                                                         static_cast<double>(tiles));
-            return tile == 0 ? 0 : tile == tiles ? leaf.rows : std::lower_bound(begin, end, share) - begin;
-        };
+        // Tiles of rows with about the same number of interval tests: their prefix sum tells where to cut.
+        const std::int64_t share = leaf.work / (4 * leaf.work / tile_work + 1) + 1;
+        scratch.tile_begin.clear();
+        std::int64_t work = 0;
+        for (std::int64_t row = 0; row < leaf.rows; ++row) {
+            if (work >= share * static_cast<std::int64_t>(scratch.tile_begin.size())) scratch.tile_begin.push_back(row);
+            work += std::max<std::int64_t>(0, leaf.end[row] - row - 1);
+        }
+        const std::size_t tiles = scratch.tile_begin.size();
+        scratch.tile_begin.push_back(leaf.rows);
         workers_.parallel_for(tiles, [&](std::size_t tile, std::size_t worker) {
-            sweep_and_narrow(context, leaf, ownership, reach, row_of(tile), row_of(tile + 1), scratch_[worker]->narrow);
+            sweep_and_narrow(context, leaf, ownership, reach, scratch.tile_begin[tile], scratch.tile_begin[tile + 1],
+                             scratch_[worker]->narrow);
         });
     }
 

@@ -14,13 +14,12 @@ namespace crumple::cpu {
 
 /// Rewrites the record and widens the box of a member that reaches `reach` > frame.big from the origin.
 /// `p`: its corners relative to the leaf's origin.
-inline void make_big(const Vec3d p[3], const Vec3d& a, const Vec3d& b, float reach, Record& record, Box& box) {
+inline void make_big(const Vec3d p[3], const Vec3d& a, const Vec3d& b, float reach, Record& record, BoxCorner& low,
+                     BoxCorner& high) {
     // A box's error grows with its own coordinates: 8 u each side would do, see docs/align.md.
     const float margin = 16 * 0x1p-24f * reach;
-    for (int axis = 0; axis < 3; ++axis) {
-        box.low[axis] -= margin;
-        box.high[axis] += margin;
-    }
+    low = {low.x - margin, low.y - margin, low.z - margin, 0};
+    high = {high.x + margin, high.y + margin, high.z + margin, 0};
     const double sum = (std::abs(a.y * b.z) + std::abs(a.z * b.y)) + (std::abs(a.z * b.x) + std::abs(a.x * b.z)) +
                        (std::abs(a.x * b.y) + std::abs(a.y * b.x)) + 1e-30;
     const Vec3d n = (1 / sum) * cross(a, b);

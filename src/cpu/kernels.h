@@ -14,6 +14,7 @@ namespace crumple::cpu {
 struct RecordInput {
     PointRows points;
     const std::int32_t* corners;   ///< 3 a triangle
+    std::int64_t triangles;        ///< of the scene
     const std::int32_t* triangle;  ///< the leaf's members
     std::int64_t members;
     LeafFrame frame;
@@ -27,7 +28,8 @@ struct NarrowPolicy {
 struct Kernels {
     const char* name;
 
-    /// ball[t] holds triangle t, for t in [begin, end). `corners`: 3 a triangle.
+    /// ball[t] holds triangle t, for t in [begin, end), and rubbish up to the next multiple of four past `end`; `begin`
+    /// is a multiple of four. `corners`: 3 a triangle.
     void (*balls)(const PointRows& points, const std::int32_t* corners, std::int64_t begin, std::int64_t end,
                   Ball* ball);
 
@@ -36,11 +38,11 @@ struct Kernels {
     void (*assign)(const Ball* ball, std::int64_t n, const Centres& centres, std::uint64_t* mask, std::int64_t* count);
 
     /// Records (plane not yet scaled) and boxes of a leaf's members.
-    void (*build)(const RecordInput& input, Record* record, Box* box, LeafBounds& bounds);
+    void (*build)(const RecordInput& input, Record* record, Boxes& boxes, LeafBounds& bounds);
 
-    /// Boxes to 16 bits by (x - base) * scale, rounded down and clamped to [0, 65534]; monotone, so overlaps survive.
-    void (*quantise)(const Box* box, std::int64_t n, const float base_low[4], const float base_high[4],
-                     const float scale[4], QuantisedBox* out);
+    /// Corners to 16 bits by (x - base) * scale, rounded down and clamped to [0, 65534]; monotone, so overlaps survive.
+    void (*quantise)(const BoxCorner* corner, std::int64_t n, const float base[4], const float scale[4],
+                     QuantisedCorner* out);
 
     /// Copies record i to sorted[position[i]], its plane times `scale`.
     void (*scatter)(const Record* record, std::int64_t n, const std::int32_t* position, float scale, Record* sorted);

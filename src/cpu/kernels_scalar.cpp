@@ -54,7 +54,7 @@ void assign(const Ball* ball, std::int64_t n, const Centres& centres, std::uint6
     }
 }
 
-void build(const RecordInput& in, Record* record, Box* box, LeafBounds& bounds) {
+void build(const RecordInput& in, Record* record, Boxes& boxes, LeafBounds& bounds) {
     constexpr float most = std::numeric_limits<float>::max();
     bounds = {{most, most, most}, {-most, -most, -most}, 0, 0};
     const Vec3d origin{in.frame.origin.x, in.frame.origin.y, in.frame.origin.z};
@@ -77,7 +77,8 @@ void build(const RecordInput& in, Record* record, Box* box, LeafBounds& bounds) 
             bounds.high = max(bounds.high, high);
             bounds.reach = max(bounds.reach, reach);
         }
-        box[i] = {{low.x, low.y, low.z, 0}, {high.x, high.y, high.z, 0}};
+        boxes.low[static_cast<std::size_t>(i)] = {low.x, low.y, low.z, 0};
+        boxes.high[static_cast<std::size_t>(i)] = {high.x, high.y, high.z, 0};
 
         // The plane, normalised by the sum of its products' magnitudes, in which the error bound is expressed.
         const Vec3f a = to_float(p[1] - p[0]), b = to_float(p[2] - p[0]);
@@ -92,21 +93,21 @@ void build(const RecordInput& in, Record* record, Box* box, LeafBounds& bounds) 
                      dot(n, q[0])};
         if (big) {
             const Vec3d relative[3] = {p[0] - origin, p[1] - origin, p[2] - origin};
-            make_big(relative, p[1] - p[0], p[2] - p[0], reach, record[i], box[i]);
+            make_big(relative, p[1] - p[0], p[2] - p[0], reach, record[i], boxes.low[static_cast<std::size_t>(i)],
+                     boxes.high[static_cast<std::size_t>(i)]);
             bounds.reach = max(bounds.reach, 0x1p-28f * reach);
             ++bounds.big;
         }
     }
 }
 
-void quantise(const Box* box, std::int64_t n, const float base_low[4], const float base_high[4], const float scale[4],
-              QuantisedBox* out) {
-    const auto to_16_bits = [](float value) { return static_cast<std::uint16_t>(std::clamp(value, 0.0f, 65534.0f)); };
+void quantise(const BoxCorner* corner, std::int64_t n, const float base[4], const float scale[4],
+              QuantisedCorner* out) {
+    const auto to_16_bits = [&](float value, int axis) {
+        return static_cast<std::uint16_t>(std::clamp((value - base[axis]) * scale[axis], 0.0f, 65534.0f));
+    };
     for (std::int64_t i = 0; i < n; ++i)
-        for (int axis = 0; axis < 3; ++axis) {
-            out[i].low[axis] = to_16_bits((box[i].low[axis] - base_low[axis]) * scale[axis]);
-            out[i].high[axis] = to_16_bits((box[i].high[axis] - base_high[axis]) * scale[axis]);
-        }
+        out[i] = {to_16_bits(corner[i].x, 0), to_16_bits(corner[i].y, 1), to_16_bits(corner[i].z, 2), 0};
 }
 
 void scatter(const Record* record, std::int64_t n, const std::int32_t* position, float scale, Record* sorted) {

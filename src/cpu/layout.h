@@ -4,7 +4,7 @@
 //
 //   bounds      scene            -> Points (one a vertex), Balls (one a triangle)
 //   subdivide   Balls            -> Memberships: leaves, each a list of triangles
-//   align       one leaf         -> Record and Box of each member, in the leaf's frame
+//   align       one leaf         -> Record and box of each member, in the leaf's frame
 //   sort        Records, Boxes   -> SortedLeaf: by start along the leaf's first axis, boxes in 16 bits
 //   sweep       SortedLeaf       -> Candidates: pairs whose boxes overlap, four by four
 //   narrow      Candidates       -> pairs
@@ -32,6 +32,8 @@
 
 namespace crumple::cpu {
 
+inline constexpr int padding = 64;  ///< elements that kernels may read, and write, past an array's end
+
 struct alignas(64) Record {
     float x[4], y[4], z[4];
     std::int32_t id[3];
@@ -39,19 +41,26 @@ struct alignas(64) Record {
 };
 static_assert(sizeof(Record) == 64);
 
-/// Box in the leaf's frame: low x, y, z, -, high x, y, z, -.
-struct alignas(32) Box {
-    float low[4], high[4];
+/// A corner of a box, in the leaf's frame and in 16 bits.
+struct alignas(16) BoxCorner {
+    float x, y, z, unused;
+};
+struct alignas(8) QuantisedCorner {
+    std::uint16_t x, y, z, unused;
 };
 
-/// Box in 16 bits: low x, y, z, -, high x, y, z, -.
-struct alignas(16) QuantisedBox {
-    std::uint16_t low[4], high[4];
+/// Boxes of a leaf's members.
+struct Boxes {
+    Array<BoxCorner> low, high;
+    explicit Boxes(MemoryMeter* m) : low(m), high(m) {}
+    void resize(std::size_t n) {
+        low.resize_discard(n + padding);
+        high.resize_discard(n + padding);
+    }
 };
 
 inline constexpr int block_stride = 65472;  ///< a multiple of the widest vector of 16-bit lanes
 inline constexpr int block_members = block_stride - 1;
-inline constexpr int padding = 64;  ///< elements that kernels may read, and ignore, past an array's end
 
 inline std::int64_t physical(std::int64_t member) { return member + member / block_members; }
 
@@ -97,9 +106,9 @@ struct SortedLeaf {
     Array<std::int32_t> end;       ///< first physical row whose start lies behind this row's end
     Array<std::int32_t> triangle;  ///< id in the scene
     Array<std::int32_t> member;    ///< position in the subdivision's member arrays
-    Array<std::int64_t> work;      ///< prefix sum of end - row - 1 over rows: interval tests ([MZ] sec. 3.1)
+    std::int64_t work = 0;         ///< sum of end - row - 1 over rows: interval tests ([MZ] sec. 3.1)
     explicit SortedLeaf(MemoryMeter* m)
-        : record(m), low_y(m), high_y(m), low_z(m), high_z(m), lower(m), end(m), triangle(m), member(m), work(m) {}
+        : record(m), low_y(m), high_y(m), low_z(m), high_z(m), lower(m), end(m), triangle(m), member(m) {}
 };
 
 /// Candidate pairs: row[i] against column[i], as offsets from `rows` and `columns`. Four in a row, from a multiple of

@@ -50,8 +50,6 @@ void sweep_and_narrow(const NarrowContext& context, const SortedLeaf& leaf, cons
     const NarrowPolicy policy{context.query.neighbours == Neighbours::skip,
                               context.query.intersections == Intersections::proper};
     Statistics& statistics = scratch.statistics;
-    statistics.interval_tests += leaf.work[last] - leaf.work[first];
-
     Candidates& candidates = scratch.candidates;
     const auto longest_row = static_cast<std::size_t>(std::min<std::int64_t>(leaf.rows, block_stride));
     candidates.column.resize_discard(static_cast<std::size_t>(chunk_columns) + longest_row + 4 * padding);

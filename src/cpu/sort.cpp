@@ -22,6 +22,36 @@ void write_dummy(SortedLeaf& s, std::int64_t row) {
     s.triangle[row] = s.member[row] = -1;
 }
 
+// Counting sort of the starts; every column of a member goes straight to its row. Returns the number of interval tests.
+template <bool one_block>
+std::int64_t place(const LeafMembers& in, SortScratch& scratch, SortedLeaf& s) {
+    const auto n = static_cast<std::size_t>(s.members);
+    const QuantisedCorner *low = scratch.low.data(), *high = scratch.high.data();
+    std::array<std::int32_t, bins + 1> start{};
+    for (std::size_t i = 0; i < n; ++i) ++start[(low[i].x >> bin_shift) + 1];
+    for (int b = 0; b < bins; ++b) start[b + 1] += start[b];
+    std::array<std::int32_t, bins> next;
+    std::copy_n(start.begin(), bins, next.begin());
+    std::int64_t work = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+        const std::int32_t j = next[low[i].x >> bin_shift]++, last = start[(high[i].x >> bin_shift) + 1] - 1;
+        const auto row = static_cast<std::int32_t>(one_block ? j : physical(j));
+        const auto end = static_cast<std::int32_t>(one_block ? last : physical(last)) + 1;
+        scratch.position[i] = row;
+        s.end[row] = end;
+        s.low_y[row] = low[i].y;
+        s.low_z[row] = low[i].z;
+        s.high_y[row] = high[i].y;
+        s.high_z[row] = high[i].z;
+        s.lower[row] = in.lower[i];
+        s.triangle[row] = in.triangle[i];
+        work += end - row - 1;
+    }
+    if (in.keep_members)
+        for (std::size_t i = 0; i < n; ++i) s.member[scratch.position[i]] = in.member[i];
+    return work;
+}
+
 }  // namespace
 
 void sort_leaf(const LeafMembers& in, const Kernels& kernels, SortScratch& scratch, SortedLeaf& s) {
@@ -40,20 +70,11 @@ void sort_leaf(const LeafMembers& in, const Kernels& kernels, SortScratch& scrat
         scale[axis] = 65530.0f / (high - low + 4 * margin);
     }
     const auto n = static_cast<std::size_t>(members);
-    scratch.quantised.resize_discard(n + padding);
+    scratch.low.resize_discard(n + padding);
+    scratch.high.resize_discard(n + padding);
     scratch.position.resize_discard(n + padding);
-    kernels.quantise(in.box.data(), members, base_low, base_high, scale, scratch.quantised.data());
-
-    std::array<std::int32_t, bins + 1> start{};
-    for (std::size_t i = 0; i < n; ++i) ++start[(scratch.quantised[i].low[0] >> bin_shift) + 1];
-    for (int b = 0; b < bins; ++b) start[b + 1] += start[b];
-    std::array<std::int32_t, bins> next;
-    std::copy_n(start.begin(), bins, next.begin());
-    const bool one_block = members <= block_members;
-    for (std::size_t i = 0; i < n; ++i) {
-        const std::int32_t j = next[scratch.quantised[i].low[0] >> bin_shift]++;
-        scratch.position[i] = one_block ? j : static_cast<std::int32_t>(physical(j));
-    }
+    kernels.quantise(in.boxes.low.data(), members, base_low, scale, scratch.low.data());
+    kernels.quantise(in.boxes.high.data(), members, base_high, scale, scratch.high.data());
 
     const std::int64_t blocks = std::max<std::int64_t>(1, (members + block_members - 1) / block_members);
     s.members = members;
@@ -64,32 +85,13 @@ void sort_leaf(const LeafMembers& in, const Kernels& kernels, SortScratch& scrat
     s.end.resize_discard(length);
     s.triangle.resize_discard(length);
     s.member.resize_discard(length);
-    s.work.resize_discard(length);
     for (std::int64_t block = 0; block < blocks; ++block)
         write_dummy(s, std::min<std::int64_t>(block * block_stride + block_members, s.rows - 1));
     for (std::int64_t row = s.rows; row < s.rows + padding; ++row) write_dummy(s, row);
 
-    for (std::size_t i = 0; i < n; ++i) {
-        const QuantisedBox& box = scratch.quantised[i];
-        const auto row = static_cast<std::size_t>(scratch.position[i]);
-        s.low_y[row] = box.low[1];
-        s.low_z[row] = box.low[2];
-        s.high_y[row] = box.high[1];
-        s.high_z[row] = box.high[2];
-        s.lower[row] = in.lower[i];
-        s.triangle[row] = in.triangle[i];
-        s.member[row] = in.member[i];
-        s.end[row] = static_cast<std::int32_t>(physical(start[(box.high[0] >> bin_shift) + 1] - 1) + 1);
-    }
+    s.work = members <= block_members ? place<true>(in, scratch, s) : place<false>(in, scratch, s);
     const float plane_scale = 1.0f / (plane_bound * unit_roundoff * bounds.reach + 1e-30f);
     kernels.scatter(in.record.data(), members, scratch.position.data(), plane_scale, s.record.data());
-
-    std::int64_t work = 0;
-    for (std::int64_t row = 0; row < s.rows; ++row) {
-        s.work[row] = work;
-        work += std::max<std::int64_t>(0, s.end[row] - row - 1);
-    }
-    s.work[s.rows] = work;
 }
 
 }  // namespace crumple::cpu

@@ -14,19 +14,20 @@ namespace crumple::cpu {
 
 /// Scratch of `sort`, one a worker.
 struct SortScratch {
-    explicit SortScratch(MemoryMeter* m) : quantised(m), position(m) {}
-    Array<QuantisedBox> quantised;
+    explicit SortScratch(MemoryMeter* m) : low(m), high(m), position(m) {}
+    Array<QuantisedCorner> low, high;
     Array<std::int32_t> position;
 };
 
 /// A leaf's members before they are sorted: what `align` built, and what `narrow` will ask for.
 struct LeafMembers {
-    explicit LeafMembers(MemoryMeter* m) : record(m), box(m), triangle(m), member(m), lower(m) {}
+    explicit LeafMembers(MemoryMeter* m) : record(m), boxes(m), triangle(m), member(m), lower(m) {}
     Array<Record> record;
-    Array<Box> box;
+    Boxes boxes;
     Array<std::int32_t> triangle;  ///< id in the scene
     Array<std::int32_t> member;    ///< position in the subdivision's member arrays
     Array<std::uint16_t> lower;    ///< ownership bits
+    bool keep_members = true;      ///< those bits do not say all: `narrow` will ask for members
     LeafBounds bounds;
 };
 

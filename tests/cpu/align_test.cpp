@@ -70,13 +70,16 @@ TEST(Build, boxes_hold_the_rotated_corners_and_planes_hold_their_triangle) {
         for (const Kernels* kernels : test::kernel_tables()) {
             for (const PointRows rows : {PointRows{points.data(), nullptr}, PointRows{nullptr, points64.data()}}) {
                 Array<Record> record;
-                Array<Box> box;
+                Boxes boxes(nullptr);
                 record.resize(n + padding);
-                box.resize(n + padding);
+                boxes.resize(n);
                 LeafBounds bounds;
-                kernels->build({rows, corners.data(), triangle.data(), n, frame}, record.data(), box.data(), bounds);
+                kernels->build({rows, corners.data(), n, triangle.data(), n, frame}, record.data(), boxes, bounds);
                 EXPECT_EQ(bounds.big > 0, big < 1) << kernels->name;
                 for (int t = 0; t < n; ++t) {
+                    const BoxCorner l = boxes.low[static_cast<std::size_t>(t)],
+                                    h = boxes.high[static_cast<std::size_t>(t)];
+                    const Vec3f low{l.x, l.y, l.z}, high{h.x, h.y, h.z};
                     for (int k = 0; k < 3; ++k) {
                         Vec3d p;
                         for (int axis = 0; axis < 3; ++axis)
@@ -86,8 +89,8 @@ TEST(Build, boxes_hold_the_rotated_corners_and_planes_hold_their_triangle) {
                             const Vec3f e = frame.axis[axis];
                             const double turned = dot(Vec3d{e.x, e.y, e.z}, p);
                             const double margin = 8 * 0x1p-24 * std::max(1.0f, bounds.reach);
-                            EXPECT_LE(box[static_cast<std::size_t>(t)].low[axis], turned + margin) << kernels->name;
-                            EXPECT_GE(box[static_cast<std::size_t>(t)].high[axis], turned - margin) << kernels->name;
+                            EXPECT_LE(low[axis], turned + margin) << kernels->name;
+                            EXPECT_GE(high[axis], turned - margin) << kernels->name;
                         }
                         const Record& r = record[static_cast<std::size_t>(t)];
                         EXPECT_EQ(r.id[k], corners[static_cast<std::size_t>(3 * t + k)]);

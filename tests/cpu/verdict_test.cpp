@@ -66,14 +66,14 @@ void check(const Kernels& kernels, const Mesh& mesh, const std::vector<RationalI
         members.lower.push_back(0);
     }
     members.record.resize(static_cast<std::size_t>(n + padding));
-    members.box.resize(static_cast<std::size_t>(n + padding));
+    members.boxes.resize(static_cast<std::size_t>(n));
     LeafFrame frame;
     frame.origin = {0.5f, 0.45f, 0.01f};
     frame.axis[0] = {1, 0, 0}, frame.axis[1] = {0, 1, 0}, frame.axis[2] = {0, 0, 1};
     frame.big = 10;
     const PointRows rows{points.data(), nullptr};
-    kernels.build({rows, mesh.corners.data(), members.triangle.data(), n, frame}, members.record.data(),
-                  members.box.data(), members.bounds);
+    kernels.build({rows, mesh.corners.data(), n, members.triangle.data(), n, frame}, members.record.data(),
+                  members.boxes, members.bounds);
     SortScratch scratch(nullptr);
     SortedLeaf leaf(nullptr);
     sort_leaf(members, kernels, scratch, leaf);

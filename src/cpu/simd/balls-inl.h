@@ -1,4 +1,4 @@
-// Balls around triangles (stage `bounds`), one triangle at a time.
+// Balls around triangles (stage `bounds`), one triangle in each block of 128 bits.
 
 #if defined(CRUMPLE_CPU_SIMD_BALLS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef CRUMPLE_CPU_SIMD_BALLS_INL_H_
@@ -16,19 +16,24 @@ namespace HWY_NAMESPACE {
 template <class Points>
 HWY_INLINE void balls_from(const Points& points, const std::int32_t* HWY_RESTRICT corners, std::int64_t begin,
                            std::int64_t end, Ball* HWY_RESTRICT ball) {
-    const Four d;
-    const V4 third = hn::Set(d, 1.0f / 3.0f), factor = hn::Set(d, ball_factor), slack = hn::Set(d, ball_slack);
-    const auto xyz = hn::FirstN(d, 3);
-    for (std::int64_t t = begin; t < end; ++t) {
-        const V4 p0 = points.load_float(corners[3 * t]), p1 = points.load_float(corners[3 * t + 1]),
-                 p2 = points.load_float(corners[3 * t + 2]);
-        const V4 centre = hn::Mul(third, hn::Add(p0, hn::Add(p1, p2)));
-        const auto distance2 = [&](V4 p) {
-            const V4 q = hn::Sub(p, centre);
+    const hn::ScalableTag<float> d;
+    using V = hn::Vec<decltype(d)>;
+    const V third = hn::Set(d, 1.0f / 3.0f), factor = hn::Set(d, ball_factor), slack = hn::Set(d, ball_slack);
+    HWY_ALIGN static constexpr std::uint32_t last_lane[4] = {0, 0, 0, ~0u};
+    const auto is_radius =
+        hn::MaskFromVec(hn::BitCast(d, hn::LoadDup128(hn::RebindToUnsigned<decltype(d)>(), last_lane)));
+    for (std::int64_t t = begin; t < end; t += blocks) {
+        const std::int32_t* corner[blocks];
+        for (int b = 0; b < blocks; ++b) corner[b] = corners + 3 * (t + b < end ? t + b : end - 1);
+        const V p0 = points.position(d, corner, 0), p1 = points.position(d, corner, 1),
+                p2 = points.position(d, corner, 2);
+        const V centre = hn::Mul(third, hn::Add(p0, hn::Add(p1, p2)));
+        const auto distance2 = [&](V p) HWY_ATTR {
+            const V q = hn::Sub(p, centre);
             return sum_of(hn::Mul(q, q));
         };
-        const V4 radius = hn::Sqrt(hn::Max(distance2(p0), hn::Max(distance2(p1), distance2(p2))));
-        hn::Store(hn::IfThenElse(xyz, centre, hn::MulAdd(radius, factor, slack)), d, &ball[t].x);
+        const V radius = hn::Sqrt(hn::Max(distance2(p0), hn::Max(distance2(p1), distance2(p2))));
+        hn::StoreU(hn::IfThenElse(is_radius, hn::MulAdd(radius, factor, slack), centre), d, &ball[t].x);
     }
 }
 

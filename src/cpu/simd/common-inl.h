@@ -68,6 +68,29 @@ HWY_INLINE std::size_t compress_to(D d, V v, M mask, hn::TFromD<D>* HWY_RESTRICT
 #endif
 }
 
+/// Blocks of 128 bits in a vector: rows of four that are handled at once.
+constexpr int blocks = static_cast<int>(hn::MaxLanes(hn::ScalableTag<float>())) / 4;
+
+/// Four vectors of four blocks, transposed; its own inverse.
+template <class D, class V>
+HWY_INLINE void transpose_blocks(D d, V& a, V& b, V& c, V& e) {
+    // Rows 0 and 2, 1 and 3 are joined first, so that the interleaving of blocks restores the order.
+    const V even = hn::ConcatLowerLower(d, c, a), odd = hn::ConcatLowerLower(d, e, b);
+    const V even2 = hn::ConcatUpperUpper(d, c, a), odd2 = hn::ConcatUpperUpper(d, e, b);
+    a = hn::OddEvenBlocks(hn::SwapAdjacentBlocks(odd), even);
+    b = hn::OddEvenBlocks(odd, hn::SwapAdjacentBlocks(even));
+    c = hn::OddEvenBlocks(hn::SwapAdjacentBlocks(odd2), even2);
+    e = hn::OddEvenBlocks(odd2, hn::SwapAdjacentBlocks(even2));
+}
+
+/// Two rows of four blocks, in four vectors of two, to four columns of two blocks.
+template <class D, class V>
+HWY_INLINE void transpose_halves(D d, V& a, V& a2, V& b, V& b2) {
+    const V x = hn::ConcatLowerLower(d, b, a), y = hn::ConcatUpperUpper(d, b, a);
+    const V z = hn::ConcatLowerLower(d, b2, a2), w = hn::ConcatUpperUpper(d, b2, a2);
+    a = x, a2 = y, b = z, b2 = w;
+}
+
 }  // namespace HWY_NAMESPACE
 }  // namespace crumple::cpu
 HWY_AFTER_NAMESPACE();

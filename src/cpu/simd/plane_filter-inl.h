@@ -19,9 +19,6 @@ HWY_BEFORE_NAMESPACE();
 namespace crumple::cpu {
 namespace HWY_NAMESPACE {
 
-/// Blocks of 128 bits in a vector: records that are loaded at once.
-constexpr int blocks = static_cast<int>(hn::MaxLanes(hn::ScalableTag<float>())) / 4;
-
 /// Record columns[j[b]] in block b, transposed: X = x0 x1 x2 nx | ..., I = id0 id1 id2 c | ...
 template <class D, class V>
 HWY_INLINE void load_records(D d, const Record* columns, const std::uint16_t* j, V& X, V& Y, V& Z, V& I) {
@@ -29,19 +26,11 @@ HWY_INLINE void load_records(D d, const Record* columns, const std::uint16_t* j,
     if constexpr (blocks == 1) {
         X = hn::Load(d, at(0)), Y = hn::Load(d, at(0) + 4), Z = hn::Load(d, at(0) + 8), I = hn::Load(d, at(0) + 12);
     } else if constexpr (blocks == 2) {
-        const V a = hn::Load(d, at(0)), a2 = hn::Load(d, at(0) + 8), b = hn::Load(d, at(1)),
-                b2 = hn::Load(d, at(1) + 8);
-        X = hn::ConcatLowerLower(d, b, a), Y = hn::ConcatUpperUpper(d, b, a);
-        Z = hn::ConcatLowerLower(d, b2, a2), I = hn::ConcatUpperUpper(d, b2, a2);
+        X = hn::Load(d, at(0)), Y = hn::Load(d, at(0) + 8), Z = hn::Load(d, at(1)), I = hn::Load(d, at(1) + 8);
+        transpose_halves(d, X, Y, Z, I);
     } else {
-        // Rows 0 and 2, 1 and 3 are joined first, so that the interleaving of blocks restores the order.
-        const V a = hn::Load(d, at(0)), b = hn::Load(d, at(1)), c = hn::Load(d, at(2)), e = hn::Load(d, at(3));
-        const V even = hn::ConcatLowerLower(d, c, a), odd = hn::ConcatLowerLower(d, e, b);
-        const V even2 = hn::ConcatUpperUpper(d, c, a), odd2 = hn::ConcatUpperUpper(d, e, b);
-        X = hn::OddEvenBlocks(hn::SwapAdjacentBlocks(odd), even),
-        Y = hn::OddEvenBlocks(odd, hn::SwapAdjacentBlocks(even));
-        Z = hn::OddEvenBlocks(hn::SwapAdjacentBlocks(odd2), even2);
-        I = hn::OddEvenBlocks(odd2, hn::SwapAdjacentBlocks(even2));
+        X = hn::Load(d, at(0)), Y = hn::Load(d, at(1)), Z = hn::Load(d, at(2)), I = hn::Load(d, at(3));
+        transpose_blocks(d, X, Y, Z, I);
     }
 }
 
