@@ -83,7 +83,7 @@ struct Detector::Implementation {
         check_query(query);
         try {
             try {
-                work(prepare_scene(a, b, query.weld, buffers));
+                work(prepare_scene(a, b, query.weld, *backend, buffers));
             } catch (const MemoryMeter::Exceeded&) {
                 const std::int64_t needed = bytes_needed(a, b, part, query);
                 throw Error(ErrorCode::memory_limit,
@@ -108,7 +108,7 @@ struct Detector::Implementation {
             }
             ~Lifted() { meter.limit = limit; }
         } lifted(meter);
-        return backend->bytes_needed(prepare_scene(a, b, query.weld, buffers), query, part);
+        return backend->bytes_needed(prepare_scene(a, b, query.weld, *backend, buffers), query, part);
     }
 
     const Collisions& find(const MeshView& a, const MeshView* b, const Part* part, const Query& query) {

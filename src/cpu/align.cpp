@@ -7,7 +7,7 @@
 namespace crumple::cpu {
 
 LeafFrame leaf_frame(const Subdivision& s, const Leaf& leaf) {
-    const std::int64_t samples = std::min<std::int64_t>(leaf.size, 512);
+    const std::int64_t samples = std::min<std::int64_t>(leaf.size, 256);
     const auto member = [&](std::int64_t i) { return s.member(leaf, i * leaf.size / samples); };
     const auto centroid = [&](std::int64_t m) { return Vec3d{s.ball[m].x, s.ball[m].y, s.ball[m].z}; };
 

@@ -91,6 +91,10 @@ class CpuBackend final : public BackendBase {
         return found;
     }
 
+    void parallel_for(std::size_t n, Task task) override {
+        workers_.run([&] { workers_.parallel_for(n, [&](std::size_t i, std::size_t) { task(i); }); });
+    }
+
     void release() override {
         rule_ = GroupRule(&meter_);
         points_ = std::make_unique<Points>(&meter_);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <bit>
 #include <utility>
 
@@ -11,11 +10,6 @@ namespace {
 
 constexpr int bucket_bits = 12, bucket_size = 1 << bucket_bits;
 constexpr int most_digit_bits = 11;
-
-void mark(Array<std::uint8_t>& flags, std::int32_t triangle) {
-    // Several buckets may mark the same triangle at the same time.
-    std::atomic_ref<std::uint8_t>(flags[static_cast<std::size_t>(triangle)]).store(1, std::memory_order_relaxed);
-}
 
 // One stable pass of a counting sort by `bits` bits of the second triangle, from bit `shift` on.
 void sort_by_digit(const Pair* in, std::int64_t count, int shift, int bits, Pair* out) {
@@ -42,10 +36,16 @@ void sort_bucket(Pair* pairs, std::int64_t count, std::int32_t first, std::int32
     for (std::int64_t i = 0; i < count; ++i) ++next[pairs[i].a - first + 1];
     for (std::int32_t k = 0; k < last - first; ++k) {
         result.offsets[first + k] = begin + next[k];
-        if (next[k + 1] > 0) result.hit[first + k] = 1;
         next[k + 1] += next[k];
     }
     for (std::int64_t i = 0; i < count; ++i) out[next[pairs[i].a - first]++] = pairs[i];
+}
+
+void mark_hits(std::span<const std::span<const Pair>> pieces, bool between, std::int32_t second, Collisions& result) {
+    std::uint8_t* first_hit = result.hit.data();
+    std::uint8_t* second_hit = between ? result.hit_second.data() : first_hit;
+    for (const auto& piece : pieces)
+        for (const Pair& pair : piece) first_hit[pair.a] = second_hit[pair.b - second] = 1;
 }
 
 }  // namespace
@@ -56,18 +56,25 @@ void write_output(const Scene& scene, Workers& workers, std::span<const Array<Pa
     const auto second = static_cast<std::int32_t>(scene.between ? scene.triangles[0] : 0);
     const std::size_t buckets = (static_cast<std::size_t>(n) + bucket_size - 1) / bucket_size;
 
-    scratch.histogram.assign(found.size() * buckets, 0);
-    workers.parallel_for(found.size(), [&](std::size_t w, std::size_t) {
-        std::int64_t* count = scratch.histogram.data() + w * buckets;
-        for (const Pair& pair : *found[w]) ++count[pair.a >> bucket_bits];
+    // The workers' lists are of any length, so they are cut into pieces.
+    constexpr std::size_t piece_size = 8192;
+    scratch.pieces.clear();
+    for (const auto* list : found)
+        for (std::size_t i = 0; i < list->size(); i += piece_size)
+            scratch.pieces.push_back({list->data() + i, std::min(piece_size, list->size() - i)});
+    const std::size_t pieces = scratch.pieces.size();
+    scratch.histogram.assign(pieces * buckets, 0);
+    workers.parallel_for(pieces, [&](std::size_t p, std::size_t) {
+        std::int64_t* count = scratch.histogram.data() + p * buckets;
+        for (const Pair& pair : scratch.pieces[p]) ++count[pair.a >> bucket_bits];
     });
     std::int64_t total = 0;
     scratch.begin.resize_discard(buckets + 1);
     std::int64_t* begin = scratch.begin.data();
     for (std::size_t b = 0; b < buckets; ++b) {
         begin[b] = total;
-        for (std::size_t w = 0; w < found.size(); ++w) {
-            std::int64_t& count = scratch.histogram[w * buckets + b];
+        for (std::size_t p = 0; p < pieces; ++p) {
+            std::int64_t& count = scratch.histogram[p * buckets + b];
             const std::int64_t here = count;
             count = total;
             total += here;
@@ -80,21 +87,24 @@ void write_output(const Scene& scene, Workers& workers, std::span<const Array<Pa
     result.hit.assign(static_cast<std::size_t>(n), 0);
     result.hit_second.assign(static_cast<std::size_t>(scene.triangles[1]), 0);
     scratch.bucketed.resize_discard(static_cast<std::size_t>(total));
-    workers.parallel_for(found.size(), [&](std::size_t w, std::size_t) {
-        std::int64_t* next = scratch.histogram.data() + w * buckets;
-        for (const Pair& pair : *found[w]) scratch.bucketed[next[pair.a >> bucket_bits]++] = {pair.a, pair.b - second};
+    workers.parallel_for(pieces, [&](std::size_t p, std::size_t) {
+        std::int64_t* next = scratch.histogram.data() + p * buckets;
+        for (const Pair& pair : scratch.pieces[p])
+            scratch.bucketed[next[pair.a >> bucket_bits]++] = {pair.a, pair.b - second};
     });
     result.offsets[static_cast<std::size_t>(n)] = total;
     const int second_bits = std::bit_width(static_cast<std::uint32_t>(scene.triangles[scene.between ? 1 : 0]));
-    workers.parallel_for(buckets, [&](std::size_t b, std::size_t) {
+    // Flags are a task of their own: one thread writes them all, while the others sort.
+    workers.parallel_for(buckets + 1, [&](std::size_t task, std::size_t) {
+        if (task == 0) {
+            mark_hits(scratch.pieces.span(), scene.between, second, result);
+            return;
+        }
+        const std::size_t b = task - 1;
         const auto first = static_cast<std::int32_t>(b << bucket_bits);
         const auto last = static_cast<std::int32_t>(std::min<std::int64_t>(n, std::int64_t{first} + bucket_size));
         sort_bucket(scratch.bucketed.data() + begin[b], begin[b + 1] - begin[b], first, last, second_bits, begin[b],
                     result);
-    });
-    Array<std::uint8_t>& other = scene.between ? result.hit_second : result.hit;
-    workers.parallel_for(buckets, [&](std::size_t b, std::size_t) {
-        for (std::int64_t i = begin[b]; i < begin[b + 1]; ++i) mark(other, result.pairs[i].b);
     });
 }
 

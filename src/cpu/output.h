@@ -2,9 +2,9 @@
 
 // Stage `output`: the pairs that the workers found, in any order, become the sorted result.
 //
-// First triangles are cut into buckets of 4,096; pairs go to their bucket, and each bucket is sorted alone by counting
-// its first triangles, which yields the offsets as well, and by insertion within one first triangle, where pairs are
-// few. Two streaming passes, parallel over workers, then over buckets.
+// First triangles are cut into buckets of 4,096; pairs go to their bucket, and each bucket is sorted alone, in a few
+// stable counting passes: by the digits of the second triangle, then by the first one, which yields the offsets as
+// well. Parallel over pieces of the workers' lists, then over buckets.
 
 #include <span>
 
@@ -15,9 +15,10 @@
 namespace crumple::cpu {
 
 struct OutputScratch {
-    explicit OutputScratch(MemoryMeter* m) : histogram(m), begin(m), bucketed(m) {}
-    Array<std::int64_t> histogram;  ///< pairs by worker and bucket
-    Array<std::int64_t> begin;      ///< first pair of each bucket
+    explicit OutputScratch(MemoryMeter* m) : pieces(m), histogram(m), begin(m), bucketed(m) {}
+    Array<std::span<const Pair>> pieces;  ///< of the workers' lists
+    Array<std::int64_t> histogram;        ///< pairs by piece and bucket
+    Array<std::int64_t> begin;            ///< first pair of each bucket
     Array<Pair> bucketed;
 };
 

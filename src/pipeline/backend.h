@@ -8,14 +8,14 @@
 #include "crumple/collisions.h"
 #include "crumple/detector.h"
 #include "crumple/options.h"
+#include "pipeline/parallel_for.h"
 #include "pipeline/scene.h"
 
 namespace crumple {
 
-class BackendBase {
+/// A backend with threads lends them by overriding parallel_for().
+class BackendBase : public ParallelFor {
    public:
-    virtual ~BackendBase() = default;
-
     /// Fills `result.pairs` (sorted, unique), offsets, hit flags, contacts if asked for, and the statistics' counts and
     /// stage times. `part` null: the whole answer.
     virtual void find(const Scene& scene, const Query& query, const Part* part, Collisions& result) = 0;

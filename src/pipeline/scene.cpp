@@ -1,5 +1,6 @@
 #include "pipeline/scene.h"
 
+#include <algorithm>
 #include <bit>
 #include <limits>
 #include <string>
@@ -44,7 +45,8 @@ void check_shape(const MeshView& mesh, const std::string& which) {
 // Least and largest of each coordinate of contiguous rows, and whether all are finite. Twelve lanes, four rows at once,
 // are a multiple of every vector's width, and compare-and-select in lanes keeps its meaning without -ffast-math.
 template <class T, class Bits, Bits exponent>
-bool box_of_rows(const T* data, std::int64_t rows, Vec3d& low, Vec3d& high) {
+ChunkCheck check_rows(const T* data, std::int64_t rows) {
+    constexpr double most = std::numeric_limits<double>::max();
     std::array<T, 12> lo, hi;
     lo.fill(std::numeric_limits<T>::max());
     hi.fill(std::numeric_limits<T>::lowest());
@@ -60,84 +62,100 @@ bool box_of_rows(const T* data, std::int64_t rows, Vec3d& low, Vec3d& high) {
     std::int64_t i = 0;
     for (; i + 4 <= rows; i += 4) visit(data + 3 * i, 12);
     for (; i < rows; ++i) visit(data + 3 * i, 3);
-    Bits any = 0;
+    ChunkCheck check{{most, most, most}, {-most, -most, -most}, true};
     for (int l = 0; l < 12; ++l) {
-        any |= bad[l];
-        low[l % 3] = min(low[l % 3], static_cast<double>(lo[l]));
-        high[l % 3] = max(high[l % 3], static_cast<double>(hi[l]));
+        check.good = check.good && !bad[l];
+        check.low[l % 3] = min(check.low[l % 3], static_cast<double>(lo[l]));
+        check.high[l % 3] = max(check.high[l % 3], static_cast<double>(hi[l]));
     }
-    return any == 0;
+    return check;
 }
 
-void check_vertices(const VertexView& view, const VertexReader& reader, const std::string& which, Vec3d& low,
-                    Vec3d& high) {
-    bool finite = true;
-    const bool aligned = reinterpret_cast<std::uintptr_t>(view.data) % size_of(view.type) == 0;
-    if (contiguous(view) && aligned && view.type == ScalarType::float32) {
-        finite =
-            box_of_rows<float, std::uint32_t, 0x7f800000u>(static_cast<const float*>(view.data), view.rows, low, high);
-    } else if (contiguous(view) && aligned) {
-        finite = box_of_rows<double, std::uint64_t, 0x7ff0000000000000u>(static_cast<const double*>(view.data),
-                                                                         view.rows, low, high);
-    } else {
-        for (std::int64_t i = 0; i < view.rows; ++i) {
-            const Vec3d p = reader(i);
-            finite &= std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
-            low = min(low, p);
-            high = max(high, p);
-        }
+// Of vertices [begin, end): their box, and whether they are finite.
+ChunkCheck check_vertices(const VertexView& view, const VertexReader& reader, std::int64_t begin, std::int64_t end) {
+    if (contiguous(view) && reinterpret_cast<std::uintptr_t>(view.data) % size_of(view.type) == 0) {
+        if (view.type == ScalarType::float32)
+            return check_rows<float, std::uint32_t, 0x7f800000u>(static_cast<const float*>(view.data) + 3 * begin,
+                                                                 end - begin);
+        return check_rows<double, std::uint64_t, 0x7ff0000000000000u>(static_cast<const double*>(view.data) + 3 * begin,
+                                                                      end - begin);
     }
-    if (finite) return;
-    for (std::int64_t i = 0; i < view.rows; ++i) {
+    constexpr double most = std::numeric_limits<double>::max();
+    ChunkCheck check{{most, most, most}, {-most, -most, -most}, true};
+    for (std::int64_t i = begin; i < end; ++i) {
         const Vec3d p = reader(i);
-        for (int axis = 0; axis < 3; ++axis)
-            if (!std::isfinite(p[axis]))
-                fail(ErrorCode::not_finite, which + "vertex " + std::to_string(i) + " is not finite", Element::vertex,
-                     i);
+        check.good = check.good && std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+        check.low = min(check.low, p);
+        check.high = max(check.high, p);
     }
+    return check;
 }
 
-// Copies the indices of `view` to `out` as int32, `offset` added. The address arithmetic is by bytes, since a caller's
-// array need not be aligned.
-template <class Index>
-void copy_corners(const TriangleView& view, std::int32_t offset, std::int32_t* out) {
-    const auto* base = static_cast<const std::byte*>(view.data);
-    for (std::int64_t t = 0; t < view.rows; ++t) {
-        for (int corner = 0; corner < 3; ++corner) {
-            Index value;
-            std::memcpy(&value, base + t * view.row_stride + corner * view.column_stride, sizeof(Index));
-            out[3 * t + corner] = static_cast<std::int32_t>(value) + offset;
-        }
-    }
+[[noreturn]] void name_infinite_vertex(const VertexView& view, const VertexReader& reader, const std::string& which) {
+    std::int64_t i = 0;
+    const auto finite = [](Vec3d p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); };
+    while (i + 1 < view.rows && finite(reader(i))) ++i;
+    fail(ErrorCode::not_finite, which + "vertex " + std::to_string(i) + " is not finite", Element::vertex, i);
 }
 
+// Reads indices wherever the caller has them; an array need not be aligned.
 template <class Index>
-void check_corners(const TriangleView& view, std::int64_t vertex_count, const std::string& which) {
-    const auto* base = static_cast<const std::byte*>(view.data);
-    const auto read = [&](std::int64_t t, int corner) {
+struct IndexReader {
+    const std::byte* data;
+    std::int64_t row_stride, column_stride;
+
+    explicit IndexReader(const TriangleView& view)
+        : data(static_cast<const std::byte*>(view.data)),
+          row_stride(view.row_stride),
+          column_stride(view.column_stride) {}
+    Index operator()(std::int64_t t, int corner) const {
         Index value;
-        std::memcpy(&value, base + t * view.row_stride + corner * view.column_stride, sizeof(Index));
+        std::memcpy(&value, data + t * row_stride + corner * column_stride, sizeof(Index));
         return value;
-    };
-    // Negative values become large ones, so a single comparison finds both.
+    }
+};
+
+// Whether all indices of triangles [begin, end) are in range. Negative values become large ones, so that a single
+// comparison finds both.
+template <class Index>
+bool check_corners(const TriangleView& view, std::int64_t vertex_count, std::int64_t begin, std::int64_t end) {
     bool bad = false;
     using Unsigned = std::make_unsigned_t<Index>;
     const auto limit = static_cast<Unsigned>(vertex_count);
     if (contiguous(view) && reinterpret_cast<std::uintptr_t>(view.data) % sizeof(Index) == 0) {
         const auto* values = static_cast<const Index*>(view.data);
-        for (std::int64_t i = 0; i < 3 * view.rows; ++i) bad |= static_cast<Unsigned>(values[i]) >= limit;
+        for (std::int64_t i = 3 * begin; i < 3 * end; ++i) bad |= static_cast<Unsigned>(values[i]) >= limit;
     } else {
-        for (std::int64_t t = 0; t < view.rows; ++t)
+        const IndexReader<Index> read(view);
+        for (std::int64_t t = begin; t < end; ++t)
             for (int corner = 0; corner < 3; ++corner) bad |= static_cast<Unsigned>(read(t, corner)) >= limit;
     }
-    if (!bad) return;
+    return !bad;
+}
+
+template <class Index>
+[[noreturn]] void name_wrong_index(const TriangleView& view, std::int64_t vertex_count, const std::string& which) {
+    const IndexReader<Index> read(view);
+    const auto wrong = [&](std::int64_t t, int corner) {
+        return static_cast<std::make_unsigned_t<Index>>(read(t, corner)) >=
+               static_cast<std::make_unsigned_t<Index>>(vertex_count);
+    };
+    std::int64_t t = 0;
+    while (t + 1 < view.rows && !wrong(t, 0) && !wrong(t, 1) && !wrong(t, 2)) ++t;
+    const int corner = wrong(t, 0) ? 0 : wrong(t, 1) ? 1 : 2;
+    fail(ErrorCode::index_out_of_range,
+         which + "triangle " + std::to_string(t) + " names vertex " + std::to_string(read(t, corner)) + " of " +
+             std::to_string(vertex_count),
+         Element::triangle, t);
+}
+
+// Copies the indices of `view` to `out` as int32, `offset` added.
+template <class Index>
+void copy_corners(const TriangleView& view, std::int32_t offset, std::int32_t* out) {
+    const IndexReader<Index> read(view);
     for (std::int64_t t = 0; t < view.rows; ++t)
         for (int corner = 0; corner < 3; ++corner)
-            if (static_cast<Unsigned>(read(t, corner)) >= limit)
-                fail(ErrorCode::index_out_of_range,
-                     which + "triangle " + std::to_string(t) + " names vertex " + std::to_string(read(t, corner)) +
-                         " of " + std::to_string(vertex_count),
-                     Element::triangle, t);
+            out[3 * t + corner] = static_cast<std::int32_t>(read(t, corner)) + offset;
 }
 
 template <class Function>
@@ -152,6 +170,37 @@ void with_index_type(IndexType type, Function function) {
         case IndexType::int64:
             function(std::int64_t{});
             break;
+    }
+}
+
+// Checks vertices and triangles in chunks, all at once; widens the box [low, high] by the vertices.
+void check_content(const MeshView& mesh, const VertexReader& reader, const std::string& which, ParallelFor& workers,
+                   Array<ChunkCheck>& checks, Vec3d& low, Vec3d& high) {
+    constexpr std::int64_t chunk = 16384;
+    const auto chunks = [](std::int64_t rows) { return static_cast<std::size_t>((rows + chunk - 1) / chunk); };
+    const std::size_t vertex_chunks = chunks(mesh.vertices.rows), all = vertex_chunks + chunks(mesh.triangles.rows);
+    checks.resize_discard(all);
+    workers.parallel_for(all, [&](std::size_t c) {
+        const bool of_vertices = c < vertex_chunks;
+        const std::int64_t begin = static_cast<std::int64_t>(of_vertices ? c : c - vertex_chunks) * chunk;
+        if (of_vertices) {
+            checks[c] = check_vertices(mesh.vertices, reader, begin, std::min(mesh.vertices.rows, begin + chunk));
+        } else {
+            with_index_type(mesh.triangles.type, [&](auto index) {
+                checks[c].good = check_corners<decltype(index)>(mesh.triangles, mesh.vertices.rows, begin,
+                                                                std::min(mesh.triangles.rows, begin + chunk));
+            });
+        }
+    });
+    for (std::size_t c = 0; c < all; ++c) {
+        if (!checks[c].good && c < vertex_chunks) name_infinite_vertex(mesh.vertices, reader, which);
+        if (!checks[c].good)
+            with_index_type(mesh.triangles.type, [&](auto index) {
+                name_wrong_index<decltype(index)>(mesh.triangles, mesh.vertices.rows, which);
+            });
+        if (c >= vertex_chunks) continue;
+        low = min(low, checks[c].low);
+        high = max(high, checks[c].high);
     }
 }
 
@@ -183,7 +232,7 @@ void weld_corners(Scene& scene, SceneBuffers& buffers) {
 
 }  // namespace
 
-Scene prepare_scene(const MeshView& a, const MeshView* b, bool weld, SceneBuffers& buffers) {
+Scene prepare_scene(const MeshView& a, const MeshView* b, bool weld, ParallelFor& workers, SceneBuffers& buffers) {
     Scene scene;
     scene.between = b != nullptr;
     const std::array<const MeshView*, 2> meshes{&a, b};
@@ -200,10 +249,7 @@ Scene prepare_scene(const MeshView& a, const MeshView* b, bool weld, SceneBuffer
         scene.reader[side] = {static_cast<const std::byte*>(mesh.vertices.data), mesh.vertices.row_stride,
                               mesh.vertices.column_stride, mesh.vertices.type == ScalarType::float32};
         scene.float32 = scene.float32 && scene.reader[side].float32;
-        check_vertices(mesh.vertices, scene.reader[side], which[side], low, high);
-        with_index_type(mesh.triangles.type, [&](auto index) {
-            check_corners<decltype(index)>(mesh.triangles, mesh.vertices.rows, which[side]);
-        });
+        check_content(mesh, scene.reader[side], which[side], workers, buffers.checks, low, high);
     }
     if (scene.vertex_count() > 0) {
         scene.low = low;

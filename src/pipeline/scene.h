@@ -18,6 +18,7 @@
 #include "crumple/options.h"
 #include "geometry/triangle.h"
 #include "geometry/vec.h"
+#include "pipeline/parallel_for.h"
 
 namespace crumple {
 
@@ -64,13 +65,21 @@ struct Scene {
     bool second(std::int64_t t) const { return t >= triangles[0]; }
 };
 
-struct SceneBuffers {
-    Array<std::int32_t> corners, groups, representative, table;
-    explicit SceneBuffers(MemoryMeter* meter = nullptr)
-        : corners(meter), groups(meter), representative(meter), table(meter) {}
+/// What the check of a chunk of vertices or of triangles found.
+struct ChunkCheck {
+    Vec3d low, high;
+    bool good;
 };
 
-/// Checks one mesh (b null) or two and joins them. Throws Error: not_finite, index_out_of_range, invalid_argument.
-Scene prepare_scene(const MeshView& a, const MeshView* b, bool weld, SceneBuffers& buffers);
+struct SceneBuffers {
+    Array<std::int32_t> corners, groups, representative, table;
+    Array<ChunkCheck> checks;
+    explicit SceneBuffers(MemoryMeter* meter = nullptr)
+        : corners(meter), groups(meter), representative(meter), table(meter), checks(meter) {}
+};
+
+/// Checks one mesh (b null) or two, on the threads of `workers`, and joins them. Throws Error: not_finite,
+/// index_out_of_range, invalid_argument.
+Scene prepare_scene(const MeshView& a, const MeshView* b, bool weld, ParallelFor& workers, SceneBuffers& buffers);
 
 }  // namespace crumple
