@@ -1,0 +1,74 @@
+"""What a picture of a result shows, as plain arrays: both ways of drawing (PyVista, WebGL) start here."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from ._mesh import Mesh
+    from ._result import Result
+
+#: Red, green, blue of the first and the second mesh's triangles, calm and colliding, and of contacts.
+CALM = ((199, 204, 209), (164, 184, 204))
+COLLIDING = ((217, 64, 50), (237, 145, 33))
+CONTACT = (20, 20, 20)
+
+
+class Drawing(NamedTuple):
+    """Both meshes in one.
+
+    Attributes:
+        vertices: (n, 3) float64.
+        faces: (m, 3) int64.
+        colours: (m, 3) uint8, one a face.
+        lines: (s, 2, 3) float64: contact segments, and the edges of contact areas.
+        points: (p, 3) float64: contacts at a single point.
+    """
+
+    vertices: NDArray[np.float64]
+    faces: NDArray[np.int64]
+    colours: NDArray[np.uint8]
+    lines: NDArray[np.float64]
+    points: NDArray[np.float64]
+
+
+def _host(array) -> np.ndarray:
+    return np.from_dlpack(array) if hasattr(array, "__dlpack__") else np.asarray(array)
+
+
+def _coloured(mesh: Mesh, hit: NDArray[np.bool_], side: int):
+    vertices = _host(mesh.vertices).astype(np.float64).reshape(-1, 3)
+    faces = _host(mesh.faces).astype(np.int64).reshape(-1, 3)
+    palette = np.array([CALM[side], COLLIDING[side]], np.uint8)
+    return vertices, faces, palette[hit.astype(np.intp)]
+
+
+def _contact_lines(result: Result):
+    contacts = result.contacts
+    if contacts is None or not len(contacts):
+        return np.empty((0, 2, 3)), np.empty((0, 3))
+    # Within a pair each point is joined to the next, and an area's last one to its first.
+    starts, ends = contacts.offsets[:-1], contacts.offsets[1:]
+    counts = ends - starts
+    following = np.arange(len(contacts.points)) + 1
+    following[ends - 1] = starts
+    owner = np.repeat(np.arange(len(counts)), counts)
+    drawn = counts[owner] > 1
+    drawn[ends[counts == 2] - 1] = False  # a segment is not drawn back
+    return np.stack([contacts.points[drawn], contacts.points[following[drawn]]], axis=1), contacts.points[starts[counts == 1]]
+
+
+def drawing_of(result: Result) -> Drawing:
+    """The meshes of a result with colliding triangles coloured, and its contacts. Copies; for pictures only."""
+    first, second = result._meshes
+    vertices, faces, colours = _coloured(first, result.hit, 0)
+    if second is not None:
+        more_vertices, more_faces, more_colours = _coloured(second, result.hit_second, 1)
+        faces = np.concatenate([faces, more_faces + len(vertices)])
+        vertices = np.concatenate([vertices, more_vertices])
+        colours = np.concatenate([colours, more_colours])
+    return Drawing(vertices, faces, colours, *_contact_lines(result))

@@ -1,0 +1,46 @@
+"""Pictures by PyVista, which is imported only here."""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ._drawing import CONTACT, drawing_of
+
+if TYPE_CHECKING:
+    from ._result import Result
+
+
+def plotter(result: Result, off_screen: bool | None) -> Any:
+    """A pyvista.Plotter with the result in it. Raises ModuleNotFoundError that says what to install."""
+    try:
+        import pyvista
+    except ModuleNotFoundError as error:
+        raise ModuleNotFoundError("pictures need PyVista: pip install pyvista", name="pyvista") from error
+    drawing = drawing_of(result)
+    scene = pyvista.Plotter(off_screen=off_screen)
+    scene.set_background("white")
+    if len(drawing.faces):
+        mesh = pyvista.PolyData.from_regular_faces(drawing.vertices, drawing.faces)
+        mesh.cell_data["colour"] = drawing.colours
+        scene.add_mesh(mesh, scalars="colour", rgb=True, show_edges=len(drawing.faces) <= 5_000, edge_color="#8a9199")
+    if len(drawing.lines):
+        lines = pyvista.line_segments_from_points(drawing.lines.reshape(-1, 3))
+        scene.add_mesh(lines, color=CONTACT, line_width=3)
+    if len(drawing.points):
+        scene.add_mesh(pyvista.PolyData(np.ascontiguousarray(drawing.points)), color=CONTACT, point_size=9,
+                       render_points_as_spheres=True)
+    scene.camera_position = "iso"
+    scene.camera.zoom(1.4)
+    return scene
+
+
+def save(result: Result, path: str | os.PathLike[str], **options: Any) -> None:
+    """Writes a picture without opening a window."""
+    scene = plotter(result, off_screen=True)
+    try:
+        scene.screenshot(os.fspath(path), **options)
+    finally:
+        scene.close()

@@ -1,0 +1,140 @@
+"""The Python answers are the C++ answers: the same bytes as the command line writes, and as brute force finds."""
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import crumple
+from conftest import as_set, soup
+
+SCENES = [scene.name for scene in crumple.scenes()]
+QUERIES = {
+    "default": {},
+    "skip": {"neighbours": "skip"},
+    "proper": {"intersections": "proper"},
+    "welded": {"weld": True},
+    "between groups": {"wanted": "between"},
+    "within groups": {"wanted": "within"},
+    "excluded groups": {"excluded_groups": [(0, 0), (1, -1)]},
+}
+
+
+def small(name: str, triangles: int = 300) -> crumple.Mesh:
+    frames = {scene.name: scene.frames for scene in crumple.scenes()}
+    return crumple.make_scene(name, triangles=triangles, frame=frames[name] - 1)
+
+
+def same(found: crumple.Result, expected: crumple.Result) -> None:
+    assert as_set(found.pairs) == as_set(expected.pairs)
+    for field in ("pairs", "offsets", "hit", "hit_second"):
+        np.testing.assert_array_equal(getattr(found, field), getattr(expected, field), field)
+    for field in ("kinds", "offsets", "points"):
+        if expected.contacts is not None:
+            np.testing.assert_array_equal(getattr(found.contacts, field), getattr(expected.contacts, field), field)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_gives_the_bytes_of_the_command_line(name, tmp_path, detector):
+    crumple.write_mesh(tmp_path / "mesh.ply", small(name, 3000))
+    command = [sys.executable, "-m", "crumple", "detect", "mesh.ply", "--contacts", "-o", "answer.npz"]
+    subprocess.run(command, cwd=tmp_path, check=True)
+    expected = np.load(tmp_path / "answer.npz")
+    result = detector.find_self(crumple.read_mesh(tmp_path / "mesh.ply"), contacts=True)
+    found = {
+        "pairs": result.pairs,
+        "offsets": result.offsets,
+        "hit": result.hit,
+        "contact_kinds": result.contacts.kinds,
+        "contact_offsets": result.contacts.offsets,
+        "contact_points": result.contacts.points,
+    }
+    for field, array in found.items():
+        np.testing.assert_array_equal(array, expected[field], field)
+    assert len(result) == len(expected["pairs"]) and (len(result) > 0) == (name != "shells")
+
+
+@pytest.mark.parametrize("query", QUERIES)
+@pytest.mark.parametrize("name", SCENES)
+def test_every_query_agrees_with_brute_force(name, query, detector):
+    mesh, reference = small(name), crumple.Detector(backend="reference")
+    options = {**QUERIES[query], "contacts": True}
+    same(detector.find_self(mesh, **options), reference.find_self(mesh, **options))
+    a, b = (crumple.Mesh(mesh.vertices, mesh.faces[side::2], _half(mesh.groups, side)) for side in (0, 1))
+    same(detector.find_between(a, b, **options), reference.find_between(a, b, **options))
+
+
+def _half(groups, side):
+    return None if groups is None else groups[side::2]
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_has_intersections_says_whether_there_are_pairs(name, detector):
+    mesh = small(name)
+    for query in QUERIES.values():
+        assert detector.has_intersections(mesh, **query) == bool(detector.find_self(mesh, **query))
+        assert detector.has_intersections_between(mesh, mesh, **query) == bool(detector.find_between(mesh, mesh, **query))
+
+
+@pytest.mark.parametrize("count", [1, 3, 64])
+def test_parts_together_are_the_whole(count, detector):
+    mesh = small("cloth", 3000)
+    whole = detector.find_self(mesh)
+    parts = detector.partition(mesh, count=count)
+    assert [part.index for part in parts] == list(range(count))
+    joined = np.concatenate([detector.find_self(mesh, part=part).pairs for part in reversed(parts)])
+    np.testing.assert_array_equal(joined[np.lexsort(joined.T[::-1])], whole.pairs)
+
+    a, b = soup(200, seed=3), soup(200, seed=4)
+    parts = detector.partition(a, b, count=count)
+    joined = np.concatenate([detector.find_between(a, b, part=part).pairs for part in parts])
+    np.testing.assert_array_equal(joined[np.lexsort(joined.T[::-1])], detector.find_between(a, b).pairs)
+
+
+def test_a_part_can_be_sent_elsewhere(detector):
+    import pickle
+
+    mesh = soup(500)
+    for part in detector.partition(mesh, count=4):
+        copy = pickle.loads(pickle.dumps(part))
+        assert repr(copy) == repr(part)
+        np.testing.assert_array_equal(copy.centres, part.centres)
+        np.testing.assert_array_equal(copy.triangles, part.triangles)
+        assert len(part.triangles_second) == 0
+        np.testing.assert_array_equal(detector.find_self(mesh, part=copy).pairs, detector.find_self(mesh, part=part).pairs)
+
+
+def test_options_change_no_answer():
+    mesh = soup(800)
+    expected = crumple.Detector().find_self(mesh, contacts=True)
+    for options in [
+        {"threads": 1},
+        {"threads": 3, "clusters": 33, "leaf_size": 20},
+        {"simd": "scalar"},
+        {"fuzziness": 1.5, "max_iterations": 0, "first_iterations": 1, "stop": 0.5, "first_stop": 0.5},
+        {"memory_limit": expected.statistics.peak_memory_bytes},
+    ]:
+        detector = crumple.Detector(**options)
+        assert options.items() <= detector.options.items()
+        same(detector.find_self(mesh, contacts=True), expected)
+
+
+def test_functions_for_one_call(crossing):
+    pairs = crumple.find_self_intersections(crossing.vertices, crossing.faces)
+    assert pairs.tolist() == [[0, 1]] and pairs.dtype == np.int32
+    assert crumple.has_intersections(crossing) is True
+    assert crumple.has_intersections(crossing, neighbours="skip", intersections="proper") is True
+    far = crumple.Mesh(crossing.vertices + 100, crossing.faces)
+    assert crumple.find_intersections_between(crossing, far).shape == (0, 2)
+    assert crumple.has_intersections_between(crossing, far) is False
+    assert crumple.find_intersections_between(crossing, crossing).tolist() == [[0, 0], [0, 1], [1, 0], [1, 1], [2, 2]]
+
+
+def test_contacts_are_where_the_triangles_meet(crossing, detector):
+    contacts = detector.find_self(crossing, contacts=True).contacts
+    assert crumple.ContactKind(contacts.kinds[0]) is crumple.ContactKind.SEGMENT
+    np.testing.assert_allclose(contacts[0], [[1, 1, 0], [5 / 3, 1, 0]])
+    np.testing.assert_array_equal(contacts[-1], contacts[0])
+    with pytest.raises(IndexError, match="1 contacts, none of number 1"):
+        contacts[1]

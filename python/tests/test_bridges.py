@@ -1,0 +1,91 @@
+"""Other packages' meshes go in as they are; those packages are the real ones."""
+
+import numpy as np
+import pytest
+
+import crumple
+from conftest import peer, soup
+
+MESH = soup(60, size=0.4, dtype=np.float64)
+EXPECTED = crumple.find_self_intersections(MESH).tolist()
+
+
+def trimesh_mesh():
+    return peer("trimesh").Trimesh(MESH.vertices, MESH.faces, process=False)
+
+
+def meshio_mesh():
+    return peer("meshio").Mesh(MESH.vertices, [("line", [[0, 1]]), ("triangle", MESH.faces)])
+
+
+def open3d_mesh():
+    o3d = peer("open3d")
+    return o3d.geometry.TriangleMesh(o3d.utility.Vector3dVector(MESH.vertices), o3d.utility.Vector3iVector(MESH.faces))
+
+
+def open3d_tensor_mesh():
+    o3d = peer("open3d")
+    return o3d.t.geometry.TriangleMesh(o3d.core.Tensor(MESH.vertices), o3d.core.Tensor(MESH.faces))
+
+
+def pyvista_mesh():
+    return peer("pyvista").PolyData.from_regular_faces(MESH.vertices, MESH.faces)
+
+
+BRIDGES = [trimesh_mesh, meshio_mesh, open3d_mesh, open3d_tensor_mesh, pyvista_mesh]
+
+
+@pytest.mark.parametrize("make", BRIDGES)
+def test_one_line_for_other_packages(make, detector):
+    mesh = make()
+    assert detector.find_self(mesh).pairs.tolist() == EXPECTED
+    assert crumple.find_self_intersections(mesh).tolist() == EXPECTED
+    assert detector.find_between(mesh, MESH).pairs.tolist() == detector.find_between(MESH, MESH).pairs.tolist()
+    assert detector.has_intersections(mesh)
+    groups = np.arange(60)
+    assert not detector.find_self(mesh, groups=groups, wanted="within")
+
+
+@pytest.mark.parametrize(
+    "make, theirs",
+    [
+        (trimesh_mesh, lambda mesh: mesh.vertices),
+        (meshio_mesh, lambda mesh: mesh.points),
+        (open3d_mesh, lambda mesh: np.asarray(mesh.vertices)),
+        (open3d_tensor_mesh, lambda mesh: mesh.vertex.positions.numpy()),
+        (pyvista_mesh, lambda mesh: mesh.points),
+    ],
+)
+def test_vertices_are_not_copied(make, theirs):
+    mesh = make()
+    assert np.shares_memory(np.from_dlpack(crumple.as_mesh(mesh).vertices), theirs(mesh))
+
+
+def test_meshio_quadrilaterals_are_split_and_other_cells_refused():
+    meshio = peer("meshio")
+    points = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0.7, 0.2, -1], [0.7, 0.2, 1], [0.9, 0.2, 1]])
+    mesh = meshio.Mesh(points, [("quad", [[0, 1, 2, 3]]), ("triangle", [[4, 5, 6]])])
+    faces = crumple.as_mesh(mesh).faces
+    assert sorted(map(sorted, faces.tolist())) == [[0, 1, 2], [0, 2, 3], [4, 5, 6]]
+    assert len(crumple.find_self_intersections(mesh)) == 1
+    with pytest.raises(crumple.InvalidInput, match="cells of type tetra: extract its surface"):
+        crumple.as_mesh(meshio.Mesh(points, [("tetra", [[0, 1, 2, 4]])]))
+    assert crumple.as_mesh(meshio.Mesh(points, [("vertex", [[0]])])).faces.shape == (0, 3)
+
+
+def test_pyvista_polygons_are_refused():
+    pyvista = peer("pyvista")
+    with pytest.raises(crumple.InvalidInput, match="triangulate"):
+        crumple.as_mesh(pyvista.Plane(i_resolution=1, j_resolution=1))
+    sphere = pyvista.Sphere()
+    assert len(crumple.find_self_intersections(sphere)) == 0
+
+
+def test_tuples_and_meshes():
+    assert crumple.as_mesh(MESH) is MESH
+    assert crumple.as_mesh((MESH.vertices, MESH.faces)).groups is None
+    vertices, faces, groups = crumple.Mesh(1, 2, 3)
+    assert (vertices, faces, groups) == (1, 2, 3)
+    for wrong in (5, "mesh.ply", (1, 2, 3, 4), np.zeros((3, 3))):
+        with pytest.raises(crumple.InvalidInput, match="a mesh must be crumple.Mesh, a tuple"):
+            crumple.as_mesh(wrong)

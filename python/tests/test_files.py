@@ -1,0 +1,83 @@
+"""Meshes, pairs and scenes from and to files."""
+
+import json
+
+import numpy as np
+import pytest
+
+import crumple
+from conftest import soup
+
+
+@pytest.mark.parametrize("extension", ["ply", "obj", "off"])
+@pytest.mark.parametrize("scalar", ["float32", "float64"])
+def test_coordinates_keep_every_bit(extension, scalar, tmp_path):
+    mesh = soup(20, dtype=scalar)
+    path = tmp_path / f"mesh.{extension}"
+    crumple.write_mesh(path, (mesh.vertices, mesh.faces.astype(np.uint64)))
+    read = crumple.read_mesh(str(path), precision=scalar)
+    assert read.vertices.dtype == scalar and read.vertices.tobytes() == mesh.vertices.tobytes()
+    assert read.faces.dtype == np.int32 and (read.faces == mesh.faces).all() and read.groups is None
+    assert read.vertices.flags.writeable, "the arrays belong to whoever read them"
+
+
+def test_groups_travel_in_ply(tmp_path):
+    mesh = soup(20)._replace(groups=np.arange(20) % 3)
+    crumple.write_mesh(tmp_path / "mesh.ply", mesh)
+    assert crumple.read_mesh(tmp_path / "mesh.ply", group_property="group").groups.tolist() == mesh.groups.tolist()
+
+
+def test_stl_is_welded_unless_asked_not_to(tmp_path):
+    crumple.write_mesh(tmp_path / "mesh.stl", ([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]], [[0, 1, 2], [1, 3, 2]]))
+    assert len(crumple.read_mesh(tmp_path / "mesh.stl").vertices) == 4
+    assert len(crumple.read_mesh(tmp_path / "mesh.stl", weld="no").vertices) == 6
+
+
+def test_strided_meshes_are_written_as_they_are(tmp_path):
+    mesh = soup(20, dtype=np.float64)
+    crumple.write_mesh(tmp_path / "a.ply", mesh)
+    crumple.write_mesh(tmp_path / "b.ply", (np.asfortranarray(mesh.vertices), mesh.faces[::-1].copy()[::-1].astype("i8")))
+    assert (tmp_path / "a.ply").read_bytes() == (tmp_path / "b.ply").read_bytes()
+
+
+def test_bad_files_are_named(tmp_path):
+    with pytest.raises(crumple.FileError, match="none.ply") as caught:
+        crumple.read_mesh(tmp_path / "none.ply")
+    assert isinstance(caught.value, OSError) and caught.value.code == "file"
+    (tmp_path / "cut.off").write_text("OFF\n3 1 0\n0 0 0\n1 0 0\n")
+    with pytest.raises(crumple.InvalidInput, match="cut.off") as caught:
+        crumple.read_mesh(tmp_path / "cut.off")
+    assert caught.value.code == "format" and caught.value.element == "line"
+    with pytest.raises(crumple.InvalidInput, match="precision must be one of"):
+        crumple.read_mesh(tmp_path / "cut.off", precision="float16")
+    with pytest.raises(crumple.InvalidInput, match="triangle 0 names vertex"):
+        crumple.write_mesh(tmp_path / "mesh.ply", (np.zeros((2, 3)), [[0, 1, 2**40]]))
+    with pytest.raises(crumple.Error):
+        crumple.write_mesh(tmp_path / "mesh.docx", soup(1))
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["cut.off"]
+
+
+def test_results_are_saved_by_extension(tmp_path, crossing, detector):
+    result = detector.find_self(crossing, contacts=True)
+    for name in ("pairs.txt", "pairs.csv", "pairs.json", "pairs.npz", "mesh.ply", "mesh.obj", "mesh.glb", "mesh.html"):
+        result.save(tmp_path / name)
+        assert (tmp_path / name).stat().st_size > 0
+    assert crumple.read_pairs(tmp_path / "pairs.txt").tolist() == [[0, 1]]
+    assert json.loads((tmp_path / "pairs.json").read_text())["pairs"] == [[0, 1]]
+    assert np.load(tmp_path / "pairs.npz")["contact_points"].shape == (2, 3)
+    assert len(crumple.read_mesh(tmp_path / "mesh.ply").faces) == 3
+    detector.find_between(crossing, crossing).save(tmp_path / "both.ply")
+    assert len(crumple.read_mesh(tmp_path / "both.ply").faces) == 6
+    with pytest.raises(crumple.InvalidInput, match="a result is saved as .txt"):
+        result.save(tmp_path / "pairs.xlsx")
+
+
+def test_scenes_are_the_same_everywhere():
+    names = [scene.name for scene in crumple.scenes()]
+    assert {"cloth", "soup", "shells"} <= set(names)
+    a, b = (crumple.make_scene("bodies", triangles=2000, frame=7, seed=3) for _ in range(2))
+    assert a.vertices.tobytes() == b.vertices.tobytes() and (a.groups == b.groups).all()
+    with pytest.raises(crumple.InvalidInput, match="there is no scene tea; there are cloth"):
+        crumple.make_scene("tea")
+    with pytest.raises(crumple.InvalidInput, match="has no frame 60; its frames are 0 to 59"):
+        crumple.make_scene("bodies", frame=60)

@@ -1,0 +1,266 @@
+"""What comes in: every layout is read for what it is, nothing is written to, and what is wrong is named."""
+
+import ctypes
+
+import numpy as np
+import pytest
+
+import crumple
+from conftest import peer, soup
+
+MESH = soup(60, size=0.8)
+EXPECTED = crumple.find_self_intersections(MESH).tolist()
+EXPECTED_DOUBLE = crumple.find_self_intersections(MESH.vertices.astype(float), MESH.faces).tolist()
+
+
+def interleaved(array, dtype):
+    """A field of packed records whose size is no multiple of the numbers'."""
+    records = np.zeros(len(array), [("name", "u1"), ("values", dtype, 3), ("flags", "u2")])
+    records["values"] = array
+    return records["values"]
+
+
+LAYOUTS = {
+    "C order": lambda a: np.ascontiguousarray(a),
+    "Fortran order": lambda a: np.asfortranarray(a),
+    "rows apart": lambda a: np.repeat(a, 3, axis=0)[::3],
+    "columns apart": lambda a: np.repeat(a, 2, axis=1)[:, ::2],
+    "part of a wider array": lambda a: np.hstack([a, a])[:, 3:],
+    "backwards": lambda a: a[::-1].copy()[::-1],
+    "columns backwards": lambda a: a[:, ::-1].copy()[:, ::-1],
+    "packed records": lambda a: interleaved(a, a.dtype),
+    "other byte order": lambda a: a.astype(a.dtype.newbyteorder()),
+    "memoryview": lambda a: memoryview(np.ascontiguousarray(a)),
+    "list": lambda a: a.tolist(),
+    "tuple": lambda a: tuple(map(tuple, a.tolist())),
+}
+
+
+@pytest.mark.parametrize("layout", LAYOUTS)
+@pytest.mark.parametrize("scalar", ["float32", "float64"])
+@pytest.mark.parametrize("index", ["int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64"])
+def test_every_layout_and_type(layout, scalar, index, detector):
+    few = 40  # so many triangles name vertices that fit int8
+    vertices, faces = LAYOUTS[layout](MESH.vertices.astype(scalar)), LAYOUTS[layout](MESH.faces[:few].astype(index))
+    expected = [pair for pair in EXPECTED if max(pair) < few]
+    assert detector.find_self(vertices, faces).pairs.tolist() == expected and len(expected) > 10
+
+
+def test_the_layouts_are_what_they_are_called():
+    packed = LAYOUTS["packed records"](MESH.vertices)
+    assert packed.strides[0] % packed.itemsize != 0
+    assert LAYOUTS["backwards"](MESH.vertices).strides[0] < 0
+    assert not LAYOUTS["columns apart"](MESH.vertices).flags.c_contiguous
+    assert EXPECTED and EXPECTED == EXPECTED_DOUBLE
+
+
+def test_read_only_inputs_are_read_and_no_input_is_written():
+    vertices, faces, groups = MESH.vertices.copy(), MESH.faces.copy(), np.arange(60, dtype=np.int32)
+    before = vertices.tobytes(), faces.tobytes(), groups.tobytes()
+    for array in (vertices, faces, groups):
+        array.flags.writeable = False
+    result = crumple.Detector().find_self(vertices, faces, groups=groups, weld=True, contacts=True)
+    assert result.pairs.tolist() == EXPECTED
+    assert (vertices.tobytes(), faces.tobytes(), groups.tobytes()) == before
+
+
+def test_a_strided_array_is_not_copied():
+    """A broadcast array of 20 million rows takes 12 bytes; a copy would take 240 MB."""
+    import resource
+
+    vertices = np.broadcast_to(np.zeros(3, np.float32), (20_000_000, 3))
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    with pytest.raises(crumple.InvalidInput, match="triangle 0 names vertex 20000000 of 20000000"):
+        crumple.has_intersections(vertices, [[0, 0, 20_000_000]])
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 50_000  # KiB
+
+
+def test_empty_meshes_have_no_collisions(detector):
+    none = np.zeros((0, 3))
+    for vertices, faces in [([], []), (none, none.astype(int)), (MESH.vertices, []), (none.astype("f4"), [])]:
+        result = detector.find_self(vertices, faces, contacts=True)
+        assert result.pairs.shape == (0, 2) and not result
+        assert result.contacts.points.shape == (0, 3) and result.contacts.offsets.tolist() == [0]
+        assert detector.find_between((vertices, faces), MESH).pairs.shape == (0, 2)
+        assert not detector.has_intersections(vertices, faces)
+
+
+def bad_vertices(row, column, value):
+    vertices = MESH.vertices.copy()
+    vertices[row, column] = value
+    return vertices
+
+
+def bad_faces(row, column, value, dtype=np.int64):
+    faces = MESH.faces.astype(dtype)
+    faces[row, column] = value
+    return faces
+
+
+V, F = MESH.vertices, MESH.faces
+WRONG = [
+    ("vertices of two columns", V[:, :2], F, r"^vertices must have shape \(n, 3\), not \(180, 2\)$"),
+    ("flat vertices", V.ravel(), F, r"^vertices must have shape \(n, 3\), not \(540,\)$"),
+    ("vertices of three dimensions", V[None], F, r"^vertices must have shape \(n, 3\), not \(1, 180, 3\)$"),
+    ("no dimension", np.float32(1), F, r"^vertices must have shape \(n, 3\), not \(\)$"),
+    ("faces of four columns", V, F[:45].reshape(-1, 1), r"^faces must have shape \(n, 3\)"),
+    ("transposed", V, F.T, r"^faces must have shape \(n, 3\), not \(3, 60\)$"),
+    ("half precision", V.astype("f2"), F, r"^vertices must be float32 or float64, not float16"),
+    ("long double", V.astype("g"), F, r"^vertices must be float32 or float64, not float128"),
+    ("integer vertices", V.astype("i4"), F, r"^vertices must be float32 or float64, not int32"),
+    ("complex vertices", V.astype("c8"), F, r"^vertices must be float32 or float64, not complex64"),
+    ("float faces", V, F.astype(float), r"^faces must be integers, not float64$"),
+    ("boolean faces", V, F.astype(bool), r"^faces must be integers, not bool$"),
+    ("words", [["a", "b", "c"]], F, r"^vertices must be float32 or float64, not <U1"),
+    ("None", None, F, r"^vertices must be an array of numbers, not NoneType$"),
+    ("ragged", [[0, 0, 0], [1]], F, r"^vertices cannot be read as an array"),
+    ("huge numbers", V, [[0, 1, 10**30]], r"^faces must be an array of numbers, not list$"),
+    ("NaN", bad_vertices(17, 2, np.nan), F, r"^vertex 17 is not finite$"),
+    ("infinity", bad_vertices(3, 0, -np.inf), F, r"^vertex 3 is not finite$"),
+    ("infinity, strided", np.asfortranarray(bad_vertices(3, 0, np.inf)), F, r"^vertex 3 is not finite$"),
+    ("index too large", V, bad_faces(4, 1, 180), r"^triangle 4 names vertex 180 of 180$"),
+    ("negative index", V, bad_faces(5, 2, -1), r"^triangle 5 names vertex -1 of 180$"),
+    ("negative int8 index", V, np.array([[0, 1, -2]], "i1"), r"^triangle 0 names vertex -2 of 180$"),
+    ("an index that int32 would truncate", V, bad_faces(6, 0, 2**32 + 1), r"^triangle 6 names vertex 4294967297 of 180$"),
+    ("uint32 beyond int32", V, bad_faces(6, 0, 2**32 - 1, np.uint32), r"^triangle 6 names vertex 4294967295 of 180$"),
+    ("uint64 beyond int64", V, bad_faces(7, 0, 2**64 - 1, np.uint64), r"^triangle 7 names vertex 18446744073709551615"),
+]
+
+
+@pytest.mark.parametrize("vertices, faces, message", [w[1:] for w in WRONG], ids=[w[0] for w in WRONG])
+def test_what_is_wrong_is_named(vertices, faces, message, detector):
+    calls = [
+        (lambda: detector.find_self(crumple.Mesh(vertices, faces)), ""),
+        (lambda: detector.has_intersections(crumple.Mesh(vertices, faces)), ""),
+        (lambda: detector.partition((vertices, faces), count=2), ""),
+        (lambda: detector.find_between((vertices, faces), MESH), "first mesh: "),
+        (lambda: detector.find_between(MESH, (vertices, faces)), "second mesh: "),
+    ]
+    for call, which in calls:
+        with pytest.raises(crumple.InvalidInput, match="^" + which + message.removeprefix("^")) as caught:
+            call()
+        assert isinstance(caught.value, ValueError) and isinstance(caught.value, crumple.Error)
+    assert detector.find_self(MESH).pairs.tolist() == EXPECTED, "the detector stays usable"
+
+
+def test_an_error_knows_the_place(detector):
+    import pickle
+
+    with pytest.raises(crumple.InvalidInput) as caught:
+        detector.find_self(MESH.vertices, bad_faces(7, 0, 2**64 - 1, np.uint64))
+    assert (caught.value.code, caught.value.element, caught.value.index) == ("index_out_of_range", "triangle", 7)
+    with pytest.raises(crumple.InvalidInput) as caught:
+        detector.find_self(bad_vertices(17, 2, np.nan), MESH.faces)
+    assert (caught.value.code, caught.value.element, caught.value.index) == ("not_finite", "vertex", 17)
+    copy = pickle.loads(pickle.dumps(caught.value))
+    assert (str(copy), copy.index) == ("vertex 17 is not finite", 17)
+
+
+OPTIONS = [
+    ({"groups": [0] * 59}, r"59 group ids for 60 triangles"),
+    ({"groups": [[0] * 60]}, r"groups must have shape \(faces,\), not \(1, 60\)"),
+    ({"groups": [0.5] * 60}, r"groups must be integers, not float64"),
+    ({"groups": [0] * 59 + [2**31]}, r"groups: group id 2147483648 at 59 does not fit int32"),
+    ({"neighbours": "none"}, r'neighbours must be one of "geometric", "skip", not "none"'),
+    ({"intersections": "some"}, r'intersections must be one of "all", "proper", not "some"'),
+    ({"wanted": "neither"}, r'wanted must be one of "both", "between", "within", not "neither"'),
+    ({"excluded_groups": [(1, 2, 3)]}, r"excluded_groups must have shape \(n, 2\), not \(1, 3\)"),
+    ({"excluded_groups": [(1, -(2**31) - 1)]}, r"group id -2147483649 at 0 does not fit int32"),
+]
+
+
+@pytest.mark.parametrize("query, message", OPTIONS)
+def test_wrong_queries_are_named(query, message, detector):
+    with pytest.raises(crumple.InvalidInput, match=message):
+        detector.find_self(MESH, **query)
+
+
+def test_groups_of_every_integer_type(detector):
+    mesh = soup(100, size=0.4)
+    groups = np.arange(100) % 3
+    expected = detector.find_self(mesh, groups=groups.astype(np.int32), wanted="between").pairs.tolist()
+    assert 0 < len(expected) < len(detector.find_self(mesh))
+    for dtype in ("i1", "u1", "i2", "u2", "u4", "i8", "u8"):
+        assert detector.find_self(mesh, groups=groups.astype(dtype), wanted="between").pairs.tolist() == expected
+    assert detector.find_self(mesh, groups=np.repeat(groups, 2)[::2], wanted="between").pairs.tolist() == expected
+    assert detector.find_self(crumple.Mesh(*mesh[:2], groups), wanted="between").pairs.tolist() == expected
+    between = {frozenset(p) for p in ((0, 1), (0, 2), (1, 2))}
+    for excluded in (between, np.array([[1, 0], [2, 0], [2, 1]]), ((0, 1), (0, 2), (1, 2))):
+        as_pairs = [tuple(p) for p in excluded] if isinstance(excluded, set) else excluded
+        assert not detector.find_self(mesh, groups=groups, wanted="between", excluded_groups=as_pairs)
+
+
+@pytest.mark.parametrize(
+    "options, message",
+    [
+        ({"threads": -1}, "threads must be 0"),
+        ({"clusters": 65}, "clusters must be 0 .chosen. to 64"),
+        ({"leaf_size": 0}, "leaf_size must be at least 1"),
+        ({"fuzziness": 1.0}, "fuzziness must be finite and above 1"),
+        ({"memory_limit": -5}, "memory_limit must be 0"),
+        ({"backend": "abacus"}, 'backend must be one of "automatic", "cpu", "reference", not "abacus"'),
+        ({"simd": "mmx"}, 'simd must be one of "automatic"'),
+    ],
+)
+def test_wrong_options_are_named(options, message):
+    with pytest.raises(crumple.InvalidInput, match=message):
+        crumple.Detector(**options)
+
+
+def test_a_missing_instruction_set_is_an_error():
+    missing = []
+    for simd in ("sse4", "avx2", "avx512", "neon"):
+        try:
+            crumple.Detector(simd=simd)
+        except crumple.BackendUnavailable as error:
+            missing.append((simd, str(error)))
+    assert missing, "no machine has both AVX and NEON"
+
+
+def test_a_memory_limit_names_the_limit_that_suffices():
+    mesh = soup(3000)
+    with pytest.raises(crumple.MemoryLimit, match=r"memory limit of 10000 bytes is too small; \d+ bytes suffice") as caught:
+        crumple.Detector(memory_limit=10_000).find_self(mesh)
+    assert isinstance(caught.value, MemoryError) and caught.value.code == "memory_limit"
+    enough = crumple.Detector(memory_limit=caught.value.bytes_needed)
+    held = [enough.find_self(mesh).pairs for _ in range(3)]  # results in hand do not count
+    for pairs in held:
+        np.testing.assert_array_equal(pairs, crumple.find_self_intersections(mesh))
+
+
+class OnDevice:
+    """An array that says it lies on a GPU."""
+
+    def __init__(self, array):
+        self.array = array
+
+    def __dlpack_device__(self):
+        return 2, 0
+
+    def __dlpack__(self, **_):
+        """NumPy's own capsule with another device written into it: after the data pointer of a DLTensor."""
+        capsule = self.array.__dlpack__()
+        address = ctypes.pythonapi.PyCapsule_GetPointer
+        address.restype, address.argtypes = ctypes.c_void_p, [ctypes.py_object, ctypes.c_char_p]
+        tensor = address(capsule, b"dltensor")
+        ctypes.c_int32.from_address(tensor + 8).value = 2
+        return capsule
+
+
+def test_device_arrays_are_told_what_to_do(detector):
+    for mesh in [(OnDevice(MESH.vertices), MESH.faces), (MESH.vertices, OnDevice(MESH.faces))]:
+        with pytest.raises(crumple.InvalidInput, match=r"lie in CUDA memory, which needs the cuda backend.*\.cpu\(\)"):
+            detector.find_self(*mesh)
+
+
+@pytest.mark.parametrize("package", ["torch", "jax", "warp"])
+def test_arrays_of_other_packages(package, detector):
+    module = peer("jax.numpy" if package == "jax" else package)
+    if package == "torch":
+        arrays = module.from_numpy(MESH.vertices.copy()), module.from_numpy(MESH.faces.copy())
+    elif package == "warp":
+        module.config.quiet = True
+        arrays = module.from_numpy(MESH.vertices, device="cpu"), module.from_numpy(MESH.faces, device="cpu")
+    else:
+        arrays = module.asarray(MESH.vertices), module.asarray(MESH.faces)
+    assert detector.find_self(*arrays).pairs.tolist() == EXPECTED

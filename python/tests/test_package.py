@@ -1,0 +1,97 @@
+"""The package as it is installed: command line, types, documentation, cost of import and of a call."""
+
+import inspect
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import crumple
+from conftest import peer, soup
+
+PACKAGE = Path(crumple.__file__).parent
+
+
+def run(*arguments, **options):
+    return subprocess.run([sys.executable, *arguments], capture_output=True, text=True, **options)
+
+
+def test_the_command_line_is_the_c_plus_plus_one(tmp_path):
+    assert run("-m", "crumple", "--version").stdout == f"crumple {crumple.__version__}\n"
+    mesh = soup(50, size=0.5)
+    crumple.write_mesh(tmp_path / "mesh.ply", mesh)
+    found = run("-m", "crumple", "detect", "mesh.ply", "--check", cwd=tmp_path)
+    assert found.returncode == 1
+    assert found.stdout == "".join(f"{a} {b}\n" for a, b in crumple.find_self_intersections(mesh))
+    assert run("-m", "crumple", "detect", "none.ply", cwd=tmp_path).returncode == 2
+
+
+def test_the_version_is_that_of_the_distribution():
+    from importlib.metadata import version
+
+    assert version("crumple") == crumple.__version__
+
+
+def test_types_are_shipped():
+    assert (PACKAGE / "py.typed").exists()
+    stub = (PACKAGE / "_core.pyi").read_text()
+    assert "class Detector" in stub and "class Statistics" in stub
+
+
+def test_types_hold(tmp_path):
+    peer("mypy")
+    program = tmp_path / "typed.py"
+    program.write_text(
+        "import numpy as np\n"
+        "import crumple\n"
+        "v, f = np.zeros((3, 3)), np.zeros((1, 3), np.int32)\n"
+        "r: crumple.Result = crumple.Detector(threads=2).find_self(v, f, neighbours='skip', contacts=True)\n"
+        "n: int = r.statistics.pairs\n"
+        "ok: bool = crumple.has_intersections((v, f))\n"
+    )
+    checked = run("-m", "mypy", "--strict", str(program), cwd=tmp_path)
+    assert checked.returncode == 0, checked.stdout
+    program.write_text("import crumple\ncrumple.Detector().find_self([], [], neighbours='none')\n")
+    assert "arg-type" in run("-m", "mypy", "--strict", str(program), cwd=tmp_path).stdout
+
+
+def test_everything_public_is_documented():
+    for name in set(crumple.__all__) - {"__version__"}:
+        thing = getattr(crumple, name)
+        assert inspect.getdoc(thing), name
+        if inspect.isclass(thing) and thing.__module__.startswith("crumple"):
+            for member, value in vars(thing).items():
+                if not member.startswith("_") and (callable(value) or isinstance(value, property)):
+                    assert inspect.getdoc(getattr(thing, member)), f"{name}.{member}"
+
+
+def test_import_is_quick():
+    """The package's own share; the least of a few tries, since other programs run too. NumPy is imported when needed."""
+    program = (
+        "import time; t = time.perf_counter(); import crumple; t = time.perf_counter() - t\n"
+        "import sys; print(t, *sys.modules)"
+    )
+    tries = [run("-c", program, check=True).stdout.split() for _ in range(5)]
+    assert min(float(t[0]) for t in tries) < 0.1
+    assert not {"pyvista", "trimesh", "meshio", "open3d", "torch"} & set(tries[0])
+
+
+def overhead_microseconds(mesh) -> float:
+    """The least time that a call takes in Python beyond the library's own."""
+    import time
+
+    detector = crumple.Detector(threads=1)
+    least = np.inf
+    for _ in range(300):
+        begin = time.perf_counter()
+        result = detector.find_self(mesh.vertices, mesh.faces)
+        seconds = time.perf_counter() - begin
+        least = min(least, 1e6 * seconds - 1e3 * result.statistics.milliseconds)
+    return least
+
+
+@pytest.mark.parametrize("triangles", [10, 2000])
+def test_a_warm_call_costs_little_more_than_in_c_plus_plus(triangles):
+    assert overhead_microseconds(soup(triangles, size=0.05)) < 20

@@ -1,0 +1,86 @@
+"""Pictures: what they are made of is checked here; how they look was looked at (docs/python_gallery.md)."""
+
+import base64
+import json
+import re
+
+import numpy as np
+import pytest
+
+import crumple
+from conftest import peer
+from crumple._drawing import CALM, COLLIDING, drawing_of
+
+
+def test_a_drawing_colours_what_collides(crossing, detector):
+    far = crumple.Mesh(crossing.vertices.astype(np.float32)[::-1][::-1], crossing.faces[:1])
+    drawing = drawing_of(detector.find_between(crossing, far, contacts=True))
+    assert drawing.vertices.shape == (18, 3) and drawing.faces.tolist()[-1] == [9, 10, 11]
+    assert drawing.colours.tolist() == [list(c) for c in (COLLIDING[0], COLLIDING[0], CALM[0], COLLIDING[1])]
+
+
+def test_contacts_are_drawn_by_their_kind(detector):
+    """A coplanar overlap with three edges, a crossing with one, a touch with none."""
+    vertices = [[0, 0, 0], [4, 0, 0], [0, 4, 0], [1, 1, 0], [2, 1, 0], [1, 2, 0]]
+    area = detector.find_self(vertices, [[0, 1, 2], [3, 4, 5]], contacts=True)
+    assert drawing_of(area).lines.shape == (3, 2, 3) and not len(drawing_of(area).points)
+    edges = {tuple(sorted(map(tuple, line))) for line in drawing_of(area).lines.tolist()}
+    corners = [tuple(map(float, v)) for v in vertices[3:]]
+    assert edges == {tuple(sorted(e)) for e in zip(corners, corners[1:] + corners[:1])}
+    touch = detector.find_self([*vertices[:3], [1, 1, 0], [1, 1, 5], [2, 1, 5]], [[0, 1, 2], [3, 4, 5]], contacts=True)
+    assert drawing_of(touch).points.tolist() == [[1, 1, 0]] and not len(drawing_of(touch).lines)
+
+
+def test_a_drawing_of_contacts_of_every_kind(detector):
+    mesh = crumple.make_scene("lattice", triangles=2000)
+    contacts = detector.find_self(mesh, contacts=True).contacts
+    drawing = drawing_of(detector.find_self(mesh, contacts=True))
+    counts = np.diff(contacts.offsets)
+    assert set(counts.tolist()) >= {1, 2, 3, 4}
+    assert len(drawing.lines) == (counts == 2).sum() + counts[counts > 2].sum()
+    assert len(drawing.points) == (counts == 1).sum()
+    for pair in np.nonzero(counts > 2)[0][:50]:
+        points = contacts[pair]
+        ring = {(*a, *b) for a, b in zip(points.tolist(), np.roll(points, -1, axis=0).tolist())}
+        assert ring <= {tuple(line.ravel().tolist()) for line in drawing.lines}
+
+
+@pytest.mark.parametrize("scale", [1.0, 1e-300, 8e307])
+def test_html_holds_the_scene(scale, crossing, detector):
+    result = detector.find_self(crumple.Mesh(crossing.vertices * (scale / 9), crossing.faces), contacts=True)
+    text = result.to_html(height=333)
+    assert "@" not in re.sub(r"const data = .*", "", text) and "height:333px" in text
+    assert "1 colliding pairs of 3 triangles" in text and "http" not in text
+    data = json.loads(re.search(r"const data = (.*);", text).group(1))
+    corners = np.frombuffer(base64.b64decode(data["corners"]), "<f4").reshape(-1, 3)
+    colours = np.frombuffer(base64.b64decode(data["colours"]), "u1").reshape(-1, 3)
+    assert corners.shape == colours.shape == (9, 3)
+    assert np.isfinite(corners).all() and 0.5 < np.linalg.norm(corners, axis=1).max() < 1.001
+    assert result.to_html() != result.to_html(), "two viewers in one notebook do not share an id"
+
+
+def test_html_of_nothing(detector):
+    assert "0 colliding pairs of 0 triangles" in detector.find_self([], []).to_html()
+
+
+def test_pictures_without_pyvista_say_what_to_install(tmp_path, crossing, detector, monkeypatch):
+    import sys
+
+    monkeypatch.setitem(sys.modules, "pyvista", None)
+    with pytest.raises(ModuleNotFoundError, match="pip install pyvista"):
+        detector.find_self(crossing).save(tmp_path / "picture.png")
+
+
+def test_a_picture_shows_red_where_it_collides(tmp_path, detector):
+    peer("pyvista")
+    image = peer("PIL.Image")
+    mesh = crumple.make_scene("cloth", triangles=5000, frame=60)
+    detector.find_self(mesh, contacts=True).save(tmp_path / "hit.png", window_size=(400, 300))
+    detector.find_self(mesh, wanted="between", excluded_groups=[(0, 1)]).save(tmp_path / "calm.png", window_size=(400, 300))
+
+    def red(name):
+        pixels = np.asarray(image.open(tmp_path / name).convert("RGB")).astype(int)
+        assert pixels.shape == (300, 400, 3)
+        return ((pixels[..., 0] > 100) & (pixels[..., 0] > 1.8 * pixels[..., 1])).sum()
+
+    assert red("hit.png") > 100 and red("calm.png") == 0

@@ -1,0 +1,82 @@
+"""Random soups, found by hypothesis, against brute force in rational arithmetic."""
+
+import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as arrays
+
+import crumple
+
+WARM = crumple.Detector(threads=2, leaf_size=4)
+REFERENCE = crumple.Detector(backend="reference")
+
+# A small grid makes triangles touch, overlap and degenerate exactly; scales go to where numbers end.
+grid = st.integers(-3, 3).map(float)
+free = st.floats(-1e3, 1e3, allow_subnormal=True)
+scales = st.sampled_from([1.0, 1e-3, 3e7, 1e-300, 1e300])
+
+
+@st.composite
+def soups(draw):
+    vertex_count = draw(st.integers(1, 12))
+    coordinates = draw(st.sampled_from([grid, free]))
+    vertices = draw(arrays.arrays(np.float64, (vertex_count, 3), elements=coordinates))
+    if draw(st.booleans()):
+        vertices = vertices.astype(np.float32)
+    else:
+        vertices = vertices * draw(scales)
+    faces = draw(
+        arrays.arrays(draw(arrays.integer_dtypes() | arrays.unsigned_integer_dtypes()), (draw(st.integers(0, 15)), 3),
+                      elements=st.integers(0, vertex_count - 1))
+    )
+    groups = draw(st.none() | arrays.arrays(np.int32, len(faces), elements=st.integers(-2, 2)))
+    return crumple.Mesh(draw(st.sampled_from([np.ascontiguousarray, np.asfortranarray]))(vertices), faces, groups)
+
+
+queries = st.fixed_dictionaries(
+    {
+        "neighbours": st.sampled_from(["geometric", "skip"]),
+        "intersections": st.sampled_from(["all", "proper"]),
+        "weld": st.booleans(),
+        "wanted": st.sampled_from(["both", "between", "within"]),
+        "excluded_groups": st.lists(st.tuples(st.integers(-2, 2), st.integers(-2, 2)), max_size=3),
+    }
+)
+
+
+def same(found, expected):
+    assert found.pairs.tolist() == expected.pairs.tolist()
+    assert found.hit.tolist() == expected.hit.tolist() and found.hit_second.tolist() == expected.hit_second.tolist()
+    assert found.contacts.offsets.tolist() == expected.contacts.offsets.tolist()
+    assert found.contacts.points.tobytes() == expected.contacts.points.tobytes()
+
+
+@settings(max_examples=300, deadline=None)
+@given(soups(), queries)
+def test_one_soup(mesh, query):
+    result = WARM.find_self(mesh, contacts=True, **query)
+    same(result, REFERENCE.find_self(mesh, contacts=True, **query))
+    assert WARM.has_intersections(mesh, **query) == bool(result)
+
+
+@settings(max_examples=200, deadline=None)
+@given(soups(), soups(), queries)
+def test_two_soups(a, b, query):
+    result = WARM.find_between(a, b, contacts=True, **query)
+    same(result, REFERENCE.find_between(a, b, contacts=True, **query))
+    assert WARM.has_intersections_between(a, b, **query) == bool(result)
+
+
+@settings(max_examples=200, deadline=None)
+@given(
+    arrays.arrays(arrays.scalar_dtypes(), arrays.array_shapes(max_dims=3, max_side=4)),
+    arrays.arrays(arrays.scalar_dtypes(), arrays.array_shapes(max_dims=3, max_side=4)),
+)
+def test_whatever_comes_in_is_answered_or_refused(vertices, faces):
+    """Never a crash, never another exception."""
+    try:
+        pairs = WARM.find_self(vertices, faces).pairs
+    except crumple.InvalidInput as error:
+        assert str(error)
+    else:
+        assert vertices.shape[1] == faces.shape[1] == 3 and pairs.shape[1] == 2

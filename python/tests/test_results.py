@@ -1,0 +1,190 @@
+"""What goes out: views that live as long as somebody looks, and that nobody changes."""
+
+import gc
+import sys
+import weakref
+
+import numpy as np
+import pytest
+
+import crumple
+from conftest import soup
+
+
+def address(array) -> int:
+    return array.__array_interface__["data"][0]
+
+
+def fields(result):
+    contacts = result.contacts
+    return {
+        "pairs": result.pairs,
+        "offsets": result.offsets,
+        "hit": result.hit,
+        "kinds": contacts.kinds,
+        "contact offsets": contacts.offsets,
+        "points": contacts.points,
+    }
+
+
+def test_shapes_types_and_order(detector):
+    result = detector.find_self(soup(300), contacts=True)
+    k, p = len(result), len(result.contacts.points)
+    expected = {
+        "pairs": ((k, 2), np.int32),
+        "offsets": ((301,), np.int64),
+        "hit": ((300,), np.bool_),
+        "kinds": ((k,), np.uint8),
+        "contact offsets": ((k + 1,), np.int64),
+        "points": ((p, 3), np.float64),
+    }
+    for name, array in fields(result).items():
+        assert (array.shape, array.dtype) == expected[name], name
+    assert k > 30 and (result.pairs[:, 0] < result.pairs[:, 1]).all()
+    assert result.pairs.tolist() == sorted(result.pairs.tolist())
+    assert result.hit.nonzero()[0].tolist() == sorted(set(result.pairs.ravel().tolist()))
+    for i in range(300):
+        assert (result.pairs[result.offsets[i] : result.offsets[i + 1], 0] == i).all()
+    assert result.hit_second.shape == (0,)
+    assert result.contacts.offsets[-1] == p == sum(len(result.contacts[i]) for i in range(k))
+
+
+def test_between_two_meshes(detector):
+    result = detector.find_between(soup(40, seed=1, size=0.5), soup(70, seed=2, size=0.5))
+    assert result.offsets.shape == (41,) and result.hit.shape == (40,) and result.hit_second.shape == (70,)
+    assert result.hit.nonzero()[0].tolist() == sorted(set(result.pairs[:, 0].tolist()))
+    assert result.hit_second.nonzero()[0].tolist() == sorted(set(result.pairs[:, 1].tolist()))
+    assert result.contacts is None
+
+
+def test_arrays_are_read_only_views_of_one_memory(detector):
+    result = detector.find_self(soup(300), contacts=True)
+    for name, array in fields(result).items():
+        assert not array.flags.writeable and not array.flags.owndata, name
+        with pytest.raises(ValueError):
+            array[...] = 0
+    assert result.pairs is result.pairs
+    assert address(result._collisions.pairs) == address(result.pairs), "no copy is made"
+
+
+def test_copies_are_writable(detector):
+    result = detector.find_self(soup(300), contacts=True, copy=True)
+    for array in fields(result).values():
+        array[...] = 0
+    assert not result.pairs.any()
+    assert crumple.find_self_intersections(soup(300), copy=True).flags.writeable
+
+
+def test_no_later_call_changes_a_result(detector):
+    results = []
+    for seed in range(6):
+        results.append(detector.find_self(soup(200 + 50 * seed, seed=seed), contacts=True))
+        if seed == 2:
+            with pytest.raises(crumple.InvalidInput):
+                detector.find_self([[0, 0, np.nan]], [])
+    for seed, result in enumerate(results):
+        fresh = crumple.Detector().find_self(soup(200 + 50 * seed, seed=seed), contacts=True)
+        for name, array in fields(fresh).items():
+            np.testing.assert_array_equal(fields(result)[name], array, name)
+
+
+def test_a_view_outlives_result_detector_and_input():
+    mesh = soup(500)
+    expected = crumple.find_self_intersections(mesh).tolist()
+    for warm in (0, 3):
+        detector = crumple.Detector()
+        for _ in range(warm):
+            detector.find_self(mesh)
+        own = soup(500)
+        pairs = detector.find_self(own).pairs
+        del detector, own
+        gc.collect()
+        churn = [crumple.find_self_intersections(soup(500, seed=s)) for s in range(5)]
+        assert pairs.tolist() == expected and len(churn) == 5
+
+
+def test_views_alone_do_not_keep_the_input():
+    mesh = soup(300)
+    vertices = mesh.vertices.copy()
+    gone = weakref.ref(vertices)
+    result = crumple.Detector().find_self(vertices, mesh.faces)
+    pairs = result.pairs
+    del vertices
+    assert gone() is not None, "a result keeps its input for pictures"
+    del result
+    gc.collect()
+    assert gone() is None and len(pairs)
+
+
+def test_inputs_are_let_go_after_errors_and_questions(detector):
+    mesh = soup(300)
+    counts = [sys.getrefcount(a) for a in mesh]
+    detector.has_intersections(mesh)
+    detector.find_self(mesh)
+    with pytest.raises(crumple.InvalidInput):
+        detector.find_self(mesh.vertices, mesh.faces, groups=[1])
+    with pytest.raises(crumple.InvalidInput):
+        detector.find_self(mesh.vertices[:5], mesh.faces)
+    gc.collect()
+    assert [sys.getrefcount(a) for a in mesh] == counts
+
+
+def test_frames_take_turns_in_two_memories(detector):
+    """A loop that keeps one result at a time allocates nothing once it is warm."""
+    mesh = soup(2000)
+    addresses = []
+    result = None
+    for _ in range(10):
+        result = detector.find_self(mesh)
+        addresses.append(address(result.pairs))
+    assert len(set(addresses[-6:])) <= 2
+    assert result.statistics.pairs == len(result)
+
+
+def test_many_results_dropped_in_any_order(detector):
+    random = np.random.default_rng(5)
+    held, mesh = [], [soup(int(n), seed=int(n)) for n in random.integers(1, 400, 10)]
+    expected = [crumple.find_self_intersections(m).tolist() for m in mesh]
+    for _ in range(200):
+        which = int(random.integers(10))
+        held.append((which, detector.find_self(mesh[which]).pairs))
+        if len(held) > 5:
+            index, pairs = held.pop(int(random.integers(5)))
+            assert pairs.tolist() == expected[index]
+
+
+def test_memory_comes_back():
+    import resource
+
+    mesh = soup(20_000, size=0.05)
+    detector = crumple.Detector()
+
+    def loop(n):
+        for _ in range(n):
+            detector.find_self(mesh, contacts=True)
+            crumple.find_self_intersections(mesh)
+        return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+
+    assert loop(20) - loop(10) < 20_000  # KiB
+
+
+def test_statistics(detector):
+    mesh = crumple.make_scene("cloth", triangles=3000, frame=93)
+    result = detector.find_self(mesh)
+    s = result.statistics
+    assert (s.triangles, s.pairs, s.backend, s.threads) == (len(mesh.faces), len(result), "cpu", 2)
+    assert s.simd and s.box_overlaps >= s.pairs and s.peak_memory_bytes > 8 * s.pairs and s.leaves >= s.clusters >= 1
+    assert list(s.stage_milliseconds) == ["bounds", "subdivide", "align", "sort", "sweep", "narrow", "output"]
+    assert 0 < s.milliseconds and all(t >= 0 for t in s.stage_milliseconds.values())
+    assert f"pairs={s.pairs}" in repr(s)
+    first = crumple.Detector(threads=2)
+    peaks = [first.find_self(mesh).statistics.peak_memory_bytes for _ in range(4)]
+    assert max(peaks) - min(peaks) < 16 * s.pairs, "the result counts in cold and warm calls"
+
+
+def test_reprs_say_what_is_there(detector, crossing):
+    result = detector.find_self(crossing, contacts=True)
+    assert repr(result).startswith("<crumple.Result: 1 colliding pairs of 3 triangles, ")
+    assert repr(result.contacts) == "<crumple.Contacts: 1 pairs, 2 points>"
+    assert repr(detector).startswith("crumple.Detector(backend='automatic', threads=2, ")
+    assert len(result) == 1 and result and not detector.find_self([], [])
