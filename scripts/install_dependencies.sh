@@ -2,6 +2,8 @@
 # Installs what is missing of the Debian 12 packages that Crumple needs; does nothing, and asks nobody, if all are there.
 #   (nothing)  to build the library and the command line
 #   --tests    and the tests
+#   --python   and the Python package
+#   --python-peers  and what packages from PyPI need that scripts/test_python.sh --all tests against
 #   --ci       and what .ci/run checks with
 #   --arm64    and what scripts/test_arm64.sh cross-compiles with
 set -euo pipefail
@@ -11,10 +13,12 @@ packages=(cmake ninja-build g++ pkg-config
     libcli11-dev libfmt-dev nlohmann-json3-dev libtinygltf-dev libzip-dev)
 for option in "$@"; do
     case $option in
-        --tests) packages+=(libgtest-dev librapidcheck-dev) ;;
+        --tests) packages+=(libgtest-dev librapidcheck-dev libboost-context-dev) ;;
+        --python) packages+=(python3-dev python3-venv) ;;
+        --python-peers) packages+=(libegl1 libgl1 libgomp1 libusb-1.0-0 libx11-6) ;;
         --ci) packages+=(clang clang-format clang-tidy clang-tools) ;;
         --arm64) packages+=(g++-aarch64-linux-gnu qemu-user-static) ;;
-        *) echo "usage: $0 [--tests] [--ci] [--arm64]" >&2; exit 2 ;;
+        *) echo "usage: $0 [--tests] [--python] [--python-peers] [--ci] [--arm64]" >&2; exit 2 ;;
     esac
 done
 

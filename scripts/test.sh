@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
-# Installs what is missing (Debian 12), builds, and runs the tests. Real scenes are tested too where $CRUMPLE_DATA, or
-# ../shared/data beside the checkout, holds them.
+# Installs what is missing (Debian 12), builds, and runs the tests, those of the Python package first. Real scenes are
+# tested too where $CRUMPLE_DATA, or ../shared/data beside the checkout, holds them.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 scripts/install_dependencies.sh --tests
 cmake --preset release >/dev/null
 cmake --build --preset release -j "$(nproc)"
+scripts/test_python.sh
 ctest --preset release -j "$(nproc)" "$@"

@@ -1,0 +1,56 @@
+"""Checks a part before it is printed: what passes through itself, and which shells it is made of.
+
+    python print_check.py [PICTURE [PART.stl]]
+"""
+
+import sys
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+
+import crumple
+from two_solids import torus
+
+
+def make_part(path):
+    """A ring with a handle that was pushed into it instead of being united with it."""
+    vertices, faces = torus()
+    handle = vertices * [0.45, 0.45, 1.2] + [1.5, 0.01, 0.02]
+    crumple.write_mesh(path, (np.concatenate([vertices, handle]), np.concatenate([faces, faces + len(vertices)])))
+
+
+def shells(mesh):
+    """Which connected piece each triangle belongs to: labels sink along shared vertices until nothing changes."""
+    label = np.arange(len(mesh.vertices))
+    while True:
+        lowest = label[mesh.faces].min(axis=1)
+        sunk = label.copy()
+        np.minimum.at(sunk, mesh.faces, lowest[:, None])
+        sunk = sunk[sunk]
+        if (sunk == label).all():
+            return np.unique(label[mesh.faces[:, 0]], return_inverse=True)[1]
+        label = sunk
+
+
+def check(path, picture):
+    part = crumple.read_mesh(path)  # an STL names no vertices: equal positions become one
+    result = crumple.Detector().find_self(part, contacts=True)
+    piece = shells(part)
+    across = int((piece[result.pairs[:, 0]] != piece[result.pairs[:, 1]]).sum())
+    print(f"{len(part.faces)} triangles in {piece.max() + 1} shells")
+    print(f"{across} pairs between shells, {len(result) - across} within one: ", end="")
+    print("ready to print" if not result else "unite the shells first")
+    result.save(picture)
+
+
+def main(picture="print_check.html", part=None):
+    with TemporaryDirectory() as folder:
+        if part is None:
+            part = Path(folder) / "part.stl"
+            make_part(part)
+        check(part, picture)
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

@@ -1,0 +1,43 @@
+"""Every example runs and says what its documentation says; with PyVista it also paints its picture."""
+
+import importlib.util
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from conftest import peer
+
+EXAMPLES = Path(__file__).parents[2] / "examples" / "python"
+SAYS = {
+    "quick_start": r"\d+ pairs; \d+ of 20144 triangles collide\nthe first pair meets in a segment:",
+    "two_solids": r"858 pairs of triangles cut each other, in curves of length 9.789",
+    "animation": r"frame 54:  1827 pairs of triangles,  31 pairs of bodies",
+    "robot": r"is free\n.*base hits forearm, .*\n.*table hits hand\n",
+    "print_check": r"18432 triangles in 2 shells\n688 pairs between shells, 0 within one: unite the shells first",
+    "kinds_of_contact": r"crossing: segment \(1, 1, 0\) \(1.66667, 1, 0\)\n(.*\n)*coplanar, a hexagon: area( \(\S+ \S+ 0\)){6}\n",
+    "parts_in_processes": r"together: \d+ pairs, each once, the same bytes as from one detector",
+    "ipc_broad_phase": r"frame 0\n.*clean\n  Crumple         0 candidates: clean\nframe 60\n.*intersects\n.*intersects\n",
+}
+WITHOUT_PICTURE = {"parts_in_processes", "ipc_broad_phase"}
+
+
+def test_every_example_is_tested():
+    assert {path.stem for path in EXAMPLES.glob("*.py")} == set(SAYS)
+
+
+@pytest.mark.parametrize("name", SAYS)
+def test_example(name, tmp_path):
+    if name == "ipc_broad_phase":
+        peer("ipctk")
+    painted = "png" if importlib.util.find_spec("pyvista") else "html"
+    arguments = [] if name in WITHOUT_PICTURE else [f"picture.{painted}"]
+    done = subprocess.run(
+        [sys.executable, EXAMPLES / f"{name}.py", *arguments], cwd=tmp_path, capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr
+    assert re.search(SAYS[name], done.stdout), done.stdout
+    for picture in arguments:
+        assert (tmp_path / picture).stat().st_size > 5_000
