@@ -1,0 +1,423 @@
+#include "cuda_on_cpu/machine/block.h"
+
+#include <sys/mman.h>
+
+#include <algorithm>
+#include <atomic>
+#include <bit>
+#include <chrono>
+#include <cstdio>
+#include <cstring>
+#include <thread>
+
+#include "cuda_on_cpu/machine/device_limits.h"
+#include "cuda_on_cpu/machine/fiber.h"
+#include "cuda_on_cpu/machine/report.h"
+#include "cuda_on_cpu/machine/sanitizers.h"
+#include "cuda_on_cpu/machine/settings.h"
+#include "cuda_on_cpu/shim/cuda_on_cpu/thread_index.h"
+
+// This file is compiled without ThreadSanitizer's instrumentation. All that several fibers touch is therefore in plain
+// arrays: a container's code might be the instrumented copy of another file.
+
+namespace cuda_on_cpu {
+namespace {
+
+thread_local Block* current_block = nullptr;
+
+constexpr std::size_t page = 4096;
+constexpr std::size_t arena_bytes = (limits::shared_bytes_per_block_optin + page - 1) / page * page;
+constexpr std::size_t shared_alignment = 16;
+// Bytes that nobody may change, on both sides of shared memory where no guard page is.
+constexpr std::size_t canary_bytes = 64;
+constexpr unsigned char canary = 0xC5;
+
+double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+
+bool same(const Site& a, const Site& b) {
+    return a.line == b.line && std::strcmp(a.what, b.what) == 0 && std::strcmp(a.file, b.file) == 0;
+}
+
+}  // namespace
+
+struct Block::Lane {
+    Lane(Block* owner) : block(owner), fiber(&Block::live, this) {}
+    Block* block;
+    Fiber fiber;
+    uint3 index{};
+    unsigned rank = 0;
+    unsigned uses = 0;
+    bool alive = false, quit = false;
+    const Site* waits_in = nullptr;
+    std::uint32_t mask = 0;  // 0: a meeting of the block
+};
+
+/// Threads that wait for others of their block or of a mask. Edges alternate between two objects, so that who is slow
+/// to leave one meeting does not see those who already came to the next.
+struct Block::Meeting {
+    Site site{};
+    std::uint32_t mask = 0, arrived = 0;
+    unsigned count = 0, phase = 0;
+    char edges[2] = {};
+};
+
+/// A warp's lanes may wait in several meetings at a time, of disjoint masks.
+struct Block::Warp {
+    Meeting meetings[warp_size];
+    std::uint32_t exited = 0;
+};
+
+Block::Block() : random_(settings().seed) {
+    void* pages = mmap(nullptr, arena_bytes + page, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    if (pages == MAP_FAILED) fail("no memory for a block");
+    arena_ = static_cast<std::byte*>(pages);
+    mprotect(arena_ + arena_bytes, page, PROT_NONE);
+    lanes_ = new Lane*[most_threads];
+    contributions_ = new void*[most_threads];
+    warps_ = new Warp[most_threads / warp_size];
+    barrier_ = new Meeting;
+}
+
+Block::~Block() {
+    for (unsigned i = 0; i < fiber_count_; ++i) {
+        fibers_[i]->quit = true;
+        fibers_[i]->fiber.resume();
+        delete fibers_[i];
+    }
+    delete[] fibers_;
+    delete[] lanes_;
+    delete[] contributions_;
+    delete[] warps_;
+    delete barrier_;
+    allow(arena_, arena_bytes);
+    munmap(arena_, arena_bytes + page);
+}
+
+Block* Block::running() { return current_block && current_block->inside_ ? current_block : nullptr; }
+
+Block& Block::current() {
+    if (!running()) fail("device code runs on the host, outside of a launch");
+    return *current_block;
+}
+
+uint3 Block::thread() const { return lanes_[rank_]->index; }
+unsigned Block::next_use() { return lanes_[rank_]->uses++; }
+
+void Block::run(const Kernel& kernel, LaunchEdges& edges, uint3 index) {
+    kernel_ = &kernel;
+    edges_ = &edges;
+    index_ = blockIdx = index;
+    blockDim = kernel.block;
+    gridDim = kernel.grid;
+    size_ = kernel.block.x * kernel.block.y * kernel.block.z;
+    shared_bytes_ = kernel.shared_bytes;
+    current_block = this;
+    prepare_shared();
+    prepare_lanes(kernel);
+    while ((rank_ = pick()) < size_) {
+        threadIdx = lanes_[rank_]->index;
+        inside_ = true;
+        lanes_[rank_]->fiber.resume();
+        inside_ = false;
+    }
+    if (alive_) stuck();
+    check_shared();
+}
+
+/// A rank of a block runs on another fiber than the same rank of the block before. To ThreadSanitizer a fiber is a
+/// thread, and what one thread does is never a race.
+void Block::prepare_lanes(const Kernel& kernel) {
+    const unsigned wanted = thread_sanitizer ? size_ + warp_size : size_;
+    if (fiber_count_ < wanted) {
+        auto** more = new Lane*[wanted];
+        std::copy(fibers_, fibers_ + fiber_count_, more);
+        for (; fiber_count_ < wanted; ++fiber_count_) {
+            more[fiber_count_] = new Lane(this);
+            more[fiber_count_]->fiber.resume();
+        }
+        delete[] fibers_;
+        fibers_ = more;
+    }
+    ++rotation_;
+    for (unsigned rank = 0; rank < size_; ++rank) {
+        Lane& lane = *(lanes_[rank] = fibers_[(rank + rotation_) % fiber_count_]);
+        lane.rank = rank;
+        lane.index = {rank % kernel.block.x, rank / kernel.block.x % kernel.block.y,
+                      rank / (kernel.block.x * kernel.block.y)};
+        lane.uses = 0;
+        lane.alive = true;
+        lane.waits_in = nullptr;
+        contributions_[rank] = nullptr;
+        wake(rank);
+    }
+    for (unsigned w = 0; w * warp_size < size_; ++w) {
+        // Lanes beyond the block's end have, so to say, exited before the start.
+        const unsigned present = std::min(size_ - w * warp_size, warp_size);
+        warps_[w].exited = present == warp_size ? 0 : ~0u << present;
+        for (Meeting& meeting : warps_[w].meetings) meeting.mask = meeting.arrived = 0;
+    }
+    barrier_->count = 0;
+    alive_ = size_;
+    spins_ = 0;
+}
+
+void Block::prepare_shared() {
+    const std::size_t whole = (shared_bytes_ + shared_alignment - 1) / shared_alignment * shared_alignment;
+    shared_ = arena_ + arena_bytes - whole;
+    allow(arena_, arena_bytes);
+    if (thread_sanitizer) {
+        // To ThreadSanitizer a new mapping that it does not track is memory that nobody has touched: the block before
+        // has nothing to do with this one.
+        const Untracked untracked;
+        const std::size_t used = std::min(arena_bytes, (whole + canary_bytes + page - 1) / page * page);
+        mmap(arena_ + arena_bytes - used, used, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_FIXED, -1, 0);
+    }
+    auto* bytes = reinterpret_cast<unsigned char*>(shared_);
+    random_.fill(bytes, shared_bytes_);
+    for (std::size_t i = shared_bytes_; i < whole; ++i) bytes[i] = canary;
+    if (whole + canary_bytes <= arena_bytes)
+        for (std::size_t i = 1; i <= canary_bytes; ++i) *(bytes - i) = canary;
+    forbid(arena_, static_cast<std::size_t>(shared_ - arena_));
+    forbid(shared_ + shared_bytes_, whole - shared_bytes_);
+}
+
+void Block::check_shared() const {
+    if (address_sanitizer) return;
+    const auto* bytes = reinterpret_cast<const unsigned char*>(shared_);
+    const auto* end = reinterpret_cast<const unsigned char*>(arena_ + arena_bytes);
+    for (const unsigned char* p = bytes + shared_bytes_; p < end; ++p)
+        if (*p != canary)
+            fail("block (%u,%u,%u) wrote past its %zu bytes of shared memory", index_.x, index_.y, index_.z,
+                 shared_bytes_);
+    const auto before = std::min<std::size_t>(canary_bytes, static_cast<std::size_t>(shared_ - arena_));
+    if (before < canary_bytes) return;
+    for (std::size_t i = 1; i <= canary_bytes; ++i)
+        if (*(bytes - i) != canary)
+            fail("block (%u,%u,%u) wrote %zu bytes before its shared memory", index_.x, index_.y, index_.z, i);
+}
+
+/// The rank that runs next, `size_` if none can.
+unsigned Block::pick() {
+    const unsigned words = (size_ + 63) / 64;
+    bool any = false;
+    for (unsigned w = 0; w < words; ++w) any |= ready_[w] != 0;
+    if (!any) {
+        for (unsigned w = 0; w < words; ++w) {
+            any |= yielded_[w] != 0;
+            ready_[w] = yielded_[w];
+            yielded_[w] = 0;
+        }
+        if (!any) return size_;
+        // Only spinning threads are left: they wait for another block, or for ever.
+        if (spins_++ == 0) spin_began_ = now();
+        std::this_thread::yield();
+        if (spins_ % 256 == 0 && now() - spin_began_ > settings().spin_seconds) stuck();
+    }
+    unsigned rank = 0;
+    switch (settings().order) {
+        case Order::forward:
+            for (unsigned w = 0;; ++w)
+                if (ready_[w]) {
+                    rank = w * 64 + static_cast<unsigned>(std::countr_zero(ready_[w]));
+                    break;
+                }
+            break;
+        case Order::reverse:
+            for (unsigned w = words - 1;; --w)
+                if (ready_[w]) {
+                    rank = w * 64 + 63 - static_cast<unsigned>(std::countl_zero(ready_[w]));
+                    break;
+                }
+            break;
+        case Order::random:
+            rank = static_cast<unsigned>(random_.below(size_));
+            while (!(ready_[rank / 64] >> rank % 64 & 1)) rank = rank + 1 == size_ ? 0 : rank + 1;
+            break;
+    }
+    ready_[rank / 64] &= ~(std::uint64_t{1} << rank % 64);
+    return rank;
+}
+
+/// A fiber's life: one thread of one block after another.
+void Block::live(void* argument) {
+    Lane& lane = *static_cast<Lane*>(argument);
+    lane.fiber.suspend();
+    while (!lane.quit) {
+        Block& block = *lane.block;
+        acquire_edge(&block.edges_->begin);
+        block.kernel_->body();
+        release_edge(&block.edges_->end);
+        block.leave();
+        lane.fiber.suspend();
+    }
+}
+
+void Block::sleep() { lanes_[rank_]->fiber.suspend(); }
+
+void Block::leave() {
+    Lane& lane = *lanes_[rank_];
+    lane.alive = false;
+    --alive_;
+    spins_ = 0;
+    Warp& warp = warps_[rank_ / warp_size];
+    const std::uint32_t bit = 1u << rank_ % warp_size;
+    warp.exited |= bit;
+    if (barrier_->count)
+        fail_in_kernel("exits while others wait for it in %s at %s:%d", barrier_->site.what, barrier_->site.file,
+                       barrier_->site.line);
+    for (const Meeting& meeting : warp.meetings)
+        if (meeting.arrived && meeting.mask & bit)
+            fail_in_kernel("exits while others wait for it in %s(0x%08x) at %s:%d", meeting.site.what, meeting.mask,
+                           meeting.site.file, meeting.site.line);
+}
+
+void Block::meet(const Site& site, bool fence, void* contribution, Combine combine, void* context) {
+    Lane& me = *lanes_[rank_];
+    Meeting& meeting = *barrier_;
+    if (alive_ < size_)
+        fail_in_kernel("comes to %s at %s:%d, which %u threads that have exited will never reach", site.what, site.file,
+                       site.line, size_ - alive_);
+    if (meeting.count == 0) meeting.site = site;
+    if (!same(meeting.site, site))
+        fail_in_kernel("is in %s at %s:%d while others of its block wait in %s at %s:%d", site.what, site.file,
+                       site.line, meeting.site.what, meeting.site.file, meeting.site.line);
+    me.waits_in = &site;
+    me.mask = 0;
+    contributions_[rank_] = contribution;
+    char* const edge = &meeting.edges[meeting.phase % 2];
+    if (fence) release_edge(edge);
+    if (++meeting.count == size_) {
+        if (combine) {
+            const Untracked untracked;
+            combine(context, contributions_);
+        }
+        meeting.count = 0;
+        ++meeting.phase;
+        spins_ = 0;
+        for (unsigned rank = 0; rank < size_; ++rank) wake(rank);
+    }
+    sleep();
+    me.waits_in = nullptr;
+    if (fence) acquire_edge(edge);
+}
+
+void Block::check_mask(const Site& site, std::uint32_t mask) const {
+    const std::uint32_t exited = warps_[rank_ / warp_size].exited;
+    if (!(mask >> rank_ % warp_size & 1))
+        fail_in_kernel("%s(0x%08x) at %s:%d: the mask lacks the caller, lane %u", site.what, mask, site.file, site.line,
+                       rank_ % warp_size);
+    if (mask & exited)
+        fail_in_kernel("%s(0x%08x) at %s:%d: the mask names lanes 0x%08x, which do not exist or have exited", site.what,
+                       mask, site.file, site.line, mask & exited);
+}
+
+Block::Meeting& Block::join(Warp& warp, const Site& site, std::uint32_t mask) const {
+    const std::uint32_t bit = 1u << rank_ % warp_size;
+    for (Meeting& meeting : warp.meetings) {
+        if (!meeting.arrived) continue;
+        if (meeting.mask == mask && same(meeting.site, site)) return meeting;
+        // Lanes that wait for the caller elsewhere may do so, unless the caller is about to wait for them.
+        if (meeting.mask & bit && meeting.arrived & mask)
+            fail_in_kernel("is in %s(0x%08x) at %s:%d while others wait for it in %s(0x%08x) at %s:%d", site.what, mask,
+                           site.file, site.line, meeting.site.what, meeting.mask, meeting.site.file, meeting.site.line);
+    }
+    // A meeting lives where its lowest lane is, so that edges of one group stay apart from those of another; elsewhere
+    // if that lane still waits with others. Each waiting lane fills one meeting at most, so one of 32 is free.
+    Meeting* free = &warp.meetings[std::countr_zero(mask)];
+    for (unsigned i = 0; free->arrived; ++i) free = &warp.meetings[i];
+    Meeting& meeting = *free;
+    meeting.site = site;
+    meeting.mask = mask;
+    return meeting;
+}
+
+void Block::meet_in_warp(const Site& site, std::uint32_t mask, bool fence, void* contribution, Combine combine,
+                         void* context) {
+    Lane& me = *lanes_[rank_];
+    const unsigned first = rank_ / warp_size * warp_size;
+    check_mask(site, mask);
+    Meeting& meeting = join(warps_[rank_ / warp_size], site, mask);
+    me.waits_in = &site;
+    me.mask = mask;
+    contributions_[rank_] = contribution;
+    char* const edge = &meeting.edges[meeting.phase % 2];
+    if (fence) release_edge(edge);
+    meeting.arrived |= 1u << rank_ % warp_size;
+    if (meeting.arrived == mask) {
+        if (combine) {
+            const Untracked untracked;
+            combine(context, contributions_ + first);
+        }
+        meeting.arrived = 0;
+        ++meeting.phase;
+        spins_ = 0;
+        for (std::uint32_t left = mask; left; left &= left - 1)
+            wake(first + static_cast<unsigned>(std::countr_zero(left)));
+    }
+    sleep();
+    me.waits_in = nullptr;
+    if (fence) acquire_edge(edge);
+}
+
+void Block::yield() {
+    yielded_[rank_ / 64] |= std::uint64_t{1} << rank_ % 64;
+    sleep();
+}
+
+void Block::fence() {
+    acquire_edge(&fence_);
+    std::atomic_thread_fence(std::memory_order_seq_cst);
+    release_edge(&fence_);
+}
+
+void device_fence() {
+    static char edge;
+    acquire_edge(&edge);
+    std::atomic_thread_fence(std::memory_order_seq_cst);
+    release_edge(&edge);
+}
+
+bool Block::in_stack_guard(const void* address) const {
+    const auto* guard = static_cast<const std::byte*>(lanes_[rank_]->fiber.guard());
+    return address >= guard && address < guard + page;
+}
+
+bool Block::in_shared_guard(const void* address) const {
+    return address >= arena_ + arena_bytes && address < arena_ + arena_bytes + page;
+}
+
+void Block::stuck() const {
+    char text[2000] = "";
+    std::size_t used = 0;
+    const auto say = [&](auto... arguments) {
+        const int n = std::snprintf(text + used, sizeof text - used, arguments...);
+        if (n > 0) used = std::min(sizeof text - 1, used + static_cast<std::size_t>(n));
+    };
+    // One line for each place in which threads wait.
+    bool told[most_threads] = {};
+    for (unsigned rank = 0; rank < size_; ++rank) {
+        const Lane& lane = *lanes_[rank];
+        if (told[rank] || !lane.alive) continue;
+        unsigned count = 0;
+        for (unsigned other = rank; other < size_; ++other) {
+            const Lane& o = *lanes_[other];
+            const bool together = o.alive && o.mask == lane.mask && !o.waits_in == !lane.waits_in &&
+                                  (!lane.waits_in || same(*o.waits_in, *lane.waits_in));
+            if (!together) continue;
+            told[other] = true;
+            ++count;
+        }
+        if (!lane.waits_in)
+            say("\n  %u threads, the first is %u, spin in __nanosleep", count, rank);
+        else if (lane.mask)
+            say("\n  %u threads, the first is %u, wait in %s(0x%08x) at %s:%d", count, rank, lane.waits_in->what,
+                lane.mask, lane.waits_in->file, lane.waits_in->line);
+        else
+            say("\n  %u threads, the first is %u, wait in %s at %s:%d", count, rank, lane.waits_in->what,
+                lane.waits_in->file, lane.waits_in->line);
+    }
+    fail("block (%u,%u,%u) is in deadlock:%s\n  %u threads have exited", index_.x, index_.y, index_.z, text,
+         size_ - alive_);
+}
+
+}  // namespace cuda_on_cpu

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <cstddef>
+
+// What a launch may ask for: the numbers of compute capability 9.0.
+namespace cuda_on_cpu::limits {
+
+inline constexpr int threads_per_block = 1024;
+inline constexpr int block_x = 1024, block_y = 1024, block_z = 64;
+inline constexpr int grid_x = 2147483647, grid_y = 65535, grid_z = 65535;
+inline constexpr int threads_per_multiprocessor = 2048, blocks_per_multiprocessor = 32;
+inline constexpr int registers = 65536;
+inline constexpr std::size_t shared_bytes_per_block = 48 << 10;
+/// After cudaFuncSetAttribute has asked for it.
+inline constexpr std::size_t shared_bytes_per_block_optin = 227 << 10;
+inline constexpr std::size_t shared_bytes_per_multiprocessor = 228 << 10;
+
+}  // namespace cuda_on_cpu::limits

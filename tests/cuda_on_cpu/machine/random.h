@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+
+namespace cuda_on_cpu {
+
+/// Marsaglia's 64-bit xorshift: rubbish for fresh memory and choices for random orders, the same for the same seed.
+class Random {
+   public:
+    explicit Random(std::uint64_t seed) : state_(seed * 0x9E3779B97F4A7C15u + 0xD1B54A32D192ED03u) { next(); }
+
+    std::uint64_t next() {
+        state_ ^= state_ << 13;
+        state_ ^= state_ >> 7;
+        state_ ^= state_ << 17;
+        return state_;
+    }
+    /// Below n, which is at least 1.
+    std::uint64_t below(std::uint64_t n) { return next() % n; }
+
+    void fill(void* memory, std::size_t bytes) {
+        auto* at = static_cast<unsigned char*>(memory);
+        for (; bytes >= 8; bytes -= 8, at += 8) {
+            const std::uint64_t rubbish = next();
+            std::memcpy(at, &rubbish, 8);
+        }
+        for (std::uint64_t rubbish = next(); bytes; --bytes, rubbish >>= 8) *at++ = static_cast<unsigned char>(rubbish);
+    }
+
+   private:
+    std::uint64_t state_;
+};
+
+}  // namespace cuda_on_cpu

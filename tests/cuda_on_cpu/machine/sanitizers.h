@@ -1,0 +1,73 @@
+#pragma once
+
+// What the machine tells the sanitizers, and nothing where there are none.
+//
+// ThreadSanitizer sees each CUDA thread as a thread of its own. An edge of happens-before exists only where CUDA gives
+// one: from launch to thread, at a barrier, from thread to the end of the launch. The machine's own bookkeeping is
+// compiled without instrumentation; what must be inline in instrumented code hides behind `Untracked`.
+
+#include <cstddef>
+
+#if defined(__SANITIZE_ADDRESS__)
+#define CUDA_ON_CPU_ASAN 1
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer)
+#define CUDA_ON_CPU_ASAN 1
+#endif
+#endif
+
+// The machine is compiled without -fsanitize=thread, so the build says when the rest has it.
+#ifdef CUDA_ON_CPU_TSAN
+#include <sanitizer/tsan_interface.h>
+extern "C" {
+void AnnotateIgnoreReadsBegin(const char* file, int line);
+void AnnotateIgnoreReadsEnd(const char* file, int line);
+void AnnotateIgnoreWritesBegin(const char* file, int line);
+void AnnotateIgnoreWritesEnd(const char* file, int line);
+}
+#endif
+#ifdef CUDA_ON_CPU_ASAN
+#include <sanitizer/asan_interface.h>
+#include <sanitizer/common_interface_defs.h>
+#endif
+
+namespace cuda_on_cpu {
+
+#ifdef CUDA_ON_CPU_TSAN
+inline constexpr bool thread_sanitizer = true;
+inline void release_edge(void* object) { __tsan_release(object); }
+inline void acquire_edge(void* object) { __tsan_acquire(object); }
+struct Untracked {
+    Untracked() {
+        AnnotateIgnoreReadsBegin(__FILE__, __LINE__);
+        AnnotateIgnoreWritesBegin(__FILE__, __LINE__);
+    }
+    ~Untracked() {
+        AnnotateIgnoreWritesEnd(__FILE__, __LINE__);
+        AnnotateIgnoreReadsEnd(__FILE__, __LINE__);
+    }
+    Untracked(const Untracked&) = delete;
+    Untracked& operator=(const Untracked&) = delete;
+};
+#else
+inline constexpr bool thread_sanitizer = false;
+inline void release_edge(void*) {}
+inline void acquire_edge(void*) {}
+struct Untracked {
+    Untracked() {}
+    Untracked(const Untracked&) = delete;
+    Untracked& operator=(const Untracked&) = delete;
+};
+#endif
+
+#ifdef CUDA_ON_CPU_ASAN
+inline constexpr bool address_sanitizer = true;
+inline void forbid(void* memory, std::size_t bytes) { __asan_poison_memory_region(memory, bytes); }
+inline void allow(void* memory, std::size_t bytes) { __asan_unpoison_memory_region(memory, bytes); }
+#else
+inline constexpr bool address_sanitizer = false;
+inline void forbid(void*, std::size_t) {}
+inline void allow(void*, std::size_t) {}
+#endif
+
+}  // namespace cuda_on_cpu

@@ -1,0 +1,71 @@
+#include "cuda_on_cpu/machine/settings.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cstdlib>
+#include <string_view>
+#include <thread>
+
+#include "cuda_on_cpu/machine/report.h"
+
+namespace cuda_on_cpu {
+namespace {
+
+template <class Enum>
+struct Name {
+    std::string_view name;
+    Enum value;
+};
+
+template <class Enum, std::size_t N>
+void read(const char* variable, const Name<Enum> (&names)[N], Enum& value) {
+    const char* text = std::getenv(variable);
+    if (!text) return;
+    const auto* found = std::find_if(names, names + N, [&](const Name<Enum>& n) { return n.name == text; });
+    if (found == names + N) fail("%s=%s means nothing", variable, text);
+    value = found->value;
+}
+
+template <class Integer>
+void read(const char* variable, Integer& value) {
+    const char* text = std::getenv(variable);
+    if (!text) return;
+    const std::string_view view = text;
+    const auto [end, error] = std::from_chars(view.data(), view.data() + view.size(), value);
+    if (error != std::errc() || end != view.data() + view.size()) fail("%s=%s is no number", variable, text);
+}
+
+Settings from_environment() {
+    constexpr Name<Order> orders[] = {
+        {"forward", Order::forward}, {"reverse", Order::reverse}, {"random", Order::random}};
+    constexpr Name<Progress> ways[] = {
+        {"lazy", Progress::lazy}, {"eager", Progress::eager}, {"random", Progress::random}};
+    Settings result;
+    read("CUDA_ON_CPU_ORDER", orders, result.order);
+    read("CUDA_ON_CPU_PROGRESS", ways, result.progress);
+    read("CUDA_ON_CPU_SEED", result.seed);
+    read("CUDA_ON_CPU_WORKERS", result.workers);
+    read("CUDA_ON_CPU_DEVICES", result.devices);
+    return result;
+}
+
+}  // namespace
+
+Settings& settings() {
+    static Settings instance = from_environment();
+    return instance;
+}
+
+unsigned worker_count() {
+    const unsigned chosen = settings().workers;
+    return chosen ? chosen : std::max(2u, std::thread::hardware_concurrency());
+}
+
+Random& host_random() {
+    static std::uint32_t seed = settings().seed;
+    static Random random(seed);
+    if (seed != settings().seed) random = Random(seed = settings().seed);
+    return random;
+}
+
+}  // namespace cuda_on_cpu

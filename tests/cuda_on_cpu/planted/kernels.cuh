@@ -1,0 +1,217 @@
+#pragma once
+
+// Kernels with a bug that `planted` switches on. Plain CUDA: nvcc compiles them, too, and finds nothing wrong.
+
+#include <cub/block/block_reduce.cuh>
+#include <cub/block/block_scan.cuh>
+
+#include "cuda_on_cpu/portable/portable.h"
+
+namespace planted {
+
+constexpr int threads = 64;
+constexpr unsigned full = 0xffffffffu;
+
+struct Items {
+    int items[threads];
+};
+
+/// out[i] = the value of the mirrored thread. Planted: no barrier between write and read.
+__global__ void mirror(int* out, bool planted) {
+    Items& s = portable::dynamic_shared<Items>();
+    const int i = static_cast<int>(threadIdx.x);
+    s.items[i] = 10 * i;
+    if (!planted) __syncthreads();
+    out[i] = s.items[threads - 1 - i];
+}
+
+/// The same, three times. Planted: no barrier between a read and the next write.
+__global__ void mirror_in_a_loop(int* out, bool planted) {
+    Items& s = portable::dynamic_shared<Items>();
+    const int i = static_cast<int>(threadIdx.x);
+    int sum = 0;
+    for (int round = 0; round < 3; ++round) {
+        s.items[i] = (10 + round) * i;
+        __syncthreads();
+        sum += s.items[threads - 1 - i];
+        if (!planted) __syncthreads();
+    }
+    out[i] = sum;
+}
+
+/// Neighbours within a warp. Planted: a ballot where a fence is needed.
+__global__ void neighbour(int* out, bool planted) {
+    Items& s = portable::dynamic_shared<Items>();
+    const int i = static_cast<int>(threadIdx.x);
+    s.items[i] = 10 * i;
+    if (planted)
+        __ballot_sync(full, 1);
+    else
+        __syncwarp();
+    out[i] = s.items[i ^ 1];
+}
+
+/// Counts blocks. Planted: without an atomic.
+__global__ void count_blocks(int* count, bool planted) {
+    if (threadIdx.x != 0) return;
+    if (planted)
+        *count += 1;
+    else
+        atomicAdd(count, 1);
+}
+
+/// The last block to come sums what all have left. Planted: no fence around the counter.
+__global__ void last_block_sums(int* parts, unsigned* arrived, int* total, bool planted) {
+    if (threadIdx.x != 0) return;
+    parts[blockIdx.x] = static_cast<int>(blockIdx.x) + 1;
+    if (!planted) __threadfence();
+    if (atomicAdd(arrived, 1u) != gridDim.x - 1) return;
+    if (!planted) __threadfence();
+    int sum = 0;
+    for (unsigned b = 0; b < gridDim.x; ++b) sum += parts[b];
+    *total = sum;
+}
+
+/// Writes shared memory at some index. Planted by the index.
+__global__ void write_shared(int* out, int index) {
+    int* const items = portable::dynamic_shared<Items>().items;
+    items[threadIdx.x] = 1;
+    __syncthreads();
+    if (threadIdx.x == 5) items[index] = 2;
+    __syncthreads();
+    out[threadIdx.x] = items[threadIdx.x];
+}
+
+/// Counts threads in shared memory. Planted: nobody set the counter to 0.
+__global__ void count_threads(int* out, bool planted) {
+    Items& s = portable::dynamic_shared<Items>();
+    if (!planted && threadIdx.x == 0) s.items[0] = 0;
+    __syncthreads();
+    atomicAdd(&s.items[0], 1);
+    __syncthreads();
+    out[threadIdx.x] = s.items[0];
+}
+
+/// Even lanes vote. Planted: they name the whole warp.
+__global__ void even_lanes_vote(unsigned* out, bool planted) {
+    out[threadIdx.x] = 0;
+    if (threadIdx.x % 2 == 0) out[threadIdx.x] = __ballot_sync(planted ? full : 0x55555555u, 1);
+}
+
+/// All lanes vote. Planted: the mask lacks lane 3, which votes as well.
+__global__ void a_lane_not_named_votes(unsigned* out, bool planted) {
+    out[threadIdx.x] = __ballot_sync(planted ? ~8u : full, 1);
+}
+
+/// Votes in a block of any size. Planted: the last warp may lack lanes, which the mask names all the same.
+__global__ void partial_warp_votes(unsigned* out, bool planted) {
+    const unsigned left = blockDim.x - threadIdx.x / 32 * 32;
+    const unsigned mask = planted || left >= 32 ? full : (1u << left) - 1;
+    out[threadIdx.x] = __ballot_sync(mask, 1);
+}
+
+/// Lanes agree on a mask, and vote. Planted: two halves name different masks.
+__global__ void halves_disagree(unsigned* out, bool planted) {
+    const unsigned mask = planted && threadIdx.x % 32 >= 16 ? 0xffff0001u : full;
+    out[threadIdx.x] = __ballot_sync(mask, 1);
+}
+
+/// Counts the lanes that are there. Planted: by those which happen to run together.
+__global__ void count_lanes(int* out, bool planted) {
+    out[threadIdx.x] = __popc(__ballot_sync(planted ? __activemask() : full, 1));
+}
+
+/// Each half of a warp reads its own first lane. Planted: the upper half reads a lane that its mask does not name.
+__global__ void read_first_lane(int* out, bool planted) {
+    const int i = static_cast<int>(threadIdx.x), half = i / 16 * 16;
+    out[i] = __shfl_sync(0xffffu << half % 32, i, planted ? i / 32 * 32 : half);
+}
+
+/// A barrier. Planted: the upper half waits at another one.
+__global__ void two_barriers(int* out, bool planted) {
+    if (planted && threadIdx.x >= 32) {
+        __syncthreads();
+    } else {
+        __syncthreads();
+    }
+    out[threadIdx.x] = 1;
+}
+
+/// A barrier. Planted: threads from 40 on have left.
+__global__ void leave_early(int* out, bool planted) {
+    out[threadIdx.x] = 1;
+    if (planted && threadIdx.x >= 40) return;
+    __syncthreads();
+    out[threadIdx.x] = 2;
+}
+
+/// A barrier for the block and a vote of the first warp. Planted: lane 7 goes to the barrier at once.
+__global__ void barrier_instead_of_vote(unsigned* out, bool planted) {
+    unsigned votes = 0;
+    if (threadIdx.x < 32 && !(planted && threadIdx.x == 7)) votes = __ballot_sync(full, 1);
+    __syncthreads();
+    out[threadIdx.x] = votes;
+}
+
+/// Waits for a flag. Planted: nobody sets it.
+__global__ void wait_for_flag(unsigned* flag, bool planted) {
+    if (threadIdx.x == 0 && !planted) atomicExch(flag, 1u);
+    while (atomicAdd(flag, 0u) == 0) __nanosleep(20);
+}
+
+/// Writes some element of an array. Planted by the index.
+__global__ void write_global(int* out, long long index) { out[index] = 1; }
+
+/// Adds two sums. Planted: no barrier before the storage is used again.
+__global__ void two_scans(int* out, bool planted) {
+    using Scan = cub::BlockScan<int, threads>;
+    auto& storage = portable::dynamic_shared<Scan::TempStorage>();
+    int first, second;
+    Scan(storage).ExclusiveSum(1, first);
+    if (!planted) __syncthreads();
+    Scan(storage).ExclusiveSum(2, second);
+    out[threadIdx.x] = first + second;
+}
+
+/// A sum of all threads. Planted: threads use their own result, though only the first has one.
+__global__ void sum_for_all(int* out, bool planted) {
+    using Reduce = cub::BlockReduce<int, threads>;
+    struct Shared {
+        Reduce::TempStorage storage;
+        int sum;
+    };
+    Shared& s = portable::dynamic_shared<Shared>();
+    const int sum = Reduce(s.storage).Sum(1);
+    if (threadIdx.x == 0) s.sum = sum;
+    __syncthreads();
+    out[threadIdx.x] = planted ? sum : s.sum;
+}
+
+/// A scan for 64 threads. Planted by the launch, which has another number.
+__global__ void scan_of_64(int* out) {
+    using Scan = cub::BlockScan<int, threads>;
+    auto& storage = portable::dynamic_shared<Scan::TempStorage>();
+    int place;
+    Scan(storage).ExclusiveSum(1, place);
+    out[threadIdx.x] = place;
+}
+
+__device__ inline int deep(int n, volatile int* filler) {
+    volatile int mine[256];
+    mine[n % 256] = n + filler[0];
+    return n == 0 ? mine[0] : deep(n - 1, mine + n % 256) + mine[n % 256] % 2;
+}
+/// Planted by a depth that no stack holds.
+__global__ void recurse(int* out, int depth) {
+    volatile int zero = 0;
+    out[0] = deep(depth, &zero);
+}
+
+__global__ void load_four(const float* in, float* out, int offset) {
+    *out = reinterpret_cast<const float4*>(in + offset)->y;
+}
+
+__global__ void copy(int* to, const int* from) { *to = *from; }
+__global__ void set(int* to, int value) { *to = value; }
+
+}  // namespace planted

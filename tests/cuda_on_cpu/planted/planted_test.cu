@@ -1,0 +1,400 @@
+// Each planted bug is found, and its kernel without the bug is not. What finds it stands in the test: the order of
+// threads, the machine's own checks, or a sanitizer. In a build with ThreadSanitizer a race ends the process before its
+// result could be wrong.
+
+#include <cub/device/device_scan.cuh>
+#include <functional>
+
+#include "cuda_on_cpu/machine/sanitizers.h"
+#include "cuda_on_cpu/machine/settings.h"
+#include "cuda_on_cpu/planted/kernels.cuh"
+
+#ifdef CUDA_ON_CPU_TSAN
+// A race anywhere in this executable is a failure at once.
+extern "C" __attribute__((visibility("default"))) const char* __tsan_default_options() { return "halt_on_error=1"; }
+#endif
+
+namespace {
+
+using namespace planted;
+using cuda_on_cpu::Order;
+using cuda_on_cpu::Progress;
+using cuda_on_cpu::settings;
+using portable::Array;
+using portable::check;
+using portable::launch;
+using portable::try_launch;
+
+constexpr Order all_orders[] = {Order::forward, Order::reverse, Order::random};
+constexpr bool sanitized = cuda_on_cpu::address_sanitizer || cuda_on_cpu::thread_sanitizer;
+
+class Planted : public testing::Test {
+   protected:
+    void SetUp() override {
+        testing::FLAGS_gtest_death_test_style = "threadsafe";
+        settings() = {};
+    }
+    void TearDown() override {
+        cudaGetLastError();
+        settings() = {};
+    }
+};
+
+/// The result of a kernel of one block that fills `threads` results.
+template <class T>
+std::vector<T> run(void (*kernel)(T*, bool), bool bug, unsigned block = threads, std::size_t shared = 8192) {
+    const Array<T> out(std::vector<T>(block, T{}));
+    launch(kernel, 1, block, shared, out.data(), bug);
+    return out.values();
+}
+
+enum class Racy { no, yes };
+
+/// In each order: a wrong result with the bug, the right one without.
+template <class T>
+void expect_wrong(void (*kernel)(T*, bool), const std::vector<T>& right, Racy racy = Racy::no) {
+    const auto block = static_cast<unsigned>(right.size());
+    for (const Order order : all_orders) {
+        settings().order = order;
+        EXPECT_EQ(run(kernel, false, block), right);
+        if (racy == Racy::yes && cuda_on_cpu::thread_sanitizer)
+            EXPECT_DEATH(run(kernel, true, block), "data race");
+        else
+            EXPECT_NE(run(kernel, true, block), right) << "order " << static_cast<int>(order);
+    }
+}
+
+/// In each order: the machine refuses the bug with this message, and has nothing against the kernel without.
+template <class T>
+void expect_refused(void (*kernel)(T*, bool), const char* message, unsigned block = threads) {
+    for (const Order order : all_orders) {
+        settings().order = order;
+        EXPECT_DEATH(run(kernel, true, block), message);
+        run(kernel, false, block);
+    }
+}
+
+/// ThreadSanitizer alone finds it, in each order: the result is right whatever the order.
+void expect_race(const std::function<void(bool)>& body) {
+    for (const Order order : all_orders) {
+        settings().order = order;
+        body(false);
+        if (cuda_on_cpu::thread_sanitizer)
+            EXPECT_DEATH(body(true), "data race");
+        else
+            body(true);
+    }
+}
+
+template <class F>
+std::vector<int> each_thread(F f) {
+    std::vector<int> result;
+    for (int i = 0; i < threads; ++i) result.push_back(f(i));
+    return result;
+}
+
+// Found by every order, and by ThreadSanitizer.
+
+TEST_F(Planted, missing_barrier_between_write_and_read) {
+    expect_wrong(mirror, each_thread([](int i) { return 10 * (threads - 1 - i); }), Racy::yes);
+}
+TEST_F(Planted, missing_barrier_between_read_and_write) {
+    expect_wrong(mirror_in_a_loop, each_thread([](int i) { return 33 * (threads - 1 - i); }), Racy::yes);
+}
+
+// Found by every order, because what is undefined is rubbish.
+
+TEST_F(Planted, uninitialised_shared_memory) { expect_wrong(count_threads, std::vector<int>(threads, threads)); }
+TEST_F(Planted, activemask_taken_for_the_warp) { expect_wrong(count_lanes, std::vector<int>(threads, 32)); }
+TEST_F(Planted, shuffle_from_a_lane_outside_of_the_mask) {
+    expect_wrong(read_first_lane, each_thread([](int i) { return i / 16 * 16; }));
+}
+TEST_F(Planted, block_reduction_used_by_all_threads) { expect_wrong(sum_for_all, std::vector<int>(threads, threads)); }
+TEST_F(Planted, uninitialised_device_memory) {
+    const Array<int> fresh(100);
+    EXPECT_NE(fresh.values(), std::vector<int>(100, 0));
+    const Array<int> other(100);
+    EXPECT_NE(fresh.values(), other.values());
+}
+
+// Found by the machine, in every order.
+
+TEST_F(Planted, mask_names_lanes_that_do_not_vote) {
+    expect_refused(even_lanes_vote, "exits while others wait for it in __ballot_sync|which do not exist or have exited",
+                   32);
+}
+TEST_F(Planted, mask_lacks_the_caller) {
+    expect_refused(a_lane_not_named_votes, "the mask lacks the caller, lane 3", 32);
+}
+TEST_F(Planted, mask_names_lanes_that_do_not_exist) {
+    expect_refused(partial_warp_votes, "the mask names lanes 0xffff0000, which do not exist", 80);
+}
+TEST_F(Planted, masks_differ) {
+    expect_refused(halves_disagree, "while others wait for it in __ballot_sync|is in deadlock", 32);
+}
+TEST_F(Planted, barriers_in_two_branches) {
+    expect_refused(two_barriers,
+                   "is in __syncthreads at .*kernels.cuh:[0-9]* while others of its block wait in __syncthreads");
+}
+TEST_F(Planted, exit_before_a_barrier) {
+    expect_refused(leave_early,
+                   "exits while others wait for it in __syncthreads|threads that have exited will never reach");
+}
+TEST_F(Planted, barrier_where_others_vote) { expect_refused(barrier_instead_of_vote, "is in deadlock"); }
+TEST_F(Planted, spinning_for_ever) {
+    settings().spin_seconds = 0.2;
+    const Array<unsigned> flag(std::vector<unsigned>{0});
+    EXPECT_DEATH(
+        {
+            launch(wait_for_flag, 1, 32, 0, flag.data(), true);
+            cudaDeviceSynchronize();
+        },
+        "spin in __nanosleep");
+    launch(wait_for_flag, 1, 32, 0, flag.data(), false);
+    check(cudaDeviceSynchronize());
+}
+TEST_F(Planted, less_shared_memory_than_the_kernel_needs) {
+    EXPECT_DEATH(run(mirror, false, threads, sizeof(Items) - 1),
+                 "asks for 256 bytes of dynamic shared memory.*gave 255");
+}
+TEST_F(Planted, block_primitive_for_another_number_of_threads) {
+    const Array<int> out(128);
+    EXPECT_DEATH(
+        {
+            launch(scan_of_64, 1, 128, 1024, out.data());
+            cudaDeviceSynchronize();
+        },
+        "BlockScan for 64 threads at .* in a block of 128");
+}
+
+// Found by guard pages and watched bytes; by AddressSanitizer, to the byte.
+
+void write_shared_at(int index) {
+    const Array<int> out(threads);
+    launch(write_shared, 1, threads, sizeof(Items), out.data(), index);
+    check(cudaDeviceSynchronize());
+}
+TEST_F(Planted, shared_memory_out_of_bounds) {
+    write_shared_at(threads - 1);
+    EXPECT_DEATH(write_shared_at(threads),
+                 sanitized ? "Sanitizer|runtime error" : "past the end of its 256 bytes of shared memory");
+    if (cuda_on_cpu::thread_sanitizer) return;
+    EXPECT_DEATH(write_shared_at(-1),
+                 sanitized ? "AddressSanitizer|runtime error" : "wrote .* bytes before its shared memory");
+}
+
+void write_global_at(long long index) {
+    const Array<int> out(100);
+    launch(write_global, 1, 1, 0, out.data(), index);
+    check(cudaDeviceSynchronize());
+}
+TEST_F(Planted, device_memory_out_of_bounds) {
+    write_global_at(99);
+    EXPECT_DEATH(write_global_at(128),
+                 sanitized ? "Sanitizer" : "112 bytes past the end of an allocation of 400 bytes");
+    EXPECT_DEATH(write_global_at(100), cuda_on_cpu::address_sanitizer
+                                           ? "heap-buffer-overflow"
+                                           : "0 bytes past the end of an allocation of 400 bytes were written");
+}
+TEST_F(Planted, device_memory_after_it_is_freed) {
+    const auto body = [] {
+        int* memory = nullptr;
+        check(cudaMalloc(&memory, 400));
+        check(cudaFree(memory));
+        launch(write_global, 1, 1, 0, memory, 7ll);
+        check(cudaDeviceSynchronize());
+    };
+    EXPECT_DEATH(body(), sanitized ? "heap-use-after-free|SEGV" : "byte 28 of a freed allocation of 400 bytes");
+}
+TEST_F(Planted, device_memory_before_its_turn_in_the_stream) {
+    const auto body = [](bool bug) {
+        cudaStream_t first, second;
+        check(cudaStreamCreateWithFlags(&first, cudaStreamNonBlocking));
+        check(cudaStreamCreateWithFlags(&second, cudaStreamNonBlocking));
+        int* memory = nullptr;
+        check(cudaMallocAsync(&memory, 400, first));
+        check(try_launch(bug ? second : first, write_global, 1, 1, 0, memory, 7ll));
+        check(cudaStreamSynchronize(bug ? second : first));
+        check(cudaFreeAsync(memory, first));
+        check(cudaStreamDestroy(first));
+        check(cudaStreamDestroy(second));
+    };
+    body(false);
+    EXPECT_DEATH(body(true),
+                 sanitized ? "use-after-poison|SEGV" : "an allocation whose turn in its stream has not come");
+}
+TEST_F(Planted, stack_overflow) {
+    const auto body = [](int depth) {
+        const Array<int> out(1);
+        launch(recurse, 1, 1, 0, out.data(), depth);
+        check(cudaDeviceSynchronize());
+    };
+    body(10);
+    // ThreadSanitizer dies of it without a word.
+    EXPECT_DEATH(body(100000), cuda_on_cpu::thread_sanitizer    ? ""
+                               : cuda_on_cpu::address_sanitizer ? "stack-overflow"
+                                                                : "overflows its stack");
+}
+TEST_F(Planted, temporary_storage_that_is_too_small) {
+    const Array<int> data(1000);
+    std::size_t bytes = 0;
+    check(cub::DeviceScan::ExclusiveSum(nullptr, bytes, data.data(), data.data(), 1000));
+    const Array<char> less(bytes - 1);
+    EXPECT_DEATH(cub::DeviceScan::ExclusiveSum(less.data(), bytes, data.data(), data.data(), 1000),
+                 "temporary storage .* does not lie in one allocation");
+}
+TEST_F(Planted, memory_freed_twice) {
+    int* memory = nullptr;
+    check(cudaMalloc(&memory, 400));
+    check(cudaFree(memory));
+    EXPECT_EQ(cudaFree(memory), cudaErrorInvalidValue);
+}
+TEST_F(Planted, copy_beyond_an_allocation) {
+    const Array<int> memory(100);
+    std::vector<int> host(101);
+    EXPECT_EQ(cudaMemcpy(memory.data(), host.data(), 404, cudaMemcpyHostToDevice), cudaErrorInvalidValue);
+    EXPECT_EQ(cudaMemcpy(host.data(), memory.data(), 400, cudaMemcpyHostToDevice), cudaErrorInvalidValue)
+        << "direction";
+    EXPECT_EQ(cudaMemset(host.data(), 0, 4), cudaErrorInvalidValue) << "host memory";
+}
+TEST_F(Planted, misaligned_vector_load) {
+    const Array<float> in(std::vector<float>(8, 1.0f)), out(1);
+    const auto body = [&](int offset) {
+        launch(load_four, 1, 1, 0, static_cast<const float*>(in.data()), out.data(), offset);
+        check(cudaDeviceSynchronize());
+    };
+    body(4);
+    if (!cuda_on_cpu::address_sanitizer) GTEST_SKIP() << "found by UndefinedBehaviorSanitizer";
+    EXPECT_DEATH(body(1), "misaligned address");
+}
+
+// Found by ThreadSanitizer alone.
+
+TEST_F(Planted, ballot_taken_for_a_fence) {
+    expect_race([](bool bug) { EXPECT_EQ(run(neighbour, bug), each_thread([](int i) { return 10 * (i ^ 1); })); });
+}
+TEST_F(Planted, race_between_blocks) {
+    settings().workers = 1;  // even so: blocks are not ordered
+    expect_race([](bool bug) {
+        const Array<int> count(std::vector<int>{0});
+        launch(count_blocks, 20, threads, 0, count.data(), bug);
+        EXPECT_EQ(count.values()[0], 20);
+    });
+}
+TEST_F(Planted, no_fence_between_blocks) {
+    expect_race([](bool bug) {
+        const Array<int> parts(20), total(1);
+        const Array<unsigned> arrived(std::vector<unsigned>{0});
+        launch(last_block_sums, 20, threads, 0, parts.data(), arrived.data(), total.data(), bug);
+        EXPECT_EQ(total.values()[0], 210);
+    });
+}
+TEST_F(Planted, storage_of_a_block_primitive_used_again_too_early) {
+    expect_race([](bool bug) { EXPECT_EQ(run(two_scans, bug), each_thread([](int i) { return 3 * i; })); });
+}
+
+// Found by lazy streams.
+
+struct TwoStreams {
+    cudaStream_t first = nullptr, second = nullptr;
+    cudaEvent_t event = nullptr;
+    TwoStreams() {
+        check(cudaStreamCreateWithFlags(&first, cudaStreamNonBlocking));
+        check(cudaStreamCreateWithFlags(&second, cudaStreamNonBlocking));
+        check(cudaEventCreate(&event));
+    }
+    ~TwoStreams() {
+        cudaStreamDestroy(first);
+        cudaStreamDestroy(second);
+        cudaEventDestroy(event);
+    }
+};
+
+TEST_F(Planted, stream_that_does_not_wait_for_another) {
+    const auto body = [](bool bug) {
+        const TwoStreams s;
+        const Array<int> from(std::vector<int>{1}), to(std::vector<int>{1});
+        check(try_launch(s.first, set, 1, 1, 0, from.data(), 2));
+        check(cudaEventRecord(s.event, s.first));
+        if (!bug) check(cudaStreamWaitEvent(s.second, s.event, 0));
+        check(try_launch(s.second, copy, 1, 1, 0, to.data(), static_cast<const int*>(from.data())));
+        check(cudaStreamSynchronize(s.second));
+        int result = 0;
+        check(cudaMemcpy(&result, to.data(), 4, cudaMemcpyDeviceToHost));
+        return result;
+    };
+    EXPECT_EQ(body(false), 2);
+    EXPECT_EQ(body(true), 1);
+    settings().progress = Progress::eager;
+    EXPECT_EQ(body(true), 2) << "hidden by eager streams";
+}
+TEST_F(Planted, host_that_does_not_wait_for_a_copy) {
+    int* pinned = nullptr;
+    check(cudaMallocHost(&pinned, 4));
+    const auto body = [&](bool bug) {
+        const TwoStreams s;
+        const Array<int> from(std::vector<int>{7});
+        *pinned = 0;
+        check(cudaMemcpyAsync(pinned, from.data(), 4, cudaMemcpyDeviceToHost, s.first));
+        if (!bug) check(cudaStreamSynchronize(s.first));
+        return *pinned;
+    };
+    EXPECT_EQ(body(false), 7);
+    EXPECT_EQ(body(true), 0);
+    check(cudaFreeHost(pinned));
+}
+
+// Found by the order of a graph's nodes.
+
+TEST_F(Planted, missing_dependency_in_a_graph) {
+    const auto body = [](bool bug) {
+        const TwoStreams s;
+        const Array<int> from(std::vector<int>{1}), to(std::vector<int>{1});
+        check(cudaStreamBeginCapture(s.first, cudaStreamCaptureModeThreadLocal));
+        check(cudaEventRecord(s.event, s.first));
+        check(cudaStreamWaitEvent(s.second, s.event, 0));
+        check(try_launch(s.second, set, 1, 1, 0, from.data(), 2));
+        check(cudaEventRecord(s.event, s.second));
+        if (!bug) check(cudaStreamWaitEvent(s.first, s.event, 0));
+        check(try_launch(s.first, copy, 1, 1, 0, to.data(), static_cast<const int*>(from.data())));
+        if (bug) check(cudaStreamWaitEvent(s.first, s.event, 0));
+        cudaGraph_t graph;
+        check(cudaStreamEndCapture(s.first, &graph));
+        cudaGraphExec_t executable;
+        check(cudaGraphInstantiate(&executable, graph, 0));
+        check(cudaGraphLaunch(executable, s.first));
+        check(cudaStreamSynchronize(s.first));
+        check(cudaGraphExecDestroy(executable));
+        check(cudaGraphDestroy(graph));
+        return to.values()[0];
+    };
+    EXPECT_EQ(body(false), 2);
+    EXPECT_EQ(body(true), 2) << "hidden by forward order";
+    settings().order = Order::reverse;
+    EXPECT_EQ(body(false), 2);
+    EXPECT_EQ(body(true), 1);
+}
+TEST_F(Planted, host_round_trip_in_a_capture) {
+    const TwoStreams s;
+    check(cudaStreamBeginCapture(s.first, cudaStreamCaptureModeThreadLocal));
+    EXPECT_EQ(cudaStreamSynchronize(s.first), cudaErrorStreamCaptureUnsupported);
+    cudaGraph_t graph;
+    EXPECT_EQ(cudaStreamEndCapture(s.first, &graph), cudaErrorStreamCaptureInvalidated);
+    check(cudaStreamBeginCapture(s.first, cudaStreamCaptureModeThreadLocal));
+    const Array<int>* never = nullptr;
+    EXPECT_THROW(never = new Array<int>(4), std::runtime_error) << "cudaMalloc";
+    EXPECT_EQ(never, nullptr);
+    EXPECT_EQ(cudaStreamEndCapture(s.first, &graph), cudaErrorStreamCaptureInvalidated);
+}
+TEST_F(Planted, pageable_memory_in_a_capture) {
+    const TwoStreams s;
+    const Array<int> memory(4);
+    int pageable[4] = {};
+    check(cudaStreamBeginCapture(s.first, cudaStreamCaptureModeThreadLocal));
+    EXPECT_EQ(cudaMemcpyAsync(pageable, memory.data(), 16, cudaMemcpyDeviceToHost, s.first),
+              cudaErrorStreamCaptureUnsupported);
+    cudaGraph_t graph;
+    EXPECT_EQ(cudaStreamEndCapture(s.first, &graph), cudaErrorStreamCaptureInvalidated);
+}
+
+}  // namespace

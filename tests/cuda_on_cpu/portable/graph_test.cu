@@ -1,0 +1,229 @@
+// Capture, graphs, and what a capture forbids.
+
+#include <cub/device/device_scan.cuh>
+
+#include "cuda_on_cpu/portable/portable.h"
+
+namespace {
+
+using portable::Array;
+using portable::check;
+using portable::try_launch;
+
+__global__ void step(int* x, int y) { *x = 3 * *x + y; }
+__global__ void add(int* x, const int* y, int n) {
+    const int i = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x);
+    if (i < n) x[i] += y[i];
+}
+
+class Graph : public portable::DeviceTest {
+   protected:
+    void SetUp() override {
+        DeviceTest::SetUp();
+        if (IsSkipped()) return;
+        check(cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking));
+        check(cudaStreamCreateWithFlags(&other, cudaStreamNonBlocking));
+        check(cudaEventCreateWithFlags(&fork, cudaEventDisableTiming));
+        check(cudaEventCreateWithFlags(&join, cudaEventDisableTiming));
+    }
+    void TearDown() override {
+        if (IsSkipped()) return;
+        check(cudaStreamDestroy(stream));
+        check(cudaStreamDestroy(other));
+        check(cudaEventDestroy(fork));
+        check(cudaEventDestroy(join));
+        DeviceTest::TearDown();
+    }
+    void begin(cudaStreamCaptureMode mode = cudaStreamCaptureModeThreadLocal) {
+        check(cudaStreamBeginCapture(stream, mode));
+    }
+    cudaGraph_t end() {
+        cudaGraph_t graph = nullptr;
+        check(cudaStreamEndCapture(stream, &graph));
+        return graph;
+    }
+    /// Ends a capture that something has spoilt, and forgets the errors.
+    void expect_spoilt() {
+        cudaGraph_t graph = nullptr;
+        EXPECT_EQ(cudaStreamEndCapture(stream, &graph), cudaErrorStreamCaptureInvalidated);
+        EXPECT_EQ(graph, nullptr);
+        cudaGetLastError();
+    }
+    int read(const int* device) {
+        int value = -1;
+        check(cudaMemcpyAsync(&value, device, sizeof value, cudaMemcpyDeviceToHost, stream));
+        check(cudaStreamSynchronize(stream));
+        return value;
+    }
+
+    cudaStream_t stream = nullptr, other = nullptr;
+    cudaEvent_t fork = nullptr, join = nullptr;
+};
+
+TEST_F(Graph, capture_does_nothing_and_each_launch_does_it_all) {
+    const Array<int> x(std::vector<int>{1});
+    begin();
+    cudaStreamCaptureStatus status;
+    check(cudaStreamIsCapturing(stream, &status));
+    EXPECT_EQ(status, cudaStreamCaptureStatusActive);
+    check(try_launch(stream, step, 1, 1, 0, x.data(), 1));
+    check(try_launch(stream, step, 1, 1, 0, x.data(), 2));
+    const cudaGraph_t graph = end();
+    std::size_t nodes = 0;
+    check(cudaGraphGetNodes(graph, nullptr, &nodes));
+    EXPECT_EQ(nodes, 2u);
+    cudaGraphExec_t executable;
+    check(cudaGraphInstantiate(&executable, graph, 0));
+    check(cudaGraphDestroy(graph));
+    EXPECT_EQ(read(x.data()), 1);
+    check(cudaGraphUpload(executable, stream));
+    check(cudaGraphLaunch(executable, stream));
+    EXPECT_EQ(read(x.data()), 14);
+    check(cudaGraphLaunch(executable, stream));
+    check(cudaGraphLaunch(executable, stream));
+    EXPECT_EQ(read(x.data()), (14 * 9 + 5) * 9 + 5);
+    check(cudaGraphExecDestroy(executable));
+}
+
+TEST_F(Graph, copies_fills_and_scans_are_nodes) {
+    const int n = 1000;
+    const Array<int> ones(n), sums(n);
+    int* pinned = nullptr;
+    check(cudaMallocHost(&pinned, n * sizeof(int)));
+    std::size_t bytes = 0;
+    check(cub::DeviceScan::InclusiveSum(nullptr, bytes, ones.data(), sums.data(), n, stream));
+    const Array<char> storage(bytes);
+    for (int i = 0; i < n; ++i) pinned[i] = 1;
+    begin();
+    check(cudaMemsetAsync(sums.data(), 0, n * sizeof(int), stream));
+    check(cudaMemcpyAsync(ones.data(), pinned, n * sizeof(int), cudaMemcpyHostToDevice, stream));
+    check(try_launch(stream, add, 4, 256, 0, sums.data(), static_cast<const int*>(ones.data()), n));
+    check(cub::DeviceScan::InclusiveSum(storage.data(), bytes, sums.data(), ones.data(), n, stream));
+    check(cudaMemcpyAsync(pinned, ones.data(), n * sizeof(int), cudaMemcpyDeviceToHost, stream));
+    const cudaGraph_t graph = end();
+    cudaGraphExec_t executable;
+    check(cudaGraphInstantiate(&executable, graph, 0));
+    check(cudaGraphLaunch(executable, stream));
+    check(cudaStreamSynchronize(stream));
+    for (int i = 0; i < n; ++i) EXPECT_EQ(pinned[i], i + 1);
+    check(cudaGraphExecDestroy(executable));
+    check(cudaGraphDestroy(graph));
+    check(cudaFreeHost(pinned));
+}
+
+TEST_F(Graph, events_fork_and_join) {
+    const Array<int> x(std::vector<int>{1}), y(std::vector<int>{2});
+    begin();
+    check(try_launch(stream, step, 1, 1, 0, x.data(), 1));
+    check(cudaEventRecord(fork, stream));
+    check(cudaStreamWaitEvent(other, fork, 0));
+    check(try_launch(other, add, 1, 1, 0, y.data(), static_cast<const int*>(x.data()), 1));
+    check(cudaEventRecord(join, other));
+    check(cudaStreamWaitEvent(stream, join, 0));
+    check(try_launch(stream, add, 1, 1, 0, x.data(), static_cast<const int*>(y.data()), 1));
+    const cudaGraph_t graph = end();
+    cudaGraphExec_t executable;
+    check(cudaGraphInstantiate(&executable, graph, 0));
+    check(cudaGraphLaunch(executable, stream));
+    EXPECT_EQ(read(x.data()), 10);
+    EXPECT_EQ(read(y.data()), 6);
+    // The other stream is its own again.
+    check(try_launch(other, step, 1, 1, 0, y.data(), 0));
+    check(cudaStreamSynchronize(other));
+    EXPECT_EQ(read(y.data()), 18);
+    check(cudaGraphExecDestroy(executable));
+    check(cudaGraphDestroy(graph));
+}
+
+TEST_F(Graph, an_update_changes_parameters_but_no_topology) {
+    const Array<int> x(std::vector<int>{0});
+    const auto capture = [&](int y, int steps) {
+        begin();
+        for (int i = 0; i < steps; ++i) check(try_launch(stream, step, 1, 1, 0, x.data(), y));
+        return end();
+    };
+    const cudaGraph_t first = capture(1, 2), second = capture(5, 2), third = capture(1, 3);
+    cudaGraphExec_t executable;
+    check(cudaGraphInstantiate(&executable, first, 0));
+    cudaGraphExecUpdateResultInfo info;
+    EXPECT_EQ(cudaGraphExecUpdate(executable, third, &info), cudaErrorGraphExecUpdateFailure);
+    EXPECT_EQ(info.result, cudaGraphExecUpdateErrorTopologyChanged);
+    EXPECT_EQ(cudaGetLastError(), cudaErrorGraphExecUpdateFailure);
+    check(cudaGraphLaunch(executable, stream));
+    EXPECT_EQ(read(x.data()), 4);
+    check(cudaGraphExecUpdate(executable, second, &info));
+    EXPECT_EQ(info.result, cudaGraphExecUpdateSuccess);
+    check(cudaGraphLaunch(executable, stream));
+    EXPECT_EQ(read(x.data()), 56);
+    check(cudaGraphExecDestroy(executable));
+    for (const cudaGraph_t graph : {first, second, third}) check(cudaGraphDestroy(graph));
+}
+
+TEST_F(Graph, a_host_round_trip_spoils_a_capture) {
+    const Array<int> x(1);
+    begin();
+    EXPECT_EQ(cudaStreamSynchronize(stream), cudaErrorStreamCaptureUnsupported);
+    expect_spoilt();
+    begin();
+    int value;
+    EXPECT_NE(cudaMemcpy(&value, x.data(), 4, cudaMemcpyDeviceToHost), cudaSuccess);
+    expect_spoilt();
+    begin();
+    void* memory = nullptr;
+    EXPECT_NE(cudaMalloc(&memory, 4), cudaSuccess);
+    expect_spoilt();
+    begin();
+    EXPECT_NE(cudaDeviceSynchronize(), cudaSuccess);
+    expect_spoilt();
+    begin();
+    EXPECT_NE(cudaStreamQuery(stream), cudaSuccess);
+    expect_spoilt();
+    // The stream works again.
+    check(cudaMemsetAsync(x.data(), 0, 4, stream));
+    EXPECT_EQ(read(x.data()), 0);
+}
+
+TEST_F(Graph, a_fork_must_be_joined) {
+    const Array<int> x(std::vector<int>{1});
+    begin();
+    check(try_launch(stream, step, 1, 1, 0, x.data(), 1));
+    check(cudaEventRecord(fork, stream));
+    check(cudaStreamWaitEvent(other, fork, 0));
+    check(try_launch(other, step, 1, 1, 0, x.data(), 1));
+    cudaGraph_t graph = nullptr;
+    EXPECT_EQ(cudaStreamEndCapture(stream, &graph), cudaErrorStreamCaptureUnjoined);
+    EXPECT_EQ(graph, nullptr);
+    EXPECT_EQ(cudaGetLastError(), cudaErrorStreamCaptureUnjoined);
+}
+
+TEST_F(Graph, a_capture_may_not_depend_on_work_outside) {
+    const Array<int> x(1);
+    check(cudaMemsetAsync(x.data(), 0, 4, other));
+    check(cudaEventRecord(fork, other));
+    begin();
+    EXPECT_EQ(cudaStreamWaitEvent(stream, fork, 0), cudaErrorStreamCaptureIsolation);
+    expect_spoilt();
+    begin();
+    check(cudaEventRecord(fork, stream));
+    EXPECT_EQ(cudaEventSynchronize(fork), cudaErrorCapturedEvent);
+    cudaGetLastError();
+    cudaGraph_t graph = nullptr;
+    cudaStreamEndCapture(stream, &graph);
+    if (graph) check(cudaGraphDestroy(graph));
+    cudaGetLastError();
+    check(cudaStreamSynchronize(other));
+}
+
+TEST_F(Graph, the_legacy_stream_cannot_be_used_while_a_blocking_stream_captures) {
+    cudaStream_t blocking;
+    check(cudaStreamCreate(&blocking));
+    const Array<int> x(1);
+    check(cudaStreamBeginCapture(blocking, cudaStreamCaptureModeGlobal));
+    EXPECT_EQ(cudaMemsetAsync(x.data(), 0, 4, nullptr), cudaErrorStreamCaptureImplicit);
+    cudaGraph_t graph = nullptr;
+    EXPECT_EQ(cudaStreamEndCapture(blocking, &graph), cudaErrorStreamCaptureInvalidated);
+    cudaGetLastError();
+    check(cudaStreamDestroy(blocking));
+}
+
+}  // namespace

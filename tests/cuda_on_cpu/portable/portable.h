@@ -1,0 +1,82 @@
+#pragma once
+
+// What the portable tests share. They use nothing but CUDA: the CPU runs them, and so does a device.
+
+#include <cuda_runtime.h>
+#include <gtest/gtest.h>
+
+#include <cstddef>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace portable {
+
+/// The one place where the two compilers see different text.
+template <class T>
+__device__ T& dynamic_shared() {
+#ifdef __CUDACC__
+    extern __shared__ __align__(16) unsigned char raw[];
+    return reinterpret_cast<T&>(*raw);
+#else
+    return cuda_on_cpu::dynamic_shared<T>();
+#endif
+}
+
+inline void check(cudaError_t error) {
+    if (error != cudaSuccess)
+        throw std::runtime_error(std::string(cudaGetErrorName(error)) + ": " + cudaGetErrorString(error));
+}
+
+/// <<<>>> is not C++.
+template <class... Parameters, class... Arguments>
+cudaError_t try_launch(cudaStream_t stream, void (*kernel)(Parameters...), dim3 grid, dim3 block, std::size_t shared,
+                       Arguments&&... arguments) {
+    cudaLaunchConfig_t config{};
+    config.gridDim = grid;
+    config.blockDim = block;
+    config.dynamicSmemBytes = shared;
+    config.stream = stream;
+    return cudaLaunchKernelEx(&config, kernel, std::forward<Arguments>(arguments)...);
+}
+template <class... Parameters, class... Arguments>
+void launch(void (*kernel)(Parameters...), dim3 grid, dim3 block, std::size_t shared, Arguments&&... arguments) {
+    check(try_launch(nullptr, kernel, grid, block, shared, std::forward<Arguments>(arguments)...));
+}
+
+/// An array on the device.
+template <class T>
+class Array {
+   public:
+    explicit Array(std::size_t n) : size_(n) { check(cudaMalloc(&data_, n * sizeof(T))); }
+    explicit Array(const std::vector<T>& values) : Array(values.size()) {
+        check(cudaMemcpy(data_, values.data(), size_ * sizeof(T), cudaMemcpyHostToDevice));
+    }
+    Array(const Array&) = delete;
+    Array& operator=(const Array&) = delete;
+    ~Array() { cudaFree(data_); }
+
+    T* data() const { return data_; }
+    std::vector<T> values() const {
+        std::vector<T> result(size_);
+        check(cudaMemcpy(result.data(), data_, size_ * sizeof(T), cudaMemcpyDeviceToHost));
+        return result;
+    }
+
+   private:
+    T* data_ = nullptr;
+    std::size_t size_;
+};
+
+/// Tests that need a device skip where there is none.
+class DeviceTest : public testing::Test {
+   protected:
+    void SetUp() override {
+        int count = 0;
+        if (cudaGetDeviceCount(&count) != cudaSuccess || count == 0) GTEST_SKIP() << "no device";
+    }
+    void TearDown() override { EXPECT_EQ(cudaGetLastError(), cudaSuccess); }
+};
+
+}  // namespace portable

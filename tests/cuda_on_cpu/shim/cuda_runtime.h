@@ -1,0 +1,20 @@
+#pragma once
+
+// CUDA's runtime API and device functions, done by the CPU. See docs/cuda_on_cpu.md.
+
+// As CUDA's own header, this one brings the host's mathematics along.
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "cuda_on_cpu/shim/cuda_on_cpu/arithmetic.h"
+#include "cuda_on_cpu/shim/cuda_on_cpu/atomics.h"
+#include "cuda_on_cpu/shim/cuda_on_cpu/bits.h"
+#include "cuda_on_cpu/shim/cuda_on_cpu/launch.h"
+#include "cuda_on_cpu/shim/cuda_on_cpu/runtime_api.h"
+#include "cuda_on_cpu/shim/cuda_on_cpu/shared_memory.h"
+#include "cuda_on_cpu/shim/cuda_on_cpu/synchronize.h"
+#include "cuda_on_cpu/shim/cuda_on_cpu/thread_index.h"
+#include "cuda_on_cpu/shim/cuda_on_cpu/warp.h"
+// Last, since it takes words away that others' headers might use.
+#include "cuda_on_cpu/shim/cuda_on_cpu/qualifiers.h"

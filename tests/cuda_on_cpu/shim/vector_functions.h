@@ -1,0 +1,3 @@
+#pragma once
+
+#include "cuda_on_cpu/shim/cuda_on_cpu/vector_types.h"
