@@ -13,6 +13,7 @@ constexpr std::array list{
     Study{"cost_per_box_overlap", "triangles of unequal size: time per overlapping pair of boxes",
           study_cost_per_box_overlap},
     Study{"ground", "two huge triangles under the cloth", study_ground},
+    Study{"virtual_subdivision", "large triangles cut into pieces: what [MZ] 5.1 proposes", study_virtual_subdivision},
     Study{"threads", "one thread to all", study_threads},
     Study{"simd", "instruction sets", study_simd},
     Study{"clusters", "Options::clusters", study_clusters},

@@ -40,6 +40,7 @@ nlohmann::json study_growth(const StudySettings& settings);
 nlohmann::json study_first_call(const StudySettings& settings);
 nlohmann::json study_cost_per_box_overlap(const StudySettings& settings);
 nlohmann::json study_ground(const StudySettings& settings);
+nlohmann::json study_virtual_subdivision(const StudySettings& settings);
 nlohmann::json study_threads(const StudySettings& settings);
 nlohmann::json study_simd(const StudySettings& settings);
 nlohmann::json study_clusters(const StudySettings& settings);
