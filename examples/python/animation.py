@@ -1,6 +1,6 @@
 """An animation: one detector for all frames, so that each but the first is answered warm.
 
-    python animation.py [PICTURE]          of the last frame
+python animation.py [PICTURE]          of the last frame
 """
 
 import sys

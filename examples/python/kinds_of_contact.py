@@ -1,6 +1,6 @@
 """All ways in which two triangles meet: at a point, along a segment, in an area of three to six corners.
 
-    python kinds_of_contact.py [PICTURE]
+python kinds_of_contact.py [PICTURE]
 """
 
 import sys

@@ -1,6 +1,6 @@
 """Parts of a scene, answered by several processes: parts travel, and their answers together are the whole answer.
 
-    python parts_in_processes.py
+python parts_in_processes.py
 """
 
 import multiprocessing

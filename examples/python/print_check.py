@@ -1,6 +1,6 @@
 """Checks a part before it is printed: what passes through itself, and which shells it is made of.
 
-    python print_check.py [PICTURE [PART.stl]]
+python print_check.py [PICTURE [PART.stl]]
 """
 
 import sys

@@ -1,6 +1,6 @@
 """Finds where a crumpled cloth passes through itself and through the ball below it, and paints it.
 
-    python quick_start.py [PICTURE]        .png (needs PyVista), .html, .glb, .ply
+python quick_start.py [PICTURE]        .png (needs PyVista), .html, .glb, .ply
 """
 
 import sys

@@ -1,6 +1,6 @@
 """A robot arm: links are groups, neighbouring links may touch (the allowed collision matrix), the rest may not.
 
-    python robot.py [PICTURE]
+python robot.py [PICTURE]
 """
 
 import sys
@@ -11,7 +11,20 @@ import crumple
 
 BOX = np.array([[x, y, z] for x in (0, 1) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
 BOX_FACES = np.array(
-    [[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1], [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3]]
+    [
+        [0, 1, 3],
+        [0, 3, 2],
+        [4, 6, 7],
+        [4, 7, 5],
+        [0, 4, 5],
+        [0, 5, 1],
+        [2, 3, 7],
+        [2, 7, 6],
+        [0, 2, 6],
+        [0, 6, 4],
+        [1, 5, 7],
+        [1, 7, 3],
+    ]
 )
 LINKS = ["table", "base", "upper arm", "forearm", "hand"]
 ALLOWED = [(0, 1), (1, 2), (2, 3), (3, 4)]  # each link overlaps the next at its joint

@@ -1,6 +1,6 @@
 """The curve in which two surfaces cut each other: the contacts of two meshes, put end to end.
 
-    python two_solids.py [PICTURE]
+python two_solids.py [PICTURE]
 """
 
 import sys
@@ -28,7 +28,9 @@ def main(picture="two_solids.html"):
 
     result = crumple.Detector().find_between((vertices, faces), (upright, faces), contacts=True)
 
-    segments = result.contacts.points[np.repeat(result.contacts.kinds == crumple.ContactKind.SEGMENT, np.diff(result.contacts.offsets))]
+    segments = result.contacts.points[
+        np.repeat(result.contacts.kinds == crumple.ContactKind.SEGMENT, np.diff(result.contacts.offsets))
+    ]
     length = np.linalg.norm(segments[1::2] - segments[::2], axis=1).sum()
     print(f"{len(result)} pairs of triangles cut each other, in curves of length {length:.3f}")
     result.save(picture)

@@ -8,8 +8,8 @@
     result = detector.find_self(vertices, faces, contacts=True)       # result.pairs, .offsets, .hit, .contacts
     result.save("collisions.png")
 
-Vertices are (n, 3) float32 or float64, faces (m, 3) integers: NumPy arrays, or anything that speaks DLPack. Any triangle
-soup will do. What counts as a collision: docs/contract.md.
+Vertices are (n, 3) float32 or float64, faces (m, 3) integers: NumPy arrays, or anything that speaks DLPack. Any
+triangle soup will do. What counts as a collision: docs/contract.md.
 """
 
 from ._core import Part, Statistics, __version__

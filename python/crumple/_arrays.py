@@ -1,8 +1,8 @@
-"""Arrays that the library cannot read in place: converted where nothing is lost, refused by name where something would be.
+"""Arrays that the library cannot read in place: converted where nothing is lost, refused by name where it would be.
 
-The extension module takes arrays in place where it can (python/src/arrays.h) and calls these functions for the others:
-Python lists, byte orders of other machines, strides that cut through numbers, narrow and unsigned integers, and whatever
-is wrong.
+The extension module takes arrays in place where it can (python/src/arrays.h) and calls these functions for the
+others: Python lists, byte orders of other machines, strides that cut through numbers, narrow and unsigned integers, and
+whatever is wrong.
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ def _host_array(array: Any, name: str) -> np.ndarray:
         kind = int(device()[0])
         if kind not in _HOST:
             raise InvalidInput(
-                f"{name} lie in {_DEVICES.get(kind, 'device')} memory, which needs the cuda backend, and this build has "
-                "none: copy them to the host (PyTorch: .cpu(), CuPy: .get(), JAX: jax.device_get, Warp: .numpy())"
+                f"{name} lie in {_DEVICES.get(kind, 'device')} memory, which needs the cuda backend, and this build "
+                "has none: copy them to the host (PyTorch: .cpu(), CuPy: .get(), JAX: jax.device_get, Warp: .numpy())"
             )
     try:
         result = np.asarray(array)

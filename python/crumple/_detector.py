@@ -31,14 +31,14 @@ def _mesh(vertices: Any, faces: Any, groups: Any) -> Mesh:
 class Detector:
     """Finds all pairs of triangles that intersect, exactly.
 
-    Keeps buffers and cluster centres between calls, so a detector that is fed the frames of a simulation is faster than a
-    new one for each; the topology may change freely. Any triangle soup will do.
+    Keeps buffers and cluster centres between calls, so a detector that is fed the frames of a simulation is faster than
+    a new one for each; the topology may change freely. Any triangle soup will do.
 
-    Meshes are given as (vertices, faces), or as one object that as_mesh knows: crumple.Mesh, a tuple, a mesh of trimesh,
-    meshio, Open3D or PyVista. Arrays are read in place: NumPy or anything on the host that speaks DLPack or the buffer
-    protocol, float32 or float64, int32, uint32 or int64, in any order and with any strides. Other integers and Python
-    lists are converted, at the cost of a copy. Inputs are not written to, and must stay as they are until the call
-    returns.
+    Meshes are given as (vertices, faces), or as one object that as_mesh knows: crumple.Mesh, a tuple, a mesh of
+    trimesh, meshio, Open3D or PyVista. Arrays are read in place: NumPy or anything on the host that speaks DLPack or
+    the buffer protocol, float32 or float64, int32, uint32 or int64, in any order and with any strides. Other integers
+    and Python lists are converted, at the cost of a copy. Inputs are not written to, and must stay as they are until
+    the call returns.
 
     Calls release the GIL. Different detectors work at the same time; calls of one detector from several threads take
     turns. Ctrl-C ends a call when its answer is there, not before: the answer is then dropped and KeyboardInterrupt
@@ -58,11 +58,11 @@ class Detector:
         first_stop: the same for a first frame.
         simd: instruction set: "automatic" takes the best that the machine has.
 
-    No option changes an answer, only its cost. Raises InvalidInput for options out of range, BackendUnavailable for what
-    this machine or build lacks.
+    No option changes an answer, only its cost. Raises InvalidInput for options out of range, BackendUnavailable for
+    what this machine or build lacks.
     """
 
-    __slots__ = ("_core", "_options", "__weakref__")
+    __slots__ = ("__weakref__", "_core", "_options")
 
     def __init__(
         self,
@@ -123,8 +123,8 @@ class Detector:
 
         Raises InvalidInput, which names the argument and the place; MemoryLimit.
 
-        A warm call takes about 0.1 microseconds a triangle and thread-pair on ordinary scenes, and grows with the number
-        of pairs of boxes that overlap; contacts take about a microsecond a pair.
+        A warm call on two threads takes about 0.1 microseconds a triangle on ordinary scenes, more with the number of
+        pairs of boxes that overlap; contacts take about a microsecond a pair.
         """
         mesh = _mesh(vertices, faces, groups)
         found = self._core.find(mesh, None, part, neighbours, intersections, weld, contacts, wanted, excluded_groups)
@@ -146,9 +146,9 @@ class Detector:
     ) -> Result:
         """All colliding pairs of a triangle of mesh `a` with one of mesh `b`: (index in a, index in b).
 
-        Meshes are what as_mesh takes, for instance a tuple (vertices, faces). Groups, which compare across both, come with
-        crumple.Mesh or a tuple of three. Equal indices share nothing here; with `weld` equal positions do. If one mesh is
-        float64, both are computed in float64. Otherwise as find_self, errors and cost included.
+        Meshes are what as_mesh takes, for instance a tuple (vertices, faces). Groups, which compare across both, come
+        with crumple.Mesh or a tuple of three. Equal indices share nothing here; with `weld` equal positions do. If one
+        mesh is float64, both are computed in float64. Otherwise as find_self, errors and cost included.
         """
         first, second = as_mesh(a), as_mesh(b)
         found = self._core.find(first, second, part, neighbours, intersections, weld, contacts, wanted, excluded_groups)
@@ -166,7 +166,7 @@ class Detector:
         wanted: Wanted = "both",
         excluded_groups: GroupPairs | None = None,
     ) -> bool:
-        """Whether any two triangles of a soup collide; stops at the first pair. Arguments and errors as of find_self."""
+        """Whether any two triangles of a soup collide; stops at the first pair. Otherwise as find_self."""
         mesh = _mesh(vertices, faces, groups)
         return self._core.any(mesh, None, neighbours, intersections, weld, wanted, excluded_groups)
 
@@ -181,7 +181,7 @@ class Detector:
         wanted: Wanted = "both",
         excluded_groups: GroupPairs | None = None,
     ) -> bool:
-        """Whether two meshes collide; stops at the first pair. Arguments and errors as of find_between."""
+        """Whether two meshes collide; stops at the first pair. Otherwise as find_between."""
         return self._core.any(as_mesh(a), as_mesh(b), neighbours, intersections, weld, wanted, excluded_groups)
 
     def partition(self, mesh: Any, second: Any = None, *, count: int) -> list[_core.Part]:

@@ -59,7 +59,9 @@ def _contact_lines(result: Result):
     owner = np.repeat(np.arange(len(counts)), counts)
     drawn = counts[owner] > 1
     drawn[ends[counts == 2] - 1] = False  # a segment is not drawn back
-    return np.stack([contacts.points[drawn], contacts.points[following[drawn]]], axis=1), contacts.points[starts[counts == 1]]
+    return np.stack([contacts.points[drawn], contacts.points[following[drawn]]], axis=1), contacts.points[
+        starts[counts == 1]
+    ]
 
 
 def drawing_of(result: Result) -> Drawing:

@@ -38,14 +38,14 @@ def read_mesh(
 def write_mesh(path: str | os.PathLike[str], mesh: Any) -> None:
     """Writes .ply, .obj, .stl or .off by extension. `mesh` is what as_mesh takes.
 
-    Coordinates keep every bit, but for .stl, which holds float32; groups are kept by .ply, as the face property `group`.
-    Raises FileError, InvalidInput; the file then stays as it was.
+    Coordinates keep every bit, but for .stl, which holds float32; groups are kept by .ply, as the face property
+    `group`. Raises FileError, InvalidInput; the file then stays as it was.
     """
     _core.write_mesh(path, as_mesh(mesh))
 
 
 def read_pairs(path: str | os.PathLike[str]) -> NDArray[np.int32]:
-    """(k, 2) int32: the first two numbers of each line of a text file, in file order. Raises FileError, InvalidInput."""
+    """(k, 2) int32: the first two numbers of each line of a text, in file order. Raises FileError, InvalidInput."""
     return _core.read_pairs(path)
 
 

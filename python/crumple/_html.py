@@ -43,7 +43,11 @@ def page(result: Result, height: int) -> str:
     }
     text = Path(__file__).with_name("viewer.html").read_text(encoding="utf-8")
     caption = f"{len(result):,} colliding pairs of {len(drawing.faces):,} triangles"
-    for name, value in {"ID": f"crumple-{uuid.uuid4().hex}", "HEIGHT": str(int(height)), "CAPTION": caption,
-                        "DATA": json.dumps(data)}.items():
+    for name, value in {
+        "ID": f"crumple-{uuid.uuid4().hex}",
+        "HEIGHT": str(int(height)),
+        "CAPTION": caption,
+        "DATA": json.dumps(data),
+    }.items():
         text = text.replace(f"@{name}@", value)
     return text

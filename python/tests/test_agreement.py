@@ -74,7 +74,9 @@ def test_has_intersections_says_whether_there_are_pairs(name, detector):
     mesh = small(name)
     for query in QUERIES.values():
         assert detector.has_intersections(mesh, **query) == bool(detector.find_self(mesh, **query))
-        assert detector.has_intersections_between(mesh, mesh, **query) == bool(detector.find_between(mesh, mesh, **query))
+        assert detector.has_intersections_between(mesh, mesh, **query) == bool(
+            detector.find_between(mesh, mesh, **query)
+        )
 
 
 @pytest.mark.parametrize("count", [1, 3, 64])
@@ -102,7 +104,9 @@ def test_a_part_can_be_sent_elsewhere(detector):
         np.testing.assert_array_equal(copy.centres, part.centres)
         np.testing.assert_array_equal(copy.triangles, part.triangles)
         assert len(part.triangles_second) == 0
-        np.testing.assert_array_equal(detector.find_self(mesh, part=copy).pairs, detector.find_self(mesh, part=part).pairs)
+        np.testing.assert_array_equal(
+            detector.find_self(mesh, part=copy).pairs, detector.find_self(mesh, part=part).pairs
+        )
 
 
 def test_options_change_no_answer():

@@ -36,7 +36,9 @@ def test_stl_is_welded_unless_asked_not_to(tmp_path):
 def test_strided_meshes_are_written_as_they_are(tmp_path):
     mesh = soup(20, dtype=np.float64)
     crumple.write_mesh(tmp_path / "a.ply", mesh)
-    crumple.write_mesh(tmp_path / "b.ply", (np.asfortranarray(mesh.vertices), mesh.faces[::-1].copy()[::-1].astype("i8")))
+    crumple.write_mesh(
+        tmp_path / "b.ply", (np.asfortranarray(mesh.vertices), mesh.faces[::-1].copy()[::-1].astype("i8"))
+    )
     assert (tmp_path / "a.ply").read_bytes() == (tmp_path / "b.ply").read_bytes()
 
 

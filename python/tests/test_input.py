@@ -121,7 +121,12 @@ WRONG = [
     ("index too large", V, bad_faces(4, 1, 180), r"^triangle 4 names vertex 180 of 180$"),
     ("negative index", V, bad_faces(5, 2, -1), r"^triangle 5 names vertex -1 of 180$"),
     ("negative int8 index", V, np.array([[0, 1, -2]], "i1"), r"^triangle 0 names vertex -2 of 180$"),
-    ("an index that int32 would truncate", V, bad_faces(6, 0, 2**32 + 1), r"^triangle 6 names vertex 4294967297 of 180$"),
+    (
+        "an index that int32 would truncate",
+        V,
+        bad_faces(6, 0, 2**32 + 1),
+        r"^triangle 6 names vertex 4294967297 of 180$",
+    ),
     ("uint32 beyond int32", V, bad_faces(6, 0, 2**32 - 1, np.uint32), r"^triangle 6 names vertex 4294967295 of 180$"),
     ("uint64 beyond int64", V, bad_faces(7, 0, 2**64 - 1, np.uint64), r"^triangle 7 names vertex 18446744073709551615"),
 ]
@@ -219,7 +224,9 @@ def test_a_missing_instruction_set_is_an_error():
 
 def test_a_memory_limit_names_the_limit_that_suffices():
     mesh = soup(3000)
-    with pytest.raises(crumple.MemoryLimit, match=r"memory limit of 10000 bytes is too small; \d+ bytes suffice") as caught:
+    with pytest.raises(
+        crumple.MemoryLimit, match=r"memory limit of 10000 bytes is too small; \d+ bytes suffice"
+    ) as caught:
         crumple.Detector(memory_limit=10_000).find_self(mesh)
     assert isinstance(caught.value, MemoryError) and caught.value.code == "memory_limit"
     enough = crumple.Detector(memory_limit=caught.value.bytes_needed)

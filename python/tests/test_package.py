@@ -68,7 +68,7 @@ def test_everything_public_is_documented():
 
 
 def test_import_is_quick():
-    """The package's own share; the least of a few tries, since other programs run too. NumPy is imported when needed."""
+    """The least of a few tries, since other programs run too. NumPy is imported when it is needed."""
     program = (
         "import time; t = time.perf_counter(); import crumple; t = time.perf_counter() - t\n"
         "import sys; print(t, *sys.modules)"

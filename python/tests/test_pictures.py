@@ -76,7 +76,9 @@ def test_a_picture_shows_red_where_it_collides(tmp_path, detector):
     image = peer("PIL.Image")
     mesh = crumple.make_scene("cloth", triangles=5000, frame=60)
     detector.find_self(mesh, contacts=True).save(tmp_path / "hit.png", window_size=(400, 300))
-    detector.find_self(mesh, wanted="between", excluded_groups=[(0, 1)]).save(tmp_path / "calm.png", window_size=(400, 300))
+    detector.find_self(mesh, wanted="between", excluded_groups=[(0, 1)]).save(
+        tmp_path / "calm.png", window_size=(400, 300)
+    )
 
     def red(name):
         pixels = np.asarray(image.open(tmp_path / name).convert("RGB")).astype(int)

@@ -26,8 +26,11 @@ def soups(draw):
     else:
         vertices = vertices * draw(scales)
     faces = draw(
-        arrays.arrays(draw(arrays.integer_dtypes() | arrays.unsigned_integer_dtypes()), (draw(st.integers(0, 15)), 3),
-                      elements=st.integers(0, vertex_count - 1))
+        arrays.arrays(
+            draw(arrays.integer_dtypes() | arrays.unsigned_integer_dtypes()),
+            (draw(st.integers(0, 15)), 3),
+            elements=st.integers(0, vertex_count - 1),
+        )
     )
     groups = draw(st.none() | arrays.arrays(np.int32, len(faces), elements=st.integers(-2, 2)))
     return crumple.Mesh(draw(st.sampled_from([np.ascontiguousarray, np.asfortranarray]))(vertices), faces, groups)

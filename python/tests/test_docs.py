@@ -1,0 +1,50 @@
+"""The programs in the documentation run, section by section, and hold what they assert."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from conftest import peer
+
+DOCS = Path(__file__).parents[2] / "docs"
+
+
+def sections(page):
+    """(page, heading, programs): what comes before the first heading with a program goes before every other one."""
+    text = (DOCS / page).read_text()
+    for part in re.split(r"^## ", text, flags=re.M):
+        programs = re.findall(r"^```python\n(.*?)^```", part, flags=re.M | re.S)
+        if programs:
+            yield page, part.splitlines()[0], programs
+
+
+SECTIONS = [section for page in ("python.md", "python_coming_from.md") for section in sections(page)]
+
+
+def test_there_are_programs():
+    assert {heading for _, heading, _ in SECTIONS} >= {"Five minutes", "Meshes", "Results", "libigl", "MeshLib", "FCL"}
+
+
+@pytest.mark.parametrize(
+    "page, heading, programs", SECTIONS, ids=[f"{page}: {heading}" for page, heading, _ in SECTIONS]
+)
+def test_programs_of(page, heading, programs, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    start = next(programs for other, _, programs in SECTIONS if other == page)
+    for package in re.findall(r"^import (\w+)", "\n".join(programs), flags=re.M):
+        peer(package)
+    names = {}
+    for program in [*start, *programs]:
+        exec(compile(program, f"{page}, {heading}", "exec"), names)
+
+
+def test_the_message_in_the_documentation_is_the_real_one(capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    names = {}
+    promised = re.search(r"# (triangle \d+ names .*)", (DOCS / "python.md").read_text()).group(1)
+    for page, heading, programs in SECTIONS:
+        if page == "python.md" and heading in ("Five minutes", "Results"):
+            for program in programs:
+                exec(program, names)
+    assert promised in capsys.readouterr().out
