@@ -85,7 +85,8 @@ def test_one_detector_and_many_threads(detector):
 def test_interrupt_is_raised_when_the_call_ends():
     """As documented: the call is not cut short, its answer is dropped, the detector stays usable."""
     program = textwrap.dedent("""
-        import crumple
+        import signal, crumple
+        signal.signal(signal.SIGINT, signal.default_int_handler)  # background jobs of a shell ignore it
         mesh = crumple.make_scene("soup", triangles=2000)
         detector = crumple.Detector(backend="reference")
         try:
