@@ -6,6 +6,7 @@
 #include <string>
 
 #include "crumple/error.h"
+#include "geometry/position_hash.h"
 
 namespace crumple {
 namespace {
@@ -204,20 +205,11 @@ void check_content(const MeshView& mesh, const VertexReader& reader, const std::
     }
 }
 
-std::uint64_t hash(Vec3d p) {
-    std::uint64_t h = 0;
-    for (int axis = 0; axis < 3; ++axis) {
-        h ^= std::bit_cast<std::uint64_t>(p[axis] + 0.0);  // -0 becomes +0
-        h *= 0x9e3779b97f4a7c15u;
-        h ^= h >> 32;
-    }
-    return h;
-}
-
 // Replaces each corner by the lowest vertex at the same position: open addressing, linear probing, half full at most.
 void weld_corners(Scene& scene, SceneBuffers& buffers) {
     const std::int64_t n = scene.vertex_count();
     const std::uint64_t slots = std::bit_ceil(static_cast<std::uint64_t>(2 * n + 1));
+    const PositionHash hash;
     buffers.table.assign(slots, -1);
     buffers.representative.resize_discard(static_cast<std::size_t>(n));
     for (std::int64_t v = 0; v < n; ++v) {
