@@ -3,8 +3,8 @@
 //
 // The sheet is a square grid with jittered vertices and random diagonals, in two steps: the drape, of one form at every
 // resolution (scenes/drape.h), then wrinkles laid along the drape's own normal in a belt around the ball. Wrinkles
-// measure a fixed number of grid cells, so that pairs per triangle do not depend on the resolution, and the ball is cut
-// finer with the sheet.
+// measure a fixed number of grid cells, so that pairs per triangle depend little on the resolution (1.4 at 10,000
+// triangles, 0.7 at two million), and the ball is cut finer with the sheet.
 
 #include "scenes/cloth.h"
 
