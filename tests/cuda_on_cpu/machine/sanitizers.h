@@ -37,6 +37,11 @@ namespace cuda_on_cpu {
 inline constexpr bool thread_sanitizer = true;
 inline void release_edge(void* object) { __tsan_release(object); }
 inline void acquire_edge(void* object) { __tsan_acquire(object); }
+// A thread of its own for a fiber. The switch adds no edge: that one runs after another proves nothing.
+inline void* new_thread() { return __tsan_create_fiber(0); }
+inline void* current_thread() { return __tsan_get_current_fiber(); }
+inline void switch_thread(void* thread) { __tsan_switch_to_fiber(thread, __tsan_switch_to_fiber_no_sync); }
+inline void end_thread(void* thread) { __tsan_destroy_fiber(thread); }
 struct Untracked {
     Untracked() {
         AnnotateIgnoreReadsBegin(__FILE__, __LINE__);
@@ -53,6 +58,10 @@ struct Untracked {
 inline constexpr bool thread_sanitizer = false;
 inline void release_edge(void*) {}
 inline void acquire_edge(void*) {}
+inline void* new_thread() { return nullptr; }
+inline void* current_thread() { return nullptr; }
+inline void switch_thread(void*) {}
+inline void end_thread(void*) {}
 struct Untracked {
     Untracked() {}
     Untracked(const Untracked&) = delete;
@@ -64,10 +73,20 @@ struct Untracked {
 inline constexpr bool address_sanitizer = true;
 inline void forbid(void* memory, std::size_t bytes) { __asan_poison_memory_region(memory, bytes); }
 inline void allow(void* memory, std::size_t bytes) { __asan_unpoison_memory_region(memory, bytes); }
+// Around a switch to another stack: who leaves says where it goes, and keeps its own state in `kept` (null if it will
+// not return); who arrives hands that back, and learns where it comes from.
+inline void leave_stack(void** kept, const void* to_bottom, std::size_t to_bytes) {
+    __sanitizer_start_switch_fiber(kept, to_bottom, to_bytes);
+}
+inline void arrive_on_stack(void* kept, const void** from_bottom, std::size_t* from_bytes) {
+    __sanitizer_finish_switch_fiber(kept, from_bottom, from_bytes);
+}
 #else
 inline constexpr bool address_sanitizer = false;
 inline void forbid(void*, std::size_t) {}
 inline void allow(void*, std::size_t) {}
+inline void leave_stack(void**, const void*, std::size_t) {}
+inline void arrive_on_stack(void*, const void**, std::size_t*) {}
 #endif
 
 }  // namespace cuda_on_cpu

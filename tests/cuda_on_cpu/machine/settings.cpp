@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "cuda_on_cpu/machine/report.h"
+#include "cuda_on_cpu/machine/sanitizers.h"
 
 namespace cuda_on_cpu {
 namespace {
@@ -58,7 +59,8 @@ Settings& settings() {
 
 unsigned worker_count() {
     const unsigned chosen = settings().workers;
-    return chosen ? chosen : std::max(2u, std::thread::hardware_concurrency());
+    if (chosen) return chosen;
+    return thread_sanitizer ? 2 : std::clamp(std::thread::hardware_concurrency(), 2u, 16u);
 }
 
 Random& host_random() {

@@ -27,7 +27,8 @@ struct Settings {
     Order order = Order::forward;
     Progress progress = Progress::lazy;
     std::uint32_t seed = 1;
-    /// OS threads that run blocks; 0: one a core, at least 2, because races between blocks need two.
+    /// OS threads that run blocks; 0: one a core, but at least 2, because races between blocks need two, and at most
+    /// 16, because each brings 1024 stacks. Under ThreadSanitizer, which has room for some 8000 threads, 2.
     unsigned workers = 0;
     /// Devices present. With 0 every call that needs one answers cudaErrorNoDevice.
     int devices = 1;

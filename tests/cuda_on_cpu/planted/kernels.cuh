@@ -82,6 +82,20 @@ __global__ void write_shared(int* out, int index) {
     out[threadIdx.x] = items[threadIdx.x];
 }
 
+struct TwoArrays {
+    int first[threads], second[threads];
+};
+
+/// The same, where what follows the array is shared memory as well.
+__global__ void write_array_in_shared(int* out, int index) {
+    TwoArrays& s = portable::dynamic_shared<TwoArrays>();
+    s.first[threadIdx.x] = s.second[threadIdx.x] = 1;
+    __syncthreads();
+    if (threadIdx.x == 5) s.first[index] = 2;
+    __syncthreads();
+    out[threadIdx.x] = s.first[threadIdx.x];
+}
+
 /// Counts threads in shared memory. Planted: nobody set the counter to 0.
 __global__ void count_threads(int* out, bool planted) {
     Items& s = portable::dynamic_shared<Items>();

@@ -3,6 +3,7 @@
 // result could be wrong.
 
 #include <cub/device/device_scan.cuh>
+#include <cub/device/device_segmented_sort.cuh>
 #include <functional>
 
 #include "cuda_on_cpu/machine/sanitizers.h"
@@ -182,6 +183,16 @@ TEST_F(Planted, shared_memory_out_of_bounds) {
     EXPECT_DEATH(write_shared_at(-1),
                  sanitized ? "AddressSanitizer|runtime error" : "wrote .* bytes before its shared memory");
 }
+TEST_F(Planted, array_out_of_bounds_within_shared_memory) {
+    const auto body = [](int index) {
+        const Array<int> out(threads);
+        launch(write_array_in_shared, 1, threads, sizeof(TwoArrays), out.data(), index);
+        check(cudaDeviceSynchronize());
+    };
+    body(threads - 1);
+    if (!cuda_on_cpu::address_sanitizer) GTEST_SKIP() << "found by UndefinedBehaviorSanitizer";
+    EXPECT_DEATH(body(threads), "index 64 out of bounds");
+}
 
 void write_global_at(long long index) {
     const Array<int> out(100);
@@ -242,6 +253,30 @@ TEST_F(Planted, temporary_storage_that_is_too_small) {
     const Array<char> less(bytes - 1);
     EXPECT_DEATH(cub::DeviceScan::ExclusiveSum(less.data(), bytes, data.data(), data.data(), 1000),
                  "temporary storage .* does not lie in one allocation");
+}
+TEST_F(Planted, stability_of_a_sort_that_is_not_stable) {
+    const std::vector<int> ids = {0, 1, 2, 3};
+    const Array<int> keys(std::vector<int>(4, 7)), keys_out(4), values(ids), values_out(4);
+    const Array<int> offsets(std::vector<int>{0, 4});
+    const auto sort = [&](void* storage, std::size_t& bytes) {
+        check(cub::DeviceSegmentedSort::SortPairs(storage, bytes, keys.data(), keys_out.data(), values.data(),
+                                                  values_out.data(), 4, 1, offsets.data(), offsets.data() + 1));
+    };
+    std::size_t bytes = 0;
+    sort(nullptr, bytes);
+    const Array<char> storage(bytes);
+    sort(storage.data(), bytes);
+    EXPECT_NE(values_out.values(), ids);
+}
+TEST_F(Planted, handle_after_it_is_destroyed) {
+    cudaStream_t stream;
+    cudaEvent_t event;
+    check(cudaStreamCreate(&stream));
+    check(cudaEventCreate(&event));
+    check(cudaStreamDestroy(stream));
+    check(cudaEventDestroy(event));
+    EXPECT_EQ(cudaStreamSynchronize(stream), cudaErrorInvalidResourceHandle);
+    EXPECT_EQ(cudaEventRecord(event, nullptr), cudaErrorInvalidResourceHandle);
 }
 TEST_F(Planted, memory_freed_twice) {
     int* memory = nullptr;

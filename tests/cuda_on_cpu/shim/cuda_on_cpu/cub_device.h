@@ -19,7 +19,8 @@ template <class F>
 inline constexpr char function_of = 0;
 
 /// First phase (`storage` null): `bytes` becomes what is needed. Second phase: checks the storage, fills all of it with
-/// rubbish and calls run(). Sizes are odd on purpose, so that who carves several out of one must align them.
+/// rubbish and calls run(). Some storage is asked for even
+/// where nothing is stored.
 template <class F>
 cudaError_t device_primitive(const char* name, void* storage, std::size_t& bytes, std::size_t data_bytes,
                              cudaStream_t stream, F run) {

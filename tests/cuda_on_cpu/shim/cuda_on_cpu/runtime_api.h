@@ -109,10 +109,3 @@ template <class T>
 cudaError_t cudaMallocFromPoolAsync(T** memory, std::size_t bytes, cudaMemPool_t pool, cudaStream_t stream) {
     return cudaMallocFromPoolAsync(reinterpret_cast<void**>(memory), bytes, pool, stream);
 }
-
-// A __constant__ or __device__ variable is a variable.
-template <class T>
-cudaError_t cudaGetSymbolAddress(void** address, const T& symbol) {
-    *address = const_cast<void*>(static_cast<const void*>(&symbol));
-    return cudaSuccess;
-}
