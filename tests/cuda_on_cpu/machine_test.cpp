@@ -48,6 +48,8 @@ TEST_F(Machine, may_have_no_driver) {
     EXPECT_EQ(cudaGetDeviceCount(&count), cudaErrorInsufficientDriver);
     EXPECT_EQ(count, -1) << "stays unwritten";
     EXPECT_EQ(cudaSetDevice(0), cudaErrorInsufficientDriver);
+    EXPECT_EQ(cudaGetLastError(), cudaErrorInsufficientDriver);
+    EXPECT_EQ(cudaGetLastError(), cudaErrorInsufficientDriver) << "again";
 }
 
 TEST_F(Machine, may_have_several_devices) {

@@ -139,8 +139,12 @@ const char* cudaGetErrorString(cudaError_t error) {
     return "unrecognised error code";
 }
 
-cudaError_t cudaGetLastError() { return std::exchange(host_thread().last_error, cudaSuccess); }
-cudaError_t cudaPeekAtLastError() { return host_thread().last_error; }
+// Without a driver CUDA's runtime has that one answer to everything.
+cudaError_t cudaGetLastError() {
+    const cudaError_t error = std::exchange(host_thread().last_error, cudaSuccess);
+    return settings().driver ? error : cudaErrorInsufficientDriver;
+}
+cudaError_t cudaPeekAtLastError() { return settings().driver ? host_thread().last_error : cudaErrorInsufficientDriver; }
 
 cudaError_t cudaGetDeviceCount(int* count) {
     if (!count) return keep(cudaErrorInvalidValue);
