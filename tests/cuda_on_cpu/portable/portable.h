@@ -77,7 +77,8 @@ class DeviceTest : public testing::Test {
         if (cudaGetDeviceCount(&count) != cudaSuccess || count == 0) GTEST_SKIP() << "no device";
     }
     void TearDown() override {
-        if (!IsSkipped()) EXPECT_EQ(cudaGetLastError(), cudaSuccess);
+        if (IsSkipped()) return;
+        EXPECT_EQ(cudaGetLastError(), cudaSuccess);
     }
 };
 
