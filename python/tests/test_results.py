@@ -177,7 +177,7 @@ def test_statistics(detector):
     assert list(s.stage_milliseconds) == ["bounds", "subdivide", "align", "sort", "sweep", "narrow", "output"]
     assert 0 < s.milliseconds and all(t >= 0 for t in s.stage_milliseconds.values())
     assert f"pairs={s.pairs}" in repr(s)
-    # One thread, for which worker meets the largest leaf is chance. Without the result's bytes warm peaks would be lower.
+    # One thread, for which of two meets the largest leaf is chance. Uncounted results would lower the warm peaks.
     one = crumple.Detector(threads=1)
     peaks = [one.find_self(mesh).statistics.peak_memory_bytes for _ in range(4)]
     assert max(peaks) - min(peaks) < 4 * s.pairs, "the result counts in cold and warm calls"
