@@ -6,16 +6,16 @@
 
 namespace crumple::cpu {
 
-LeafFrame leaf_frame(const Subdivision& s, const Leaf& leaf) {
-    const std::int64_t samples = std::min<std::int64_t>(leaf.size, 256);
-    const auto member = [&](std::int64_t i) { return s.member(leaf, i * leaf.size / samples); };
-    const auto centroid = [&](std::int64_t m) { return Vec3d{s.ball[m].x, s.ball[m].y, s.ball[m].z}; };
+LeafFrame leaf_frame(const Subdivision& s, const LeafMembers& members) {
+    const std::int64_t samples = std::min<std::int64_t>(members.size(), 256);
+    const auto member = [&](std::int64_t i) { return members.member[i * members.size() / samples]; };
+    const auto centroid = [&](std::int32_t m) { return Vec3d{s.ball[m].x, s.ball[m].y, s.ball[m].z}; };
 
     const double share = 1.0 / static_cast<double>(samples);
     Vec3d mean;
     double radius = 0;
     for (std::int64_t i = 0; i < samples; ++i) {
-        const std::int64_t m = member(i);
+        const std::int32_t m = member(i);
         mean = mean + share * centroid(m);
         radius += share * s.ball[m].r;
     }

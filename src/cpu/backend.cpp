@@ -66,7 +66,7 @@ class CpuBackend final : public BackendBase {
         std::int64_t pairs = 0;
         workers_.run([&] {
             prepare_chunks(scene, query, part);
-            pass_over_chunks(scene, query, part,
+            pass_over_chunks(scene, query,
                              [&](const Array<Pair>& found) { pairs += static_cast<std::int64_t>(found.size()); });
         });
         return meter_.peak + result_bytes(scene, query, pairs);
@@ -81,11 +81,11 @@ class CpuBackend final : public BackendBase {
                               warm_, *subdivision_);
                 NarrowContext context = narrow_context(scene, query);
                 context.found = &found;
-                sweep_leaves(context, nullptr);
+                sweep_leaves(context);
             } catch (const MemoryMeter::Exceeded&) {
                 prepare_chunks(scene, query, nullptr);
                 pass_over_chunks(
-                    scene, query, nullptr, [](const Array<Pair>&) {}, &found);
+                    scene, query, [](const Array<Pair>&) {}, &found);
             }
         });
         return found;
@@ -118,7 +118,7 @@ class CpuBackend final : public BackendBase {
         gather_leaves(balls_, scene.triangle_count(), 0, subdivision_->clusters, options_, kernels_, workers_, warm_,
                       *subdivision_);
         statistics_[Stage::subdivide] += watch.lap();
-        sweep_leaves(narrow_context(scene, query), part);
+        sweep_leaves(narrow_context(scene, query));
         watch.lap();
         write_output(scene, workers_, found_, output_, result);
         write_contacts(scene, query, result);
@@ -134,13 +134,13 @@ class CpuBackend final : public BackendBase {
         const auto n = static_cast<std::size_t>(scene.triangles[0]);
         result.offsets.assign(n + 1, 0);
         std::int64_t* offsets = result.offsets.data();
-        pass_over_chunks(scene, query, part, [&](const Array<Pair>& found) {
+        pass_over_chunks(scene, query, [&](const Array<Pair>& found) {
             for (const Pair& pair : found) ++offsets[pair.a + 1];
         });
         for (std::size_t i = 0; i < n; ++i) offsets[i + 1] += offsets[i];
         result.pairs.resize_discard(static_cast<std::size_t>(offsets[n]));
         const auto second = static_cast<std::int32_t>(scene.between ? scene.triangles[0] : 0);
-        pass_over_chunks(scene, query, part, [&](const Array<Pair>& found) {
+        pass_over_chunks(scene, query, [&](const Array<Pair>& found) {
             for (const Pair& pair : found) result.pairs[offsets[pair.a]++] = {pair.a, pair.b - second};
         });
         Stopwatch watch;
@@ -159,8 +159,8 @@ class CpuBackend final : public BackendBase {
         start(scene, query, part);
     }
 
-    void pass_over_chunks(const Scene& scene, const Query& query, const Part* part,
-                          const std::function<void(const Array<Pair>&)>& sink, std::atomic<bool>* found = nullptr) {
+    void pass_over_chunks(const Scene& scene, const Query& query, const std::function<void(const Array<Pair>&)>& sink,
+                          std::atomic<bool>* found = nullptr) {
         NarrowContext context = narrow_context(scene, query);
         context.sink = &sink;
         context.found = found;
@@ -173,8 +173,8 @@ class CpuBackend final : public BackendBase {
             for (const Leaf& leaf : subdivision_->leaves) {
                 count_leaf(leaf);
                 if (leaf.size < 2) continue;
-                Ownership ownership(scene, *subdivision_, part_masks(part), part ? part->index : 0, leaf);
-                prepare_leaf(scene, leaf, ownership, scratch);
+                Ownership ownership(scene, *subdivision_, part_masks(), part_index_, leaf);
+                if (!prepare_leaf(scene, leaf, ownership, scratch)) continue;
                 sweep_and_narrow(context, scratch.leaf, ownership, scratch.members.bounds.reach, 0, scratch.leaf.rows,
                                  scratch.narrow);
             }
@@ -195,22 +195,29 @@ class CpuBackend final : public BackendBase {
         Stopwatch watch;
         rule_.prepare(query);
         compute_bounds(scene, kernels_, workers_, *points_, balls_);
-        if (part) crumple::part_masks(scene, part->centres, part_masks_);
+        if (part)
+            crumple::part_masks(scene, part->centres, part_masks_);
+        else if (scene.between)
+            part_masks_.assign(static_cast<std::size_t>(scene.triangle_count()), 1);
+        else
+            part_masks_.clear();
+        if (scene.between) exclude_far(scene, workers_, balls_, part_masks_);
+        part_index_ = part ? part->index : 0;
         statistics_[Stage::bounds] = watch.lap();
-        place_clusters(balls_, scene.triangle_count(), part_masks(part), part ? part->index : 0, options_, kernels_,
-                       workers_, warm_, *subdivision_);
+        place_clusters(balls_, scene.triangle_count(), part_masks(), part_index_, options_, kernels_, workers_, warm_,
+                       *subdivision_);
         statistics_[Stage::subdivide] = watch.lap();
         statistics_.clusters = subdivision_->clusters;
     }
 
     // Leaves the pairs in scratch_[...]->narrow.pairs.
-    void sweep_leaves(const NarrowContext& context, const Part* part) {
+    void sweep_leaves(const NarrowContext& context) {
         workers_.parallel_for(subdivision_->leaves.size(), [&](std::size_t l, std::size_t worker) {
             const Leaf& leaf = subdivision_->leaves[l];
             if (leaf.size < 2 || context.stop()) return;
-            Ownership ownership(context.scene, *subdivision_, part_masks(part), part ? part->index : 0, leaf);
-            prepare_leaf(context.scene, leaf, ownership, *scratch_[worker]);
-            sweep_leaf(context, ownership, *scratch_[worker]);
+            Ownership ownership(context.scene, *subdivision_, part_masks(), part_index_, leaf);
+            if (prepare_leaf(context.scene, leaf, ownership, *scratch_[worker]))
+                sweep_leaf(context, ownership, *scratch_[worker]);
         });
         for (const auto& scratch : scratch_) add_counts(scratch->narrow.statistics);
         for (const Leaf& leaf : subdivision_->leaves) count_leaf(leaf);
@@ -220,7 +227,7 @@ class CpuBackend final : public BackendBase {
         return {scene, query, rule_, kernels_, point_rows(scene)};
     }
 
-    const std::uint64_t* part_masks(const Part* part) const { return part ? part_masks_.data() : nullptr; }
+    const std::uint64_t* part_masks() const { return part_masks_.empty() ? nullptr : part_masks_.data(); }
 
     void count_leaf(const Leaf& leaf) {
         ++statistics_.leaves;
@@ -240,31 +247,24 @@ class CpuBackend final : public BackendBase {
         });
     }
 
-    void prepare_leaf(const Scene& scene, const Leaf& leaf, Ownership& ownership, Scratch& scratch) {
+    // False if the leaf holds no pair.
+    bool prepare_leaf(const Scene& scene, const Leaf& leaf, Ownership& ownership, Scratch& scratch) {
         Statistics& statistics = scratch.narrow.statistics;
         Stopwatch watch;
         LeafMembers& members = scratch.members;
-        const auto n = static_cast<std::size_t>(leaf.size);
-        members.triangle.resize_discard(n);
-        members.member.resize_discard(n);
-        members.lower.resize_discard(n);
-        members.record.resize_discard(n + padding);
-        members.boxes.resize(n);
-        for (std::size_t i = 0; i < n; ++i) {
-            const std::int64_t m = subdivision_->member(leaf, static_cast<std::int64_t>(i));
-            members.member[i] = static_cast<std::int32_t>(m);
-            members.triangle[i] = subdivision_->id[static_cast<std::size_t>(m)];
-        }
-        ownership.bits(members.triangle.data(), members.member.data(), leaf.size, rule_.groups_apart(),
+        members.gather(scene, *subdivision_, leaf);
+        if (members.size() < 2) return false;
+        ownership.bits(members.triangle.data(), members.member.data(), members.size(), rule_.groups_apart(),
                        members.lower.data());
         members.keep_members = !ownership.complete();
-        const RecordInput input{point_rows(scene),       scene.corners, scene.triangle_count(),
-                                members.triangle.data(), leaf.size,     leaf_frame(*subdivision_, leaf)};
+        const RecordInput input{point_rows(scene),       scene.corners,  scene.triangle_count(),
+                                members.triangle.data(), members.size(), leaf_frame(*subdivision_, members)};
         kernels_.build(input, members.record.data(), members.boxes, members.bounds);
         statistics[Stage::align] += watch.lap();
         sort_leaf(members, kernels_, scratch.sort, scratch.leaf);
         statistics.interval_tests += scratch.leaf.work;
         statistics[Stage::sort] += watch.lap();
+        return true;
     }
 
     PointRows point_rows(const Scene& scene) const {
@@ -284,7 +284,7 @@ class CpuBackend final : public BackendBase {
         std::int64_t work = 0;
         for (std::int64_t row = 0; row < leaf.rows; ++row) {
             if (work >= share * static_cast<std::int64_t>(scratch.tile_begin.size())) scratch.tile_begin.push_back(row);
-            work += std::max<std::int64_t>(0, leaf.end[row] - row - 1);
+            work += std::max<std::int64_t>(0, leaf.end[row] - leaf.begin_of(row));
         }
         const std::size_t tiles = scratch.tile_begin.size();
         scratch.tile_begin.push_back(leaf.rows);
@@ -312,7 +312,8 @@ class CpuBackend final : public BackendBase {
     std::unique_ptr<Points> points_;
     Array<Ball> balls_;
     std::unique_ptr<Subdivision> subdivision_;
-    Array<std::uint64_t> part_masks_;
+    Array<std::uint64_t> part_masks_;  ///< by triangle; empty: all belong to the one part that is answered
+    int part_index_ = 0;
     OutputScratch output_{nullptr};
     WarmCentres warm_;
     std::vector<std::unique_ptr<Scratch>> scratch_;  ///< one a worker

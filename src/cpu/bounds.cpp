@@ -45,4 +45,31 @@ void compute_bounds(const Scene& scene, const Kernels& kernels, Workers& workers
     });
 }
 
+void exclude_far(const Scene& scene, Workers& workers, const Array<Ball>& balls, Array<std::uint64_t>& masks) {
+    const Normaliser normaliser(scene.low, scene.high);
+    // Coordinates are at most 1, so rounding to float32 and the distance below err by less than the margin.
+    constexpr float margin = 2e-6f;
+    Vec3f low[2], high[2];
+    for (std::size_t side = 0; side < 2; ++side)
+        for (int axis = 0; axis < 3; ++axis) {
+            // A mesh without vertices has infinite bounds, the wrong way round; +-4 is as far from everything.
+            const auto bound = [&](Vec3d corner) {
+                return static_cast<float>(std::clamp(normaliser(corner)[axis], -4.0, 4.0));
+            };
+            low[side][axis] = bound(scene.side_low[side]) - margin;
+            high[side][axis] = bound(scene.side_high[side]) + margin;
+        }
+    const std::int64_t n = scene.triangle_count();
+    workers.parallel_for(chunks(n), [&](std::size_t part, std::size_t) {
+        const std::int64_t begin = static_cast<std::int64_t>(part) * chunk, end = std::min(n, begin + chunk);
+        for (std::int64_t t = begin; t < end; ++t) {
+            const Ball& ball = balls[static_cast<std::size_t>(t)];
+            const std::size_t other = scene.second(t) ? 0 : 1;
+            const Vec3f c{ball.x, ball.y, ball.z};
+            const Vec3f out = max(Vec3f{}, max(low[other] - c, c - high[other]));
+            if (dot(out, out) > ball.r * ball.r) masks[static_cast<std::size_t>(t)] = 0;
+        }
+    });
+}
+
 }  // namespace crumple::cpu

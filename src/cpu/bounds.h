@@ -15,4 +15,8 @@ namespace crumple::cpu {
 
 void compute_bounds(const Scene& scene, const Kernels& kernels, Workers& workers, Points& points, Array<Ball>& balls);
 
+/// Between two meshes: sets masks[t] to 0 for triangles whose ball does not reach the other mesh's box. They cannot
+/// collide.
+void exclude_far(const Scene& scene, Workers& workers, const Array<Ball>& balls, Array<std::uint64_t>& masks);
+
 }  // namespace crumple::cpu

@@ -132,7 +132,7 @@ std::int64_t sweep(const SortedLeaf& leaf, std::int64_t row, std::int64_t last, 
     for (; row < last && count < capacity; ++row) {
         const std::int64_t first = count;
         const std::int64_t end = std::min<std::int64_t>(leaf.end[row], block_end);
-        for (std::int64_t j = std::max(row + 1, out.columns); j < end; ++j) {
+        for (std::int64_t j = std::max(leaf.begin_of(row), out.columns); j < end; ++j) {
             const bool apart = leaf.low_y[j] > leaf.high_y[row] || leaf.low_y[row] > leaf.high_y[j] ||
                                leaf.low_z[j] > leaf.high_z[row] || leaf.low_z[row] > leaf.high_z[j];
             if (!apart && !(leaf.lower[row] & leaf.lower[j])) add(row, j - out.columns);

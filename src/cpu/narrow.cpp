@@ -58,14 +58,16 @@ void sweep_and_narrow(const NarrowContext& context, const SortedLeaf& leaf, cons
     for (std::int64_t block = 0; block < leaf.rows; block += block_stride) {
         const std::int64_t block_end = std::min(block + block_stride, leaf.rows) - 1;  // without the dummy
         const auto dummy = static_cast<std::uint16_t>(block_end - block);
-        for (std::int64_t row = first; row < std::min(last, block_end);) {
+        // Within one mesh, rows lie before their columns.
+        const std::int64_t end = leaf.begin.empty() ? std::min(last, block_end) : last;
+        for (std::int64_t row = first; row < end;) {
             if (context.stop()) return;
             Stopwatch watch;
             candidates.rows = row;
             candidates.columns = block;
             candidates.count = candidates.pairs = 0;
-            row = context.kernels.sweep(leaf, row, std::min({last, block_end, row + 65535}), block_end, dummy,
-                                        chunk_columns, candidates);
+            row = context.kernels.sweep(leaf, row, std::min(end, row + 65535), block_end, dummy, chunk_columns,
+                                        candidates);
             statistics[Stage::sweep] += watch.lap();
             if (candidates.pairs == 0) continue;
             statistics.box_overlaps += candidates.pairs;

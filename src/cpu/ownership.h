@@ -1,9 +1,8 @@
 #pragma once
 
 // Who handles a pair. A leaf owns it iff no lower cluster of any level holds both triangles: no part below the one
-// answered, no first-level cluster below k1, no second-level one below k2. Between two meshes, triangles of one side
-// count as members of a common lower cluster, too, and so do those of one group if only pairs between groups are
-// wanted.
+// answered, no first-level cluster below k1, no second-level one below k2. Triangles of one group count as members of a
+// common lower cluster, too, if only pairs between groups are wanted.
 //
 // The sweep wants this as 16 bits a member, so that one AND tells. Each lower cluster that occurs in the leaf gets a
 // bit; in the rare leaf that meets more than 16, the rest is looked up in the masks for pairs that passed the filters.
@@ -31,11 +30,8 @@ class Ownership {
     /// the bits say so, too, where the leaf's groups are few.
     void bits(const std::int32_t* triangle, const std::int32_t* member, std::int64_t n, bool groups_apart,
               std::uint16_t* lower) {
-        int lane = scene_.between ? 2 : 0;
-        if (scene_.between)
-            for (std::int64_t i = 0; i < n; ++i) lower[i] = scene_.second(triangle[i]) ? 2 : 1;
-        else
-            std::fill(lower, lower + n, std::uint16_t{0});
+        int lane = 0;
+        std::fill(lower, lower + n, std::uint16_t{0});
         complete_ = true;
         if (below_[0]) add_level(n, lane, lower, [&](std::int64_t i) { return mask(0, triangle[i], member[i]); });
         if (below_[1]) add_level(n, lane, lower, [&](std::int64_t i) { return mask(1, triangle[i], member[i]); });

@@ -19,24 +19,39 @@ void write_dummy(SortedLeaf& s, std::int64_t row) {
     s.high_y[row] = s.high_z[row] = 0;
     s.lower[row] = 0xffff;
     s.end[row] = 0;
+    if (!s.begin.empty()) s.begin[row] = 0;
     s.triangle[row] = s.member[row] = -1;
 }
 
-// Counting sort of the starts; every column of a member goes straight to its row. Returns the number of interval tests.
-template <bool one_block>
-std::int64_t place(const LeafMembers& in, SortScratch& scratch, SortedLeaf& s) {
-    const auto n = static_cast<std::size_t>(s.members);
-    const QuantisedCorner *low = scratch.low.data(), *high = scratch.high.data();
-    std::array<std::int32_t, bins + 1> start{};
-    for (std::size_t i = 0; i < n; ++i) ++start[(low[i].x >> bin_shift) + 1];
+int bin(std::uint16_t x) { return x >> bin_shift; }
+
+using BinStarts = std::array<std::int32_t, bins + 1>;
+
+// Where each bin of the members [first, last) starts.
+void count_bins(const QuantisedCorner* low, std::int64_t first, std::int64_t last, BinStarts& start) {
+    start.fill(0);
+    for (std::int64_t i = first; i < last; ++i) ++start[bin(low[i].x) + 1];
+    start[0] = static_cast<std::int32_t>(first);
     for (int b = 0; b < bins; ++b) start[b + 1] += start[b];
+}
+
+// Places one side's members, all of a leaf's if there is only one, by a counting sort of their starts; every column of
+// a member goes straight to its row. A row's own columns are the other side's members from its start on: of equal bins,
+// the first side has them. Returns the number of interval tests.
+template <bool one_block, bool between>
+std::int64_t place(const LeafMembers& in, int side, const BinStarts& own, const BinStarts& other, SortScratch& scratch,
+                   SortedLeaf& s) {
+    const QuantisedCorner *low = scratch.low.data(), *high = scratch.high.data();
+    const auto row_of = [](std::int32_t j) { return static_cast<std::int32_t>(one_block ? j : physical(j)); };
     std::array<std::int32_t, bins> next;
-    std::copy_n(start.begin(), bins, next.begin());
+    std::copy_n(own.begin(), bins, next.begin());
     std::int64_t work = 0;
-    for (std::size_t i = 0; i < n; ++i) {
-        const std::int32_t j = next[low[i].x >> bin_shift]++, last = start[(high[i].x >> bin_shift) + 1] - 1;
-        const auto row = static_cast<std::int32_t>(one_block ? j : physical(j));
-        const auto end = static_cast<std::int32_t>(one_block ? last : physical(last)) + 1;
+    for (std::int64_t i = own.front(); i < own.back(); ++i) {
+        const int first_bin = bin(low[i].x), last_bin = bin(high[i].x);
+        const std::int32_t row = row_of(next[first_bin]++);
+        std::int32_t begin = row + 1;
+        if constexpr (between) s.begin[row] = begin = row_of(other[first_bin + side]);
+        const std::int32_t end = row_of(other[last_bin + 1] - 1) + 1;
         scratch.position[i] = row;
         s.end[row] = end;
         s.low_y[row] = low[i].y;
@@ -45,11 +60,22 @@ std::int64_t place(const LeafMembers& in, SortScratch& scratch, SortedLeaf& s) {
         s.high_z[row] = high[i].z;
         s.lower[row] = in.lower[i];
         s.triangle[row] = in.triangle[i];
-        work += end - row - 1;
+        work += std::max(0, end - begin);
     }
-    if (in.keep_members)
-        for (std::size_t i = 0; i < n; ++i) s.member[scratch.position[i]] = in.member[i];
     return work;
+}
+
+template <bool one_block>
+std::int64_t place(const LeafMembers& in, SortScratch& scratch, SortedLeaf& s) {
+    BinStarts start[2];
+    if (!in.between) {
+        count_bins(scratch.low.data(), 0, s.members, start[0]);
+        return place<one_block, false>(in, 0, start[0], start[0], scratch, s);
+    }
+    count_bins(scratch.low.data(), 0, in.first_side, start[0]);
+    count_bins(scratch.low.data(), in.first_side, s.members, start[1]);
+    return place<one_block, true>(in, 0, start[0], start[1], scratch, s) +
+           place<one_block, true>(in, 1, start[1], start[0], scratch, s);
 }
 
 }  // namespace
@@ -83,6 +109,7 @@ void sort_leaf(const LeafMembers& in, const Kernels& kernels, SortScratch& scrat
     s.record.resize_discard(length);
     for (auto* array : {&s.low_y, &s.high_y, &s.low_z, &s.high_z, &s.lower}) array->resize_discard(length);
     s.end.resize_discard(length);
+    s.begin.resize_discard(in.between ? length : 0);
     s.triangle.resize_discard(length);
     s.member.resize_discard(length);
     for (std::int64_t block = 0; block < blocks; ++block)
@@ -90,6 +117,8 @@ void sort_leaf(const LeafMembers& in, const Kernels& kernels, SortScratch& scrat
     for (std::int64_t row = s.rows; row < s.rows + padding; ++row) write_dummy(s, row);
 
     s.work = members <= block_members ? place<true>(in, scratch, s) : place<false>(in, scratch, s);
+    if (in.keep_members)
+        for (std::size_t i = 0; i < n; ++i) s.member[scratch.position[i]] = in.member[i];
     const float plane_scale = 1.0f / (plane_bound * unit_roundoff * bounds.reach + 1e-30f);
     kernels.scatter(in.record.data(), members, scratch.position.data(), plane_scale, s.record.data());
 }

@@ -8,7 +8,7 @@
 // overlap.
 
 #include "cpu/kernels.h"
-#include "cpu/subdivide.h"
+#include "cpu/leaf_members.h"
 
 namespace crumple::cpu {
 
@@ -17,18 +17,6 @@ struct SortScratch {
     explicit SortScratch(MemoryMeter* m) : low(m), high(m), position(m) {}
     Array<QuantisedCorner> low, high;
     Array<std::int32_t> position;
-};
-
-/// A leaf's members before they are sorted: what `align` built, and what `narrow` will ask for.
-struct LeafMembers {
-    explicit LeafMembers(MemoryMeter* m) : record(m), boxes(m), triangle(m), member(m), lower(m) {}
-    Array<Record> record;
-    Boxes boxes;
-    Array<std::int32_t> triangle;  ///< id in the scene
-    Array<std::int32_t> member;    ///< position in the subdivision's member arrays
-    Array<std::uint16_t> lower;    ///< ownership bits
-    bool keep_members = true;      ///< those bits do not say all: `narrow` will ask for members
-    LeafBounds bounds;
 };
 
 void sort_leaf(const LeafMembers& members, const Kernels& kernels, SortScratch& scratch, SortedLeaf& sorted);

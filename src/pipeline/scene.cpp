@@ -232,7 +232,8 @@ Scene prepare_scene(const MeshView& a, const MeshView* b, bool weld, ParallelFor
     const std::array<std::string, 2> which{b ? "first mesh: " : "", "second mesh: "};
 
     constexpr double most = std::numeric_limits<double>::max();
-    Vec3d low{most, most, most}, high{-most, -most, -most};
+    scene.side_low.fill({most, most, most});
+    scene.side_high.fill({-most, -most, -most});
     for (int side = 0; side < count; ++side) {
         const MeshView& mesh = *meshes[side];
         check_shape(mesh, which[side]);
@@ -241,11 +242,12 @@ Scene prepare_scene(const MeshView& a, const MeshView* b, bool weld, ParallelFor
         scene.reader[side] = {static_cast<const std::byte*>(mesh.vertices.data), mesh.vertices.row_stride,
                               mesh.vertices.column_stride, mesh.vertices.type == ScalarType::float32};
         scene.float32 = scene.float32 && scene.reader[side].float32;
-        check_content(mesh, scene.reader[side], which[side], workers, buffers.checks, low, high);
+        check_content(mesh, scene.reader[side], which[side], workers, buffers.checks, scene.side_low[side],
+                      scene.side_high[side]);
     }
     if (scene.vertex_count() > 0) {
-        scene.low = low;
-        scene.high = high;
+        scene.low = min(scene.side_low[0], scene.side_low[1]);
+        scene.high = max(scene.side_high[0], scene.side_high[1]);
     }
     constexpr std::int64_t most_ids = std::numeric_limits<std::int32_t>::max();
     if (scene.vertex_count() > most_ids || scene.triangle_count() > most_ids)

@@ -48,9 +48,10 @@ struct Scene {
     std::array<VertexReader, 2> reader;      ///< of the first and the second mesh
     std::array<std::int64_t, 2> vertices{};  ///< counts
     std::array<std::int64_t, 2> triangles{};
-    const std::int32_t* corners = nullptr;  ///< 3 a triangle
-    const std::int32_t* groups = nullptr;   ///< 1 a triangle, or null: all in group 0
-    Vec3d low, high;                        ///< box of all vertices; 0 if there are none
+    const std::int32_t* corners = nullptr;     ///< 3 a triangle
+    const std::int32_t* groups = nullptr;      ///< 1 a triangle, or null: all in group 0
+    Vec3d low, high;                           ///< box of all vertices; 0 if there are none
+    std::array<Vec3d, 2> side_low, side_high;  ///< box of each mesh's vertices; low > high if there are none
 
     std::int64_t vertex_count() const { return vertices[0] + vertices[1]; }
     std::int64_t triangle_count() const { return triangles[0] + triangles[1]; }

@@ -37,6 +37,12 @@ LeafMembers make_members(int n, float size, std::mt19937& engine) {
     return members;
 }
 
+/// Whether the sweep has to find members i and j.
+bool wanted(const LeafMembers& members, std::int64_t i, std::int64_t j) {
+    if (members.between && (i < members.first_side) == (j < members.first_side)) return false;
+    return !(members.lower[static_cast<std::size_t>(i)] & members.lower[static_cast<std::size_t>(j)]);
+}
+
 bool overlap(const Boxes& boxes, std::size_t i, std::size_t j) {
     const auto starts_before_end = [&](std::size_t s, std::size_t e) {
         const BoxCorner low = boxes.low[s], high = boxes.high[e];
@@ -53,11 +59,12 @@ std::multiset<std::pair<int, int>> candidates_of(const Kernels& kernels, const S
     out.row.resize(out.column.size());
     for (std::int64_t block = 0; block < leaf.rows; block += block_stride) {
         const std::int64_t block_end = std::min<std::int64_t>(block + block_stride, leaf.rows) - 1;
-        for (std::int64_t row = 0; row < block_end;) {
+        const std::int64_t last = leaf.begin.empty() ? block_end : leaf.rows;
+        for (std::int64_t row = 0; row < last;) {
             out.rows = row;
             out.columns = block;
             out.count = out.pairs = 0;
-            row = kernels.sweep(leaf, row, std::min(block_end, row + 65535), block_end,
+            row = kernels.sweep(leaf, row, std::min(last, row + 65535), block_end,
                                 static_cast<std::uint16_t>(block_end - block), capacity, out);
             EXPECT_EQ(out.count % 16, 0);
             std::int64_t pairs = 0;
@@ -79,8 +86,10 @@ TEST(Sweep, finds_all_overlapping_boxes_once_and_none_that_a_lower_cluster_owns)
     std::mt19937 engine(6);
     for (const Kernels* kernels : test::kernel_tables()) {
         for (const int n : {1, 2, 31, 32, 33, 64, 700}) {
-            for (const float size : {0.0f, 0.05f, 0.5f, 3.0f}) {
-                const LeafMembers members = make_members(n, size, engine);
+            for (const float size : {0.0f, 0.05f, 0.5f, 3.0f, -0.05f, -0.5f}) {
+                LeafMembers members = make_members(n, std::abs(size), engine);
+                members.between = size < 0;
+                members.first_side = n / 3;
                 SortScratch scratch(nullptr);
                 SortedLeaf leaf(nullptr);
                 sort_leaf(members, *kernels, scratch, leaf);
@@ -88,15 +97,14 @@ TEST(Sweep, finds_all_overlapping_boxes_once_and_none_that_a_lower_cluster_owns)
                     const auto found = candidates_of(*kernels, leaf, capacity);
                     for (const auto& pair : found) {
                         EXPECT_EQ(found.count(pair), 1u) << kernels->name << ": " << pair.first << ' ' << pair.second;
-                        EXPECT_FALSE(members.lower[static_cast<std::size_t>(pair.first)] &
-                                     members.lower[static_cast<std::size_t>(pair.second)])
+                        EXPECT_TRUE(wanted(members, pair.first, pair.second))
                             << kernels->name << ": " << pair.first << ' ' << pair.second;
                     }
                     std::int64_t overlaps = 0;
                     for (int a = 0; a < n; ++a)
                         for (int b = a + 1; b < n; ++b) {
                             const auto i = static_cast<std::size_t>(a), j = static_cast<std::size_t>(b);
-                            if (members.lower[i] & members.lower[j] || !overlap(members.boxes, i, j)) continue;
+                            if (!wanted(members, a, b) || !overlap(members.boxes, i, j)) continue;
                             ++overlaps;
                             ASSERT_EQ(found.count({a, b}), 1u) << kernels->name << ": " << a << ' ' << b << " of " << n;
                         }
@@ -111,27 +119,31 @@ TEST(Sweep, finds_all_overlapping_boxes_once_and_none_that_a_lower_cluster_owns)
 
 TEST(Sweep, leaves_larger_than_16_bits_are_swept_in_blocks) {
     std::mt19937 engine(8);
-    const LeafMembers members = make_members(150000, 0.01f, engine);
-    std::multiset<std::pair<int, int>> first;
-    for (const Kernels* kernels : test::kernel_tables()) {
-        SortScratch scratch(nullptr);
-        SortedLeaf leaf(nullptr);
-        sort_leaf(members, *kernels, scratch, leaf);
-        ASSERT_GT(leaf.rows, 2 * block_stride);
-        const auto found = candidates_of(*kernels, leaf, 1 << 15);
-        ASSERT_GT(found.size(), 500u);
-        if (first.empty()) {
-            first = found;
-            // Overlaps in the first block's reach are checked one by one, as all pairs would take too long.
-            for (int a = 0; a < 300; ++a)
-                for (int b = a + 1; b < 150000; ++b) {
-                    const auto i = static_cast<std::size_t>(a), j = static_cast<std::size_t>(b);
-                    if (!(members.lower[i] & members.lower[j]) && overlap(members.boxes, i, j)) {
-                        ASSERT_EQ(found.count({a, b}), 1u) << a << ' ' << b;
+    LeafMembers members = make_members(150000, 0.01f, engine);
+    members.first_side = 70000;
+    for (const bool between : {false, true}) {
+        members.between = between;
+        std::multiset<std::pair<int, int>> first;
+        for (const Kernels* kernels : test::kernel_tables()) {
+            SortScratch scratch(nullptr);
+            SortedLeaf leaf(nullptr);
+            sort_leaf(members, *kernels, scratch, leaf);
+            ASSERT_GT(leaf.rows, 2 * block_stride);
+            const auto found = candidates_of(*kernels, leaf, 1 << 15);
+            ASSERT_GT(found.size(), 500u);
+            if (first.empty()) {
+                first = found;
+                // Overlaps in the first block's reach are checked one by one, as all pairs would take too long.
+                for (int a = 0; a < 300; ++a)
+                    for (int b = a + 1; b < 150000; ++b) {
+                        const auto i = static_cast<std::size_t>(a), j = static_cast<std::size_t>(b);
+                        if (wanted(members, a, b) && overlap(members.boxes, i, j)) {
+                            ASSERT_EQ(found.count({a, b}), 1u) << a << ' ' << b;
+                        }
                     }
-                }
+            }
+            EXPECT_TRUE(found == first) << kernels->name;
         }
-        EXPECT_TRUE(found == first) << kernels->name;
     }
 }
 

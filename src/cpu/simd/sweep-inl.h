@@ -37,7 +37,7 @@ inline std::int64_t sweep(const SortedLeaf& leaf, std::int64_t row, std::int64_t
     std::int64_t count = out.count, pairs = out.pairs;
     for (; row < last && count < capacity; ++row) {
         const std::int64_t end = std::min<std::int64_t>(ends[row], block_end);
-        const std::int64_t begin = std::max(row + 1, out.columns);
+        const std::int64_t begin = std::max(leaf.begin_of(row), out.columns);
         if (begin >= end) continue;
         const V row_low_y = hn::Set(d, low_y[row]), row_high_y = hn::Set(d, high_y[row]);
         const V row_low_z = hn::Set(d, low_z[row]), row_high_z = hn::Set(d, high_z[row]);
