@@ -284,7 +284,7 @@ class CpuBackend final : public BackendBase {
         std::int64_t work = 0;
         for (std::int64_t row = 0; row < leaf.rows; ++row) {
             if (work >= share * static_cast<std::int64_t>(scratch.tile_begin.size())) scratch.tile_begin.push_back(row);
-            work += std::max<std::int64_t>(0, leaf.end[row] - leaf.begin_of(row));
+            work += std::max<std::int64_t>(0, leaf.link[row].end - leaf.begin_of(row));
         }
         const std::size_t tiles = scratch.tile_begin.size();
         scratch.tile_begin.push_back(leaf.rows);

@@ -44,6 +44,9 @@ struct Kernels {
     void (*quantise)(const BoxCorner* corner, std::int64_t n, const float base[4], const float scale[4],
                      QuantisedCorner* out);
 
+    /// Writes the four columns of the sorted boxes of `rows` rows, and of half of the padding.
+    void (*split_boxes)(const RowBox* box, std::int64_t rows, SortedLeaf& sorted);
+
     /// Copies record i to sorted[position[i]], its plane times `scale`.
     void (*scatter)(const Record* record, std::int64_t n, const std::int32_t* position, float scale, Record* sorted);
 

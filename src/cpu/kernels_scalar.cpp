@@ -110,6 +110,15 @@ void quantise(const BoxCorner* corner, std::int64_t n, const float base[4], cons
         out[i] = {to_16_bits(corner[i].x, 0), to_16_bits(corner[i].y, 1), to_16_bits(corner[i].z, 2), 0};
 }
 
+void split_boxes(const RowBox* box, std::int64_t rows, SortedLeaf& sorted) {
+    for (std::int64_t row = 0; row < rows + padding / 2; ++row) {
+        sorted.low_y[row] = box[row].low_y;
+        sorted.high_y[row] = box[row].high_y;
+        sorted.low_z[row] = box[row].low_z;
+        sorted.high_z[row] = box[row].high_z;
+    }
+}
+
 void scatter(const Record* record, std::int64_t n, const std::int32_t* position, float scale, Record* sorted) {
     for (std::int64_t i = 0; i < n; ++i) {
         Record& out = sorted[position[i]];
@@ -131,7 +140,7 @@ std::int64_t sweep(const SortedLeaf& leaf, std::int64_t row, std::int64_t last, 
     };
     for (; row < last && count < capacity; ++row) {
         const std::int64_t first = count;
-        const std::int64_t end = std::min<std::int64_t>(leaf.end[row], block_end);
+        const std::int64_t end = std::min<std::int64_t>(leaf.link[row].end, block_end);
         for (std::int64_t j = std::max(leaf.begin_of(row), out.columns); j < end; ++j) {
             const bool apart = leaf.low_y[j] > leaf.high_y[row] || leaf.low_y[row] > leaf.high_y[j] ||
                                leaf.low_z[j] > leaf.high_z[row] || leaf.low_z[row] > leaf.high_z[j];
@@ -184,6 +193,6 @@ void filter(const SortedLeaf& leaf, const Candidates& candidates, const PointRow
 
 }  // namespace
 
-const Kernels scalar_kernels{"scalar", balls, assign, build, quantise, scatter, sweep, filter};
+const Kernels scalar_kernels{"scalar", balls, assign, build, quantise, split_boxes, scatter, sweep, filter};
 
 }  // namespace crumple::cpu

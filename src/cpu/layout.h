@@ -96,23 +96,32 @@ struct LeafBounds {
     int big = 0;      ///< number of big members
 };
 
+/// A box's extent across the sweep direction: what `sort` scatters at once, before it lies in columns.
+struct alignas(8) RowBox {
+    std::uint16_t low_y, high_y, low_z, high_z;
+};
+
+struct RowLink {
+    std::int32_t end;       ///< first physical row whose start lies behind this row's end
+    std::int32_t triangle;  ///< id in the scene
+};
+
 /// A leaf after `sort`. `rows` arrays have physical positions.
 struct SortedLeaf {
     std::int64_t members = 0;
     std::int64_t rows = 0;  ///< physical length, dummies included
     Array<Record> record;
     Array<std::uint16_t> low_y, high_y, low_z, high_z;
-    Array<std::uint16_t> lower;    ///< memberships in lower clusters, sides; pairs with a common bit are not ours
-    Array<std::int32_t> begin;     ///< first row to test with; empty: the next one
-    Array<std::int32_t> end;       ///< first physical row whose start lies behind this row's end
-    Array<std::int32_t> triangle;  ///< id in the scene
-    Array<std::int32_t> member;    ///< position in the subdivision's member arrays
-    std::int64_t work = 0;         ///< sum of end - begin over rows: interval tests ([MZ] sec. 3.1)
+    Array<std::uint16_t> lower;  ///< memberships in lower clusters, sides; pairs with a common bit are not ours
+    Array<std::int32_t> begin;   ///< first row to test with; empty: the next one
+    Array<RowLink> link;
+    Array<std::int32_t> member;  ///< position in the subdivision's member arrays
+    std::int64_t work = 0;       ///< sum of end - begin over rows: interval tests ([MZ] sec. 3.1)
     std::int64_t begin_of(std::int64_t row) const {
         return begin.empty() ? row + 1 : begin[static_cast<std::size_t>(row)];
     }
     explicit SortedLeaf(MemoryMeter* m)
-        : record(m), low_y(m), high_y(m), low_z(m), high_z(m), lower(m), begin(m), end(m), triangle(m), member(m) {}
+        : record(m), low_y(m), high_y(m), low_z(m), high_z(m), lower(m), begin(m), link(m), member(m) {}
 };
 
 /// Candidate pairs: row[i] against column[i], as offsets from `rows` and `columns`. Four in a row, from a multiple of

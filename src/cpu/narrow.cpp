@@ -13,7 +13,7 @@ constexpr std::int64_t chunk_columns = 1 << 14;
 void decide(const NarrowContext& context, const SortedLeaf& leaf, const Ownership& ownership, NarrowScratch& scratch) {
     const Candidates& candidates = scratch.candidates;
     const auto ours = [&](std::int64_t row, std::int64_t column) {
-        const std::int32_t a = leaf.triangle[row], b = leaf.triangle[column];
+        const std::int32_t a = leaf.link[row].triangle, b = leaf.link[column].triangle;
         if (!ownership.complete() && !ownership.owns(a, leaf.member[row], b, leaf.member[column])) return false;
         return context.rule.trivial() || context.rule(context.scene.group(a), context.scene.group(b));
     };
@@ -26,13 +26,13 @@ void decide(const NarrowContext& context, const SortedLeaf& leaf, const Ownershi
     const auto found = [&](std::int32_t a, std::int32_t b) { *next++ = {std::min(a, b), std::max(a, b)}; };
     for (const std::uint32_t packed : hits) {
         const std::int64_t row = candidates.rows + (packed & 0xffff), column = candidates.columns + (packed >> 16);
-        if (!check || ours(row, column)) found(leaf.triangle[row], leaf.triangle[column]);
+        if (!check || ours(row, column)) found(leaf.link[row].triangle, leaf.link[column].triangle);
     }
     DecisionCounts counts;
     for (const std::uint32_t packed : undecided) {
         const std::int64_t row = candidates.rows + (packed & 0xffff), column = candidates.columns + (packed >> 16);
         if (check && !ours(row, column)) continue;
-        const std::int32_t a = leaf.triangle[row], b = leaf.triangle[column];
+        const std::int32_t a = leaf.link[row].triangle, b = leaf.link[column].triangle;
         if (collide(context.scene.triangle(a), context.scene.triangle(b), context.query.neighbours,
                     context.query.intersections, counts))
             found(a, b);

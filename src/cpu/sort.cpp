@@ -13,14 +13,13 @@ constexpr int bin_bits = 10, bins = 1 << bin_bits, bin_shift = 16 - bin_bits;
 // A record that no filter can mistake for a triangle; its box overlaps nothing either.
 constexpr Record dummy_record{{0, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, 0}, {-1, -1, -1}, -2};
 
-void write_dummy(SortedLeaf& s, std::int64_t row) {
+void write_dummy(SortScratch& scratch, SortedLeaf& s, std::int64_t row) {
+    constexpr std::uint16_t most = std::numeric_limits<std::uint16_t>::max();
     s.record[row] = dummy_record;
-    s.low_y[row] = s.low_z[row] = std::numeric_limits<std::uint16_t>::max();
-    s.high_y[row] = s.high_z[row] = 0;
-    s.lower[row] = 0xffff;
-    s.end[row] = 0;
+    scratch.box[row] = {most, 0, most, 0};
+    s.lower[row] = most;
+    s.link[row] = {0, -1};
     if (!s.begin.empty()) s.begin[row] = 0;
-    s.triangle[row] = s.member[row] = -1;
 }
 
 int bin(std::uint16_t x) { return x >> bin_shift; }
@@ -53,13 +52,9 @@ std::int64_t place(const LeafMembers& in, int side, const BinStarts& own, const 
         if constexpr (between) s.begin[row] = begin = row_of(other[first_bin + side]);
         const std::int32_t end = row_of(other[last_bin + 1] - 1) + 1;
         scratch.position[i] = row;
-        s.end[row] = end;
-        s.low_y[row] = low[i].y;
-        s.low_z[row] = low[i].z;
-        s.high_y[row] = high[i].y;
-        s.high_z[row] = high[i].z;
+        scratch.box[row] = {low[i].y, high[i].y, low[i].z, high[i].z};
+        s.link[row] = {end, in.triangle[i]};
         s.lower[row] = in.lower[i];
-        s.triangle[row] = in.triangle[i];
         work += std::max(0, end - begin);
     }
     return work;
@@ -108,17 +103,18 @@ void sort_leaf(const LeafMembers& in, const Kernels& kernels, SortScratch& scrat
     const auto length = static_cast<std::size_t>(s.rows + padding);
     s.record.resize_discard(length);
     for (auto* array : {&s.low_y, &s.high_y, &s.low_z, &s.high_z, &s.lower}) array->resize_discard(length);
-    s.end.resize_discard(length);
+    scratch.box.resize_discard(length);
+    s.link.resize_discard(length);
     s.begin.resize_discard(in.between ? length : 0);
-    s.triangle.resize_discard(length);
     s.member.resize_discard(length);
     for (std::int64_t block = 0; block < blocks; ++block)
-        write_dummy(s, std::min<std::int64_t>(block * block_stride + block_members, s.rows - 1));
-    for (std::int64_t row = s.rows; row < s.rows + padding; ++row) write_dummy(s, row);
+        write_dummy(scratch, s, std::min<std::int64_t>(block * block_stride + block_members, s.rows - 1));
+    for (std::int64_t row = s.rows; row < s.rows + padding; ++row) write_dummy(scratch, s, row);
 
     s.work = members <= block_members ? place<true>(in, scratch, s) : place<false>(in, scratch, s);
     if (in.keep_members)
         for (std::size_t i = 0; i < n; ++i) s.member[scratch.position[i]] = in.member[i];
+    kernels.split_boxes(scratch.box.data(), s.rows, s);
     const float plane_scale = 1.0f / (plane_bound * unit_roundoff * bounds.reach + 1e-30f);
     kernels.scatter(in.record.data(), members, scratch.position.data(), plane_scale, s.record.data());
 }

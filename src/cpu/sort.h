@@ -14,8 +14,9 @@ namespace crumple::cpu {
 
 /// Scratch of `sort`, one a worker.
 struct SortScratch {
-    explicit SortScratch(MemoryMeter* m) : low(m), high(m), position(m) {}
+    explicit SortScratch(MemoryMeter* m) : low(m), high(m), box(m), position(m) {}
     Array<QuantisedCorner> low, high;
+    Array<RowBox> box;  ///< sorted
     Array<std::int32_t> position;
 };
 

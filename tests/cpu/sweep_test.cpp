@@ -70,8 +70,8 @@ std::multiset<std::pair<int, int>> candidates_of(const Kernels& kernels, const S
             std::int64_t pairs = 0;
             for (std::size_t i = 0; i < static_cast<std::size_t>(out.count); ++i) {
                 EXPECT_EQ(out.row[i], out.row[i - i % 4]);
-                const int a = leaf.triangle[static_cast<std::size_t>(out.rows + out.row[i])];
-                const int b = leaf.triangle[static_cast<std::size_t>(block + out.column[i])];
+                const int a = leaf.link[static_cast<std::size_t>(out.rows + out.row[i])].triangle;
+                const int b = leaf.link[static_cast<std::size_t>(block + out.column[i])].triangle;
                 if (b < 0) continue;
                 ++pairs;
                 found.insert({std::min(a, b), std::max(a, b)});

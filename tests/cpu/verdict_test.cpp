@@ -87,8 +87,8 @@ void check(const Kernels& kernels, const Mesh& mesh, const std::vector<RationalI
     kernels.filter(leaf, candidates, rows, policy, members.bounds.reach, verdicts);
 
     const auto pair_of = [&](std::uint32_t packed) {
-        const auto a = static_cast<std::size_t>(leaf.triangle[packed & 0xffff]);
-        const auto b = static_cast<std::size_t>(leaf.triangle[packed >> 16]);
+        const auto a = static_cast<std::size_t>(leaf.link[packed & 0xffff].triangle);
+        const auto b = static_cast<std::size_t>(leaf.link[packed >> 16].triangle);
         return std::pair(std::min(a, b), std::max(a, b));
     };
     std::multiset<std::pair<std::size_t, std::size_t>> hits, undecided;

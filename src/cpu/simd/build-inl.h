@@ -170,6 +170,20 @@ inline void quantise(const BoxCorner* corner, std::int64_t n, const float base[4
     }
 }
 
+inline void split_boxes(const RowBox* box, std::int64_t rows, SortedLeaf& sorted) {
+    const hn::ScalableTag<std::uint16_t> d;
+    const auto lanes = static_cast<std::int64_t>(hn::Lanes(d));
+    static_assert(hn::MaxLanes(hn::ScalableTag<std::uint16_t>()) <= padding / 2);
+    for (std::int64_t row = 0; row < rows + padding / 2; row += lanes) {
+        hn::Vec<decltype(d)> low_y, high_y, low_z, high_z;
+        hn::LoadInterleaved4(d, &box[row].low_y, low_y, high_y, low_z, high_z);
+        hn::Store(low_y, d, sorted.low_y.data() + row);
+        hn::Store(high_y, d, sorted.high_y.data() + row);
+        hn::Store(low_z, d, sorted.low_z.data() + row);
+        hn::Store(high_z, d, sorted.high_z.data() + row);
+    }
+}
+
 inline void scatter(const Record* record, std::int64_t n, const std::int32_t* position, float scale, Record* sorted) {
     const Four d;
     const float lanes[4] = {1, 1, 1, scale};

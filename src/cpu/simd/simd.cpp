@@ -38,7 +38,7 @@ inline void filter(const SortedLeaf& leaf, const Candidates& candidates, const P
     separation_test_double(leaf, candidates, points, verdicts);
 }
 
-const Kernels table{hwy::TargetName(HWY_TARGET), balls, assign, build, quantise, scatter, sweep, filter};
+const Kernels table{hwy::TargetName(HWY_TARGET), balls, assign, build, quantise, split_boxes, scatter, sweep, filter};
 
 }  // namespace HWY_NAMESPACE
 }  // namespace crumple::cpu

@@ -28,7 +28,7 @@ inline std::int64_t sweep(const SortedLeaf& leaf, std::int64_t row, std::int64_t
     const std::uint16_t* HWY_RESTRICT low_z = leaf.low_z.data();
     const std::uint16_t* HWY_RESTRICT high_z = leaf.high_z.data();
     const std::uint16_t* HWY_RESTRICT lower = leaf.lower.data();
-    const std::int32_t* HWY_RESTRICT ends = leaf.end.data();
+    const RowLink* HWY_RESTRICT links = leaf.link.data();
     const V iota = hn::Iota(d, 0), step = hn::Set(d, static_cast<std::uint16_t>(lanes)), zero = hn::Zero(d);
 
     out.dummy = dummy;
@@ -36,7 +36,7 @@ inline std::int64_t sweep(const SortedLeaf& leaf, std::int64_t row, std::int64_t
     std::uint16_t* HWY_RESTRICT rows = out.row.data();
     std::int64_t count = out.count, pairs = out.pairs;
     for (; row < last && count < capacity; ++row) {
-        const std::int64_t end = std::min<std::int64_t>(ends[row], block_end);
+        const std::int64_t end = std::min<std::int64_t>(links[row].end, block_end);
         const std::int64_t begin = std::max(leaf.begin_of(row), out.columns);
         if (begin >= end) continue;
         const V row_low_y = hn::Set(d, low_y[row]), row_high_y = hn::Set(d, high_y[row]);
