@@ -20,9 +20,10 @@ bool pays(std::int64_t memberships, std::int64_t members, int clusters) {
 
 int choose_clusters(std::int64_t n, const Options& options) {
     if (options.clusters > 0) return options.clusters;
-    const std::int64_t leaves = (n + options.leaf_size - 1) / options.leaf_size;
-    if (leaves <= 1) return 1;
-    return static_cast<int>(leaves <= 16 * 48 ? std::min<std::int64_t>(leaves, 16) : 64);
+    // Up to 8 leaves: one level. More: about as many clusters as each will have leaves.
+    const std::int64_t leaves = std::max<std::int64_t>(1, (n + options.leaf_size - 1) / options.leaf_size);
+    const auto balanced = static_cast<std::int64_t>(std::ceil(std::sqrt(static_cast<double>(leaves))));
+    return static_cast<int>(std::clamp<std::int64_t>(balanced, std::min<std::int64_t>(leaves, 8), max_clusters));
 }
 
 FuzzyOptions fuzzy(const Options& options, bool first) {

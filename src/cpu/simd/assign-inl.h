@@ -36,6 +36,7 @@ inline void assign(const Ball* ball, std::int64_t n, const Centres& centres, std
             const Vec3f between = centres[k] - centres[j];
             reach[k][j] = 2.00001f * std::sqrt(dot(between, between)) + 1e-22f;
         }
+    const bool few = centres.count <= std::min<std::int64_t>(lanes, 8);
     HWY_ALIGN float d2[max_clusters * hn::MaxLanes(d)];
     for (std::int64_t i = 0; i < n; i += lanes) {
         V px, py, pz, pr;
@@ -57,14 +58,9 @@ inline void assign(const Ball* ball, std::int64_t n, const Centres& centres, std
         const V loose = hn::Mul(hn::Mul(root, root), hn::Set(d, 1.00001f));
         const V tight = hn::Mul(best, hn::Set(d, 1.000002f));
         const auto distance_to = [&](int k) { return hn::Load(d, d2 + static_cast<std::size_t>(k) * hn::MaxLanes(d)); };
-        std::uint64_t near = 0;
-        for (int k = 0; k < centres.count; ++k)
-            near |= static_cast<std::uint64_t>(!hn::AllFalse(d, hn::Le(distance_to(k), loose))) << k;
         auto low = hn::Zero(du), high = hn::Zero(du);
         const auto valid = hn::FirstN(d, static_cast<std::size_t>(n - i));
-        for (; near; near &= near - 1) {
-            const int k = std::countr_zero(near);
-            const V factor = hn::GatherIndex(d, reach[k], nearest);
+        const auto join = [&](int k, V factor) HWY_ATTR {
             const auto member = hn::And(valid, hn::Le(distance_to(k), hn::MulAdd(pr, factor, tight)));
             count[k] += static_cast<std::int64_t>(hn::CountTrue(d, member));
             const auto bit = hn::IfThenElseZero(hn::RebindMask(du, member), hn::Set(du, std::uint32_t{1} << (k % 32)));
@@ -72,6 +68,18 @@ inline void assign(const Ball* ball, std::int64_t n, const Centres& centres, std
                 low = hn::Or(low, bit);
             else
                 high = hn::Or(high, bit);
+        };
+        if (few) {
+            const auto lookup = hn::IndicesFromVec(d, nearest);
+            for (int k = 0; k < centres.count; ++k) join(k, hn::TableLookupLanes(hn::Load(d, reach[k]), lookup));
+        } else {
+            std::uint64_t near = 0;
+            for (int k = 0; k < centres.count; ++k)
+                near |= static_cast<std::uint64_t>(!hn::AllFalse(d, hn::Le(distance_to(k), loose))) << k;
+            for (; near; near &= near - 1) {
+                const int k = std::countr_zero(near);
+                join(k, hn::GatherIndex(d, reach[k], nearest));
+            }
         }
         HWY_ALIGN std::uint32_t halves[2 * hn::MaxLanes(d)];
         hn::StoreInterleaved2(low, high, du, halves);
