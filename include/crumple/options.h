@@ -25,7 +25,7 @@ struct Options {
     int leaf_size = 3000;       ///< triangles that a leaf should have; larger clusters are subdivided again
     double fuzziness = 2.0;     ///< t of [MZ] eq. 2, above 1
     int max_iterations = 2;     ///< cap on fuzzy C-means iterations, warm
-    int first_iterations = 20;  ///< the same for a first frame, which has no centres to start from
+    int first_iterations = 5;   ///< the same for a first frame, which has no centres to start from
     /// Iteration ends when no centre moves further than this in any coordinate, in units of the scene's extent rounded
     /// up to a power of two.
     double stop = 1e-2;

@@ -74,7 +74,7 @@ class Detector:
         leaf_size: int = 3000,
         fuzziness: float = 2.0,
         max_iterations: int = 2,
-        first_iterations: int = 20,
+        first_iterations: int = 5,
         stop: float = 1e-2,
         first_stop: float = 1e-4,
         simd: Simd = "automatic",

@@ -7,7 +7,7 @@
 namespace crumple::cpu {
 
 LeafFrame leaf_frame(const Subdivision& s, const LeafMembers& members) {
-    const std::int64_t samples = std::min<std::int64_t>(members.size(), 256);
+    const std::int64_t samples = std::min<std::int64_t>(members.size(), 128);
     const auto member = [&](std::int64_t i) { return members.member[i * members.size() / samples]; };
     const auto centroid = [&](std::int32_t m) { return Vec3d{s.ball[m].x, s.ball[m].y, s.ball[m].z}; };
 

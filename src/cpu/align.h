@@ -3,7 +3,7 @@
 // Stage `align`: the frame in which a leaf is swept, by principal component analysis of its members' centroids
 // ([MZ] sec. 3, eq. 1), and its members' records and boxes in that frame.
 //
-// The first axis is the one along which the centroids spread most. Up to 256 members, evenly spaced in the list, stand
+// The first axis is the one along which the centroids spread most. Up to 128 members, evenly spaced in the list, stand
 // for all. Any frame is correct; boxes carry a margin that covers the rounding of the rotation (docs/align.md).
 
 #include "cpu/leaf_members.h"

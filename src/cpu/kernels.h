@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "cpu/layout.h"
+#include "crumple/collisions.h"
 #include "crumple/options.h"
 
 namespace crumple::cpu {
@@ -15,7 +16,7 @@ struct RecordInput {
     PointRows points;
     const std::int32_t* corners;   ///< 3 a triangle
     std::int64_t triangles;        ///< of the scene
-    const std::int32_t* triangle;  ///< the leaf's members
+    const std::int32_t* triangle;  ///< the leaf's members; the last one is repeated `padding` times
     std::int64_t members;
     LeafFrame frame;
 };
@@ -58,6 +59,10 @@ struct Kernels {
     /// Filters: sorts each candidate into hit, undecided or (silently) apart.
     void (*filter)(const SortedLeaf& leaf, const Candidates& candidates, const PointRows& points,
                    const NarrowPolicy& policy, float reach, Verdicts& verdicts);
+
+    /// The triangles of packed pairs (column << 16 | row), lower id first. Reads and writes up to `padding` more.
+    void (*name_pairs)(const std::uint32_t* packed, std::size_t count, const RowLink* rows, const RowLink* columns,
+                       Pair* out);
 };
 
 /// The table for an instruction set; throws backend_unavailable if the build or the machine lacks it.

@@ -191,8 +191,16 @@ void filter(const SortedLeaf& leaf, const Candidates& candidates, const PointRow
     verdicts.edge_tests = verdicts.double_tests = static_cast<std::int64_t>(undecided);
 }
 
+void name_pairs(const std::uint32_t* packed, std::size_t count, const RowLink* rows, const RowLink* columns,
+                Pair* out) {
+    for (std::size_t i = 0; i < count; ++i) {
+        const std::int32_t a = rows[packed[i] & 0xffff].triangle, b = columns[packed[i] >> 16].triangle;
+        out[i] = {std::min(a, b), std::max(a, b)};
+    }
+}
+
 }  // namespace
 
-const Kernels scalar_kernels{"scalar", balls, assign, build, quantise, split_boxes, scatter, sweep, filter};
+const Kernels scalar_kernels{"scalar", balls, assign, build, quantise, split_boxes, scatter, sweep, filter, name_pairs};
 
 }  // namespace crumple::cpu

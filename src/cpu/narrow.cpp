@@ -18,16 +18,20 @@ void decide(const NarrowContext& context, const SortedLeaf& leaf, const Ownershi
         return context.rule.trivial() || context.rule(context.scene.group(a), context.scene.group(b));
     };
     const bool check = !ownership.complete() || !context.rule.trivial();
-    const Array<std::uint32_t>& hits = scratch.verdicts.hit;
+    Array<std::uint32_t>& hits = scratch.verdicts.hit;
     const Array<std::uint32_t>& undecided = scratch.verdicts.undecided;
-    const std::size_t before = scratch.pairs.size();
-    scratch.pairs.reserve(before + hits.size() + undecided.size());
-    Pair* next = scratch.pairs.data() + before;
-    const auto found = [&](std::int32_t a, std::int32_t b) { *next++ = {std::min(a, b), std::max(a, b)}; };
-    for (const std::uint32_t packed : hits) {
-        const std::int64_t row = candidates.rows + (packed & 0xffff), column = candidates.columns + (packed >> 16);
-        if (!check || ours(row, column)) found(leaf.link[row].triangle, leaf.link[column].triangle);
+    if (check) {
+        const auto foreign = [&](std::uint32_t packed) {
+            return !ours(candidates.rows + (packed & 0xffff), candidates.columns + (packed >> 16));
+        };
+        hits.resize(static_cast<std::size_t>(std::remove_if(hits.begin(), hits.end(), foreign) - hits.begin()));
     }
+    const std::size_t before = scratch.pairs.size();
+    scratch.pairs.reserve(before + hits.size() + undecided.size() + padding);
+    Pair* next = scratch.pairs.data() + before;
+    context.kernels.name_pairs(hits.data(), hits.size(), leaf.link.data() + candidates.rows,
+                               leaf.link.data() + candidates.columns, next);
+    next += hits.size();
     DecisionCounts counts;
     for (const std::uint32_t packed : undecided) {
         const std::int64_t row = candidates.rows + (packed & 0xffff), column = candidates.columns + (packed >> 16);
@@ -35,7 +39,7 @@ void decide(const NarrowContext& context, const SortedLeaf& leaf, const Ownershi
         const std::int32_t a = leaf.link[row].triangle, b = leaf.link[column].triangle;
         if (collide(context.scene.triangle(a), context.scene.triangle(b), context.query.neighbours,
                     context.query.intersections, counts))
-            found(a, b);
+            *next++ = {std::min(a, b), std::max(a, b)};
     }
     scratch.pairs.resize(static_cast<std::size_t>(next - scratch.pairs.data()));
     if (context.found && scratch.pairs.size() > before) context.found->store(true, std::memory_order_relaxed);

@@ -77,7 +77,7 @@ std::int64_t place(const LeafMembers& in, SortScratch& scratch, SortedLeaf& s) {
 
 void sort_leaf(const LeafMembers& in, const Kernels& kernels, SortScratch& scratch, SortedLeaf& s) {
     const LeafBounds& bounds = in.bounds;
-    const auto members = static_cast<std::int64_t>(in.triangle.size());
+    const auto members = in.size();
     // Range of quantisation. A computed coordinate errs by at most 8 u reach, so starts are moved down and ends up by
     // 12 u reach (docs/align.md); both by way of the base that is subtracted.
     const bool any = bounds.low.x <= bounds.high.x;

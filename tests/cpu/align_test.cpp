@@ -57,7 +57,7 @@ TEST(Build, boxes_hold_the_rotated_corners_and_planes_hold_their_triangle) {
     }
     Array<double> points64;
     for (const float value : points) points64.push_back(value);
-    for (int t = 0; t < n; ++t) triangle.push_back(t);
+    for (int t = 0; t < n + padding; ++t) triangle.push_back(std::min(t, n - 1));
 
     LeafFrame frame;
     frame.origin = {0.45f, 0.55f, 0.5f};

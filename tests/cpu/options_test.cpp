@@ -62,7 +62,7 @@ TEST(Options, large_scenes_are_subdivided_twice) {
     const auto sheet = test::wavy_sheet(200);  // 80,000 triangles
     Detector detector;
     const Statistics& statistics = detector.find_self(sheet.view()).statistics;
-    EXPECT_EQ(statistics.clusters, 16);
+    EXPECT_EQ(statistics.clusters, 8);
     EXPECT_GT(statistics.leaves, statistics.clusters);
     EXPECT_LT(statistics.members, 2 * statistics.triangles);
 }

@@ -65,6 +65,7 @@ void check(const Kernels& kernels, const Mesh& mesh, const std::vector<RationalI
         members.member.push_back(t);
         members.lower.push_back(0);
     }
+    for (int i = 0; i < padding; ++i) members.triangle.push_back(static_cast<std::int32_t>(n - 1));
     members.record.resize(static_cast<std::size_t>(n + padding));
     members.boxes.resize(static_cast<std::size_t>(n));
     LeafFrame frame;

@@ -94,10 +94,7 @@ HWY_INLINE void build_from(const RecordInput& in, const Points& points, Record* 
     // A row of four indices would end behind the array for its last triangle, so that one is copied.
     const std::int32_t* last = in.corners + 3 * (in.triangles - 1);
     const std::int32_t last_copy[4] = {last[0], last[1], last[2], 0};
-    const auto corners_of = [&](std::int64_t i) {
-        const std::int32_t triangle = in.triangle[std::min(i, in.members - 1)];
-        return triangle == in.triangles - 1 ? last_copy : in.corners + 3 * static_cast<std::int64_t>(triangle);
-    };
+    const auto corners_of = [&](std::int64_t i) { return in.corners + 3 * static_cast<std::int64_t>(in.triangle[i]); };
     for (std::int64_t i = 0; i < in.members; i += blocks) {
         const std::int32_t* corner[blocks];
         for (int b = 0; b < blocks; ++b) {
@@ -105,7 +102,7 @@ HWY_INLINE void build_from(const RecordInput& in, const Points& points, Record* 
             hwy::Prefetch(corners_of(i + b + 24));
             const std::int32_t* ahead = corners_of(i + b + 12);
             for (int k = 0; k < 3; ++k) hwy::Prefetch(points.row(ahead[k]));
-            corner[b] = corners_of(i + b);
+            corner[b] = in.triangle[i + b] == in.triangles - 1 ? last_copy : corners_of(i + b);
         }
         const auto [q0, q1, q2, a, b] = points.corners(d, corner, in.frame.origin);
 

@@ -18,6 +18,7 @@
 #include "cpu/simd/classify-inl.h"
 #include "cpu/simd/edge_test-inl.h"
 #include "cpu/simd/flat_test-inl.h"
+#include "cpu/simd/pairs-inl.h"
 #include "cpu/simd/plane_filter-inl.h"
 #include "cpu/simd/separation-inl.h"
 #include "cpu/simd/sweep-inl.h"
@@ -38,7 +39,8 @@ inline void filter(const SortedLeaf& leaf, const Candidates& candidates, const P
     separation_test_double(leaf, candidates, points, verdicts);
 }
 
-const Kernels table{hwy::TargetName(HWY_TARGET), balls, assign, build, quantise, split_boxes, scatter, sweep, filter};
+const Kernels table{
+    hwy::TargetName(HWY_TARGET), balls, assign, build, quantise, split_boxes, scatter, sweep, filter, name_pairs};
 
 }  // namespace HWY_NAMESPACE
 }  // namespace crumple::cpu
