@@ -1,0 +1,174 @@
+"""Writes the tables of README.md and docs/ anew from the committed figures, so that none is typed.
+
+python benchmarks/tables.py            rewrites what stands between `<!-- figures: NAME -->` and `<!-- end -->`
+python benchmarks/tables.py --check    changes nothing; fails if something would change
+"""
+
+import json
+import sys
+from pathlib import Path
+
+TOP = Path(__file__).resolve().parent.parent
+RESULTS = TOP / "benchmarks/results/xeon-2-threads.json"
+PAGES = [TOP / "README.md", *sorted((TOP / "docs").glob("*.md"))]
+
+SCENES = {
+    "cloth_ball92": "Cloth on Ball, frame 92",
+    "balls16_18": "305 bodies, frame 18",
+    "227": "Funnel, frame 227",
+    "Generic_Twin_right": "CAD part, all needles",
+    "ember_016": "Thingi10K 88566 and 58011",
+    "ember_260": "Thingi10K 908460 and 73416",
+    "ember_406": "Thingi10K 1063852 and 72214",
+    "bunny_69k": "Bunny",
+    "armadillo_86k": "Armadillo",
+}
+
+
+def scene(workload):
+    return SCENES.get(workload, f"`{workload}`")
+
+
+def digits(value):
+    """Three significant digits."""
+    return f"{value:.0f}" if value >= 99.95 else f"{value:.3g}"
+
+
+def table(header, rows):
+    lines = ["| " + " | ".join(header) + " |", "|" + "---|" * len(header)]
+    return "\n".join(lines + ["| " + " | ".join(map(str, row)) + " |" for row in rows])
+
+
+class Figures:
+    def __init__(self, path):
+        self.data = json.loads(path.read_text())
+        self.studies = {name: study["figures"] for name, study in self.data["studies"].items()}
+
+    def fastest(self, question, name):
+        """Of each workload with this question: the peer's fastest way, if it was raced."""
+        found = {}
+        for contest in self.data["contests"]:
+            for way in contest["contestants"]:
+                if contest["question"] == question and way["name"] == name and way["fastest_way"]:
+                    found.setdefault(contest["workload"], (contest, way))
+        return found
+
+    def contest(self, question, peers):
+        """A row for each workload: crumple's time, then each peer's and its ratio."""
+        ours = self.fastest(question, "crumple")
+        theirs = {title: self.fastest(question, name) for name, title in peers.items()}
+        rows = []
+        for workload, (contest, way) in ours.items():
+            cells = [scene(workload), f"{contest['triangles']:,}"]
+            if question != "any":
+                cells.append(f"{contest['pairs']:,}")
+            cells.append(f"{digits(way['milliseconds']['median'])} ms")
+            for peer in theirs.values():
+                if workload in peer:
+                    other = peer[workload][1]
+                    cells.append(f"{digits(other['milliseconds']['median'])} ms ({other['ratio']['median']:.1f}x)")
+                else:
+                    cells.append("")
+            rows.append(cells)
+        counts = ["triangles"] if question == "any" else ["triangles", "pairs"]
+        return table(["scene", *counts, "Crumple", *theirs], rows)
+
+    def self_contest(self):
+        return self.contest("self", {"CGAL": "CGAL 5.5, exact", "MeshLib": "MeshLib 3.1, float32",
+                                     "Embree": "Embree 3, boxes only",
+                                     "IPC Toolkit LBVH, from Python": "IPC Toolkit LBVH, boxes only"})
+
+    def between_contest(self):
+        return self.contest("between", {"FCL": "FCL 0.7, build and collide", "FCL, trees built": "FCL, trees built",
+                                        "Embree": "Embree 3, boxes only"})
+
+    def any_contest(self):
+        return self.contest("any", {"CGAL": "CGAL 5.5, exact",
+                                    "IPC Toolkit has_intersections": "IPC Toolkit `has_intersections`"})
+
+    def growth(self):
+        rows = [[f"{size['triangles']:,.0f}", f"{size['pairs']:,}", digits(size["one_thread"]["median"]),
+                 digits(size["all_threads"]["median"]), digits(size["bytes_a_triangle"])]
+                for size in self.studies["growth"]["sizes"]]
+        return table(["triangles", "pairs", "one thread, ms", "two threads, ms", "memory, bytes a triangle"], rows)
+
+    def first_call(self):
+        rows = [[scene(row["workload"]),
+                 *(f"{digits(row[kind]['median'])} ms" for kind in ("new_process", "new_detector", "warm"))]
+                for row in self.studies["first_call"]]
+        return table(["scene", "new process", "new detector", "warm"], rows)
+
+    def simd(self):
+        names = {"avx512": "AVX-512", "avx2": "AVX2", "sse4": "SSE4", "scalar": "scalar"}
+        rows = []
+        for figure in self.studies["simd"]:
+            values = {value["value"]: value["milliseconds"]["median"] for value in figure["values"]}
+            rows.append([scene(figure["workload"]), *(f"{digits(values[name])} ms" for name in names)])
+        return table(["", *names.values()], rows)
+
+    def option(self, study):
+        """Times relative to the default: a row for each value, a column for each scene."""
+        figures = self.studies[study]
+        label = {figure["workload"]: scene(figure["workload"].removesuffix(", new detector")) for figure in figures}
+        values = [value["value"] for value in figures[0]["values"]]
+        rows = [[value, *(f"{figure['values'][i]['relative']['median']:.2f}" for figure in figures)]
+                for i, value in enumerate(values)]
+        return table(["value", *label.values()], rows)
+
+    def box_overlaps(self):
+        rows = [[scene(row["workload"]), f"{row['overlapping_boxes']:,}", f"{digits(row['milliseconds']['median'])} ms",
+                 digits(row["nanoseconds_a_box_pair"]), f"{row['relative']:.2f}"]
+                for row in self.studies["cost_per_box_overlap"]]
+        return table(["scene", "overlapping boxes", "time", "ns an overlap", "times Cloth on Ball"], rows)
+
+    def ground(self):
+        rows = [[scene(row["workload"]), f"{digits(row['without']['median'])} ms", f"{digits(row['with']['median'])} ms",
+                 f"{row['ratio']['median']:.2f}"] for row in self.studies["ground"]]
+        return table(["scene", "without ground", "with ground", "ratio"], rows)
+
+    def pieces(self):
+        rows = [[scene(figure["workload"]), row["longest_edge"], f"{row['pieces']:,}", f"{row['members']:,}",
+                 f"{row['box_overlaps']:,}", f"{digits(row['until_sweep']['median'])} ms"]
+                for figure in self.studies["virtual_subdivision"] for row in figure["rows"]]
+        return table(["scene", "longest edge", "pieces", "members", "box overlaps", "time up to `sweep`"], rows)
+
+    def stages(self):
+        stages = ["bounds", "subdivide", "align", "sort", "sweep", "narrow", "output", "total"]
+        rows = [[scene(figure["workload"]), *(digits(figure["milliseconds"][stage]) for stage in stages)]
+                for figure in self.studies["stages"]]
+        return table(["ms", *stages], rows)
+
+    def block(self, name):
+        if name.startswith("option "):
+            return self.option(name.removeprefix("option "))
+        return {"self": self.self_contest, "between": self.between_contest, "any": self.any_contest,
+                "growth": self.growth, "first call": self.first_call, "simd": self.simd, "stages": self.stages,
+                "box overlaps": self.box_overlaps, "ground": self.ground, "pieces": self.pieces}[name]()
+
+
+def rewrite(text, figures):
+    parts = text.split("<!-- figures: ")
+    for i, part in enumerate(parts[1:], 1):
+        name, rest = part.split(" -->", 1)
+        parts[i] = f"{name} -->\n{figures.block(name)}\n<!-- end -->" + rest.split("<!-- end -->", 1)[1]
+    return "<!-- figures: ".join(parts)
+
+
+def main():
+    check = sys.argv[1:] == ["--check"]
+    if sys.argv[1:] and not check:
+        sys.exit(__doc__)
+    figures = Figures(RESULTS)
+    for page in PAGES:
+        text = page.read_text()
+        fresh = rewrite(text, figures)
+        if fresh == text:
+            continue
+        if check:
+            sys.exit(f"{page.relative_to(TOP)} does not show the committed figures: run python benchmarks/tables.py")
+        page.write_text(fresh)
+        print(page.relative_to(TOP))
+
+
+if __name__ == "__main__":
+    main()
