@@ -34,9 +34,9 @@ void count_bins(const QuantisedCorner* low, std::int64_t first, std::int64_t las
     for (int b = 0; b < bins; ++b) start[b + 1] += start[b];
 }
 
-// Places one side's members, all of a leaf's if there is only one, by a counting sort of their starts; every column of
-// a member goes straight to its row. A row's own columns are the other side's members from its start on: of equal bins,
-// the first side has them. Returns the number of interval tests.
+// Places one side's members, all of a leaf's if there is only one, by a counting sort of their starts; what belongs to
+// a member goes straight to its row. A row's columns are the other side's members from its start on; of equal bins, the
+// first side has them. Returns the number of interval tests.
 template <bool one_block, bool between>
 std::int64_t place(const LeafMembers& in, int side, const BinStarts& own, const BinStarts& other, SortScratch& scratch,
                    SortedLeaf& s) {
