@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <utility>
 
 #include "crumple/error.h"
 #include "pipeline/backend.h"
@@ -52,6 +53,12 @@ Collisions metered(MemoryMeter* meter) {
             Array<std::uint8_t>(meter),
             {Array<ContactKind>(meter), Array<std::int64_t>(meter), Array<std::array<double, 3>>(meter)},
             {}};
+}
+
+template <class Function>
+void for_each_array(Collisions& c, Function function) {
+    const auto each = [&](auto&... arrays) { (function(arrays), ...); };
+    each(c.pairs, c.offsets, c.hit, c.hit_second, c.contacts.kinds, c.contacts.offsets, c.contacts.points);
 }
 
 }  // namespace
@@ -127,6 +134,17 @@ struct Detector::Implementation {
         return result;
     }
 
+    Collisions take_result(Collisions spare) {
+        if (meter.limit > 0) spare = {};
+        for_each_array(spare, [&](auto& array) {
+            array.clear();
+            array.set_meter(&meter);  // without a limit it does not throw, and under a limit there is nothing to add
+        });
+        spare.statistics = {};
+        for_each_array(result, [](auto& array) { array.set_meter(nullptr); });
+        return std::exchange(result, std::move(spare));
+    }
+
     bool any(const MeshView& a, const MeshView* b, const Query& query) {
         bool found = false;
         guarded(a, b, nullptr, query, [&](const Scene& scene) { found = backend->any(scene, query); });
@@ -170,6 +188,7 @@ std::vector<Part> Detector::partition(const MeshView& mesh, int count) {
 std::vector<Part> Detector::partition(const MeshView& a, const MeshView& b, int count) {
     return implementation_->partition(a, &b, count);
 }
+Collisions Detector::take_result(Collisions spare) { return implementation_->take_result(std::move(spare)); }
 const Options& Detector::options() const { return implementation_->options; }
 
 }  // namespace crumple

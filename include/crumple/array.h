@@ -107,6 +107,15 @@ class Array {
         size_ = capacity_ = 0;
     }
 
+    /// Lets another meter, or none, count the bytes from now on. If they exceed its limit, throws
+    /// MemoryMeter::Exceeded and changes nothing.
+    void set_meter(MemoryMeter* meter) {
+        const auto bytes = static_cast<std::int64_t>(capacity_ * sizeof(T));
+        if (meter) meter->add(bytes);
+        if (meter_) meter_->add(-bytes);
+        meter_ = meter;
+    }
+
    private:
     static constexpr std::size_t alignment = 64;
 

@@ -53,6 +53,12 @@ class Detector {
     const Collisions& find_self(const MeshView& mesh, const Part& part, const Query& query = {});
     const Collisions& find_between(const MeshView& a, const MeshView& b, const Part& part, const Query& query = {});
 
+    /// Hands over the result of the last find, as a value: it outlives the detector and its next call, and the memory
+    /// limit no longer counts it. The detector's own result is empty afterwards. `spare` is storage for the next
+    /// result, for instance a result taken before that nobody needs any more; its content is dropped, and under a
+    /// memory limit its storage as well. Swaps pointers, copies nothing.
+    Collisions take_result(Collisions spare = {});
+
     const Options& options() const;
 
    private:

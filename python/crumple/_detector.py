@@ -47,8 +47,8 @@ class Detector:
     Args:
         backend: "automatic", "cpu", or "reference", brute force in rational arithmetic to compare with.
         threads: 0: as many as the machine has.
-        memory_limit: bytes that the detector may own, 0: no limit. Results in Python's hands are not counted: under a
-            limit they are copies. Work that exceeds the limit is cut into chunks, on one thread.
+        memory_limit: bytes that the detector may own, 0: no limit. Results in Python's hands are not counted.
+            Work that exceeds the limit is cut into chunks, on one thread.
         clusters: parts of the first level of subdivision, 1 to 64; 0: chosen from the number of triangles.
         leaf_size: triangles that a leaf should have; larger clusters are subdivided again.
         fuzziness: t of fuzzy C-means, above 1.

@@ -12,19 +12,6 @@ namespace nb = nanobind;
 using namespace nb::literals;
 
 namespace crumple::python {
-namespace {
-
-template <class... Arrays>
-std::int64_t bytes_of(const Arrays&... arrays) {
-    return ((static_cast<std::int64_t>(arrays.capacity() * sizeof(*arrays.data()))) + ...);
-}
-
-std::int64_t bytes_of(const Collisions& c) {
-    return bytes_of(c.pairs, c.offsets, c.hit, c.hit_second, c.contacts.kinds, c.contacts.offsets, c.contacts.points);
-}
-
-}  // namespace
-
 const Collisions& SharedDetector::search(const MeshView& first, const MeshView* second, const Part* part,
                                          const Query& query) {
     if (part)
@@ -32,46 +19,25 @@ const Collisions& SharedDetector::search(const MeshView& first, const MeshView* 
     return second ? detector_.find_between(first, *second, query) : detector_.find_self(first, query);
 }
 
-// The detector's one result is moved out, so that Python's outlives both the next call and the detector, and storage of
-// a dropped result is moved in. That needs arrays which the detector's meter does not count, since the meter ends with
-// the detector. Copies are such arrays: so the first answer is copied, and the place it came from is left with arrays
-// that have no meter. Under a memory limit the meter must count, and every answer is copied.
+// The result moves out, so that Python's outlives the next call and the detector; storage of a dropped one moves in.
 std::unique_ptr<Result> SharedDetector::find(const MeshView& first, const MeshView* second, const Part* part,
                                              const Query& query) {
     const std::lock_guard lock(mutex_);
-    Collisions* const place = std::exchange(result_, nullptr);  // a call that throws leaves metered arrays behind
-    if (place) *place = spare_->take();
-    const Collisions& found = search(first, second, part, query);
+    detector_.take_result(spare_->take());
+    search(first, second, part, query);
     auto result = std::make_unique<Result>(spare_);
-    if (options().memory_limit > 0) {
-        result->collisions = found;
-        return result;
-    }
-    result_ = const_cast<Collisions*>(&found);
-    if (place) {
-        result->collisions = std::move(*result_);
-        result->collisions.statistics.peak_memory_bytes += bytes_of(result->collisions);
-    } else {
-        result->collisions = found;
-        *result_ = {};
-    }
+    result->collisions = detector_.take_result();
     return result;
 }
 
 bool SharedDetector::any(const MeshView& first, const MeshView* second, const Query& query) {
     const std::lock_guard lock(mutex_);
-    Collisions* const place = std::exchange(result_, nullptr);
-    const bool found = second ? detector_.has_collision(first, *second, query) : detector_.has_collision(first, query);
-    result_ = place;
-    return found;
+    return second ? detector_.has_collision(first, *second, query) : detector_.has_collision(first, query);
 }
 
 std::vector<Part> SharedDetector::partition(const MeshView& first, const MeshView* second, int count) {
     const std::lock_guard lock(mutex_);
-    Collisions* const place = std::exchange(result_, nullptr);
-    std::vector<Part> parts = second ? detector_.partition(first, *second, count) : detector_.partition(first, count);
-    result_ = place;
-    return parts;
+    return second ? detector_.partition(first, *second, count) : detector_.partition(first, count);
 }
 
 namespace {

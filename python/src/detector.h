@@ -30,7 +30,6 @@ class SharedDetector {
 
     std::mutex mutex_;
     Detector detector_;
-    Collisions* result_ = nullptr;  ///< the detector's, once its arrays are off its meter
     std::shared_ptr<Spare> spare_ = std::make_shared<Spare>();
 };
 

@@ -47,6 +47,39 @@ TEST(Detector, a_copied_result_outlives_the_next_call) {
     EXPECT_EQ(difference(before, pairs_of(copy)), "");
 }
 
+TEST(Detector, a_result_taken_over_outlives_the_detector_and_its_storage_can_be_used_again) {
+    const auto soup = test::random_soup(500, 0.2), other = test::random_soup(700, 0.3, 9);
+    std::vector<Pair> before;
+    Collisions taken;
+    {
+        Detector detector;
+        before = pairs_of(detector.find_self(soup.view()));
+        taken = detector.take_result();
+        const auto expected = pairs_of(detector.find_self(other.view()));
+        const Pair* storage = detector.find_self(other.view()).pairs.data();
+        Collisions second = detector.take_result();
+        EXPECT_EQ(second.pairs.data(), storage) << "nothing is copied";
+        EXPECT_EQ(difference(expected, pairs_of(second)), "");
+        EXPECT_TRUE(detector.take_result(std::move(second)).pairs.empty()) << "the detector's own result is empty";
+        EXPECT_TRUE(detector.take_result(detector.take_result()).pairs.empty())
+            << "a spare result's content is dropped";
+        EXPECT_EQ(detector.find_self(other.view()).pairs.data(), storage) << "spare storage is used";
+    }
+    EXPECT_EQ(difference(before, pairs_of(taken)), "");
+}
+
+TEST(Detector, results_taken_over_do_not_count_under_a_memory_limit) {
+    const auto soup = test::random_soup(3000, 0.1);
+    const auto peak = Detector().find_self(soup.view()).statistics.peak_memory_bytes;
+    Detector limited({.memory_limit = peak});
+    std::vector<Collisions> held;
+    for (int i = 0; i < 5; ++i) {
+        limited.find_self(soup.view());
+        held.push_back(limited.take_result(i ? held[0] : Collisions{}));
+    }
+    for (const Collisions& result : held) EXPECT_EQ(difference(pairs_of(held[0]), pairs_of(result)), "");
+}
+
 TEST(Detector, frames_of_changing_topology_need_no_new_detector) {
     Detector warm;
     for (const int count : {1000, 10, 3000, 0, 2, 1500}) {
