@@ -11,6 +11,7 @@
 
 #include "crumple/error.h"
 #include "pipeline/backend.h"
+#include "pipeline/cancellation.h"
 #include "pipeline/float_environment.h"
 #include "pipeline/fuzzy_c_means.h"
 #include "pipeline/part.h"
@@ -68,13 +69,14 @@ struct Detector::Implementation {
     MemoryMeter meter;
     SceneBuffers buffers{&meter};
     Collisions result = metered(&meter);
+    Cancellation cancellation;
     std::unique_ptr<BackendBase> backend;
 
     explicit Implementation(const Options& o) : options(o) {
         check_options(o);
         meter.limit = o.memory_limit;
-        backend =
-            o.backend == Backend::reference ? make_reference_backend(options, meter) : make_cpu_backend(options, meter);
+        backend = o.backend == Backend::reference ? make_reference_backend(options, meter, cancellation)
+                                                  : make_cpu_backend(options, meter, cancellation);
     }
 
     void forget() {
@@ -87,6 +89,7 @@ struct Detector::Implementation {
     template <class Work>
     void guarded(const MeshView& a, const MeshView* b, const Part* part, const Query& query, Work work) {
         const FloatEnvironment environment;
+        cancellation.begin();
         check_query(query);
         try {
             try {
@@ -189,6 +192,8 @@ std::vector<Part> Detector::partition(const MeshView& a, const MeshView& b, int 
     return implementation_->partition(a, &b, count);
 }
 Collisions Detector::take_result(Collisions spare) { return implementation_->take_result(std::move(spare)); }
+void Detector::cancel() { implementation_->cancellation.request(); }
+void Detector::set_poll(std::function<void()> poll) { implementation_->cancellation.set_poll(std::move(poll)); }
 const Options& Detector::options() const { return implementation_->options; }
 
 }  // namespace crumple

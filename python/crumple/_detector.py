@@ -41,8 +41,8 @@ class Detector:
     the call returns.
 
     Calls release the GIL. Different detectors work at the same time; calls of one detector from several threads take
-    turns. Ctrl-C ends a call when its answer is there, not before: the answer is then dropped and KeyboardInterrupt
-    raised.
+    turns. In the main thread Ctrl-C ends a call within about 50 ms, KeyboardInterrupt is raised, and the detector
+    stays usable; partition is not cut short while it clusters.
 
     Args:
         backend: "automatic", "cpu", or "reference", brute force in rational arithmetic to compare with.

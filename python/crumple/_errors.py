@@ -5,8 +5,8 @@ class Error(Exception):
     """Base of all of crumple's exceptions. The detector that raised one stays usable.
 
     Attributes:
-        code: "invalid_argument", "not_finite", "index_out_of_range", "memory_limit", "backend_unavailable", "file" or
-            "format".
+        code: "invalid_argument", "not_finite", "index_out_of_range", "memory_limit", "backend_unavailable", "file",
+            "format" or "cancelled".
         element: what `index` counts: "vertex", "triangle", "group", "option", "line", "byte" or "none".
         index: the first offending element, -1 if there is none.
         bytes_needed: MemoryLimit: the limit, in bytes, that suffices; otherwise 0.

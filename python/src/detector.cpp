@@ -1,5 +1,7 @@
 #include "detector.h"
 
+#include <chrono>
+
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/string_view.h>
 #include <nanobind/stl/unique_ptr.h>
@@ -12,6 +14,33 @@ namespace nb = nanobind;
 using namespace nb::literals;
 
 namespace crumple::python {
+namespace {
+
+unsigned long main_thread = 0;
+
+// Runs Python's signal handlers, which is for the main thread alone. Call without the GIL.
+void handle_signals() {
+    if (PyThread_get_thread_ident() != main_thread) return;
+    const nb::gil_scoped_acquire acquired;
+    if (PyErr_CheckSignals() != 0) throw nb::python_error();
+}
+
+}  // namespace
+
+SharedDetector::SharedDetector(const Options& options) : detector_(options) { detector_.set_poll(handle_signals); }
+
+SharedDetector::Turn::Turn(SharedDetector& detector) : detector_(detector) {
+    if (detector_.caller_ == std::this_thread::get_id())
+        refuse("a signal handler cannot call the detector whose call it interrupts");
+    while (!detector_.mutex_.try_lock_for(std::chrono::milliseconds(20))) handle_signals();
+    detector_.caller_ = std::this_thread::get_id();
+}
+
+SharedDetector::Turn::~Turn() {
+    detector_.caller_ = std::thread::id();
+    detector_.mutex_.unlock();
+}
+
 const Collisions& SharedDetector::search(const MeshView& first, const MeshView* second, const Part* part,
                                          const Query& query) {
     if (part)
@@ -22,7 +51,7 @@ const Collisions& SharedDetector::search(const MeshView& first, const MeshView* 
 // The result moves out, so that Python's outlives the next call and the detector; storage of a dropped one moves in.
 std::unique_ptr<Result> SharedDetector::find(const MeshView& first, const MeshView* second, const Part* part,
                                              const Query& query) {
-    const std::lock_guard lock(mutex_);
+    const Turn turn(*this);
     detector_.take_result(spare_->take());
     search(first, second, part, query);
     auto result = std::make_unique<Result>(spare_);
@@ -31,12 +60,12 @@ std::unique_ptr<Result> SharedDetector::find(const MeshView& first, const MeshVi
 }
 
 bool SharedDetector::any(const MeshView& first, const MeshView* second, const Query& query) {
-    const std::lock_guard lock(mutex_);
+    const Turn turn(*this);
     return second ? detector_.has_collision(first, *second, query) : detector_.has_collision(first, query);
 }
 
 std::vector<Part> SharedDetector::partition(const MeshView& first, const MeshView* second, int count) {
-    const std::lock_guard lock(mutex_);
+    const Turn turn(*this);
     return second ? detector_.partition(first, *second, count) : detector_.partition(first, count);
 }
 
@@ -121,6 +150,7 @@ void bind_part(nb::module_& module) {
 }  // namespace
 
 void bind_detector(nb::module_& module) {
+    main_thread = nb::cast<unsigned long>(nb::module_::import_("threading").attr("main_thread")().attr("ident"));
     bind_part(module);
     nb::class_<SharedDetector>(module, "Detector", "The library's detector; crumple.Detector gives access to it.")
         .def(

@@ -3,9 +3,11 @@
 // crumple::Detector for Python: the GIL released, calls from several threads one after another, results that belong to
 // whoever holds them.
 
+#include <atomic>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <thread>
 #include <vector>
 
 #include <nanobind/nanobind.h>
@@ -17,9 +19,10 @@ namespace crumple::python {
 
 class SharedDetector {
    public:
-    explicit SharedDetector(const Options& options) : detector_(options) {}
+    explicit SharedDetector(const Options& options);
 
-    /// `second` null: one soup. Call without the GIL.
+    /// `second` null: one soup. Call without the GIL. In the main thread, signals are handled while a call runs or
+    /// waits for its turn; what their handlers raise ends the call.
     std::unique_ptr<Result> find(const MeshView& first, const MeshView* second, const Part* part, const Query& query);
     bool any(const MeshView& first, const MeshView* second, const Query& query);
     std::vector<Part> partition(const MeshView& first, const MeshView* second, int count);
@@ -28,7 +31,20 @@ class SharedDetector {
    private:
     const Collisions& search(const MeshView& first, const MeshView* second, const Part* part, const Query& query);
 
-    std::mutex mutex_;
+    /// Calls take turns.
+    class Turn {
+       public:
+        explicit Turn(SharedDetector& detector);
+        ~Turn();
+        Turn(const Turn&) = delete;
+        Turn& operator=(const Turn&) = delete;
+
+       private:
+        SharedDetector& detector_;
+    };
+
+    std::timed_mutex mutex_;
+    std::atomic<std::thread::id> caller_{};  ///< whose turn it is
     Detector detector_;
     std::shared_ptr<Spare> spare_ = std::make_shared<Spare>();
 };

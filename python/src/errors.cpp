@@ -8,13 +8,9 @@ namespace crumple::python {
 namespace {
 
 const char* name_of(ErrorCode code) {
-    constexpr std::array names{"invalid_argument",
-                               "not_finite",
-                               "index_out_of_range",
-                               "memory_limit",
-                               "backend_unavailable",
-                               "file",
-                               "format"};
+    constexpr std::array names{
+        "invalid_argument", "not_finite", "index_out_of_range", "memory_limit", "backend_unavailable", "file",
+        "format",           "cancelled"};
     return names[static_cast<std::size_t>(code)];
 }
 
@@ -31,6 +27,8 @@ const char* class_of(ErrorCode code) {
             return "BackendUnavailable";
         case ErrorCode::file:
             return "FileError";
+        case ErrorCode::cancelled:
+            return "Error";
         case ErrorCode::invalid_argument:
         case ErrorCode::not_finite:
         case ErrorCode::index_out_of_range:

@@ -41,8 +41,12 @@ struct Scratch {
 
 class CpuBackend final : public BackendBase {
    public:
-    CpuBackend(const Options& options, MemoryMeter& meter)
-        : options_(options), kernels_(kernels_for(options.simd)), workers_(options.threads), meter_(meter) {
+    CpuBackend(const Options& options, MemoryMeter& meter, Cancellation& cancellation)
+        : options_(options),
+          kernels_(kernels_for(options.simd)),
+          cancellation_(cancellation),
+          workers_(options.threads, cancellation),
+          meter_(meter) {
         release();
     }
 
@@ -224,7 +228,7 @@ class CpuBackend final : public BackendBase {
     }
 
     NarrowContext narrow_context(const Scene& scene, const Query& query) const {
-        return {scene, query, rule_, kernels_, point_rows(scene)};
+        return {scene, query, rule_, kernels_, point_rows(scene), cancellation_};
     }
 
     const std::uint64_t* part_masks() const { return part_masks_.empty() ? nullptr : part_masks_.data(); }
@@ -306,6 +310,7 @@ class CpuBackend final : public BackendBase {
 
     Options options_;
     const Kernels& kernels_;
+    Cancellation& cancellation_;
     Workers workers_;
     MemoryMeter& meter_;
     GroupRule rule_;
@@ -326,8 +331,8 @@ class CpuBackend final : public BackendBase {
 }  // namespace
 }  // namespace cpu
 
-std::unique_ptr<BackendBase> make_cpu_backend(const Options& options, MemoryMeter& meter) {
-    return std::make_unique<cpu::CpuBackend>(options, meter);
+std::unique_ptr<BackendBase> make_cpu_backend(const Options& options, MemoryMeter& meter, Cancellation& cancellation) {
+    return std::make_unique<cpu::CpuBackend>(options, meter, cancellation);
 }
 
 }  // namespace crumple

@@ -13,6 +13,7 @@
 #include "cpu/ownership.h"
 #include "crumple/collisions.h"
 #include "geometry/decide.h"
+#include "pipeline/cancellation.h"
 #include "pipeline/wanted.h"
 
 namespace crumple::cpu {
@@ -24,11 +25,16 @@ struct NarrowContext {
     const GroupRule& rule;
     const Kernels& kernels;
     PointRows points;
+    Cancellation& cancellation;
     std::atomic<bool>* found = nullptr;  ///< not null: set, and everybody stops, as soon as a worker has found a pair
     /// Takes the pairs of each chunk instead of letting them gather in NarrowScratch::pairs; null: they gather.
     const std::function<void(const Array<Pair>&)>* sink = nullptr;
 
-    bool stop() const { return found && found->load(std::memory_order_relaxed); }
+    /// Asked before each chunk. Throws if the call was cancelled.
+    bool stop() const {
+        cancellation.check();
+        return found && found->load(std::memory_order_relaxed);
+    }
 };
 
 /// Scratch and findings of one worker.

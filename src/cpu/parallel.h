@@ -4,11 +4,13 @@
 //
 // With CRUMPLE_STD_THREADS it is plain std::thread, which ThreadSanitizer understands (it reports races inside a clean
 // oneTBB). Either way each task holds the floating point environment, and `worker` is below `workers()` and unique
-// among the tasks that run at the same time, so that scratch memory can be one per worker.
+// among the tasks that run at the same time, so that scratch memory can be one per worker. Before each task a
+// loop looks whether the call was cancelled, and throws.
 
 #include <atomic>
 #include <cstddef>
 
+#include "pipeline/cancellation.h"
 #include "pipeline/float_environment.h"
 
 #ifdef CRUMPLE_STD_THREADS
@@ -27,7 +29,8 @@ namespace crumple::cpu {
 class Workers {
    public:
 #ifdef CRUMPLE_STD_THREADS
-    explicit Workers(int threads) : count_(threads > 0 ? threads : default_count()) {}
+    Workers(int threads, Cancellation& cancellation)
+        : count_(threads > 0 ? threads : default_count()), cancellation_(cancellation) {}
     int workers() const { return count_; }
 
     template <class Function>
@@ -39,7 +42,10 @@ class Workers {
     template <class Task>
     void parallel_for(std::size_t n, Task task) {
         if (inside_ || count_ == 1 || n < 2) {
-            for (std::size_t i = 0; i < n; ++i) task(i, static_cast<std::size_t>(worker_));
+            for (std::size_t i = 0; i < n; ++i) {
+                cancellation_.check();
+                task(i, static_cast<std::size_t>(worker_));
+            }
             return;
         }
         std::atomic<std::size_t> next{0};
@@ -50,7 +56,10 @@ class Workers {
             inside_ = true;
             worker_ = worker;
             try {
-                for (std::size_t i; (i = next.fetch_add(1)) < n;) task(i, static_cast<std::size_t>(worker));
+                for (std::size_t i; (i = next.fetch_add(1)) < n;) {
+                    cancellation_.check();
+                    task(i, static_cast<std::size_t>(worker));
+                }
             } catch (...) {
                 const std::lock_guard lock(mutex);
                 if (!failure) failure = std::current_exception();
@@ -69,10 +78,12 @@ class Workers {
    private:
     static int default_count() { return static_cast<int>(std::thread::hardware_concurrency()) + 1; }
     int count_;
+    Cancellation& cancellation_;
     static inline thread_local bool inside_ = false;
     static inline thread_local int worker_ = 0;
 #else
-    explicit Workers(int threads) : arena_(threads > 0 ? threads : tbb::task_arena::automatic) {}
+    Workers(int threads, Cancellation& cancellation)
+        : arena_(threads > 0 ? threads : tbb::task_arena::automatic), cancellation_(cancellation) {}
     int workers() const { return arena_.max_concurrency(); }
 
     /// Runs `function` inside the arena; parallel loops belong there.
@@ -92,7 +103,10 @@ class Workers {
                 [&](const tbb::blocked_range<std::size_t>& range) {
                     const FloatEnvironment environment;
                     const auto worker = static_cast<std::size_t>(tbb::this_task_arena::current_thread_index());
-                    for (std::size_t i = range.begin(); i != range.end(); ++i) task(i, worker);
+                    for (std::size_t i = range.begin(); i != range.end(); ++i) {
+                        cancellation_.check();
+                        task(i, worker);
+                    }
                 },
                 tbb::simple_partitioner());
         });
@@ -100,6 +114,7 @@ class Workers {
 
    private:
     tbb::task_arena arena_;
+    Cancellation& cancellation_;
 #endif
 };
 

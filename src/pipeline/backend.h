@@ -8,12 +8,13 @@
 #include "crumple/collisions.h"
 #include "crumple/detector.h"
 #include "crumple/options.h"
+#include "pipeline/cancellation.h"
 #include "pipeline/parallel_for.h"
 #include "pipeline/scene.h"
 
 namespace crumple {
 
-/// A backend with threads lends them by overriding parallel_for().
+/// A backend with threads lends them by overriding parallel_for(). Its calls check the cancellation they are given.
 class BackendBase : public ParallelFor {
    public:
     /// Fills `result.pairs` (sorted, unique), offsets, hit flags, contacts if asked for, and the statistics' counts and
@@ -31,7 +32,8 @@ class BackendBase : public ParallelFor {
     virtual void release() = 0;
 };
 
-std::unique_ptr<BackendBase> make_reference_backend(const Options& options, MemoryMeter& meter);
-std::unique_ptr<BackendBase> make_cpu_backend(const Options& options, MemoryMeter& meter);
+std::unique_ptr<BackendBase> make_reference_backend(const Options& options, MemoryMeter& meter,
+                                                    Cancellation& cancellation);
+std::unique_ptr<BackendBase> make_cpu_backend(const Options& options, MemoryMeter& meter, Cancellation& cancellation);
 
 }  // namespace crumple

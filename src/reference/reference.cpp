@@ -37,7 +37,8 @@ class Stopwatch {
 
 class Reference final : public BackendBase {
    public:
-    explicit Reference(MemoryMeter& meter) : meter_(meter), rule_(&meter), boxes_(&meter), masks_(&meter) {}
+    Reference(MemoryMeter& meter, Cancellation& cancellation)
+        : meter_(meter), cancellation_(cancellation), rule_(&meter), boxes_(&meter), masks_(&meter) {}
 
     void find(const Scene& scene, const Query& query, const Part* part, Collisions& result) override {
         Statistics& statistics = result.statistics;
@@ -63,7 +64,13 @@ class Reference final : public BackendBase {
         result.contacts.kinds.clear();
         result.contacts.offsets.clear();
         result.contacts.points.clear();
-        if (query.contacts) contacts_of_pairs(scene, result);
+        if (query.contacts)
+            contacts_of_pairs(scene, result, [&](std::size_t n, auto task) {
+                for (std::size_t i = 0; i < n; ++i) {
+                    cancellation_.check();
+                    task(i);
+                }
+            });
         statistics[Stage::output] = output.milliseconds();
     }
 
@@ -113,11 +120,13 @@ class Reference final : public BackendBase {
         const std::int64_t first_end = scene.between ? scene.triangles[0] : scene.triangle_count();
         const std::int64_t offset = scene.between ? first_end : 0;
         for (std::int64_t a = 0; a < first_end; ++a) {
+            cancellation_.check();
             const Box& box_a = box(a);
             for (std::int64_t b = scene.between ? offset : a + 1; b < scene.triangle_count(); ++b) {
                 if (!overlap(box_a, box(b))) continue;
                 if (!rule_(scene.group(a), scene.group(b))) continue;
                 if (part && !owned_by(part->index, mask(a), mask(b))) continue;
+                cancellation_.check();
                 ++box_overlaps;
                 const RationalIntersection intersection = intersect_rationally(scene.triangle(a), scene.triangle(b));
                 if (!collide(intersection, query.neighbours, query.intersections)) continue;
@@ -140,6 +149,7 @@ class Reference final : public BackendBase {
     std::uint64_t mask(std::int64_t t) const { return masks_[static_cast<std::size_t>(t)]; }
 
     MemoryMeter& meter_;
+    Cancellation& cancellation_;
     GroupRule rule_;
     Array<Box> boxes_;
     Array<std::uint64_t> masks_;
@@ -147,8 +157,8 @@ class Reference final : public BackendBase {
 
 }  // namespace
 
-std::unique_ptr<BackendBase> make_reference_backend(const Options&, MemoryMeter& meter) {
-    return std::make_unique<Reference>(meter);
+std::unique_ptr<BackendBase> make_reference_backend(const Options&, MemoryMeter& meter, Cancellation& cancellation) {
+    return std::make_unique<Reference>(meter, cancellation);
 }
 
 }  // namespace crumple

@@ -1,0 +1,49 @@
+#pragma once
+
+// How a running call is asked to end before its answer is there.
+
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <thread>
+#include <utility>
+
+#include "crumple/error.h"
+
+namespace crumple {
+
+/// One detector's. Backends call check() between pieces of work of a few milliseconds at most, from any thread.
+class Cancellation {
+   public:
+    /// From any thread, at any time.
+    void request() { requested_.store(true, std::memory_order_relaxed); }
+
+    void set_poll(std::function<void()> poll) { poll_ = std::move(poll); }
+
+    /// A call of this thread begins; requests that came before are void.
+    void begin() {
+        requested_.store(false, std::memory_order_relaxed);
+        caller_ = std::this_thread::get_id();
+        polled_ = Clock::now();
+    }
+
+    /// Throws Error (cancelled) after a request. In the caller's thread also polls, and lets through what poll throws.
+    void check() {
+        if (poll_ && std::this_thread::get_id() == caller_ && Clock::now() - polled_ >= interval) {
+            poll_();
+            polled_ = Clock::now();
+        }
+        if (requested_.load(std::memory_order_relaxed)) throw Error(ErrorCode::cancelled, "the call was cancelled");
+    }
+
+   private:
+    using Clock = std::chrono::steady_clock;
+    static constexpr std::chrono::milliseconds interval{20};
+
+    std::atomic<bool> requested_{false};
+    std::function<void()> poll_;
+    std::thread::id caller_;
+    Clock::time_point polled_;  ///< only the caller's thread reads and writes it
+};
+
+}  // namespace crumple
