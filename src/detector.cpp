@@ -91,9 +91,16 @@ struct Detector::Implementation {
         const FloatEnvironment environment;
         cancellation.begin();
         check_query(query);
+        const auto attempt = [&] { work(prepare_scene(a, b, query.weld, *backend, buffers)); };
         try {
             try {
-                work(prepare_scene(a, b, query.weld, *backend, buffers));
+                try {
+                    attempt();
+                } catch (const MemoryMeter::Exceeded&) {
+                    // Perhaps it was what earlier calls have left: once more, with nothing kept.
+                    forget();
+                    attempt();
+                }
             } catch (const MemoryMeter::Exceeded&) {
                 const std::int64_t needed = bytes_needed(a, b, part, query);
                 throw Error(ErrorCode::memory_limit,

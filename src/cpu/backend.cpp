@@ -228,7 +228,9 @@ class CpuBackend final : public BackendBase {
     }
 
     NarrowContext narrow_context(const Scene& scene, const Query& query) const {
-        return {scene, query, rule_, kernels_, point_rows(scene), cancellation_};
+        // The SIMD filters form 4 vertex in 32 bits.
+        const bool huge = scene.vertex_count() >= std::int64_t{1} << 29;
+        return {scene, query, rule_, huge ? scalar_kernels : kernels_, point_rows(scene), cancellation_};
     }
 
     const std::uint64_t* part_masks() const { return part_masks_.empty() ? nullptr : part_masks_.data(); }

@@ -27,7 +27,9 @@ void decide(const NarrowContext& context, const SortedLeaf& leaf, const Ownershi
         hits.resize(static_cast<std::size_t>(std::remove_if(hits.begin(), hits.end(), foreign) - hits.begin()));
     }
     const std::size_t before = scratch.pairs.size();
-    scratch.pairs.reserve(before + hits.size() + undecided.size() + padding);
+    const std::size_t wanted = before + hits.size() + undecided.size() + padding;
+    // Pairs that gather grow by half even under a limit; if that is too much, the call starts again in chunks.
+    if (wanted > scratch.pairs.capacity()) scratch.pairs.reserve(context.sink ? wanted : wanted + wanted / 2);
     Pair* next = scratch.pairs.data() + before;
     context.kernels.name_pairs(hits.data(), hits.size(), leaf.link.data() + candidates.rows,
                                leaf.link.data() + candidates.columns, next);

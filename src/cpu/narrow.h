@@ -2,7 +2,7 @@
 
 // Stages `sweep` and `narrow` of one sorted leaf.
 //
-// Rows are swept in chunks: some 32,000 candidates are collected, then filtered, then decided, so that candidates never
+// Rows are swept in chunks: some 16,000 candidates are collected, then filtered, then decided, so that candidates never
 // leave the cache and memory stays bounded however many there are. The chunk's size is exact work, not a guess: it
 // comes from the prefix sums of `sort` ([MZ] sec. 3.1), which also cut large leaves into tiles of equal work.
 

@@ -13,11 +13,11 @@ constexpr int most_digit_bits = 11;
 
 // One stable pass of a counting sort by `bits` bits of the second triangle, from bit `shift` on.
 void sort_by_digit(const Pair* in, std::int64_t count, int shift, int bits, Pair* out) {
-    std::array<std::int32_t, 1 << most_digit_bits> next;
+    std::array<std::int64_t, 1 << most_digit_bits> next;
     std::fill_n(next.begin(), 1 << bits, 0);
     const std::int32_t mask = (1 << bits) - 1;
     for (std::int64_t i = 0; i < count; ++i) ++next[in[i].b >> shift & mask];
-    std::int32_t sum = 0;
+    std::int64_t sum = 0;
     for (int digit = 0; digit <= mask; ++digit) sum += std::exchange(next[digit], sum);
     for (std::int64_t i = 0; i < count; ++i) out[next[in[i].b >> shift & mask]++] = in[i];
 }
@@ -57,7 +57,9 @@ void write_output(const Scene& scene, Workers& workers, std::span<const Array<Pa
     const std::size_t buckets = (static_cast<std::size_t>(n) + bucket_size - 1) / bucket_size;
 
     // The workers' lists are of any length, so they are cut into pieces.
-    constexpr std::size_t piece_size = 8192;
+    std::size_t all = 0;
+    for (const auto* list : found) all += list->size();
+    const std::size_t piece_size = std::max<std::size_t>(8192, all / (8 * found.size()) + 1);
     scratch.pieces.clear();
     for (const auto* list : found)
         for (std::size_t i = 0; i < list->size(); i += piece_size)

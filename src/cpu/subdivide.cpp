@@ -127,10 +127,13 @@ void place_clusters(const Array<Ball>& balls, std::int64_t n, const std::uint64_
     Centres& centres = warm.level1;
     std::int64_t members = n;
     if (part_masks) {
-        s.included.clear();
+        // Counted first: under a memory limit arrays grow by just what is asked for.
+        const auto is_included = [&](std::int64_t t) { return part_masks[t] >> part & 1; };
+        members = 0;
+        for (std::int64_t t = 0; t < n; ++t) members += static_cast<std::int64_t>(is_included(t));
+        std::int32_t* next = s.included.resize_discard(static_cast<std::size_t>(members));
         for (std::int64_t t = 0; t < n; ++t)
-            if (part_masks[t] >> part & 1) s.included.push_back(static_cast<std::int32_t>(t));
-        members = static_cast<std::int64_t>(s.included.size());
+            if (is_included(t)) *next++ = static_cast<std::int32_t>(t);
     }
     const auto samples = static_cast<std::size_t>(std::min<std::int64_t>(members, samples1));
     const auto sample = [&](std::size_t i) {

@@ -67,5 +67,27 @@ TEST(MemoryLimit, holds_between_two_meshes_with_welding_and_groups) {
     }
 }
 
+TEST(MemoryLimit, what_earlier_calls_have_left_is_dropped_before_a_call_fails) {
+    const auto a = test::wavy_sheet(50), b = test::wavy_sheet(60, 0.4), large = test::wavy_sheet(80);
+    Query query;
+    query.weld = true;
+    const auto needed = [](auto call) {
+        Detector tiny({.memory_limit = 1});
+        try {
+            call(tiny);
+        } catch (const Error& error) {
+            return error.bytes_needed;
+        }
+        return std::int64_t{0};
+    };
+    const auto between = [&](Detector& detector) { detector.find_between(a.view(), b.view(), query); };
+    const auto within = [&](Detector& detector) { detector.find_self(large.view()); };
+    Detector enough({.memory_limit = std::max(needed(between), needed(within))});
+    for (int round = 0; round < 2; ++round) {
+        EXPECT_NO_THROW(within(enough));
+        EXPECT_NO_THROW(between(enough));
+    }
+}
+
 }  // namespace
 }  // namespace crumple
