@@ -1,6 +1,7 @@
 // Triangles that know nothing of each other, anywhere in the unit cube: of equal size, of one long shape, of all sizes.
-// The sizes shrink with the number, so that each triangle's box meets about as many others at any number: 4 in the soup,
-// and some 15 where sizes are uneven, which is what a crumpled cloth has, so that costs of an overlap can be compared.
+// The sizes shrink with the number, so that each triangle's box meets about as many others at any number: 4 in the
+// soup, and some 15 where sizes are uneven, which is what a crumpled cloth has, so that costs of an overlap can be
+// compared.
 
 #include <array>
 #include <cmath>

@@ -1,20 +1,21 @@
 #!/usr/bin/env bash
 # Builds the Python package as pip does, installs it into a virtual environment of its own (build-python/), and runs its
 # tests and examples:
-#   scripts/test_python.sh [--all] [pytest's options]
+#   scripts/test_python.sh [--all | --sanitize] [pytest's options]
 # --all also installs the packages that it works with (PyVista, Open3D, JAX, Warp, IPC Toolkit, ...: about 3 GB), whose
-# tests are skipped otherwise; PyTorch is tested where it is installed. PYTHON names the interpreter.
+# tests are skipped otherwise; PyTorch is tested where it is installed. --sanitize builds with AddressSanitizer and runs
+# what concerns arrays, their lifetimes and threads. PYTHON names the interpreter.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-all=()
-if [[ ${1-} == --all ]]; then
-    all=(--python-peers)
-    shift
-fi
+all=() sanitize=
+case ${1-} in
+    --all) all=(--python-peers); shift ;;
+    --sanitize) sanitize=-sanitized; shift ;;
+esac
 scripts/install_dependencies.sh --python "${all[@]}"
 
 version=$("${PYTHON:-python3}" -c 'import sys; print("%d.%d" % sys.version_info[:2])')
-environment=build-python/venv-$version
+environment=build-python/venv-$version$sanitize
 python=$environment/bin/python
 [[ -x $python ]] || "${PYTHON:-python3}" -m venv "$environment"
 pip() { "$python" -m pip --disable-pip-version-check --quiet "$@"; }
@@ -26,9 +27,22 @@ if ((${#all[@]})); then
     done
 fi
 
-log=build-python/build-$version.log
+log=build-python/build-$version$sanitize.log
 echo "Building the Python package (the first time takes some minutes)"
-settings=(--config-settings=build-dir="build-python/cmake-$version" --config-settings=cmake.args=-GNinja)
+settings=(--config-settings=build-dir="build-python/cmake-$version$sanitize" --config-settings=cmake.args=-GNinja)
+if [[ $sanitize ]]; then
+    # The interpreter has no AddressSanitizer of its own: tests preload it, and the build, which imports the module to
+    # write its stub, goes without. Python's own allocations at its end are no leaks of ours.
+    settings+=(--config-settings=cmake.define.CRUMPLE_SANITIZE=address)
+    export ASAN_OPTIONS=detect_leaks=0:verify_asan_link_order=0
+fi
 CMAKE_BUILD_PARALLEL_LEVEL=$(nproc) pip install --verbose --no-build-isolation --no-deps --force-reinstall \
     "${settings[@]}" . >"$log" 2>&1 || { cat "$log" >&2; exit 1; }
-"$python" -m pytest -q "$@"
+if [[ $sanitize ]]; then
+    tests=(python/tests/test_{agreement,input,property,results,threads}.py)
+    # libstdc++ beside it, or exceptions are thrown before the sanitizer knows how.
+    preload="$(g++ -print-file-name=libasan.so) $(g++ -print-file-name=libstdc++.so)"
+    LD_PRELOAD=$preload ASAN_OPTIONS=detect_leaks=0 "$python" -m pytest -q "${tests[@]}" "$@"
+else
+    "$python" -m pytest -q "$@"
+fi

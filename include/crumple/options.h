@@ -21,11 +21,11 @@ struct Options {
     /// the pairs, with records beyond the limit if need be, but without storing any.
     std::int64_t memory_limit = 0;
 
-    int clusters = 0;           ///< parts of the first level of subdivision, 1 to 64; 0: chosen from the triangle count
-    int leaf_size = 3000;       ///< triangles that a leaf should have; larger clusters are subdivided again
-    double fuzziness = 2.0;     ///< t of [MZ] eq. 2, above 1
-    int max_iterations = 2;     ///< cap on fuzzy C-means iterations, warm
-    int first_iterations = 5;   ///< the same for a first frame, which has no centres to start from
+    int clusters = 0;          ///< parts of the first level of subdivision, 1 to 64; 0: chosen from the triangle count
+    int leaf_size = 3000;      ///< triangles that a leaf should have; larger clusters are subdivided again
+    double fuzziness = 2.0;    ///< t of [MZ] eq. 2, above 1
+    int max_iterations = 2;    ///< cap on fuzzy C-means iterations, warm
+    int first_iterations = 5;  ///< the same for a first frame, which has no centres to start from
     /// Iteration ends when no centre moves further than this in any coordinate, in units of the scene's extent rounded
     /// up to a power of two.
     double stop = 1e-2;
