@@ -5,6 +5,7 @@
 #include <cfenv>
 #include <cstdlib>
 
+#include "cuda_on_cpu/fixture.h"
 #include "cuda_on_cpu/machine/memory.h"
 #include "cuda_on_cpu/machine/settings.h"
 #include "cuda_on_cpu/portable/portable.h"
@@ -18,17 +19,7 @@ using portable::Array;
 using portable::check;
 using portable::launch;
 
-class Machine : public testing::Test {
-   protected:
-    void SetUp() override {
-        testing::FLAGS_gtest_death_test_style = "threadsafe";
-        settings() = {};
-    }
-    void TearDown() override {
-        cudaGetLastError();
-        settings() = {};
-    }
-};
+class Machine : public cuda_on_cpu::FreshSettings {};
 
 TEST_F(Machine, may_have_no_device) {
     settings().devices = 0;

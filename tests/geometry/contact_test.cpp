@@ -29,17 +29,7 @@ void expect_rational_contact(const TrianglePair& pair) {
 class ContactOfEachKind : public testing::TestWithParam<Kind> {
    protected:
     RandomPairs random{GetParam(), 41};
-    int rounds() const {
-        switch (GetParam()) {
-            case Kind::mixed:
-                return 100;
-            case Kind::huge:
-            case Kind::tiny:
-                return 5'000;
-            default:
-                return 25'000;
-        }
-    }
+    int rounds() const { return rounds_of(GetParam(), 25'000); }
 };
 
 TEST_P(ContactOfEachKind, HasTheBytesOfRationalArithmetic) {

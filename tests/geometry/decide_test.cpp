@@ -44,17 +44,7 @@ void expect_rational_answer(const TrianglePair& pair, int turn) {
 class DecideOfEachKind : public testing::TestWithParam<Kind> {
    protected:
     RandomPairs random{GetParam(), 29};
-    int rounds() const {
-        switch (GetParam()) {
-            case Kind::mixed:
-                return 100;
-            case Kind::huge:
-            case Kind::tiny:
-                return 5'000;
-            default:
-                return 15'000;
-        }
-    }
+    int rounds() const { return rounds_of(GetParam(), 15'000); }
 };
 
 TEST_P(DecideOfEachKind, DecidesAsRationalArithmeticDoes) {

@@ -38,6 +38,11 @@ enum class Kind {
     mixed,         ///< each coordinate of its own magnitude, over the whole range of float64
     wide,          ///< the same, within the range of float32
 };
+
+/// How many pairs a test draws: fewer where rational arithmetic, the yardstick, is slow.
+inline int rounds_of(Kind kind, int usual) {
+    return kind == Kind::mixed ? 100 : kind == Kind::huge || kind == Kind::tiny ? 5'000 : usual;
+}
 inline constexpr std::array all_kinds{Kind::random, Kind::random_float, Kind::lattice, Kind::flat, Kind::nudged,
                                       Kind::huge,   Kind::tiny,         Kind::mixed,   Kind::wide};
 

@@ -7,6 +7,7 @@
 #define CRUMPLE_CPU_SIMD_COMMON_INL_H_
 #endif
 
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
 
@@ -66,6 +67,12 @@ HWY_INLINE std::size_t compress_to(D d, V v, M mask, hn::TFromD<D>* HWY_RESTRICT
     }
     return count;
 #endif
+}
+
+/// Repeats a list's last pair for a vector's length behind its end, so that no lane reads what was not written.
+HWY_INLINE void repeat_last(Array<std::uint32_t>& list, std::size_t lanes) {
+    const std::size_t count = list.size();
+    std::fill_n(list.data() + count, lanes, count ? list[count - 1] : 0u);
 }
 
 /// Blocks of 128 bits in a vector: rows of four that are handled at once.

@@ -33,10 +33,8 @@ inline void edge_test(const SortedLeaf& leaf, const Candidates& candidates, floa
     const auto* columns = reinterpret_cast<const float*>(leaf.record.data() + candidates.columns);
 
     const std::size_t count = out.edges.size();
-    for (std::size_t k = count; k < count + lanes; ++k) {  // the last vector repeats a pair, and masks it out
-        out.edges.data()[k] = count ? out.edges[count - 1] : 0;
-        out.edge_signs.data()[k] = count ? out.edge_signs[count - 1] : 0;
-    }
+    repeat_last(out.edges, lanes);
+    repeat_last(out.edge_signs, lanes);
     const V relative = hn::Set(d, 10 * unit_roundoff), tiny = hn::Set(d, 1e-36f);
     // Each difference of two corners carries the rounding of both relative coordinates.
     const V delta = hn::Set(d, 2.1f * unit_roundoff * reach), delta3 = hn::Mul(delta, hn::Set(d, 3.0f));

@@ -32,10 +32,8 @@ inline void flat_test(const SortedLeaf& leaf, const Candidates& candidates, cons
     const auto* columns = reinterpret_cast<const float*>(leaf.record.data() + candidates.columns);
 
     const std::size_t count = out.flat.size();
-    for (std::size_t k = count; k < count + lanes; ++k) {
-        out.flat.data()[k] = count ? out.flat[count - 1] : 0;
-        out.flat_shared.data()[k] = count ? out.flat_shared[count - 1] : 0;
-    }
+    repeat_last(out.flat, lanes);
+    repeat_last(out.flat_shared, lanes);
     const VI zero = hn::Zero(di), one = hn::Set(di, 1), two = hn::Set(di, 2), three = hn::Set(di, 3),
              seven = hn::Set(di, 7);
     const auto next = [&](VI corner) { return hn::IfThenElse(hn::Eq(corner, two), zero, hn::Add(corner, one)); };

@@ -121,7 +121,7 @@ HWY_INLINE void drop_undecided(D d, Verdicts& out, Apart apart) {
     constexpr std::size_t lanes = hn::MaxLanes(D());
     const std::size_t count = out.undecided.size();
     std::uint32_t* list = out.undecided.data();
-    for (std::size_t k = count; k < count + lanes; ++k) list[k] = count ? list[count - 1] : 0;
+    repeat_last(out.undecided, lanes);
     std::size_t left = 0;
     for (std::size_t k = 0; k < count; k += lanes) {
         const std::uint64_t open = ~bits_of(d, apart(list + k));

@@ -17,6 +17,8 @@
 #include "cuda_on_cpu/machine/settings.h"
 #include "cuda_on_cpu/shim/cuda_on_cpu/thread_index.h"
 
+// One scheduler, so one file: who runs next, who waits for whom and what is wrong with it read the same state.
+//
 // This file is compiled without ThreadSanitizer's instrumentation. All that several fibers touch is therefore in plain
 // arrays: a container's code might be the instrumented copy of another file.
 

@@ -225,7 +225,4 @@ __global__ void load_four(const float* in, float* out, int offset) {
     *out = reinterpret_cast<const float4*>(in + offset)->y;
 }
 
-__global__ void copy(int* to, const int* from) { *to = *from; }
-__global__ void set(int* to, int value) { *to = value; }
-
 }  // namespace planted

@@ -1,0 +1,123 @@
+// Planted bugs in the host's part: streams, graphs, captures.
+
+#include "cuda_on_cpu/planted/planted.h"
+#include "cuda_on_cpu/portable/portable.h"
+
+namespace {
+
+using cuda_on_cpu::Order;
+using cuda_on_cpu::Progress;
+using cuda_on_cpu::settings;
+using planted::Planted;
+using portable::Array;
+using portable::check;
+using portable::try_launch;
+
+__global__ void copy(int* to, const int* from) { *to = *from; }
+__global__ void set(int* to, int value) { *to = value; }
+
+// Found by lazy streams.
+
+struct TwoStreams {
+    cudaStream_t first = nullptr, second = nullptr;
+    cudaEvent_t event = nullptr;
+    TwoStreams() {
+        check(cudaStreamCreateWithFlags(&first, cudaStreamNonBlocking));
+        check(cudaStreamCreateWithFlags(&second, cudaStreamNonBlocking));
+        check(cudaEventCreate(&event));
+    }
+    ~TwoStreams() {
+        cudaStreamDestroy(first);
+        cudaStreamDestroy(second);
+        cudaEventDestroy(event);
+    }
+};
+
+TEST_F(Planted, stream_that_does_not_wait_for_another) {
+    const auto body = [](bool bug) {
+        const TwoStreams s;
+        const Array<int> from(std::vector<int>{1}), to(std::vector<int>{1});
+        check(try_launch(s.first, set, 1, 1, 0, from.data(), 2));
+        check(cudaEventRecord(s.event, s.first));
+        if (!bug) check(cudaStreamWaitEvent(s.second, s.event, 0));
+        check(try_launch(s.second, copy, 1, 1, 0, to.data(), static_cast<const int*>(from.data())));
+        check(cudaStreamSynchronize(s.second));
+        int result = 0;
+        check(cudaMemcpy(&result, to.data(), 4, cudaMemcpyDeviceToHost));
+        return result;
+    };
+    EXPECT_EQ(body(false), 2);
+    EXPECT_EQ(body(true), 1);
+    settings().progress = Progress::eager;
+    EXPECT_EQ(body(true), 2) << "hidden by eager streams";
+}
+TEST_F(Planted, host_that_does_not_wait_for_a_copy) {
+    int* pinned = nullptr;
+    check(cudaMallocHost(&pinned, 4));
+    const auto body = [&](bool bug) {
+        const TwoStreams s;
+        const Array<int> from(std::vector<int>{7});
+        *pinned = 0;
+        check(cudaMemcpyAsync(pinned, from.data(), 4, cudaMemcpyDeviceToHost, s.first));
+        if (!bug) check(cudaStreamSynchronize(s.first));
+        return *pinned;
+    };
+    EXPECT_EQ(body(false), 7);
+    EXPECT_EQ(body(true), 0);
+    check(cudaFreeHost(pinned));
+}
+
+// Found by the order of a graph's nodes.
+
+TEST_F(Planted, missing_dependency_in_a_graph) {
+    const auto body = [](bool bug) {
+        const TwoStreams s;
+        const Array<int> from(std::vector<int>{1}), to(std::vector<int>{1});
+        check(cudaStreamBeginCapture(s.first, cudaStreamCaptureModeThreadLocal));
+        check(cudaEventRecord(s.event, s.first));
+        check(cudaStreamWaitEvent(s.second, s.event, 0));
+        check(try_launch(s.second, set, 1, 1, 0, from.data(), 2));
+        check(cudaEventRecord(s.event, s.second));
+        if (!bug) check(cudaStreamWaitEvent(s.first, s.event, 0));
+        check(try_launch(s.first, copy, 1, 1, 0, to.data(), static_cast<const int*>(from.data())));
+        if (bug) check(cudaStreamWaitEvent(s.first, s.event, 0));
+        cudaGraph_t graph;
+        check(cudaStreamEndCapture(s.first, &graph));
+        cudaGraphExec_t executable;
+        check(cudaGraphInstantiate(&executable, graph, 0));
+        check(cudaGraphLaunch(executable, s.first));
+        check(cudaStreamSynchronize(s.first));
+        check(cudaGraphExecDestroy(executable));
+        check(cudaGraphDestroy(graph));
+        return to.values()[0];
+    };
+    EXPECT_EQ(body(false), 2);
+    EXPECT_EQ(body(true), 2) << "hidden by forward order";
+    settings().order = Order::reverse;
+    EXPECT_EQ(body(false), 2);
+    EXPECT_EQ(body(true), 1);
+}
+TEST_F(Planted, host_round_trip_in_a_capture) {
+    const TwoStreams s;
+    check(cudaStreamBeginCapture(s.first, cudaStreamCaptureModeThreadLocal));
+    EXPECT_EQ(cudaStreamSynchronize(s.first), cudaErrorStreamCaptureUnsupported);
+    cudaGraph_t graph;
+    EXPECT_EQ(cudaStreamEndCapture(s.first, &graph), cudaErrorStreamCaptureInvalidated);
+    check(cudaStreamBeginCapture(s.first, cudaStreamCaptureModeThreadLocal));
+    const Array<int>* never = nullptr;
+    EXPECT_THROW(never = new Array<int>(4), std::runtime_error) << "cudaMalloc";
+    EXPECT_EQ(never, nullptr);
+    EXPECT_EQ(cudaStreamEndCapture(s.first, &graph), cudaErrorStreamCaptureInvalidated);
+}
+TEST_F(Planted, pageable_memory_in_a_capture) {
+    const TwoStreams s;
+    const Array<int> memory(4);
+    int pageable[4] = {};
+    check(cudaStreamBeginCapture(s.first, cudaStreamCaptureModeThreadLocal));
+    EXPECT_EQ(cudaMemcpyAsync(pageable, memory.data(), 16, cudaMemcpyDeviceToHost, s.first),
+              cudaErrorStreamCaptureUnsupported);
+    cudaGraph_t graph;
+    EXPECT_EQ(cudaStreamEndCapture(s.first, &graph), cudaErrorStreamCaptureInvalidated);
+}
+
+}  // namespace
