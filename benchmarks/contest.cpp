@@ -53,12 +53,17 @@ std::vector<std::string> built_peers() {
     return names;
 }
 
+std::vector<Contestant> peer_contestants(const Workload& workload, std::span<const std::string> peers) {
+    std::vector<Contestant> contestants;
+    for (const Peer& peer : peers_built)
+        if (std::ranges::find(peers, peer.name) != peers.end())
+            std::ranges::move(peer.contestants(workload), std::back_inserter(contestants));
+    return contestants;
+}
+
 nlohmann::json contest(const Workload& workload, std::span<const std::string> peers, const Effort& effort) {
     std::vector<Contestant> contestants = crumple_contestants(workload);
-    for (const Peer& peer : peers_built) {
-        if (std::ranges::find(peers, peer.name) == peers.end()) continue;
-        std::ranges::move(peer.contestants(workload), std::back_inserter(contestants));
-    }
+    std::ranges::move(peer_contestants(workload, peers), std::back_inserter(contestants));
     const double before = processors_at_hand();
     const std::vector<Times> times = race(contestants, effort);
     const double processors = std::min(before, processors_at_hand());

@@ -21,6 +21,9 @@ struct Difference {
 /// Names of the peers that this program was built with.
 std::vector<std::string> built_peers();
 
+/// Those that are named, each in all its ways; none of a peer that cannot answer the workload's question.
+std::vector<Contestant> peer_contestants(const Workload& workload, std::span<const std::string> peers);
+
 /// Races crumple against `peers` on one workload, prints a table and returns the same as JSON.
 nlohmann::json contest(const Workload& workload, std::span<const std::string> peers, const Effort& effort);
 

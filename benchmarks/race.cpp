@@ -65,12 +65,12 @@ std::string describe_processors(double at_hand) {
 Summary summarise(std::vector<double> values) {
     if (values.empty()) return {};
     std::sort(values.begin(), values.end());
-    return {quantile(values, 0.5), quantile(values, 0.25), quantile(values, 0.75), values.front(),
-            static_cast<std::int64_t>(values.size())};
+    return {quantile(values, 0.5), quantile(values, 0.25), quantile(values, 0.75),
+            values.front(),        quantile(values, 0.99), static_cast<std::int64_t>(values.size())};
 }
 
 Summary Times::summary() const {
-    if (!raced()) return {warm_up, warm_up, warm_up, warm_up, 0};
+    if (!raced()) return {warm_up, warm_up, warm_up, warm_up, warm_up, 0};
     std::vector<double> all;
     for (const auto& round : rounds) all.insert(all.end(), round.begin(), round.end());
     return summarise(std::move(all));

@@ -28,7 +28,7 @@ struct Contestant {
 
 /// Milliseconds.
 struct Summary {
-    double median = 0, lower_quartile = 0, upper_quartile = 0, minimum = 0;
+    double median = 0, lower_quartile = 0, upper_quartile = 0, minimum = 0, percentile_99 = 0;
     std::int64_t calls = 0;
 };
 Summary summarise(std::vector<double> values);

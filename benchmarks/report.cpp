@@ -41,6 +41,7 @@ nlohmann::json to_json(const Summary& summary) {
             {"lower_quartile", summary.lower_quartile},
             {"upper_quartile", summary.upper_quartile},
             {"minimum", summary.minimum},
+            {"percentile_99", summary.percentile_99},
             {"calls", summary.calls}};
 }
 

@@ -38,28 +38,10 @@ constexpr std::array known{
     RealScene{"armadillo_86k", Question::any, "meshes/armadillo_86k.obj", "", as_in_file},
 };
 
-fs::path data_folder() {
-    if (const char* folder = std::getenv("CRUMPLE_DATA")) return folder;
-    return fs::path(CRUMPLE_SOURCE_DIR).parent_path() / "shared" / "data";
-}
-
 bool starts_with(std::string& name, std::string_view prefix) {
     if (!name.starts_with(prefix)) return false;
     name.erase(0, prefix.size());
     return true;
-}
-
-io::TriangleMesh procedural(const std::string& name, const std::string& triangles) {
-    scenes::Parameters parameters;
-    if (!triangles.empty()) {
-        const char* end = triangles.data() + triangles.size();
-        const auto [stop, error] = std::from_chars(triangles.data(), end, parameters.triangles);
-        if (error != std::errc() || stop != end)
-            throw Error(ErrorCode::invalid_argument, "not a number of triangles: " + triangles);
-    }
-    for (const auto& description : scenes::descriptions())
-        if (description.name == name) parameters.frame = description.frames - 1;
-    return scenes::make(name, parameters);
 }
 
 /// The triangles whose group is even (remainder 0) or odd (1).
@@ -73,6 +55,26 @@ io::TriangleMesh groups_of(const io::TriangleMesh& mesh, int remainder) {
 }
 
 }  // namespace
+
+fs::path data_folder() {
+    if (const char* folder = std::getenv("CRUMPLE_DATA")) return folder;
+    return fs::path(CRUMPLE_SOURCE_DIR).parent_path() / "shared" / "data";
+}
+
+io::TriangleMesh procedural(const std::string& name, int frame) {
+    const std::size_t colon = name.find(':');
+    const std::string scene = name.substr(0, colon), triangles = colon == name.npos ? "" : name.substr(colon + 1);
+    scenes::Parameters parameters{.frame = std::max(0, frame)};
+    if (!triangles.empty()) {
+        const char* end = triangles.data() + triangles.size();
+        const auto [stop, error] = std::from_chars(triangles.data(), end, parameters.triangles);
+        if (error != std::errc() || stop != end)
+            throw Error(ErrorCode::invalid_argument, "not a number of triangles: " + triangles);
+    }
+    for (const auto& description : scenes::descriptions())
+        if (description.name == scene && frame < 0) parameters.frame = description.frames - 1;
+    return scenes::make(scene, parameters);
+}
 
 std::string_view name_of(Question question) {
     constexpr std::array names{"self", "between", "any"};
@@ -90,8 +92,7 @@ Workload load(const std::string& name) {
         workload.a = io::read_mesh(data_folder() / real->a, options);
         if (*real->b) workload.b = io::read_mesh(data_folder() / real->b, options);
     } else {
-        const std::size_t colon = scene.find(':');
-        workload.a = procedural(scene.substr(0, colon), colon == scene.npos ? "" : scene.substr(colon + 1));
+        workload.a = procedural(scene);
         if (between) {
             workload.question = Question::between;
             workload.b = groups_of(workload.a, 1);

@@ -8,6 +8,7 @@
 // sets the procedural scene's even groups against its odd ones.
 
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -36,8 +37,13 @@ struct Workload {
 /// Throws Error for a name that is unknown or a file that is not there.
 Workload load(const std::string& name);
 
-/// Names of the files' workloads; empty if there are no files. They lie in $CRUMPLE_DATA or, failing that, in
-/// ../shared/data beside the checkout.
+/// A procedural scene, named SCENE[:TRIANGLES]; its last frame if none is given.
+io::TriangleMesh procedural(const std::string& name, int frame = -1);
+
+/// Where the files lie: $CRUMPLE_DATA or, failing that, ../shared/data beside the checkout. May not exist.
+std::filesystem::path data_folder();
+
+/// Names of the files' workloads; empty if there are no files.
 std::vector<std::string> real_scenes();
 
 /// Names of procedural workloads that cover all questions.

@@ -30,8 +30,8 @@ std::int64_t output_bytes(const Collisions& c) {
 }  // namespace
 
 nlohmann::json study_growth(const StudySettings& settings) {
-    std::vector<int> sizes{10'000, 20'000, 50'000, 100'000, 200'000, 500'000};
-    if (!settings.quick) sizes.insert(sizes.end(), {1'000'000, 2'000'000});
+    std::vector<int> sizes{1'000, 2'000, 5'000, 10'000, 20'000, 50'000, 100'000, 200'000};
+    if (!settings.quick) sizes.insert(sizes.end(), {500'000, 1'000'000, 2'000'000, 5'000'000, 10'000'000});
     const std::string scene = settings.scenes.empty() ? "cloth" : settings.scenes.front();
 
     Table table("growth: " + scene, {"triangles", "pairs", "1 thread, ms", "all threads, ms", "ns a triangle",

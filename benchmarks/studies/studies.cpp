@@ -7,6 +7,9 @@ namespace crumple::benchmark {
 namespace {
 
 constexpr std::array list{
+    Study{"scenes", "every scene on every backend, instruction set, number of threads; warm, cold, peak memory",
+          study_scenes},
+    Study{"sequences", "scenes that move: stages frame by frame, warm and cold centres, peers", study_sequences},
     Study{"stages", "where the time goes, and how many pairs each filter leaves", study_stages},
     Study{"growth", "time and memory over the number of triangles", study_growth},
     Study{"first_call", "a new process, a new detector, a warm one", study_first_call},
@@ -14,6 +17,10 @@ constexpr std::array list{
           study_cost_per_box_overlap},
     Study{"ground", "two huge triangles under the cloth", study_ground},
     Study{"virtual_subdivision", "large triangles cut into pieces: what [MZ] 5.1 proposes", study_virtual_subdivision},
+    Study{"membership", "[MZ]'s rules of membership and local ones: members added, time, pairs lost", study_membership},
+    Study{"axes", "principal components against fixed axes, three axes of a box against two", study_axes},
+    Study{"parts", "2 to 64 parts answered alone: how work grows, and the largest part", study_parts},
+    Study{"two_clusters", "[MZ]'s two clusters, swept whole, against leaves", study_two_clusters},
     Study{"threads", "one thread to all", study_threads},
     Study{"simd", "instruction sets", study_simd},
     Study{"clusters", "Options::clusters", study_clusters},

@@ -35,12 +35,18 @@ std::vector<std::string> choose_scenes(const StudySettings& settings, std::vecto
 /// A detector of its own, kept warm, that answers the workload at each call.
 Contestant crumple_with(const Options& options, const Workload& workload, std::string name);
 
+nlohmann::json study_scenes(const StudySettings& settings);
+nlohmann::json study_sequences(const StudySettings& settings);
 nlohmann::json study_stages(const StudySettings& settings);
 nlohmann::json study_growth(const StudySettings& settings);
 nlohmann::json study_first_call(const StudySettings& settings);
 nlohmann::json study_cost_per_box_overlap(const StudySettings& settings);
 nlohmann::json study_ground(const StudySettings& settings);
 nlohmann::json study_virtual_subdivision(const StudySettings& settings);
+nlohmann::json study_membership(const StudySettings& settings);
+nlohmann::json study_axes(const StudySettings& settings);
+nlohmann::json study_parts(const StudySettings& settings);
+nlohmann::json study_two_clusters(const StudySettings& settings);
 nlohmann::json study_threads(const StudySettings& settings);
 nlohmann::json study_simd(const StudySettings& settings);
 nlohmann::json study_clusters(const StudySettings& settings);

@@ -1,0 +1,104 @@
+// Every scene on every backend, instruction set and number of threads: warm (a detector that has seen the scene), cold
+// (a new detector in a process that has run before), and the most memory that the detector has owned.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+#include <thread>
+
+#include "crumple/error.h"
+#include "report.h"
+#include "studies/studies.h"
+
+namespace crumple::benchmark {
+namespace {
+
+struct Way {
+    std::string backend, simd;
+    Options options;
+};
+
+/// What this machine can do: the instruction sets that a user is likely to have, one thread, powers of two, and all.
+std::vector<Way> ways_here() {
+    std::set<int> threads;
+    const int all = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+    for (int t = 1; t < all; t *= 2) threads.insert(t);
+    threads.insert(all);
+    std::vector<Way> ways;
+    for (const auto& [simd, name] :
+         {std::pair{Simd::avx2, "AVX2"}, std::pair{Simd::avx512, "AVX-512"}, std::pair{Simd::neon, "NEON"}}) {
+        for (const int t : threads) {
+            const Options options{.backend = Backend::cpu, .threads = t, .simd = simd};
+            try {
+                Detector{options};
+            } catch (const Error&) {
+                continue;
+            }
+            ways.push_back({"cpu", name, options});
+        }
+    }
+    if (ways.empty())
+        for (const int t : threads) ways.push_back({"cpu", "automatic", {.backend = Backend::cpu, .threads = t}});
+    return ways;
+}
+
+std::int64_t peak_memory(const Options& options, const Workload& workload) {
+    Detector detector(options);
+    const MeshView a = workload.a.view(), b = workload.b.view();
+    if (workload.question == Question::any) return 0;  // has_collision tells no statistics
+    return (workload.question == Question::between ? detector.find_between(a, b) : detector.find_self(a))
+        .statistics.peak_memory_bytes;
+}
+
+}  // namespace
+
+nlohmann::json study_scenes(const StudySettings& settings) {
+    const std::vector<Way> ways = ways_here();
+    std::vector<std::string> scenes = settings.scenes;
+    if (scenes.empty() && settings.quick) scenes = quick_scenes();
+    if (scenes.empty()) {
+        scenes = real_scenes();
+        for (const std::string& name : procedural_scenes()) scenes.push_back(name);
+    }
+    nlohmann::json rows = nlohmann::json::array();
+    for (const std::string& name : scenes) {
+        const Workload workload = load(name);
+        std::vector<Contestant> contestants;
+        for (const Way& way : ways) {
+            contestants.push_back(crumple_with(way.options, workload, fmt::format("{}", contestants.size())));
+            contestants.push_back({fmt::format("{}", contestants.size()),
+                                   "",
+                                   "",
+                                   [&] { crumple_with(way.options, workload, "").call(); },
+                                   {}});
+        }
+        const std::vector<Times> times = race(contestants, settings.effort);
+        Table table(fmt::format("{} ({}): {} triangles", name, name_of(workload.question), workload.triangle_count()),
+                    {"backend", "instructions", "threads", "warm, ms", "quartiles", "99th percentile", "cold, ms",
+                     "quartiles", "peak, MiB"});
+        nlohmann::json values = nlohmann::json::array();
+        for (std::size_t i = 0; i < ways.size(); ++i) {
+            const Summary warm = times[2 * i].summary(), cold = times[2 * i + 1].summary();
+            const std::int64_t peak = peak_memory(ways[i].options, workload);
+            table.row({ways[i].backend, ways[i].simd, std::to_string(ways[i].options.threads), number(warm.median),
+                       range(warm), number(warm.percentile_99), number(cold.median), range(cold),
+                       peak ? number(static_cast<double>(peak) / 1048576) : ""});
+            values.push_back({{"backend", ways[i].backend},
+                              {"simd", ways[i].simd},
+                              {"threads", ways[i].options.threads},
+                              {"warm", to_json(warm)},
+                              {"cold", to_json(cold)},
+                              {"peak_bytes", peak}});
+        }
+        table.print();
+        rows.push_back({{"workload", name},
+                        {"question", name_of(workload.question)},
+                        {"scalar", workload.scalar()},
+                        {"triangles", workload.triangle_count()},
+                        {"ways", std::move(values)}});
+    }
+    return rows;
+}
+
+}  // namespace crumple::benchmark
