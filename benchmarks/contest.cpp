@@ -14,19 +14,41 @@ namespace crumple::benchmark {
 namespace {
 
 struct Peer {
-    const char* name;
+    const char *name, *title, *version, *scalar, *threads, *computes;
     std::vector<Contestant> (*contestants)(const Workload&);
 };
 
 const std::vector<Peer> peers_built{
 #ifdef CRUMPLE_PEER_CGAL
-    {"cgal", cgal_contestants},
+    {"cgal", "CGAL", CRUMPLE_CGAL_VERSION, "float64", "one or all",
+     "whole answer, exact; degenerate triangles only as such; manifold meshes, others are repaired before",
+     cgal_contestants},
+#endif
+#ifdef CRUMPLE_PEER_CGAL_BOX
+    {"cgal_box", "CGAL boxes", CRUMPLE_CGAL_VERSION, "float64", "one or all",
+     "boxes only: pairs of overlapping boxes, neighbours included", cgal_box_contestants},
 #endif
 #ifdef CRUMPLE_PEER_EMBREE
-    {"embree", embree_contestants},
+    {"embree", "Embree", CRUMPLE_EMBREE_VERSION, "float32", "one or all",
+     "boxes only: pairs of overlapping boxes, neighbours included", embree_contestants},
 #endif
 #ifdef CRUMPLE_PEER_FCL
-    {"fcl", fcl_contestants},
+    {"fcl", "FCL", CRUMPLE_FCL_VERSION, "float32 or float64", "one",
+     "pairs between two meshes, with rounding errors, no points", fcl_contestants},
+#endif
+};
+
+/// Name and reason of those that this program was built without.
+const std::vector<std::pair<const char*, const char*>> peers_left_out{
+#ifndef CRUMPLE_PEER_CGAL
+    {"CGAL", "libcgal-dev is not installed"},
+    {"CGAL boxes", "libcgal-dev is not installed"},
+#endif
+#ifndef CRUMPLE_PEER_EMBREE
+    {"Embree", "libembree-dev is not installed"},
+#endif
+#ifndef CRUMPLE_PEER_FCL
+    {"FCL", "libfcl-dev is not installed"},
 #endif
 };
 
@@ -51,6 +73,18 @@ std::vector<std::string> built_peers() {
     std::vector<std::string> names;
     for (const Peer& peer : peers_built) names.emplace_back(peer.name);
     return names;
+}
+
+nlohmann::json describe_peers() {
+    nlohmann::json peers = nlohmann::json::array();
+    for (const Peer& peer : peers_built)
+        peers.push_back({{"name", peer.title},
+                         {"version", peer.version},
+                         {"scalar", peer.scalar},
+                         {"threads", peer.threads},
+                         {"computes", peer.computes}});
+    for (const auto& [name, package] : peers_left_out) peers.push_back({{"name", name}, {"left_out", package}});
+    return peers;
 }
 
 std::vector<Contestant> peer_contestants(const Workload& workload, std::span<const std::string> peers) {

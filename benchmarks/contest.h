@@ -21,6 +21,10 @@ struct Difference {
 /// Names of the peers that this program was built with.
 std::vector<std::string> built_peers();
 
+/// For people and for the report: name, version, scalar type, threads and what exactly each computes; or why it is left
+/// out.
+nlohmann::json describe_peers();
+
 /// Those that are named, each in all its ways; none of a peer that cannot answer the workload's question.
 std::vector<Contestant> peer_contestants(const Workload& workload, std::span<const std::string> peers);
 

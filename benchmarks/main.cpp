@@ -78,7 +78,7 @@ int run(const Settings& settings) {
     } else {
         nlohmann::json result;
         if (settings.study_names.empty())
-            result["contests"] = contests(settings);
+            result = {{"peers", describe_peers()}, {"contests", contests(settings)}};
         else
             result["studies"] = run_studies(settings);
         if (!settings.json.empty()) {

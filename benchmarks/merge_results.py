@@ -38,12 +38,14 @@ def main():
         "commit": output("git", "rev-parse", "HEAD", cwd=top) + (" with changes" if changed else ""),
         "machine": machine(),
         "compiler": output(benchmark, "--compiler"),
+        "peers": [],
         "contests": [],
         "studies": {},
     }
     for part in map(Path, parts):
         if part.exists():
             figures = json.loads(part.read_text())
+            result["peers"] += figures.get("peers", [])
             result["contests"] += figures.get("contests", [])
             result["studies"].update(figures.get("studies", {}))
     Path(out).write_text(json.dumps(result, indent=1) + "\n")

@@ -10,7 +10,9 @@ warm-up.
 """
 
 import argparse
+import functools
 import importlib
+import importlib.metadata
 import json
 import os
 import subprocess
@@ -20,10 +22,10 @@ from pathlib import Path
 from statistics import median, quantiles
 
 sys.dont_write_bytecode = True
-PEERS = ["peers.ipc_toolkit", "peers.mesh_lib"]
-SCENES = ["cloth_ball92", "balls16_18", "227", "bunny_69k", "armadillo_86k"]
-PROCEDURAL = ["cloth", "bodies", "any:shells"]
-QUICK, QUICK_PROCEDURAL = ["cloth_ball92", "bunny_69k"], ["cloth:20000", "any:shells"]
+PEERS = ["peers.ipc_toolkit", "peers.mesh_lib", "peers.libigl", "peers.true_form", "peers.coal"]
+SCENES = ["cloth_ball92", "balls16_18", "227", "ember_016", "ember_260", "ember_406", "bunny_69k", "armadillo_86k"]
+PROCEDURAL = ["cloth", "bodies", "between:bodies", "any:shells"]
+QUICK, QUICK_PROCEDURAL = ["227", "ember_406", "bunny_69k"], ["cloth:20000", "between:bodies:20000", "any:shells"]
 HOPELESS = 1.5  # times slower than the fastest way of the same name
 LEAST_ROUNDS = 3
 
@@ -69,7 +71,7 @@ class Peer:
         arguments = [module, kind.__name__, label, threads, folder]
         self.process = Process(sys.executable, __file__, "--work", *map(str, arguments))
         self.process.answer()
-        self.pairs = (lambda: self.process.ask("pairs")) if hasattr(kind, "pairs") else None
+        self.pairs = (lambda: self.process.ask("pairs")) if getattr(kind, "pairs", None) else None
 
     def turn(self, seconds):
         answer = self.process.ask(f"run {seconds}")
@@ -77,21 +79,49 @@ class Peer:
         return answer["ms"]
 
 
-def enter(workload, benchmark, folder):
+@functools.cache
+def peers_here():
+    """Classes by module, of those that are installed; and who is not, with the reason."""
+    here, left_out = {}, {}
+    for module in PEERS:
+        try:
+            here[module] = importlib.import_module(module).WORKERS
+        except ImportError as error:
+            left_out[module.removeprefix("peers.")] = f"not installed: {error}"
+            print(f"{module} is left out: {error}")
+    return here, left_out
+
+
+def describe_peers():
+    here, left_out = peers_here()
+    peers = {}
+    for kind in sum(here.values(), []):
+        every = {threads for _, threads in kind.ways}
+        peers[kind.name] = {
+            "name": kind.name,
+            "version": importlib.metadata.version(kind.package),
+            "scalar": kind.scalar,
+            "threads": "one or all" if 0 in every else "one",
+            "computes": kind.describes,
+        }
+    return [*peers.values(), *({"name": name, "left_out": reason} for name, reason in left_out.items())]
+
+
+def enter(workload, benchmark, folder, quick):
     """The contestants for a workload, crumple first, and the workload's description."""
     ours = Process(benchmark, "--scene", workload, "--serve")
     description = ours.ask(f"dump {folder}")
     (folder / "description").write_text(json.dumps(description))
-    computes = "exact pairs, sorted" if description["question"] == "self" else "exact yes or no"
+    computes = "exact yes or no" if description["question"] == "any" else "exact pairs, sorted"
     contestants = [Crumple(ours, threads, computes) for threads in (1, 0)]
-    for module in PEERS:
-        try:
-            kinds = importlib.import_module(module).WORKERS
-        except ImportError as error:
-            print(f"{module} is left out: {error}")
-            continue
+    for module, kinds in peers_here()[0].items():
         for kind in kinds:
-            if kind.question == description["question"]:
+            if kind.question != description["question"]:
+                continue
+            most = getattr(kind, "most_triangles", None)
+            if most and (quick or description["triangles"] > most):
+                print(f"{kind.name} is left out of {workload}: too slow")
+            else:
                 contestants += [Peer(module, kind, label, threads, folder) for label, threads in kind.ways]
     return contestants, description
 
@@ -163,9 +193,9 @@ def show(description, entries):
     print(f"  {at_hand:.1f} of {every} processors at hand{busy}", flush=True)
 
 
-def contest(workload, benchmark, rounds, seconds, budget):
+def contest(workload, benchmark, quick, rounds, seconds, budget):
     with tempfile.TemporaryDirectory() as folder:
-        contestants, description = enter(workload, benchmark, Path(folder))
+        contestants, description = enter(workload, benchmark, Path(folder), quick)
         before = contestants[0].process.ask("processors")
         race(contestants, rounds, seconds, budget)
         description["processors_at_hand"] = min(before, contestants[0].process.ask("processors"))
@@ -196,9 +226,9 @@ def main():
     real, procedural = (QUICK, QUICK_PROCEDURAL) if arguments.quick else (SCENES, PROCEDURAL)
     scenes = arguments.scene or (real if "cloth_ball92" in listed else procedural)
     rounds, seconds, budget = (5, 0.02, 3) if arguments.quick else (15, 0.03, 40)
-    rows = [contest(s, arguments.benchmark, arguments.repetitions or rounds, seconds, budget) for s in scenes]
+    rows = [contest(s, arguments.benchmark, arguments.quick, arguments.repetitions or rounds, seconds, budget) for s in scenes]
     if arguments.json:
-        Path(arguments.json).write_text(json.dumps({"contests": rows}, indent=1) + "\n")
+        Path(arguments.json).write_text(json.dumps({"peers": describe_peers(), "contests": rows}, indent=1) + "\n")
 
 
 if __name__ == "__main__":

@@ -41,16 +41,21 @@ grep -h 'Benchmarks:' "$build/build.log" || true
 
 python=$build/python/bin/python
 [[ -x $python ]] || python3 -m venv "$build/python" || true
-if [[ -x $python ]] && ! "$python" -c 'import ipctk, meshlib, numpy' 2>/dev/null; then
-    "$python" -m pip install --quiet ipctk meshlib numpy || echo "No Python peers: pip cannot install them" >&2
-fi
+for package in numpy ipctk meshlib libigl trueform coal; do
+    [[ -x $python ]] || break
+    "$python" -m pip show --quiet "$package" >/dev/null 2>&1 ||
+        "$python" -m pip install --quiet --disable-pip-version-check "$package" ||
+        echo "Not installed, so left out: $package" >&2
+done
 
 parts=("$build/contests.json" "$build/python.json" "$build/studies.json")
 rm -f "${parts[@]}"
 benchmark=$build/benchmarks/crumple_benchmark
 "$benchmark" "${quick[@]}" --json "${parts[0]}"
-if "$python" -c 'import ipctk, meshlib, numpy' 2>/dev/null; then
+if "$python" -c 'import numpy' 2>/dev/null; then
     "$python" "$top/benchmarks/peers_python.py" --benchmark "$benchmark" "${quick[@]}" --json "${parts[1]}"
+else
+    echo "Without peers from PyPI: there is no Python environment with NumPy" >&2
 fi
 "$benchmark" "${quick[@]}" --study all --json "${parts[2]}"
 

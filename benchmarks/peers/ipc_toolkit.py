@@ -1,4 +1,4 @@
-"""IPC Toolkit (PyPI: ipctk): boxes by its LBVH, and has_intersections."""
+"""IPC Toolkit (PyPI: ipctk): boxes by its broad phases, but the one that tests all pairs, and has_intersections."""
 
 import ctypes
 
@@ -12,12 +12,14 @@ class IpcBoxes:
     """LBVH build and face-face candidates: neighbours left out. No edges are given, so none are put into a tree."""
 
     name, question, computes = "IPC Toolkit LBVH, from Python", "self", "overlapping boxes"
+    package, scalar, describes = "ipctk", "float64", "boxes only: pairs of overlapping boxes, neighbours left out"
     ways = [("", 1), ("", 0)]
+    phase = "LBVH"
 
     def __init__(self, folder, way):
         self.vertices, self.triangles = load(folder)
         self.edges = np.asfortranarray(np.empty((0, 2), np.int32))
-        self.tree = ipctk.LBVH()
+        self.tree = getattr(ipctk, self.phase)()
 
     def call(self):
         self.tree.build(self.vertices, self.edges, self.triangles)
@@ -26,12 +28,29 @@ class IpcBoxes:
     def count(self, answer):
         return len(answer)
 
+    def pairs(self, answer):
+        return {tuple(sorted((c.face0_id, c.face1_id))) for c in answer}
+
+
+class IpcHashGrid(IpcBoxes):
+    """Seconds for ten thousand triangles, as is SpatialHash; more would keep the others waiting for minutes."""
+
+    name, phase, most_triangles = "IPC Toolkit HashGrid, from Python", "HashGrid", 20_000
+
+
+class IpcSpatialHash(IpcHashGrid):
+    name, phase = "IPC Toolkit SpatialHash, from Python", "SpatialHash"
+
+
+class IpcSweepAndPrune(IpcBoxes):
+    name, phase = "IPC Toolkit SweepAndPrune, from Python", "SweepAndPrune"
+
 
 class IpcBoxesNative(IpcBoxes):
     """The same without the list of Python objects, which takes longer than the search: the C++ member function, which the
     module exports, is called with a std::vector of three pointers."""
 
-    name = "IPC Toolkit LBVH, C++ only"
+    name, pairs = "IPC Toolkit LBVH, C++ only", None
 
     class Vector(ctypes.Structure):
         _fields_ = [("begin", ctypes.c_void_p), ("end", ctypes.c_void_p), ("capacity", ctypes.c_void_p)]
@@ -62,6 +81,7 @@ class IpcIntersections:
     """has_intersections: edges against faces, on float64."""
 
     name, question, computes = "IPC Toolkit has_intersections", "any", "yes or no"
+    package, scalar, describes = "ipctk", "float64", "yes or no, edges against faces, with rounding errors"
     ways = [(phase, threads) for phase in ("LBVH", "HashGrid", "SpatialHash", "SweepAndPrune") for threads in (1, 0)]
 
     def __init__(self, folder, way):
@@ -77,4 +97,4 @@ class IpcIntersections:
         return int(answer)
 
 
-WORKERS = [IpcBoxes, IpcBoxesNative, IpcIntersections]
+WORKERS = [IpcBoxes, IpcBoxesNative, IpcHashGrid, IpcSpatialHash, IpcSweepAndPrune, IpcIntersections]

@@ -12,6 +12,7 @@ class MeshLib:
     a mesh that deforms."""
 
     name, question, computes = "MeshLib", "self", "pairs, float32"
+    package, scalar, describes = "meshlib", "float32", "whole answer for the mesh rounded to float32, touching included"
     ways = [("", 1), ("", 0)]
 
     def __init__(self, folder, way):

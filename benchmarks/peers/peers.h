@@ -15,6 +15,7 @@ std::vector<Contestant> crumple_contestants(const Workload& workload);
 
 // Empty if the library cannot answer the workload's question.
 std::vector<Contestant> cgal_contestants(const Workload& workload);
+std::vector<Contestant> cgal_box_contestants(const Workload& workload);
 std::vector<Contestant> embree_contestants(const Workload& workload);
 std::vector<Contestant> fcl_contestants(const Workload& workload);
 

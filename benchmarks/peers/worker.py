@@ -1,7 +1,8 @@
 """The life of a process that answers for one Python peer, in one way, and waits for its turn.
 
-A peer's class has `name`, `question`, `computes` and `ways`, pairs of a label and a number of threads (0: all). It is made
-from a folder of arrays and such a label. `call` is timed and returns an answer; `count`, its size, and `pairs`, its set,
+A peer's class has `name`, `question`, `computes` and `ways`, pairs of a label and a number of threads (0: all); for the
+report also `package`, its name on PyPI, `scalar` and `describes`. One that is too slow for large scenes has
+`most_triangles`, and rests in quick runs. It is made from a folder of arrays and such a label. `call` is timed and returns an answer; `count`, its size, and `pairs`, its set,
 are read off the clock.
 """
 
@@ -15,11 +16,12 @@ import time
 import numpy as np
 
 
-def load(folder):
-    """float64 vertices and int32 triangles, in the column order that the IPC Toolkit takes without a copy."""
-    scalar = json.loads((folder / "description").read_text())["scalar"]
-    vertices = np.fromfile(folder / "vertices", scalar).reshape(-1, 3).astype(float)
-    triangles = np.fromfile(folder / "triangles", np.int32).reshape(-1, 3)
+def load(folder, which=""):
+    """float64 vertices and int32 triangles of the first mesh, or of the second (`which` is "_b"), in the column order that
+    the IPC Toolkit takes without a copy."""
+    scalar = json.loads((folder / "description").read_text())["scalar" + which]
+    vertices = np.fromfile(folder / ("vertices" + which), scalar).reshape(-1, 3).astype(float)
+    triangles = np.fromfile(folder / ("triangles" + which), np.int32).reshape(-1, 3)
     return np.asfortranarray(vertices), np.asfortranarray(triangles)
 
 
