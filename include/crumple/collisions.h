@@ -48,7 +48,7 @@ struct Statistics {
     std::int64_t edge_tests = 0;      ///< pairs that no plane separated
     std::int64_t double_tests = 0;    ///< pairs that float32 filters left undecided
     std::int64_t exact_tests = 0;     ///< pairs that float64 filters left undecided: exact arithmetic
-    std::int64_t rational_tests = 0;  ///< of these, beyond the range of expansions or degenerate
+    std::int64_t rational_tests = 0;  ///< of these, beyond the range of expansions
     std::int64_t pairs = 0;
     std::int64_t peak_memory_bytes = 0;  ///< most that the detector has owned
     int threads = 1;

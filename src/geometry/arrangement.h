@@ -1,31 +1,39 @@
 #pragma once
 
 // How two triangles lie to each other: what they share, on which side of each other's plane their corners are, and in
-// which order their edges meet the planes' common line. Shared by the decision and by the contact.
+// which order their edges meet the planes' common line. Shared by the decision and by the contact. Compiled for host
+// and device.
 
-#include <algorithm>
 #include <array>
-#include <utility>
 
 #include "geometry/predicates.h"
+#include "geometry/signs.h"
 #include "geometry/triangle.h"
 
 namespace crumple {
 
-constexpr int after(int corner) { return corner == 2 ? 0 : corner + 1; }
-constexpr int before(int corner) { return corner == 0 ? 2 : corner - 1; }
-inline const Vec3d& point(const Triangle& t, int corner) { return t.point[static_cast<std::size_t>(corner)]; }
-
-inline bool in_expansion_range(const Triangle& t) {
-    return std::all_of(t.point.begin(), t.point.end(), [](const Vec3d& p) { return in_expansion_range(p); });
+CRUMPLE_HD constexpr int after(int corner) { return corner == 2 ? 0 : corner + 1; }
+CRUMPLE_HD constexpr int before(int corner) { return corner == 0 ? 2 : corner - 1; }
+CRUMPLE_HD inline const Vec3d& point(const Triangle& t, int corner) {
+    return t.point[static_cast<std::size_t>(corner)];
 }
+
+CRUMPLE_HD inline bool in_expansion_range(const Triangle& t) {
+    return in_expansion_range(t.point[0]) && in_expansion_range(t.point[1]) && in_expansion_range(t.point[2]);
+}
+
+/// Corners of a triangle, by a mark for each.
+using Marks = std::array<bool, 3>;
+
+CRUMPLE_HD constexpr bool all(const Marks& corners) { return corners[0] && corners[1] && corners[2]; }
+CRUMPLE_HD constexpr int first(const Marks& corners) { return corners[0] ? 0 : corners[1] ? 1 : 2; }
 
 /// What two triangles share, by vertex ids.
 struct Sharing {
-    std::array<bool, 3> a{}, b{};  ///< the corner is also one of the other triangle
-    int count = 0;                 ///< distinct ids
+    Marks a{}, b{};  ///< the corner is also one of the other triangle
+    int count = 0;   ///< distinct ids
 
-    Sharing(const Triangle& s, const Triangle& t) {
+    CRUMPLE_HD Sharing(const Triangle& s, const Triangle& t) {
         for (std::size_t i = 0; i < 3; ++i) {
             for (std::size_t j = 0; j < 3; ++j) {
                 const bool same = s.vertex[i] == t.vertex[j];
@@ -42,23 +50,25 @@ struct Sharing {
 struct Sides {
     std::array<int, 3> sign;
 
-    Sides(const FilteredPlane& plane, const Triangle& t, const std::array<bool, 3>& shared) {
+    CRUMPLE_HD Sides(const FilteredPlane& plane, const Triangle& t, const Marks& shared) {
         for (std::size_t i = 0; i < 3; ++i) sign[i] = shared[i] ? 0 : plane.side(t.point[i]);
     }
     /// Decides what the filter left open, for coordinates in the range of expansions.
-    void complete(const Triangle& plane, const Triangle& t) {
+    CRUMPLE_HD void complete(const Triangle& plane, const Triangle& t, ExactSigns& signs) {
         const auto& p = plane.point;
         for (std::size_t i = 0; i < 3; ++i) {
-            if (sign[i] == undecided) sign[i] = orient3d_exact(p[0], p[1], p[2], t.point[i]);
+            if (sign[i] == undecided) sign[i] = signs.orient_exactly(p[0], p[1], p[2], t.point[i]);
         }
     }
 
-    int operator[](int i) const { return sign[static_cast<std::size_t>(i)]; }
-    bool certain() const { return std::find(sign.begin(), sign.end(), undecided) == sign.end(); }
-    bool zero() const { return sign == std::array{0, 0, 0}; }
+    CRUMPLE_HD int operator[](int i) const { return sign[static_cast<std::size_t>(i)]; }
+    CRUMPLE_HD bool certain() const { return sign[0] != undecided && sign[1] != undecided && sign[2] != undecided; }
+    CRUMPLE_HD bool zero() const { return sign[0] == 0 && sign[1] == 0 && sign[2] == 0; }
+    /// A corner is off the plane for certain: so there is a plane, and its triangle is not degenerate.
+    CRUMPLE_HD bool prove_plane() const { return is_side(sign[0]) || is_side(sign[1]) || is_side(sign[2]); }
 
     /// All corners but the shared ones lie strictly on one side, by what is known; there is one that is not shared.
-    bool separated(const std::array<bool, 3>& shared = {}) const {
+    CRUMPLE_HD bool separated(const Marks& shared = {}) const {
         bool above = true, below = true;
         for (std::size_t i = 0; i < 3; ++i) {
             above &= shared[i] || sign[i] == 1;
@@ -66,6 +76,9 @@ struct Sides {
         }
         return above || below;
     }
+
+   private:
+    CRUMPLE_HD static constexpr bool is_side(int s) { return s == 1 || s == -1; }
 };
 
 /// The line in which two planes cross, and the edges of both triangles that meet it. Corner 0 of each is alone on its
@@ -82,16 +95,16 @@ struct CommonLine {
     std::array<int, 3> side_a, side_b;
 
     /// The planes must differ, and each triangle have corners that are not strictly on one side.
-    CommonLine(const Triangle& s, const Triangle& t, const Sides& sides_s, const Sides& sides_t) {
+    CRUMPLE_HD CommonLine(const Triangle& s, const Triangle& t, const Sides& sides_s, const Sides& sides_t) {
         const bool swap_b = arrange(s, sides_s, a, side_a), swap_a = arrange(t, sides_t, b, side_b);
-        if (swap_a) std::swap(a[1], a[2]), std::swap(side_a[1], side_a[2]);
-        if (swap_b) std::swap(b[1], b[2]), std::swap(side_b[1], side_b[2]);
+        if (swap_a) swap_values(a[1], a[2]), swap_values(side_a[1], side_a[2]);
+        if (swap_b) swap_values(b[1], b[2]), swap_values(side_b[1], side_b[2]);
     }
 
    private:
     /// Returns whether the lone corner is on the negative side, so that the other triangle has to be turned over.
-    static bool arrange(const Triangle& t, const Sides& side, std::array<Vec3d, 3>& corners,
-                        std::array<int, 3>& sides) {
+    CRUMPLE_HD static bool arrange(const Triangle& t, const Sides& side, std::array<Vec3d, 3>& corners,
+                                   std::array<int, 3>& sides) {
         for (int i = 0; i < 3; ++i) {
             const int own = side[i], next = side[after(i)], last = side[before(i)];
             const bool lone = own != 0 ? next != own && last != own : next != 0 && next == last;

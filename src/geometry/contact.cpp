@@ -7,6 +7,8 @@
 
 #include "geometry/contact.h"
 
+#include <algorithm>
+
 #include "geometry/arrangement.h"
 #include "geometry/double_word.h"
 #include "geometry/rational_intersection.h"
@@ -156,8 +158,9 @@ Contact contact(const Triangle& a, const Triangle& b) {
     if (!in_double_word_range(a) || !in_double_word_range(b)) return contact(intersect_rationally(a, b));
     const Sharing sharing(a, b);
     Sides side_a(FilteredPlane(b.point), a, sharing.a), side_b(FilteredPlane(a.point), b, sharing.b);
-    side_a.complete(b, a);
-    side_b.complete(a, b);
+    ExactSigns signs;
+    side_a.complete(b, a, signs);
+    side_b.complete(a, b, signs);
     if (side_a.separated() || side_b.separated()) return {};
     // All 0: one plane for both, or one triangle has no plane.
     if (side_a.zero() || side_b.zero()) return contact(intersect_rationally(a, b));

@@ -1,7 +1,7 @@
 #pragma once
 
-// The exact decision whether a pair of triangles collides, by the contract's words (docs/narrow.md):
-// filters in float64 with proven bounds, then expansions, then rational arithmetic.
+// The exact decision whether a pair of triangles collides, by the contract's words (docs/narrow.md), for the host:
+// decision.h, and rational arithmetic for what lies beyond its range.
 
 #include <cstdint>
 
@@ -13,7 +13,7 @@ namespace crumple {
 /// How far a decision had to go; summed into Statistics.
 struct DecisionCounts {
     std::int64_t exact = 0;     ///< float64 filters left it undecided
-    std::int64_t rational = 0;  ///< of these, expansions could not hold it, or a triangle was degenerate
+    std::int64_t rational = 0;  ///< of these, expansions could not hold it
 };
 
 /// True iff the pair collides under the policies. Needs round-to-nearest without flush-to-zero.

@@ -130,4 +130,11 @@ CRUMPLE_HD Expansion<2 * M * N> operator*(const Expansion<M>& e, const Expansion
     return result;
 }
 
+/// The same with a difference: without a loop, and with less scratch.
+template <int M>
+CRUMPLE_HD Expansion<4 * M> operator*(const Expansion<M>& e, const Expansion<2>& f) {
+    if (f.size == 0) return {};
+    return e * f.term[0] + (f.size == 1 ? Expansion<2 * M>() : e * f.term[1]);
+}
+
 }  // namespace crumple

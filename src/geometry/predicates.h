@@ -84,21 +84,22 @@ CRUMPLE_HD inline int orient3d_filtered(const Vec3d& a, const Vec3d& b, const Ve
     return FilteredPlane({a, b, c}).side(d);
 }
 
-CRUMPLE_HD inline int orient2d_exact(const Vec3d& a, const Vec3d& b, const Vec3d& c, int dropped) {
+/// The exact signs, for coordinates in the range of expansions. Up to 1 us; some kilobytes of stack.
+CRUMPLE_HD_COLD inline int orient2d_exact(const Vec3d& a, const Vec3d& b, const Vec3d& c, int dropped) {
     const int x = first_axis(dropped), y = second_axis(dropped);
     return (exact_difference(b[x], a[x]) * exact_difference(c[y], a[y]) -
             exact_difference(b[y], a[y]) * exact_difference(c[x], a[x]))
         .sign();
 }
 
-CRUMPLE_HD inline int orient3d_exact(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
+CRUMPLE_HD_COLD inline int orient3d_exact(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
     const auto ux = exact_difference(b.x, a.x), uy = exact_difference(b.y, a.y), uz = exact_difference(b.z, a.z);
     const auto vx = exact_difference(c.x, a.x), vy = exact_difference(c.y, a.y), vz = exact_difference(c.z, a.z);
     const auto wx = exact_difference(d.x, a.x), wy = exact_difference(d.y, a.y), wz = exact_difference(d.z, a.z);
     return ((uy * vz - uz * vy) * wx + (uz * vx - ux * vz) * wy + (ux * vy - uy * vx) * wz).sign();
 }
 
-/// The exact signs, for coordinates in the range of expansions. About 10 ns if the filter decides, else 1 us.
+/// The exact signs, by the filter where that decides, which takes about 10 ns.
 CRUMPLE_HD inline int orient2d(const Vec3d& a, const Vec3d& b, const Vec3d& c, int dropped) {
     const int sign = orient2d_filtered(a, b, c, dropped);
     return sign != undecided ? sign : orient2d_exact(a, b, c, dropped);

@@ -10,6 +10,8 @@
 #else
 #define CRUMPLE_HD
 #endif
+/// For long code that is rarely run: a device compiler would copy it to each place that calls it.
+#define CRUMPLE_HD_COLD CRUMPLE_HD __attribute__((noinline))
 
 namespace crumple {
 
@@ -56,6 +58,13 @@ CRUMPLE_HD constexpr Vec3<T> min(Vec3<T> a, Vec3<T> b) {
 template <class T>
 CRUMPLE_HD constexpr Vec3<T> max(Vec3<T> a, Vec3<T> b) {
     return {max(a.x, b.x), max(a.y, b.y), max(a.z, b.z)};
+}
+/// std::swap, for the device too.
+template <class T>
+CRUMPLE_HD constexpr void swap_values(T& a, T& b) {
+    const T c = a;
+    a = b;
+    b = c;
 }
 template <class T>
 CRUMPLE_HD constexpr T largest(Vec3<T> a) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "geometry/decision.h"
 #include "geometry/named_pairs.h"
 #include "geometry/rational_intersection.h"
 #include "pipeline/float_environment.h"
@@ -50,6 +51,41 @@ class DecideOfEachKind : public testing::TestWithParam<Kind> {
 TEST_P(DecideOfEachKind, DecidesAsRationalArithmeticDoes) {
     for (int i = 0; i < rounds(); ++i) {
         ASSERT_NO_FATAL_FAILURE(expect_rational_answer(random(), i));
+    }
+}
+
+/// What expansions cannot hold.
+bool is_far(Kind kind) { return kind == Kind::huge || kind == Kind::tiny || kind == Kind::mixed; }
+
+TEST_P(DecideOfEachKind, TakesNoRationalsWithinTheRangeOfExpansions) {
+    if (is_far(GetParam())) GTEST_SKIP();
+    for (int i = 0; i < rounds(); ++i) {
+        const TrianglePair pair = random();
+        DecisionCounts counts;
+        collide(pair.a, pair.b, Neighbours::geometric, Intersections::all, counts);
+        collide(pair.a, pair.b, Neighbours::geometric, Intersections::proper, counts);
+        ASSERT_EQ(counts.rational, 0) << pair;
+    }
+}
+
+TEST_P(DecideOfEachKind, FiltersAloneAreRightOrUndecided) {
+    int undecided = 0;
+    for (int i = 0; i < rounds(); ++i) {
+        const TrianglePair pair = random();
+        for (const Intersections intersections : intersection_policies) {
+            FilteredSigns signs;
+            const Verdict verdict = decide(pair.a, pair.b, Neighbours::geometric, intersections, signs);
+            DecisionCounts counts;
+            const bool expected = collide(pair.a, pair.b, Neighbours::geometric, intersections, counts);
+            if (verdict == Verdict::undecided) {
+                ++undecided;
+            } else {
+                ASSERT_EQ(verdict == Verdict::collides, expected) << pair;
+            }
+        }
+    }
+    if (GetParam() == Kind::random || GetParam() == Kind::random_float) {
+        EXPECT_LT(undecided, rounds() / 3) << "of " << 2 * rounds();  // about the ties among them
     }
 }
 
@@ -134,7 +170,9 @@ TEST(Decide, CountsHowFarItHadToGo) {
     const Triangle needle{{Vec3d{1, 1, 0}, {1, 1, 2}, {1, 1, 3}}, {3, 4, 5}};
     EXPECT_EQ(counts_of({floor, across}), (std::array<std::int64_t, 2>{0, 0}));
     EXPECT_EQ(counts_of({floor, touching}), (std::array<std::int64_t, 2>{1, 0}));
-    EXPECT_EQ(counts_of({floor, needle}), (std::array<std::int64_t, 2>{1, 1}));
+    EXPECT_EQ(counts_of({floor, needle}), (std::array<std::int64_t, 2>{1, 0}));
+    const Triangle far{{Vec3d{1, 1, 0}, {1, 1, 2}, {2, 1, 0x1p400}}, {3, 4, 5}};
+    EXPECT_EQ(counts_of({floor, far}), (std::array<std::int64_t, 2>{1, 1}));
 }
 
 #if defined(__SSE2__)

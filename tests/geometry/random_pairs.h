@@ -28,23 +28,36 @@ struct TrianglePair {
 };
 
 enum class Kind {
-    random,        ///< uniform in the unit cube
-    random_float,  ///< the same, float32 numbers
-    lattice,       ///< corners in {0, 1, 2, 3}^3: touching, coplanar, folded, degenerate
-    flat,          ///< corners on one random plane but for rounding
-    nudged,        ///< the lattice beside the origin, some coordinates moved by one unit in the last place
-    huge,          ///< the lattice times 2^1022: differences overflow
-    tiny,          ///< the lattice times the smallest subnormal
-    mixed,         ///< each coordinate of its own magnitude, over the whole range of float64
-    wide,          ///< the same, within the range of float32
+    random,             ///< uniform in the unit cube
+    random_float,       ///< the same, float32 numbers
+    lattice,            ///< corners in {0, 1, 2, 3}^3: touching, coplanar, folded, degenerate
+    flat,               ///< corners on one random plane but for rounding
+    nudged,             ///< the lattice beside the origin, some coordinates moved by one unit in the last place
+    huge,               ///< the lattice times 2^1022: differences overflow
+    tiny,               ///< the lattice times the smallest subnormal
+    mixed,              ///< each coordinate of its own magnitude, over the whole range of float64
+    wide,               ///< the same, within the range of float32
+    collapsed,          ///< float32 numbers, one or both triangles degenerate: segments and points
+    collapsed_lattice,  ///< the same on the lattice
+    threaded,           ///< small integers, a degenerate triangle through a point at which it may touch the other
 };
 
 /// How many pairs a test draws: fewer where rational arithmetic, the yardstick, is slow.
 inline int rounds_of(Kind kind, int usual) {
     return kind == Kind::mixed ? 100 : kind == Kind::huge || kind == Kind::tiny ? 5'000 : usual;
 }
-inline constexpr std::array all_kinds{Kind::random, Kind::random_float, Kind::lattice, Kind::flat, Kind::nudged,
-                                      Kind::huge,   Kind::tiny,         Kind::mixed,   Kind::wide};
+inline constexpr std::array all_kinds{Kind::random,
+                                      Kind::random_float,
+                                      Kind::lattice,
+                                      Kind::flat,
+                                      Kind::nudged,
+                                      Kind::huge,
+                                      Kind::tiny,
+                                      Kind::mixed,
+                                      Kind::wide,
+                                      Kind::collapsed,
+                                      Kind::collapsed_lattice,
+                                      Kind::threaded};
 
 class RandomPairs {
    public:
@@ -63,24 +76,65 @@ class RandomPairs {
 
     /// Two triangles of which some corners are the same vertex, some at equal positions, some repeated.
     TrianglePair operator()() {
+        if (kind_ == Kind::threaded) return threaded();
         plane_ = {real(-2, 2), real(-2, 2), real(-1, 1)};
         TrianglePair pair{{{point(), point(), point()}, {0, 1, 2}}, {{point(), point(), point()}, {3, 4, 5}}};
         for (int shared = integer(4); shared > 0; --shared) copy(pair.a, integer(3), pair.b, integer(3), true);
         if (integer(8) == 0) copy(pair.a, integer(3), pair.b, integer(3), false);
         if (integer(16) == 0) copy(pair.a, integer(3), pair.a, integer(3), true);
         if (integer(16) == 0) copy(pair.b, integer(3), pair.b, integer(3), true);
+        if (kind_ == Kind::collapsed || kind_ == Kind::collapsed_lattice) {
+            const int which = integer(3);
+            if (which != 0) collapse(pair.a, 10);
+            if (which != 1) collapse(pair.b, 20);
+        }
         return pair;
     }
 
    private:
+    /// Moves a corner onto the line of the others: between them, beyond them, or onto one of them, the same vertex or
+    /// not. Sometimes all corners become one point. Float32 numbers leave room for that to be exact.
+    void collapse(Triangle& t, std::int32_t fresh_vertex) {
+        const auto moved = static_cast<std::size_t>(integer(3)), p = (moved + 1) % 3, q = (moved + 2) % 3;
+        if (integer(8) == 0) t.point[q] = t.point[p], t.vertex[q] = integer(2) ? t.vertex[p] : fresh_vertex++;
+        constexpr std::array along{0.0, 0.5, 2.0, -1.0};
+        const auto choice = static_cast<std::size_t>(integer(4));
+        t.point[moved] = t.point[p] + along[choice] * (t.point[q] - t.point[p]);
+        t.vertex[moved] = choice == 0 && integer(2) ? t.vertex[p] : fresh_vertex;
+    }
+
+    Vec3d step() { return {integer(7) - 3.0, integer(7) - 3.0, integer(7) - 3.0}; }
+
+    /// The second triangle is a segment or a point. Its line runs through a point on a grid of the first one's plane,
+    /// which lies inside, on an edge, at a corner or outside, and may run in that plane.
+    TrianglePair threaded() {
+        const Vec3d o = step(), u = step(), v = integer(8) ? step() : (integer(5) - 2.0) * u;
+        TrianglePair pair{{{o, o + 6.0 * u, o + 6.0 * v}, {0, 1, 2}}, {{}, {3, 4, 5}}};
+        const Vec3d through = o + (integer(9) - 1.0) * u + (integer(9) - 1.0) * v;
+        const Vec3d along = integer(3) == 0   ? step()
+                            : integer(2) == 0 ? (integer(5) - 2.0) * u + (integer(5) - 2.0) * v
+                                              : Vec3d{integer(3) - 1.0, integer(3) - 1.0, integer(3) - 1.0};
+        const bool share = integer(2) == 0;
+        for (std::size_t i = 0; i < 3; ++i) {
+            pair.b.point[i] = through + (integer(7) - 3.0) * along;
+            for (std::size_t j = 0; j < 3; ++j) {
+                if (share && pair.b.point[i] == pair.a.point[j]) pair.b.vertex[i] = pair.a.vertex[j];
+            }
+        }
+        return pair;
+    }
+
     double coordinate() {
         const double cell = integer(4);
         switch (kind_) {
             case Kind::random:
                 return real(-1, 1);
             case Kind::random_float:
+            case Kind::collapsed:
                 return static_cast<float>(real(-1, 1));
             case Kind::lattice:
+            case Kind::collapsed_lattice:
+            case Kind::threaded:
                 return cell;
             case Kind::nudged:
                 return integer(4) ? cell + 1 : std::nextafter(cell + 1, integer(2) ? 10 : 0);

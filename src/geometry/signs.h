@@ -1,0 +1,58 @@
+#pragma once
+
+// Where a decision takes the signs of its predicates from: two classes with the same functions. Compiled for host and
+// device.
+
+#include "geometry/predicates.h"
+
+namespace crumple {
+
+/// Filters in float64 alone, for any finite coordinates. What they leave open reads as 0, and is noted.
+class FilteredSigns {
+   public:
+    static constexpr bool exact = false;
+    CRUMPLE_HD bool open() const { return open_; }
+
+    CRUMPLE_HD int orient(const Vec3d& p, const Vec3d& q, const Vec3d& r, const Vec3d& s) {
+        return known(orient3d_filtered(p, q, r, s));
+    }
+    CRUMPLE_HD int turn(const Vec3d& p, const Vec3d& q, const Vec3d& r, int axis) {
+        return known(orient2d_filtered(p, q, r, axis));
+    }
+
+   private:
+    CRUMPLE_HD int known(int sign) {
+        open_ |= sign == undecided;
+        return sign == undecided ? 0 : sign;
+    }
+    bool open_ = false;
+};
+
+/// Filters, and expansions where these leave a sign open: exact for coordinates in the range of expansions.
+class ExactSigns {
+   public:
+    static constexpr bool exact = true;
+    /// Whether some sign took expansions.
+    CRUMPLE_HD bool expanded() const { return expanded_; }
+
+    CRUMPLE_HD int orient(const Vec3d& p, const Vec3d& q, const Vec3d& r, const Vec3d& s) {
+        const int sign = orient3d_filtered(p, q, r, s);
+        return sign != undecided ? sign : orient_exactly(p, q, r, s);
+    }
+    /// The same where the filter is known to fail.
+    CRUMPLE_HD int orient_exactly(const Vec3d& p, const Vec3d& q, const Vec3d& r, const Vec3d& s) {
+        expanded_ = true;
+        return orient3d_exact(p, q, r, s);
+    }
+    CRUMPLE_HD int turn(const Vec3d& p, const Vec3d& q, const Vec3d& r, int axis) {
+        const int sign = orient2d_filtered(p, q, r, axis);
+        if (sign != undecided) return sign;
+        expanded_ = true;
+        return orient2d_exact(p, q, r, axis);
+    }
+
+   private:
+    bool expanded_ = false;
+};
+
+}  // namespace crumple
