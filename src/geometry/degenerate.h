@@ -73,7 +73,7 @@ CRUMPLE_HD bool segments_meet(Segment s, Segment t, Signs& signs) {
 /// edge of either has all of the other strictly on one side, that of a triangle the outer one.
 template <class Signs>
 CRUMPLE_HD bool segment_meets_triangle_in_plane(const Segment& s, const std::array<Vec3d, 3>& t, Signs& signs) {
-    const auto& [p, q] = s;
+    const Vec3d p = s.first, q = s.last;
     const int axis = axis_of_area(t[0], t[1], t[2], signs), inside = signs.turn(t[0], t[1], t[2], axis);
     const auto outside = [&](const Vec3d& from, const Vec3d& to) {
         return signs.turn(from, to, p, axis) == -inside && signs.turn(from, to, q, axis) == -inside;
