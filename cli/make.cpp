@@ -1,12 +1,13 @@
-// crumple make: a procedural scene as a mesh file.
+// crumple make: a procedural or simulated scene as a mesh file, or as one for each frame.
 
-#include <algorithm>
 #include <memory>
 #include <optional>
 
 #include <fmt/format.h>
 
 #include "cli/commands.h"
+#include "cli/numbered.h"
+#include "cli/options.h"
 #include "cli/terminal.h"
 #include "crumple/error.h"
 #include "scenes/scenes.h"
@@ -18,15 +19,15 @@ struct Make {
     std::string scene, output;
     scenes::Parameters parameters;
     std::optional<int> frame;
-    bool list = false;
+    int last_frame = 0;
+    bool list = false, all_frames = false;
 
     int run() {
-        const auto known = scenes::descriptions();
         if (list) {
             if (!scene.empty() || !output.empty()) fail("--list makes no scene");
             to_standard_output([&](std::ostream& out) {
                 out << fmt::format("{:<14}{:>10}{:>8}  {}\n", "scene", "triangles", "frames", "what it is");
-                for (const scenes::Description& s : known) {
+                for (const scenes::Description& s : scenes::descriptions()) {
                     out << fmt::format("{:<14}{:>10}{:>8}  {}\n", s.name, s.triangles, s.frames, s.summary);
                 }
             });
@@ -34,31 +35,57 @@ struct Make {
         }
         if (scene.empty()) fail("make needs a SCENE; --list names them");
         if (output.empty()) fail("make needs a file to write: -o FILE");
-        const auto found = std::find_if(known.begin(), known.end(), [&](const auto& s) { return s.name == scene; });
-        const int last = found == known.end() ? 0 : found->frames - 1;
-        parameters.frame = frame.value_or(last);
-        io::write_mesh(output, scenes::make(scene, parameters));
+        const std::string extension = extension_of(output);  // now, not after minutes of simulation
+        if (extension != ".ply" && extension != ".obj" && extension != ".stl" && extension != ".off") {
+            throw Error(ErrorCode::invalid_argument,
+                        "cannot write " + output + ": meshes are written as .ply, .obj, .stl or .off");
+        }
+        if (all_frames && frame) fail("--all-frames and --frame exclude each other");
+        std::optional<Progress> bar;
+        scenes::Animation animation(scene, parameters, [&](int reached, int wanted) {
+            if (!bar) bar.emplace(static_cast<std::size_t>(all_frames ? last_frame : wanted));
+            bar->show(static_cast<std::size_t>(reached), scene);
+        });
+        const int frames = animation.description().frames;
+        last_frame = frames - 1;
+        if (!all_frames) {
+            const io::TriangleMesh mesh = animation.frame(frame.value_or(last_frame));
+            bar.reset();
+            io::write_mesh(output, mesh);
+            return done;
+        }
+        for (int i = 0; i < frames; ++i) {
+            io::write_mesh(numbered(output, static_cast<std::size_t>(i), static_cast<std::size_t>(frames)),
+                           animation.frame(i));
+        }
         return done;
     }
 
-    static void fail(const char* message) { throw Error(ErrorCode::invalid_argument, message, Element::option); }
+    [[noreturn]] static void fail(const char* message) {
+        throw Error(ErrorCode::invalid_argument, message, Element::option);
+    }
 };
 
 }  // namespace
 
 Command add_make(CLI::App& app) {
     const auto make = std::make_shared<Make>();
-    CLI::App& command = *app.add_subcommand("make", "Make a procedural scene");
+    CLI::App& command = *app.add_subcommand("make", "Make a procedural or simulated scene");
     command.add_option("SCENE", make->scene, "Its name; see --list")->type_name("SCENE");
     command.add_flag("--list", make->list, "List the scenes and do nothing else");
     command.add_option("--triangles", make->parameters.triangles, "About how many; without it the scene's own number")
         ->type_name("N")
         ->check(CLI::Range(1, 500'000'000).description(""));
     command.add_option("--frame", make->frame, "Which frame, from 0; without it the last")->type_name("I");
+    command.add_flag("--all-frames", make->all_frames,
+                     "Write every frame; FILE gets the frame's number before its extension");
     command.add_option("--seed", make->parameters.seed, "Other numbers give other scenes of the same kind")
         ->type_name("N");
     command.add_option("-o,--output", make->output, "Mesh file: .ply, .obj, .stl or .off")->type_name("FILE");
-    command.footer("Example: crumple make cloth --triangles 2000000 -o cloth.ply");
+    command.footer(
+        "A simulated scene takes seconds to minutes; its frames are kept under $XDG_CACHE_HOME/crumple or\n"
+        "~/.cache/crumple for the next time.\n\n"
+        "Example: crumple make cloth_on_ball --frame 60 -o cloth.ply");
     return {&command, [make] { return make->run(); }};
 }
 

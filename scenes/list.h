@@ -2,7 +2,10 @@
 
 // Every scene's function; scenes.cpp lists them, each has a file of its own or shares one with its family.
 
+#include <memory>
+
 #include "scenes/scenes.h"
+#include "scenes/simulation/simulation.h"
 
 namespace crumple::scenes {
 
@@ -15,5 +18,9 @@ io::TriangleMesh make_bodies(const Parameters& parameters);
 io::TriangleMesh make_shells(const Parameters& parameters);
 io::TriangleMesh make_fans(const Parameters& parameters);
 io::TriangleMesh make_lattice(const Parameters& parameters);
+
+std::unique_ptr<Simulation> simulate_cloth_on_ball(const Parameters& parameters);
+std::unique_ptr<Simulation> simulate_funnel(const Parameters& parameters);
+std::unique_ptr<Simulation> simulate_cutting(const Parameters& parameters);
 
 }  // namespace crumple::scenes

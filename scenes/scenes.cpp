@@ -2,17 +2,20 @@
 
 #include <array>
 #include <string>
+#include <utility>
 
 #include "crumple/error.h"
 #include "scenes/cloth.h"
 #include "scenes/list.h"
+#include "scenes/simulation/simulated_frames.h"
 
 namespace crumple::scenes {
 namespace {
 
 struct Entry {
     Description description;
-    io::TriangleMesh (*make)(const Parameters&);
+    io::TriangleMesh (*make)(const Parameters&);                           // by formula,
+    std::unique_ptr<Simulation> (*simulate)(const Parameters&) = nullptr;  // or simulated
 };
 
 constexpr std::array entries{
@@ -26,9 +29,30 @@ constexpr std::array entries{
     Entry{{"fans", "crossing coins, each two fans of needles around one vertex", 12'000, 1}, make_fans},
     Entry{{"lattice", "exactly touching, coplanar, duplicated, folded, degenerate triangles; float64", 20'000, 1},
           make_lattice},
+    Entry{{"cloth_on_ball", "cloth that falls on a ball and is wound up as it turns; simulated", 92'230, 94, true},
+          nullptr,
+          simulate_cloth_on_ball},
+    Entry{{"funnel", "cloth that a growing ball pushes through a funnel; simulated", 18'470, 501, true},
+          nullptr,
+          simulate_funnel},
+    Entry{{"cutting", "sheet torn into a ribbon, with more triangles every frame; simulated", 20'000, 120, true},
+          nullptr,
+          simulate_cutting},
 };
 
 constexpr std::int64_t most_triangles = 500'000'000;  // three vertices each, counted in int32
+constexpr std::int64_t least_to_keep = 5'000;         // a smaller simulation is as fast as its files
+
+[[noreturn]] void fail(const std::string& message) { throw Error(ErrorCode::invalid_argument, message); }
+
+const Entry& find(std::string_view name) {
+    std::string known;
+    for (const Entry& entry : entries) {
+        if (entry.description.name == name) return entry;
+        known += (known.empty() ? "" : ", ") + std::string(entry.description.name);
+    }
+    fail("there is no scene " + std::string(name) + "; there are " + known);
+}
 
 }  // namespace
 
@@ -41,27 +65,50 @@ std::span<const Description> descriptions() {
     return list;
 }
 
-io::TriangleMesh make(std::string_view name, const Parameters& parameters) {
-    const auto fail = [&](const std::string& message) { throw Error(ErrorCode::invalid_argument, message); };
-    std::string known;
-    for (const Entry& entry : entries) {
-        const Description& description = entry.description;
-        known += (known.empty() ? "" : ", ") + std::string(description.name);
-        if (description.name != name) continue;
-        if (parameters.frame < 0 || parameters.frame >= description.frames) {
-            fail("scene " + std::string(name) + " has no frame " + std::to_string(parameters.frame) +
-                 "; its frames are 0 to " + std::to_string(description.frames - 1));
-        }
-        if (parameters.triangles < 0 || parameters.triangles > most_triangles) {
-            fail("cannot make " + std::to_string(parameters.triangles) + " triangles, only up to " +
-                 std::to_string(most_triangles));
-        }
-        Parameters used = parameters;
-        if (used.triangles == 0) used.triangles = description.triangles;
-        return entry.make(used);
+struct Animation::Implementation {
+    const Entry& entry;
+    Parameters parameters;
+    Progress progress;
+    std::unique_ptr<SimulatedFrames> simulated;
+};
+
+Animation::Animation(std::string_view name, const Parameters& parameters, Progress progress)
+    : implementation_(new Implementation{find(name), parameters, std::move(progress), {}}) {
+    Parameters& p = implementation_->parameters;
+    if (p.triangles < 0 || p.triangles > most_triangles) {
+        fail("cannot make " + std::to_string(p.triangles) + " triangles, only up to " + std::to_string(most_triangles));
     }
-    fail("there is no scene " + std::string(name) + "; there are " + known);
-    return {};
+    const Entry& entry = implementation_->entry;
+    if (p.triangles == 0) p.triangles = entry.description.triangles;
+    if (!entry.simulate) return;
+    const bool kept = p.triangles >= least_to_keep;
+    const std::string key = std::string(name) + "-" + std::to_string(p.triangles) + "-" + std::to_string(p.seed);
+    implementation_->simulated = std::make_unique<SimulatedFrames>(entry.simulate(p), kept ? key : "");
+}
+
+Animation::~Animation() = default;
+Animation::Animation(Animation&&) noexcept = default;
+Animation& Animation::operator=(Animation&&) noexcept = default;
+
+const Description& Animation::description() const { return implementation_->entry.description; }
+
+io::TriangleMesh Animation::frame(int index) {
+    const Description& scene = description();
+    if (index < 0 || index >= scene.frames) {
+        fail("scene " + std::string(scene.name) + " has no frame " + std::to_string(index) + "; its frames are 0 to " +
+             std::to_string(scene.frames - 1));
+    }
+    if (implementation_->simulated) {
+        return implementation_->simulated->frame(index, [&](int reached) {
+            if (implementation_->progress) implementation_->progress(reached, index);
+        });
+    }
+    implementation_->parameters.frame = index;
+    return implementation_->entry.make(implementation_->parameters);
+}
+
+io::TriangleMesh make(std::string_view name, const Parameters& parameters, const Progress& progress) {
+    return Animation(name, parameters, progress).frame(parameters.frame);
 }
 
 }  // namespace crumple::scenes

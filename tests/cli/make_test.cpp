@@ -9,8 +9,8 @@ using Make = Cli;
 TEST_F(Make, ListsTheScenes) {
     const Outcome outcome = crumple("make --list");
     EXPECT_EQ(outcome.status, 0);
-    for (const char* scene :
-         {"cloth ", "ground ", "soup ", "needles ", "five_decades ", "bodies ", "shells ", "fans ", "lattice "}) {
+    for (const char* scene : {"cloth ", "ground ", "soup ", "needles ", "five_decades ", "bodies ", "shells ", "fans ",
+                              "lattice ", "cloth_on_ball ", "funnel ", "cutting "}) {
         EXPECT_TRUE(contains(outcome.out, scene)) << scene;
     }
     EXPECT_TRUE(contains(outcome.out, "92230      94"));
@@ -33,6 +33,23 @@ TEST_F(Make, TakesTheLastFrameUnlessToldOtherwise) {
     EXPECT_NE(crumple("detect last.ply").out, "");
 }
 
+TEST_F(Make, WritesEveryFrame) {
+    EXPECT_EQ(crumple("make cutting --triangles 300 --all-frames -o c.ply").status, 0);
+    EXPECT_LT(io::read_mesh(file("c000.ply")).triangle_count(), io::read_mesh(file("c119.ply")).triangle_count());
+    EXPECT_FALSE(fs::exists(file("c.ply")));
+    EXPECT_FALSE(fs::exists(file("c120.ply")));
+    crumple("make cutting --triangles 300 --frame 60 -o one.ply");
+    EXPECT_EQ(read("one.ply"), read("c060.ply"));
+}
+
+TEST_F(Make, KeepsSimulatedFrames) {
+    const std::string make = "XDG_CACHE_HOME=$PWD/cache $crumple make cutting --triangles 5000 ";
+    EXPECT_EQ(shell(make + "--frame 3 -o a.ply").status, 0);
+    EXPECT_TRUE(fs::exists(file("cache/crumple/cutting-5000-1/frame3")));
+    EXPECT_EQ(shell(make + "--frame 3 -o b.ply").status, 0);
+    EXPECT_EQ(read("a.ply"), read("b.ply"));
+}
+
 TEST_F(Make, SeedsGiveOtherScenes) {
     crumple("make soup --triangles 100 -o a.ply");
     crumple("make soup --triangles 100 --seed 1 -o b.ply");
@@ -42,10 +59,11 @@ TEST_F(Make, SeedsGiveOtherScenes) {
 }
 
 TEST_F(Make, RefusesWhatDoesNotExist) {
-    for (const char* wrong :
-         {"make", "make clot -o x.ply", "make cloth", "make cloth --frame 94 -o x.ply",
-          "make cloth --frame -1 -o x.ply", "make soup --triangles 0 -o x.ply", "make soup --triangles many -o x.ply",
-          "make soup -o x.doc", "make soup -o no/where.ply", "make --list soup", "make --list -o x.ply"}) {
+    for (const char* wrong : {"make", "make clot -o x.ply", "make cloth", "make cloth --frame 94 -o x.ply",
+                              "make cloth --frame -1 -o x.ply", "make soup --triangles 0 -o x.ply",
+                              "make soup --triangles many -o x.ply", "make soup -o x.doc", "make soup -o no/where.ply",
+                              "make --list soup", "make cutting --triangles 300 --all-frames --frame 3 -o x.ply",
+                              "make cloth_on_ball -o x.doc", "make --list -o x.ply"}) {
         const Outcome outcome = crumple(wrong);
         EXPECT_EQ(outcome.status, 2) << wrong;
         EXPECT_TRUE(is_error_line(outcome.err)) << wrong << ": " << outcome.err;

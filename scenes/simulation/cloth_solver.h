@@ -1,0 +1,83 @@
+#pragma once
+
+// A cloth solver by extended position based dynamics: XPBD with small steps (Macklin, Mueller, Chentanez, XPBD, 2016;
+// Macklin et al., Small Steps in Physics Simulation, 2019).
+//
+// A time step predicts positions, moves them onto constraints one after another (Gauss-Seidel), and reads velocities
+// off what has moved. It goes through the constraints once and back: one way alone gains energy on a regular grid,
+// because its iteration has complex eigenvalues, while there and back it is symmetric, with eigenvalues in [0, 1].
+// Constraints are distances: along the triangles' edges, stiff along warp and weft and soft between them, as woven
+// cloth is, and across each inner edge, between the two opposite corners, against bending. Then come contacts of the
+// sheet with itself and with bodies, with Coulomb friction. All points have mass 1.
+//
+// The order of everything is fixed and arithmetic is that of IEEE: the same input gives the same bits everywhere.
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "geometry/vec.h"
+#include "scenes/simulation/collider.h"
+#include "scenes/simulation/fabric.h"
+#include "scenes/simulation/self_contact.h"
+
+namespace crumple::scenes {
+
+struct ClothProperties {
+    double gravity = 9.81;        ///< units / s², downwards
+    double drag = 0.5;            ///< of the air, 1 / s
+    double shear_speed = 0;       ///< of shear waves, units / s: the faster, the stiffer; warp and weft do not stretch
+    double bend_speed = 0;        ///< the same for the springs across edges
+    double thickness = 0;         ///< distance that the sheet keeps from itself, units
+    double clearance = 0;         ///< distance that it keeps from bodies, units
+    double separation_speed = 0;  ///< at most, of points that come out of a contact, units / s
+    double self_friction = 0.2;   ///< Coulomb's coefficient between cloth and cloth
+};
+
+class ClothSolver {
+   public:
+    ClothSolver(const Fabric& fabric, const ClothProperties& properties);
+
+    /// Goes on with another fabric, for which `points` and `velocities` have been brought to its size.
+    void set_fabric(const Fabric& fabric);
+
+    /// `steps` equal steps from `time` on, `seconds` long together; `move(t)` brings the bodies to where they are at
+    /// the time t, before the step that ends then. Contacts of the sheet with itself are looked for before every
+    /// `contact_interval`-th step: what comes closer by more than the thickness until the next time may pass through.
+    template <class Move>
+    void advance(double time, double seconds, int steps, int contact_interval, std::span<const Collider* const> bodies,
+                 Move move) {
+        const double dt = seconds / steps;
+        for (int i = 0; i < steps; ++i) {
+            if (i % contact_interval == 0) find_contacts();
+            move(time + seconds * (i + 1) / steps);
+            step(dt, bodies, (i % contact_interval + 1) * dt);
+        }
+    }
+
+    std::vector<Vec3d> points, velocities;
+    std::vector<std::uint8_t> held;  ///< 1 for points that move with their given velocity, whatever pulls at them
+
+   private:
+    struct Spring {
+        std::int32_t a, b;
+        double rest, stiffness;  ///< units, and 1 / s²; infinite: it keeps its length
+    };
+
+    void find_contacts() { contacts_ = finder_.find(points, triangles_, properties_.thickness); }
+    void step(double dt, std::span<const Collider* const> bodies, double age);
+    void predict(double dt);
+    void keep_distance(const Spring& spring, double dt);
+    /// `age`: seconds from when the contact was found to the end of the step.
+    void part(const SelfContact& contact, double age);
+    void push_out(std::span<const Collider* const> bodies, double dt);
+
+    ClothProperties properties_;
+    std::vector<Fabric::Corners> triangles_;
+    std::vector<Spring> springs_;
+    std::vector<Vec3d> before_;  ///< positions at the start of the step
+    SelfContactFinder finder_;
+    std::span<const SelfContact> contacts_;
+};
+
+}  // namespace crumple::scenes

@@ -1,0 +1,299 @@
+// The cloth simulation: what the solver, the cut, the contacts and the cache promise.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <set>
+
+#include "crumple/crumple.h"
+#include "scenes/arithmetic.h"
+#include "scenes/list.h"
+#include "scenes/scenes.h"
+#include "scenes/simulation/cut.h"
+#include "scenes/simulation/self_contact.h"
+#include "scenes/simulation/simulated_frames.h"
+
+namespace crumple::scenes {
+namespace {
+
+namespace fs = std::filesystem;
+
+Fabric square(int cells, double spacing = 1) {
+    Random random(3);
+    return weave(cells, cells, spacing, random);
+}
+
+std::vector<Vec3d> level(const Fabric& fabric, double height) {
+    std::vector<Vec3d> points;
+    for (const auto& [u, v] : fabric.flat) points.push_back({u, v, height});
+    return points;
+}
+
+double area(const Fabric& fabric) {
+    double sum = 0;
+    for (const auto& [a, b, c] : fabric.triangles) {
+        const auto &p = fabric.flat[a], &q = fabric.flat[b], &r = fabric.flat[c];
+        const double twice = (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]);
+        EXPECT_GT(twice, 0) << "triangle " << a << ", " << b << ", " << c;
+        sum += twice / 2;
+    }
+    return sum;
+}
+
+int components(const Fabric& fabric) {
+    std::vector<std::int32_t> root(fabric.flat.size());
+    for (std::size_t i = 0; i < root.size(); ++i) root[i] = static_cast<std::int32_t>(i);
+    const auto find = [&](std::int32_t i) {
+        while (root[i] != i) i = root[i] = root[root[i]];
+        return i;
+    };
+    for (const auto& t : fabric.triangles) {
+        for (const std::int32_t corner : t) root[find(corner)] = find(t[0]);
+    }
+    std::set<std::int32_t> used;
+    for (const auto& t : fabric.triangles) used.insert(find(t[0]));
+    return static_cast<int>(used.size());
+}
+
+double wave(double u) { return 0.37 + 0.8 * sine(u / 7); }
+
+TEST(Cut, KeepsTheAreaAndOrientation) {
+    const Fabric whole = square(12);
+    for (const double tip : {-5.0, -0.3, 4.1, 7.0}) {
+        const Cut one{wave, -7, tip};
+        EXPECT_NEAR(area(cut(whole, std::span(&one, 1)).fabric), area(whole), 1e-9) << tip;
+    }
+}
+
+TEST(Cut, LeavesTheSheetInOnePieceUntilItIsThrough) {
+    const Fabric whole = square(12);
+    std::size_t last = whole.triangles.size();
+    for (const double tip : {-5.0, -2.0, 0.0, 5.0}) {
+        const Cut one{wave, -7, tip};
+        const Fabric fabric = cut(whole, std::span(&one, 1)).fabric;
+        EXPECT_EQ(components(fabric), 1) << tip;
+        EXPECT_GT(fabric.triangles.size(), last) << tip;
+        last = fabric.triangles.size();
+    }
+    const Cut through{wave, -7, 7};
+    EXPECT_EQ(components(cut(whole, std::span(&through, 1)).fabric), 2);
+}
+
+TEST(Cut, LeavesNoPointUnusedAndNoEdgeWithThreeTriangles) {
+    const Cut one{wave, -7, 2.6};
+    const Fabric fabric = cut(square(12), std::span(&one, 1)).fabric;
+    std::set<std::int32_t> used;
+    std::map<std::pair<std::int32_t, std::int32_t>, int> directed;
+    for (const auto& t : fabric.triangles) {
+        for (std::size_t k = 0; k < 3; ++k) {
+            used.insert(t[k]);
+            EXPECT_EQ(++directed[std::pair(t[k], t[(k + 1) % 3])], 1) << t[k] << ", " << t[(k + 1) % 3];
+        }
+    }
+    EXPECT_EQ(used.size(), fabric.flat.size());
+}
+
+TEST(Cut, NewPointsBeginWhereTheirEdgeIs) {
+    const Fabric whole = square(8);
+    ClothSolver solver(whole, {});
+    solver.points = level(whole, 2);
+    const std::array cuts{Cut{wave, -5, -1}, Cut{wave, -5, 2}};
+    const CutFabric none = cut(whole, {}), some = cut(whole, std::span(cuts.data(), 1)),
+                    more = cut(whole, std::span(&cuts[1], 1));
+    go_on_with(solver, none, some);
+    go_on_with(solver, some, more);
+    ASSERT_EQ(solver.points.size(), more.fabric.flat.size());
+    for (std::size_t i = 0; i < solver.points.size(); ++i) {
+        const auto [u, v] = more.fabric.flat[i];
+        EXPECT_LT(length(solver.points[i] - Vec3d{u, v, 2}), 1e-12) << i;
+    }
+}
+
+TEST(SelfContact, IsFoundOnTheSideWhereThePointIs) {
+    // A sheet, and above it a triangle one of whose corners comes close.
+    Fabric fabric = square(4);
+    std::vector<Vec3d> points = level(fabric, 0);
+    const auto first = static_cast<std::int32_t>(points.size());
+    const auto sheet = fabric.triangles.size();
+    fabric.triangles.push_back({first, first + 1, first + 2});
+    for (const double height : {0.05, -0.05}) {
+        points.resize(static_cast<std::size_t>(first));
+        for (const Vec3d p : {Vec3d{0.3, 0.2, height}, {0.9, 0.2, 10 * height}, {0.3, 0.8, 10 * height}})
+            points.push_back(p);
+        SelfContactFinder finder;
+        std::vector<SelfContact> of_corner;
+        for (const SelfContact& contact : finder.find(points, fabric.triangles, 0.1)) {
+            if (contact.point == first) of_corner.push_back(contact);
+        }
+        ASSERT_EQ(of_corner.size(), 1u) << height;
+        const SelfContact& contact = of_corner[0];
+        EXPECT_EQ(contact.side, height > 0 ? 1 : -1);
+        EXPECT_NEAR(contact.distance, 0.05, 1e-12);
+        Vec3d meet{};
+        for (std::size_t k = 0; k < 3; ++k) {
+            meet = meet + contact.weights[k] * points[static_cast<std::size_t>(contact.triangle[k])];
+        }
+        // The corner's own triangle leans, so the whisker does, but the projection is straight down.
+        EXPECT_LT(length(meet - Vec3d{0.3, 0.2, 0}), 1e-6);
+        EXPECT_TRUE(std::find(fabric.triangles.begin(), fabric.triangles.begin() + static_cast<std::ptrdiff_t>(sheet),
+                              contact.triangle) != fabric.triangles.end());
+    }
+    EXPECT_TRUE(SelfContactFinder().find(level(square(4), 0), square(4).triangles, 0.3).empty());
+}
+
+TEST(ClothSolver, FallsAsItShould) {
+    const Fabric fabric = square(5);
+    ClothProperties properties{.gravity = 10, .drag = 0, .thickness = 0.1};
+    ClothSolver solver(fabric, properties);
+    solver.points = level(fabric, 0);
+    solver.advance(0, 0.5, 1000, 1000, {}, [](double) {});
+    for (const Vec3d p : solver.points) EXPECT_NEAR(p.z, -1.25, 0.01);
+}
+
+TEST(ClothSolver, HoldsWhatIsHeldAndDoesNotStretch) {
+    const Fabric fabric = square(10, 0.1);
+    ClothSolver solver(fabric, {.shear_speed = 3, .bend_speed = 1, .thickness = 0.04});
+    solver.points = level(fabric, 0);
+    solver.held[0] = 1;
+    const Vec3d corner = solver.points[0];
+    solver.advance(0, 2, 2400, 10, {}, [](double) {});
+    EXPECT_EQ(solver.points[0], corner);
+    double lowest = 0;
+    for (const Vec3d p : solver.points) lowest = std::min(lowest, p.z);
+    EXPECT_LT(lowest, -1);  // it hangs by the corner
+    for (int i = 0; i < 10; ++i) {
+        EXPECT_NEAR(length(solver.points[i + 1] - solver.points[i]) / 0.1, 1, 0.25) << "warp " << i;
+    }
+}
+
+TEST(ClothSolver, KeepsOffBodies) {
+    const auto farther = [](std::string_view scene, int frame, const Collider& body) {
+        const io::TriangleMesh mesh = make(scene, {.triangles = 1500, .frame = frame});
+        const auto& xyz = std::get<std::vector<float>>(mesh.vertices);
+        std::set<std::int32_t> cloth;
+        for (std::size_t t = 0; t < mesh.groups.size(); ++t) {
+            if (mesh.groups[t] != 0) continue;
+            for (std::size_t k = 0; k < 3; ++k) cloth.insert(mesh.triangles[3 * t + k]);
+        }
+        double nearest = 1;
+        for (const std::int32_t i : cloth) {
+            const float* const p = &xyz[3 * static_cast<std::size_t>(i)];
+            nearest = std::min(nearest, body.nearest({p[0], p[1], p[2]}).distance);
+        }
+        return nearest;
+    };
+    Ball ball;
+    ball.centre = {0, 0, 6.5};
+    ball.radius = 5;
+    for (const int frame : {10, 40, 93}) EXPECT_GT(farther("cloth_on_ball", frame, ball), 0) << frame;
+    for (const int frame : {20, 60}) EXPECT_GT(farther("cloth_on_ball", frame, Floor(0)), -1e-6) << frame;
+}
+
+TEST(Funnel, KnowsItsInside) {
+    const Funnel funnel({{1, 0.5}, {0.2, 0}, {0.2, -1}}, 0.3);
+    EXPECT_NEAR(funnel.nearest({0, 0, -0.5}).distance, 0.2, 1e-12);
+    EXPECT_NEAR(funnel.nearest({0.15, 0, -0.5}).distance, 0.05, 1e-12);
+    EXPECT_LT(length(funnel.nearest({0.15, 0, -0.5}).normal - Vec3d{-1, 0, 0}), 1e-12);
+    EXPECT_NEAR(funnel.nearest({0, 0.25, -0.5}).distance, -0.05, 1e-12);
+    EXPECT_LT(length(funnel.nearest({0, 0.25, -0.5}).normal - Vec3d{0, -1, 0}), 1e-12);
+    EXPECT_GT(funnel.nearest({0.6, 0, 0.5}).normal.z, 0.5);
+    EXPECT_TRUE(std::isinf(funnel.nearest({0.6, 0, -0.5}).distance));  // behind it
+    EXPECT_GT(funnel.nearest({0.1, 0, -1.2}).distance, 0.2);           // below the spout
+}
+
+TEST(ClothOnBall, CollidesMoreAndMoreFromFrame60On) {
+    SimulatedFrames frames(simulate_cloth_on_ball({.triangles = 24'000}), "");
+    Detector detector;
+    std::map<int, std::size_t> pairs;
+    for (const int frame : {0, 20, 60, 93})
+        pairs[frame] = detector.find_self(frames.frame(frame, {}).view()).pairs.size();
+    EXPECT_EQ(pairs[0], 0u);
+    EXPECT_LE(pairs[20], 20u);
+    EXPECT_GT(pairs[93], 2 * pairs[60]);
+}
+
+TEST(Cutting, IsAnsweredByAWarmDetectorThoughTopologyChanges) {
+    Animation animation("cutting", {.triangles = 400});
+    Detector warm({.backend = Backend::cpu}), reference({.backend = Backend::reference});
+    std::set<std::int64_t> counts;
+    std::int64_t last = 0;
+    for (int frame = 0; frame < animation.description().frames; ++frame) {
+        const io::TriangleMesh mesh = animation.frame(frame);
+        EXPECT_GE(mesh.triangle_count(), last);
+        last = mesh.triangle_count();
+        counts.insert(last);
+        const Collisions& found = warm.find_self(mesh.view());
+        if (frame % 5) continue;
+        const Collisions& expected = reference.find_self(mesh.view());
+        EXPECT_TRUE(std::equal(found.pairs.begin(), found.pairs.end(), expected.pairs.begin(), expected.pairs.end()))
+            << "frame " << frame;
+    }
+    EXPECT_GT(counts.size(), 15u);
+}
+
+/// A cache of its own.
+class Cached : public testing::Test {
+   protected:
+    Cached() {
+        std::string name = (fs::temp_directory_path() / "crumple-cache-XXXXXX").string();
+        if (!mkdtemp(name.data())) throw std::runtime_error("no temporary folder");
+        folder_ = name;
+        setenv("XDG_CACHE_HOME", name.c_str(), 1);
+    }
+    ~Cached() override { fs::remove_all(folder_); }
+
+    static SimulatedFrames frames(const std::string& key) { return {simulate_cutting({.triangles = 300}), key}; }
+    fs::path file(const char* name) const { return folder_ / "crumple" / "sheet" / name; }
+
+    static std::vector<float> points(const io::TriangleMesh& mesh) {
+        return std::get<std::vector<float>>(mesh.vertices);
+    }
+    static std::vector<float> expected(int frame) { return points(SimulatedFrames(frames("")).frame(frame, {})); }
+
+    /// The frame, and how many had to be simulated.
+    std::pair<std::vector<float>, int> ask(int frame) const {
+        int simulated = 0;
+        SimulatedFrames asked = frames("sheet");
+        return {points(asked.frame(frame, [&](int) { ++simulated; })), simulated};
+    }
+
+    fs::path folder_;
+};
+
+TEST_F(Cached, FramesAreSimulatedOnce) {
+    EXPECT_EQ(ask(30), std::pair(expected(30), 30));
+    EXPECT_EQ(ask(30), std::pair(expected(30), 0));
+    EXPECT_EQ(ask(12), std::pair(expected(12), 0));
+}
+
+TEST_F(Cached, SimulationGoesOnFromTheLastFrameWithTheSameBits) {
+    ask(30);
+    EXPECT_EQ(ask(45), std::pair(expected(45), 15));
+}
+
+TEST_F(Cached, WhatIsDamagedIsSimulatedAgain) {
+    ask(20);
+    for (const char* name : {"frame20", "state"}) {
+        std::fstream damaged(file(name), std::ios::binary | std::ios::in | std::ios::out);
+        damaged.seekp(100);
+        damaged.put('x');
+    }
+    EXPECT_EQ(ask(20), std::pair(expected(20), 20));
+    fs::resize_file(file("frame20"), 50);
+    EXPECT_EQ(ask(20), std::pair(expected(20), 0 /* from the state */));
+    fs::remove(file("frame7"));
+    EXPECT_EQ(ask(7), std::pair(expected(7), 7));
+}
+
+TEST_F(Cached, NothingIsNeeded) {
+    setenv("XDG_CACHE_HOME", "/dev/null", 1);
+    EXPECT_EQ(ask(5), std::pair(expected(5), 5));
+}
+
+}  // namespace
+}  // namespace crumple::scenes
