@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "crumple/detector.h"
 #include "peers/peers.h"
 
 namespace crumple::benchmark {
@@ -50,6 +51,15 @@ void serve(const Workload& workload) {
         words >> request;
         if (request == "dump" && words >> folder) {
             std::cout << dump(workload, contestants.back(), folder).dump() << std::endl;
+            continue;
+        }
+        if (int count = 0; request == "parts" && words >> count >> folder) {
+            std::vector<std::uint64_t> masks(static_cast<std::size_t>(workload.a.triangle_count()));
+            for (const Part& part : Detector().partition(workload.a.view(), count))
+                for (const std::int32_t t : part.triangles)
+                    masks[static_cast<std::size_t>(t)] |= std::uint64_t{1} << part.index;
+            write(folder + "/parts", masks);
+            std::cout << count << std::endl;
             continue;
         }
         if (request == "processors") {

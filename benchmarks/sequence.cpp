@@ -76,7 +76,7 @@ Sequence load_sequence(const std::string& name, int step) {
         if (description.name != scene) continue;
         for (int frame = 0; frame < description.frames; frame += step) {
             sequence.numbers.push_back(frame);
-            sequence.frames.push_back(procedural(name, frame));
+            sequence.frames.push_back(procedural(name + "@" + std::to_string(frame)));
             sequence.frames.back().groups.clear();
         }
     }

@@ -61,18 +61,23 @@ fs::path data_folder() {
     return fs::path(CRUMPLE_SOURCE_DIR).parent_path() / "shared" / "data";
 }
 
-io::TriangleMesh procedural(const std::string& name, int frame) {
-    const std::size_t colon = name.find(':');
-    const std::string scene = name.substr(0, colon), triangles = colon == name.npos ? "" : name.substr(colon + 1);
-    scenes::Parameters parameters{.frame = std::max(0, frame)};
-    if (!triangles.empty()) {
-        const char* end = triangles.data() + triangles.size();
-        const auto [stop, error] = std::from_chars(triangles.data(), end, parameters.triangles);
+io::TriangleMesh procedural(const std::string& name) {
+    std::string scene = name;
+    const auto number_after = [&](char mark, auto& number) {
+        const std::size_t place = scene.find(mark);
+        if (place == scene.npos) return false;
+        const char *begin = scene.data() + place + 1, *end = scene.data() + scene.size();
+        const auto [stop, error] = std::from_chars(begin, end, number);
         if (error != std::errc() || stop != end)
-            throw Error(ErrorCode::invalid_argument, "not a number of triangles: " + triangles);
-    }
+            throw Error(ErrorCode::invalid_argument, "not a number: " + std::string(begin, end) + " in " + name);
+        scene.resize(place);
+        return true;
+    };
+    scenes::Parameters parameters;
+    const bool framed = number_after('@', parameters.frame);
+    number_after(':', parameters.triangles);
     for (const auto& description : scenes::descriptions())
-        if (description.name == scene && frame < 0) parameters.frame = description.frames - 1;
+        if (description.name == scene && !framed) parameters.frame = description.frames - 1;
     return scenes::make(scene, parameters);
 }
 

@@ -2,10 +2,10 @@
 
 // What is measured: a mesh or two, and a question about them.
 //
-// A workload is named [any:|between:]SCENE[:TRIANGLES]. SCENE is a file's short name (`real_scenes`) or a procedural
-// scene of crumple::scenes, whose last frame is taken. Without a prefix the question is the one that the scene is
-// listed with, all pairs of one soup for the procedural ones; `any` asks whether there is a collision at all, `between`
-// sets the procedural scene's even groups against its odd ones.
+// A workload is named [any:|between:]SCENE[:TRIANGLES][@FRAME]. SCENE is a file's short name (`real_scenes`) or a
+// procedural scene of crumple::scenes, whose last frame is taken if none is named. Without a prefix the question is the
+// one that the scene is listed with, all pairs of one soup for the procedural ones; `any` asks whether there is a
+// collision at all, `between` sets the procedural scene's even groups against its odd ones.
 
 #include <cstdint>
 #include <filesystem>
@@ -37,8 +37,8 @@ struct Workload {
 /// Throws Error for a name that is unknown or a file that is not there.
 Workload load(const std::string& name);
 
-/// A procedural scene, named SCENE[:TRIANGLES]; its last frame if none is given.
-io::TriangleMesh procedural(const std::string& name, int frame = -1);
+/// A procedural scene, named SCENE[:TRIANGLES][@FRAME].
+io::TriangleMesh procedural(const std::string& name);
 
 /// Where the files lie: $CRUMPLE_DATA or, failing that, ../shared/data beside the checkout. May not exist.
 std::filesystem::path data_folder();

@@ -37,7 +37,9 @@ std::span<const Study> studies() { return list; }
 std::vector<std::string> choose_scenes(const StudySettings& settings, std::vector<std::string> real,
                                        std::vector<std::string> procedural) {
     if (!settings.scenes.empty()) return settings.scenes;
-    return real_scenes().empty() ? procedural : real;
+    std::vector<std::string> scenes = real_scenes().empty() ? std::move(procedural) : std::move(real);
+    if (settings.quick && scenes.size() > 2) scenes.resize(2);
+    return scenes;
 }
 
 Contestant crumple_with(const Options& options, const Workload& workload, std::string name) {

@@ -28,7 +28,7 @@ struct Study {
 /// Every study, in the order to run them in.
 std::span<const Study> studies();
 
-/// The scenes that the user named, else `real` if the files are there, else `procedural`.
+/// The scenes that the user named, else `real` if the files are there, else `procedural`; the first two in a quick run.
 std::vector<std::string> choose_scenes(const StudySettings& settings, std::vector<std::string> real,
                                        std::vector<std::string> procedural);
 

@@ -1,37 +1,11 @@
-"""Writes the tables of README.md and docs/ anew from the committed figures, so that none is typed.
+"""Tables in Markdown, and the blocks of README.md and docs/ that show them.
 
-python benchmarks/tables.py            rewrites what stands between `<!-- figures: NAME -->` and `<!-- end -->`
-python benchmarks/tables.py --check    changes nothing; fails if something would change
+A block stands between `<!-- figures: NAME -->` and `<!-- end -->`, so that no figure is typed.
 """
 
-import json
-import sys
-from pathlib import Path
+from .results import TOP, Results, digits, scene
 
-TOP = Path(__file__).resolve().parent.parent
-RESULTS = TOP / "benchmarks/results/xeon-2-threads.json"
 PAGES = [TOP / "README.md", *sorted((TOP / "docs").glob("*.md"))]
-
-SCENES = {
-    "cloth_ball92": "Cloth on Ball, frame 92",
-    "balls16_18": "305 bodies, frame 18",
-    "227": "Funnel, frame 227",
-    "Generic_Twin_right": "CAD part, all needles",
-    "ember_016": "Thingi10K 88566 and 58011",
-    "ember_260": "Thingi10K 908460 and 73416",
-    "ember_406": "Thingi10K 1063852 and 72214",
-    "bunny_69k": "Bunny",
-    "armadillo_86k": "Armadillo",
-}
-
-
-def scene(workload):
-    return SCENES.get(workload, f"`{workload}`")
-
-
-def digits(value):
-    """Three significant digits."""
-    return f"{value:.0f}" if value >= 99.95 else f"{value:.3g}"
 
 
 def table(header, rows):
@@ -39,20 +13,19 @@ def table(header, rows):
     return "\n".join(lines + ["| " + " | ".join(map(str, row)) + " |" for row in rows])
 
 
-class Figures:
-    def __init__(self, path):
-        self.data = json.loads(path.read_text())
-        self.studies = {name: study["figures"] for name, study in self.data["studies"].items()}
+def stage_names():
+    """[MZ] figs. 7 and 8 beside ours."""
+    return table(["[MZ] figs. 7 and 8", "here"], [
+        ["Clustering and PCA", "`bounds` (centroids and radii), `subdivide`, and the frame of `align`"],
+        ["Compute AABBs", "the boxes of `align`"],
+        ["Sort AABBs", "`sort`"],
+        ["Collect overlapping intervals", "`sweep`"],
+        ["Tri-Tri intersection", "`narrow`"],
+        ["", "`output`: the sorted list, offsets and flags"],
+    ])
 
-    def fastest(self, question, name):
-        """Of each workload with this question: the peer's fastest way, if it was raced."""
-        found = {}
-        for contest in self.data["contests"]:
-            for way in contest["contestants"]:
-                if contest["question"] == question and way["name"] == name and way["fastest_way"]:
-                    found.setdefault(contest["workload"], (contest, way))
-        return found
 
+class Tables(Results):
     def contest(self, question, peers):
         """A row for each workload: crumple's time, then each peer's and its ratio."""
         ours = self.fastest(question, "crumple")
@@ -146,29 +119,17 @@ class Figures:
                 "box overlaps": self.box_overlaps, "ground": self.ground, "pieces": self.pieces}[name]()
 
 
-def rewrite(text, figures):
+def rewrite(text, tables):
     parts = text.split("<!-- figures: ")
     for i, part in enumerate(parts[1:], 1):
         name, rest = part.split(" -->", 1)
-        parts[i] = f"{name} -->\n{figures.block(name)}\n<!-- end -->" + rest.split("<!-- end -->", 1)[1]
+        parts[i] = f"{name} -->\n{tables.block(name)}\n<!-- end -->" + rest.split("<!-- end -->", 1)[1]
     return "<!-- figures: ".join(parts)
 
 
-def main():
-    check = sys.argv[1:] == ["--check"]
-    if sys.argv[1:] and not check:
-        sys.exit(__doc__)
-    figures = Figures(RESULTS)
+def pages(tables):
+    """Each page that shows figures, and what should be in it."""
     for page in PAGES:
         text = page.read_text()
-        fresh = rewrite(text, figures)
-        if fresh == text:
-            continue
-        if check:
-            sys.exit(f"{page.relative_to(TOP)} does not show the committed figures: run python benchmarks/tables.py")
-        page.write_text(fresh)
-        print(page.relative_to(TOP))
-
-
-if __name__ == "__main__":
-    main()
+        if "<!-- figures: " in text:
+            yield page, rewrite(text, tables)

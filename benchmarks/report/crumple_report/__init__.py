@@ -1,0 +1,1 @@
+"""Tables, plots and docs/benchmarks.md from the figures of scripts/bench.sh."""

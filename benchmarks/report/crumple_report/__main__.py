@@ -1,0 +1,133 @@
+"""crumple-report: tables, plots and docs/benchmarks.md from benchmarks/results/*.json.
+
+Plots are the same bytes only with the matplotlib that they were made with, so without it they are not compared.
+"""
+
+import argparse
+import importlib.metadata
+import sys
+import tempfile
+import tomllib
+from pathlib import Path
+
+from .page import IMAGES, PAGE, page
+from .results import COMMITTED, TOP
+from .tables import Tables, pages
+
+
+def pinned():
+    """What plots need, by name."""
+    project = tomllib.loads((Path(__file__).parents[1] / "pyproject.toml").read_text())["project"]
+    return dict(requirement.split("==") for requirement in project["optional-dependencies"]["plots"])
+
+
+def missing_for_plots():
+    """Why plots cannot be drawn as they were, or None."""
+    for package, version in pinned().items():
+        try:
+            here = importlib.metadata.version(package)
+        except importlib.metadata.PackageNotFoundError:
+            return f"{package} is not installed"
+        if here != version:
+            return f"{package} is {here}, plots are made with {version}"
+    return None
+
+
+def draw(results, folder):
+    """Every plot that the figures allow, in both variants."""
+    from . import drawings, plots, style
+
+    drawn = set()
+    for name, function in {**drawings.DRAWINGS, **plots.all_plots(results)}.items():
+        for theme in style.THEMES:
+            style.apply(theme)
+            figure = function(results, theme)
+            if figure is not None:
+                style.save(figure, folder / f"{name}-{theme.name}.svg")
+                drawn.add(f"{name}-{theme.name}.svg")
+    return drawn
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--results", type=Path, default=COMMITTED, help="figures (default: the committed ones)")
+    parser.add_argument("--check", action="store_true", help="change nothing; fail if something would change")
+    only = parser.add_mutually_exclusive_group()
+    only.add_argument("--tables", action="store_true", help="tables and pages alone: needs no packages")
+    only.add_argument("--plots", action="store_true", help="plots alone")
+    only.add_argument("--pictures", metavar="BENCHMARK", help="rendered pictures alone, by this crumple_benchmark")
+    only.add_argument("--preview", type=Path, metavar="FOLDER", help="plots as PNG on their backgrounds, to look at")
+    arguments = parser.parse_args()
+    results = Tables(arguments.results)
+    if arguments.preview:
+        return preview(results, arguments.preview)
+    if arguments.pictures:
+        from .pictures import draw_pictures
+
+        return draw_pictures(IMAGES, arguments.pictures)
+
+    stale = [] if arguments.plots else texts_anew(results, arguments.check)
+    if not arguments.tables:
+        reason = missing_for_plots()
+        if not reason:
+            stale += plots_anew(results, arguments.check)
+        elif arguments.check:
+            print(f"SKIPPED: plots are not compared: {reason}")
+        else:
+            sys.exit(f"{reason}: scripts/report.sh brings what is needed")
+    if stale and arguments.check:
+        names = ", ".join(str(path.relative_to(TOP)) for path in stale)
+        sys.exit(f"not what the committed figures give: {names}; run scripts/report.sh")
+    for path in stale:
+        print(path.relative_to(TOP))
+
+
+def texts_anew(results, check):
+    """Returns the pages that do not show the figures, and rewrites them unless `check`."""
+    stale = []
+    for path, text in [*pages(results), (PAGE, page(results))]:
+        if not path.exists() or path.read_text() != text:
+            stale.append(path)
+            if not check:
+                path.write_text(text)
+    return stale
+
+
+def plots_anew(results, check):
+    """Draws all plots; returns those that differ from what is there, and replaces them unless `check`."""
+    with tempfile.TemporaryDirectory() as folder:
+        fresh = {name: (Path(folder) / name).read_bytes() for name in draw(results, Path(folder))}
+    stale = []
+    IMAGES.mkdir(parents=True, exist_ok=True)
+    for old in IMAGES.glob("*.svg"):
+        if old.name not in fresh:
+            stale.append(old)
+            if not check:
+                old.unlink()
+    for name, content in sorted(fresh.items()):
+        path = IMAGES / name
+        if not path.exists() or path.read_bytes() != content:
+            stale.append(path)
+            if not check:
+                path.write_bytes(content)
+    return stale
+
+
+def preview(results, folder):
+    """To look at: PNG of both variants on their backgrounds."""
+    from . import drawings, plots, style
+
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, function in {**drawings.DRAWINGS, **plots.all_plots(results)}.items():
+        for theme in style.THEMES:
+            style.apply(theme)
+            figure = function(results, theme)
+            if figure is not None:
+                figure.set_facecolor(theme.surface)
+                style.plt.rcParams["savefig.facecolor"] = "auto"
+                figure.savefig(folder / f"{name}-{theme.name}.png", dpi=110)
+                style.plt.close(figure)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,121 @@
+"""Renderings, by pyvista without a screen: clusters coloured on models ([MZ] fig. 3), frames of the scenes (fig. 5).
+
+Meshes, parts and pairs come from crumple_benchmark --serve. Pictures are transparent and in middling tones, so that they read
+well on light and on dark pages. A renderer's bytes depend on its machine, so they are committed and not compared.
+"""
+
+import io
+import json
+import subprocess
+import tempfile
+from pathlib import Path
+
+import numpy as np
+import pyvista
+from PIL import Image
+
+# Where the camera looks from, and which way is up.
+VIEWS = {"cloth": ((1.0, -1.6, 0.75), (0, 0, 1)), "bodies": ((1, -1.4, 0.8), (0, 0, 1))}
+COLOURS = ["#4f8fe6", "#f08a3c", "#3fae6b", "#c25bd0", "#c9a227", "#2aa7b8", "#e0566f", "#8d80e8",
+           "#7fae3a", "#b5754a", "#5b9aa0", "#d67fb0", "#6f86b0", "#a8963f", "#4aa58c", "#d2694f"]
+OVERLAP, CLOTH, HIT, BALL = "#555b64", "#8fa9c9", "#e5484d", "#b9a37c"
+
+
+class Scene:
+    """A workload's mesh and answer."""
+
+    def __init__(self, benchmark, workload, parts=()):
+        with tempfile.TemporaryDirectory() as folder:
+            server = subprocess.Popen([benchmark, "--scene", workload, "--serve"], stdin=subprocess.PIPE,
+                                      stdout=subprocess.PIPE, text=True)
+
+            def ask(request):
+                print(request, file=server.stdin, flush=True)
+                return json.loads(server.stdout.readline())
+
+            scalar = ask(f"dump {folder}")["scalar"]
+            self.vertices = np.fromfile(Path(folder) / "vertices", scalar).reshape(-1, 3)
+            self.triangles = np.fromfile(Path(folder) / "triangles", np.int32).reshape(-1, 3)
+            pairs = np.fromfile(Path(folder) / "pairs", np.int32)
+            self.hit = np.zeros(len(self.triangles), bool)
+            self.hit[pairs] = True
+            self.masks = {}
+            for count in parts:
+                ask(f"parts {count} {folder}")
+                self.masks[count] = np.fromfile(Path(folder) / "parts", np.uint64)
+            server.stdin.close()
+            server.wait()
+
+
+def rgb(colour):
+    return [int(colour[i:i + 2], 16) for i in (1, 3, 5)]
+
+
+def by_part(masks):
+    """A colour for each triangle; those of several parts are dark."""
+    bits = (masks[:, None] >> np.arange(64, dtype=np.uint64) & np.uint64(1)).astype(bool)
+    colours = np.array([rgb(c) for c in COLOURS], np.uint8)[bits.argmax(1) % len(COLOURS)]
+    colours[bits.sum(1) > 1] = rgb(OVERLAP)
+    return colours
+
+
+def by_hit(scene):
+    return np.array([rgb(CLOTH), rgb(HIT)], np.uint8)[scene.hit.astype(int)]
+
+
+def render(scene, colours, view, size, zoom):
+    faces = np.column_stack([np.full(len(scene.triangles), 3), scene.triangles]).ravel()
+    mesh = pyvista.PolyData(scene.vertices.astype(float), faces)
+    mesh.cell_data["colour"] = colours
+    plotter = pyvista.Plotter(off_screen=True, window_size=(2 * size[0], 2 * size[1]), lighting="light_kit")
+    plotter.add_mesh(mesh, scalars="colour", rgb=True, smooth_shading=False, ambient=0.15, diffuse=0.85, specular=0.1)
+    position, up = view
+    plotter.camera_position = [position, (0, 0, 0), up]
+    plotter.reset_camera()
+    plotter.camera.zoom(zoom)
+    image = plotter.screenshot(transparent_background=True, return_img=True)
+    plotter.close()
+    return Image.fromarray(image).resize(size, Image.LANCZOS)
+
+
+def sheet(rows, path):
+    """Rows of pictures of one size, as a PNG of few colours."""
+    width, height = rows[0][0].size
+    picture = Image.new("RGBA", (width * max(map(len, rows)), height * len(rows)))
+    for y, row in enumerate(rows):
+        for x, image in enumerate(row):
+            picture.paste(image, (x * width, y * height))
+    buffer = io.BytesIO()
+    picture.quantize(256, method=Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE).save(buffer, "PNG", optimize=True)
+    path.write_bytes(buffer.getvalue())
+    print(f"{path.name}: {picture.width} x {picture.height}, {len(buffer.getvalue()) // 1024} KiB")
+
+
+def listed(benchmark):
+    """Scenes that the benchmark knows."""
+    return subprocess.run([benchmark, "--list"], capture_output=True, text=True, check=True).stdout.split()
+
+
+def draw_pictures(folder, benchmark):
+    folder.mkdir(parents=True, exist_ok=True)
+    known = listed(benchmark)
+    cloth = "cloth_on_ball" if "cloth_on_ball" in known else "cloth"
+    models = [(cloth, 60 if cloth == "cloth_on_ball" else 80), ("bodies", 40)]
+    if "funnel" in known:
+        models.insert(1, ("funnel", 375))
+    scenes = [Scene(benchmark, f"{name}@{frame}", (2, 16)) for name, frame in models]
+    for scene in scenes:
+        scene.view = VIEWS.get("bodies" if scene is scenes[-1] else "cloth")
+    sheet([[render(s, by_part(s.masks[count]), s.view, (400, 300), 1.1) for s in scenes] for count in (2, 16)],
+          folder / "clusters.png")
+
+    sequences = [(cloth, (0, 10, 40, 60, 93))]
+    if "funnel" in known:
+        sequences.append(("funnel", (0, 125, 200, 375, 500)))
+    rows = []
+    for name, frames in sequences:
+        rows.append([])
+        for frame in frames:
+            scene = Scene(benchmark, f"{name}@{frame}")
+            rows[-1].append(render(scene, by_hit(scene), VIEWS["cloth"], (280, 220), 1.2))
+    sheet(rows, folder / "frames.png")

@@ -1,0 +1,89 @@
+"""The figures of one benchmark run, and how to find one's way in them."""
+
+import json
+from pathlib import Path
+
+TOP = Path(__file__).resolve().parents[3]
+COMMITTED = TOP / "benchmarks/results/xeon-2-threads.json"
+
+SCENES = {
+    "cloth_ball92": "Cloth on Ball, frame 92",
+    "balls16_18": "305 bodies, frame 18",
+    "227": "Funnel, frame 227",
+    "Generic_Twin_right": "CAD part, all needles",
+    "ember_016": "Thingi10K 88566 and 58011",
+    "ember_260": "Thingi10K 908460 and 73416",
+    "ember_406": "Thingi10K 1063852 and 72214",
+    "bunny_69k": "Bunny",
+    "armadillo_86k": "Armadillo",
+    "unc_cloth_ball": "UNC Cloth on Ball, frames 92 and 93",
+    "unc_funnel": "UNC Funnel, frames 227 and 228",
+    "kick": "Kick",
+}
+
+# Milliseconds of [MZ] fig. 6, averages over the sequence, as published.
+PUBLISHED = {
+    "Cloth on Ball": {
+        "[MZ], GTX 480": 20.24,
+        "CStreams, GPU": 18.6,
+        "Pabst, CPU and GPU": 36.6,
+        "HPCCD, CPU and GPU": 23.2,
+        "MCCD, 16 cores": 32.5,
+    },
+    "Funnel": {"[MZ], GTX 480": 6.53, "CStreams, GPU": 4.4, "Pabst, CPU and GPU": 6.7},
+}
+
+
+def scene(workload):
+    return SCENES.get(workload, f"`{workload}`")
+
+
+def plain(workload):
+    """The same without Markdown."""
+    return scene(workload).strip("`")
+
+
+def digits(value):
+    """Three significant digits."""
+    if abs(value) >= 99.95:
+        return f"{value:,.0f}"
+    return f"{value:.3g}"
+
+
+class Results:
+    def __init__(self, path=COMMITTED):
+        self.path = Path(path)
+        self.data = json.loads(self.path.read_text())
+        self.studies = {name: study["figures"] for name, study in self.data["studies"].items()}
+
+    def study(self, name):
+        """A study's figures, an empty list if it was not run."""
+        return self.studies.get(name) or []
+
+    def fastest(self, question, name):
+        """Of each workload with this question: the contest and the peer's fastest way, if it was raced."""
+        found = {}
+        for contest in self.data["contests"]:
+            for way in contest["contestants"]:
+                if contest["question"] == question and way["name"] == name and way["fastest_way"]:
+                    found.setdefault(contest["workload"], (contest, way))
+        return found
+
+    def peers(self, question):
+        """Names of those that answered this question, in the order of their first contest."""
+        names = []
+        for contest in self.data["contests"]:
+            for way in contest["contestants"]:
+                if contest["question"] == question and way["name"] not in (*names, "crumple") and way["fastest_way"]:
+                    names.append(way["name"])
+        return names
+
+    def version(self, peer):
+        for entry in self.data.get("peers", []):
+            if entry["name"] == peer:
+                return entry.get("version", "")
+        return ""
+
+    def sequences(self):
+        """Those of the sequences that are long enough to plot, by name."""
+        return {s["sequence"]: s for s in self.study("sequences") if len(s["frames"]) > 2}

@@ -1,0 +1,76 @@
+"""How plots look: two variants of each, for light and dark pages, transparent, text as text.
+
+The same figures and the same matplotlib give the same bytes: no date, fixed ids, fonts that matplotlib brings along.
+"""
+
+from dataclasses import dataclass
+
+import matplotlib
+
+matplotlib.use("svg")
+import matplotlib.pyplot as plt  # noqa: E402
+
+
+@dataclass(frozen=True)
+class Theme:
+    name: str
+    text: str
+    muted: str
+    grid: str
+    surface: str
+    accent: str  # crumple
+    other: str  # peers that give the whole answer
+    weak: str  # peers that give boxes only
+    series: tuple
+
+
+LIGHT = Theme("light", "#1f2328", "#59636e", "#d8dee4", "#ffffff", "#c2410c", "#4b6b94", "#a9bdd6",
+              ("#2563c9", "#d2691e", "#15803d", "#a21caf", "#8a6d00", "#0e7490", "#6b7280"))
+DARK = Theme("dark", "#e6edf3", "#9198a1", "#363c44", "#0d1117", "#ff8a4c", "#7fa6d9", "#46597a",
+             ("#6ea8fe", "#f0a35e", "#4ade80", "#e879f9", "#e5c04b", "#4dd0e1", "#a1a8b3"))
+THEMES = (LIGHT, DARK)
+
+
+def apply(theme):
+    plt.rcdefaults()
+    plt.rcParams.update({
+        "svg.hashsalt": "crumple",
+        "svg.fonttype": "none",
+        "font.family": ["DejaVu Sans"],
+        "font.size": 9,
+        "text.color": theme.text,
+        "axes.edgecolor": theme.muted,
+        "axes.labelcolor": theme.text,
+        "axes.titlecolor": theme.text,
+        "axes.titlesize": 10,
+        "axes.titlelocation": "left",
+        "axes.spines.top": False,
+        "axes.spines.right": False,
+        "axes.grid": True,
+        "axes.axisbelow": True,
+        "axes.prop_cycle": plt.cycler(color=theme.series),
+        "grid.color": theme.grid,
+        "grid.linewidth": 0.6,
+        "xtick.color": theme.muted,
+        "ytick.color": theme.muted,
+        "xtick.labelcolor": theme.text,
+        "ytick.labelcolor": theme.text,
+        "xtick.minor.visible": False,
+        "ytick.minor.visible": False,
+        "lines.linewidth": 1.6,
+        "lines.markersize": 4,
+        "legend.frameon": False,
+        "legend.fontsize": 8.5,
+        "figure.facecolor": "none",
+        "axes.facecolor": "none",
+        "savefig.facecolor": "none",
+        "figure.constrained_layout.use": True,
+        "hatch.linewidth": 0.7,
+    })
+
+
+def save(figure, path):
+    figure.savefig(path, format=path.suffix[1:], metadata={"Date": None, "Creator": None} if path.suffix == ".svg" else None)
+    plt.close(figure)
+    if path.suffix == ".svg":  # matplotlib leaves blanks at the ends of lines
+        path.write_text("".join(line.rstrip() + "\n" for line in path.read_text().splitlines()))

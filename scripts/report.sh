@@ -1,0 +1,22 @@
+#!/usr/bin/env bash
+# Writes docs/benchmarks.md, its plots, and the tables of README.md and docs/ anew from the committed figures.
+#   scripts/report.sh [--check]         --check: changes nothing, fails if something would change
+#   scripts/report.sh --pictures        draws the rendered pictures, too, by crumple_benchmark of scripts/bench.sh
+# Installs pinned packages from PyPI into build-report/.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+extra=plots arguments=("$@")
+if [[ ${1-} == --pictures ]]; then
+    extra=plots,pictures
+    benchmark=build-bench/benchmarks/crumple_benchmark
+    [[ -x $benchmark ]] || { echo "$0: scripts/bench.sh builds $benchmark" >&2; exit 1; }
+    arguments=(--pictures "$benchmark")
+fi
+python=build-report/venv/bin/python
+[[ -x $python ]] || python3 -m venv build-report/venv
+stamp=build-report/$extra.installed
+if [[ ! -f $stamp || benchmarks/report/pyproject.toml -nt $stamp ]]; then
+    "$python" -m pip install --quiet --disable-pip-version-check --editable "benchmarks/report[$extra]"
+    touch "$stamp"
+fi
+"$python" -m crumple_report "${arguments[@]}"
