@@ -9,6 +9,7 @@
 #include "cpu/layout.h"
 #include "crumple/collisions.h"
 #include "crumple/options.h"
+#include "geometry/plane_filter.h"
 
 namespace crumple::cpu {
 
@@ -19,11 +20,6 @@ struct RecordInput {
     const std::int32_t* triangle;  ///< the leaf's members; the last one is repeated `padding` times
     std::int64_t members;
     LeafFrame frame;
-};
-
-struct NarrowPolicy {
-    bool skip_neighbours = false;
-    bool proper = false;
 };
 
 struct Kernels {
@@ -69,12 +65,5 @@ struct Kernels {
 const Kernels& kernels_for(Simd simd);
 
 extern const Kernels scalar_kernels;
-
-/// Planes are scaled by 1 / (plane_bound u reach): the error of n . p - c (docs/narrow.md).
-inline constexpr float plane_bound = 28;
-inline constexpr float unit_roundoff = 0x1p-24f;  ///< u
-
-/// Widen a computed radius. Coordinates are at most 1: differences and the corners of float64 input err by at most 2 u.
-inline constexpr float ball_factor = 1.000002f, ball_slack = 4e-7f;
 
 }  // namespace crumple::cpu

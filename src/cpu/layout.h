@@ -4,42 +4,27 @@
 //
 //   bounds      scene            -> Points (one a vertex), Balls (one a triangle)
 //   subdivide   Balls            -> Memberships: leaves, each a list of triangles
-//   align       one leaf         -> Record and box of each member, in the leaf's frame
+//   align       one leaf         -> Record (geometry/record.h) and box of each member, in the leaf's frame
 //   sort        Records, Boxes   -> SortedLeaf: by start along the leaf's first axis, boxes in 16 bits
 //   sweep       SortedLeaf       -> Candidates: pairs whose boxes overlap, four by four
 //   narrow      Candidates       -> pairs
-//
-// A Record is one cache line, transposed so that a load of four floats is one coordinate of three corners and of the
-// normal:
-//
-//     x0 x1 x2 nx | y0 y1 y2 ny | z0 z1 z2 nz | id0 id1 id2 c
-//
-// Corners are relative to the leaf's origin. The plane n . p = c is scaled by its error bound, so that a corner p of
-// any member lies for certain on the side of sign(n . p - c) iff |n . p - c| > 1 (docs/narrow.md). Members far larger
-// than their leaf ("big") have NaN corners: no filter decides anything from those, and comparisons with NaN keep a
-// pair.
 //
 // Sorted members lie in blocks of `block_members`, each followed by one dummy that overlaps nothing, so that a column
 // fits 16 bits: physical position of member j = j + j / block_members. Nearly every leaf has one block.
 
 #include <array>
 #include <cstdint>
-#include <utility>
 
 #include "crumple/array.h"
-#include "geometry/vec.h"
+#include "geometry/ball.h"
+#include "geometry/edge_test.h"
+#include "geometry/point_rows.h"
+#include "geometry/record.h"
 #include "pipeline/fuzzy_c_means.h"
 
 namespace crumple::cpu {
 
 inline constexpr int padding = 64;  ///< elements that kernels may read, and write, past an array's end
-
-struct alignas(64) Record {
-    float x[4], y[4], z[4];
-    std::int32_t id[3];
-    float c;
-};
-static_assert(sizeof(Record) == 64);
 
 /// A corner of a box, in the leaf's frame and in 16 bits.
 struct alignas(16) BoxCorner {
@@ -69,24 +54,6 @@ struct Points {
     Array<float> f;
     Array<double> d;
     explicit Points(MemoryMeter* meter) : f(meter), d(meter) {}
-};
-
-/// The rows of Points, whichever there are: one pointer is null.
-struct PointRows {
-    const float* f = nullptr;
-    const double* d = nullptr;
-};
-
-/// A ball that holds a primitive: centroid and radius ([MZ] eq. 5, but one for each).
-struct alignas(16) Ball {
-    float x, y, z, r;
-};
-
-/// The frame in which a leaf is swept: sweep direction first.
-struct LeafFrame {
-    Vec3f origin;
-    Vec3f axis[3];
-    float big = 0;  ///< members that reach further than this from the origin, in any coordinate, are big
 };
 
 /// What `align` leaves behind beside records and boxes.
@@ -177,20 +144,10 @@ struct Verdicts {
           flat_shared(m) {}
 };
 
-/// Corner orders for the edge test, by below_a | below_b << 3: p1, q1, r1, p2, q2, r2 in two bits each. A triangle's
-/// lone corner comes first; the other two are swapped where that corner lies below the other's plane, which is the
-/// same as turning that plane over.
+/// Corner orders for the edge test, by below_a | below_b << 3.
 inline constexpr std::array<std::int32_t, 64> edge_orders = [] {
     std::array<std::int32_t, 64> orders{};
-    constexpr int lone[8] = {0, 0, 1, 2, 2, 1, 0, 0};  // by the bits below; 0 and 7 (no straddling) do not occur
-    for (int bits = 0; bits < 64; ++bits) {
-        const int below_a = bits & 7, below_b = bits >> 3;
-        const int p1 = lone[below_b], p2 = lone[below_a];
-        int q1 = (p1 + 1) % 3, r1 = (p1 + 2) % 3, q2 = (p2 + 1) % 3, r2 = (p2 + 2) % 3;
-        if (below_b >> p1 & 1) std::swap(q2, r2);
-        if (below_a >> p2 & 1) std::swap(q1, r1);
-        orders[bits] = p1 | q1 << 2 | r1 << 4 | p2 << 6 | q2 << 8 | r2 << 10;
-    }
+    for (int bits = 0; bits < 64; ++bits) orders[static_cast<std::size_t>(bits)] = edge_order(bits & 7, bits >> 3);
     return orders;
 }();
 

@@ -115,8 +115,7 @@ void sort_leaf(const LeafMembers& in, const Kernels& kernels, SortScratch& scrat
     if (in.keep_members)
         for (std::size_t i = 0; i < n; ++i) s.member[scratch.position[i]] = in.member[i];
     kernels.split_boxes(scratch.box.data(), s.rows, s);
-    const float plane_scale = 1.0f / (plane_bound * unit_roundoff * bounds.reach + 1e-30f);
-    kernels.scatter(in.record.data(), members, scratch.position.data(), plane_scale, s.record.data());
+    kernels.scatter(in.record.data(), members, scratch.position.data(), plane_scale(bounds.reach), s.record.data());
 }
 
 }  // namespace crumple::cpu

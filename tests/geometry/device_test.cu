@@ -1,8 +1,10 @@
 // The decision as device code. On a device, and on the CPU, it must say what the host says.
 
 #include "cuda_on_cpu/portable/portable.h"
+#include "geometry/ball.h"
 #include "geometry/decide.h"
 #include "geometry/decision.h"
+#include "geometry/filters.h"
 #include "geometry/random_pairs.h"
 
 namespace crumple {
@@ -47,6 +49,66 @@ TEST_F(Device, decides_as_the_host_does) {
                 }
             }
         }
+    }
+}
+
+/// Two members of one leaf, each with its vertices in rows of its own.
+struct Leaf {
+    float rows[24];
+    std::int32_t id[6];
+    LeafFrame frame;
+};
+struct Answer {
+    Verdict verdict;
+    Ball ball;
+    bool joins;
+};
+
+CRUMPLE_HD Answer answer(const Leaf& leaf) {
+    const PointRows points{leaf.rows, nullptr};
+    const auto make = [&](int t) {
+        const Vec3d p[3] = {points[leaf.id[3 * t]], points[leaf.id[3 * t + 1]], points[leaf.id[3 * t + 2]]};
+        return member_of(p, leaf.id + 3 * t, leaf.frame);
+    };
+    Member a = make(0), b = make(1);
+    const float reach = max(a.reach, b.reach);
+    scale_plane(a.record, plane_scale(reach));
+    scale_plane(b.record, plane_scale(reach));
+    Answer result{};
+    result.verdict = filter_pair(a.record, b.record, {}, points, reach);
+    result.ball = ball_of(to_float(points[leaf.id[0]]), to_float(points[leaf.id[1]]), to_float(points[leaf.id[2]]));
+    result.joins = joins(dot(a.low, a.low), 1.0f, result.ball.r, bisector_reach(b.high));
+    return result;
+}
+
+__global__ void filter_all(const Leaf* leaves, int count, Answer* answers) {
+    const int i = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x);
+    if (i < count) answers[i] = answer(leaves[i]);
+}
+
+TEST_F(Device, filters_as_the_host_does) {
+    RandomPairs random(Kind::random_float, 73);
+    std::vector<Leaf> leaves(20'000);
+    for (Leaf& leaf : leaves) {
+        for (int row = 0; row < 6; ++row) {
+            const Vec3f p = to_float(random.point());
+            leaf.rows[4 * row] = p.x, leaf.rows[4 * row + 1] = p.y, leaf.rows[4 * row + 2] = p.z;
+            leaf.rows[4 * row + 3] = 0;
+            leaf.id[row] = row;
+        }
+        leaf.id[3] = random.integer(4);  // now and then a neighbour
+        leaf.frame = {{0.25f, 0, 0}, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, random.integer(4) ? 2.0f : 0.9f};
+    }
+    const portable::Array<Leaf> input(leaves);
+    const portable::Array<Answer> output(leaves.size());
+    portable::launch(filter_all, static_cast<unsigned>((leaves.size() + 127) / 128), 128, 0, input.data(),
+                     static_cast<int>(leaves.size()), output.data());
+    const std::vector<Answer> found = output.values();
+    for (std::size_t i = 0; i < leaves.size(); ++i) {
+        const Answer expected = answer(leaves[i]);
+        ASSERT_EQ(found[i].verdict, expected.verdict) << i;
+        ASSERT_EQ(found[i].ball.r, expected.ball.r) << i;
+        ASSERT_EQ(found[i].joins, expected.joins) << i;
     }
 }
 

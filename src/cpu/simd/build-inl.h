@@ -10,7 +10,6 @@
 #include <algorithm>
 #include <limits>
 
-#include "cpu/big.h"
 #include "cpu/simd/corners-inl.h"
 
 HWY_BEFORE_NAMESPACE();

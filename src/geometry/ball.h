@@ -1,0 +1,35 @@
+#pragma once
+
+// Balls around triangles and the rule by which they join clusters: stages `bounds` and `subdivide` for one of them
+// (docs/bounds.md, docs/subdivide.md). Compiled for host and device.
+
+#include "geometry/vec.h"
+
+namespace crumple {
+
+/// A ball that holds a primitive: centroid and radius ([MZ] eq. 5, but one for each).
+struct alignas(16) Ball {
+    float x, y, z, r;
+};
+
+/// Widen a computed radius. Coordinates are at most 1: differences and the corners of float64 input err by at most 2 u.
+inline constexpr float ball_factor = 1.000002f, ball_slack = 4e-7f;
+
+CRUMPLE_HD inline Ball ball_of(const Vec3f& p, const Vec3f& q, const Vec3f& r) {
+    const Vec3f c = (1.0f / 3.0f) * (p + q + r);
+    const float r2 = max(dot(p - c, p - c), max(dot(q - c, q - c), dot(r - c, r - c)));
+    return {c.x, c.y, c.z, std::sqrt(r2) * ball_factor + ball_slack};
+}
+
+/// Twice the distance of two centres, widened.
+CRUMPLE_HD inline float bisector_reach(const Vec3f& between) {
+    return 2.00001f * std::sqrt(dot(between, between)) + 1e-22f;
+}
+
+/// Bisector rule: d_k^2 - d_min^2 <= 2 r |v_k - v_min|, with factors that cover the roundings: whether a ball of radius
+/// r may hold a point that is nearest to centre k. d2: squared distances of its centre to that one, and to the nearest.
+CRUMPLE_HD inline bool joins(float d2, float nearest_d2, float r, float reach) {
+    return !(d2 > nearest_d2 * 1.000002f + r * reach);
+}
+
+}  // namespace crumple
