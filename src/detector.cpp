@@ -34,9 +34,14 @@ void check_options(const Options& o) {
     check(o.stop >= 0 && o.first_stop >= 0, "stop criteria must be 0 or more");
 }
 
-void check_query(const Query& q) {
+void check_query(const MeshView& a, const MeshView* b, const Query& q) {
     check(q.wanted == Wanted::both || q.wanted == Wanted::between || q.wanted == Wanted::within,
           "wanted must be both, between or within");
+    // An empty mesh may have groups without anybody seeing it, and where one mesh has them, the other is in group 0.
+    const auto lacks_groups = [](const MeshView& mesh) { return mesh.triangles.rows > 0 && mesh.groups.empty(); };
+    if (q.wanted != Wanted::between || !lacks_groups(a) || (b && !lacks_groups(*b))) return;
+    check(false, b ? "wanted between needs groups, and neither mesh has any: nothing lies between different groups"
+                   : "wanted between needs groups, and the mesh has none: nothing lies between different groups");
 }
 
 void check_part(const Part& part) {
@@ -90,7 +95,7 @@ struct Detector::Implementation {
     void guarded(const MeshView& a, const MeshView* b, const Part* part, const Query& query, Work work) {
         const FloatEnvironment environment;
         cancellation.begin();
-        check_query(query);
+        check_query(a, b, query);
         const auto attempt = [&] { work(prepare_scene(a, b, query.weld, *backend, buffers)); };
         try {
             try {

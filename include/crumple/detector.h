@@ -29,6 +29,9 @@ struct Part {
 /// crumple::Error on bad input and leaves the detector usable.
 class Detector {
    public:
+    /// What `{}` is where a Query, a Part or a mesh could stand: the default Query.
+    enum class DefaultQuery {};
+
     explicit Detector(const Options& options = {});
     ~Detector();
     Detector(Detector&&) noexcept;
@@ -36,14 +39,17 @@ class Detector {
 
     /// All colliding pairs within one soup.
     const Collisions& find_self(const MeshView& mesh, const Query& query = {});
+    const Collisions& find_self(const MeshView& mesh, DefaultQuery) { return find_self(mesh, Query()); }
 
     /// All colliding pairs of a triangle of `a` with a triangle of `b`. Equal indices share nothing here; with
     /// Query::weld equal positions do. If one is float64, both are computed in float64.
     const Collisions& find_between(const MeshView& a, const MeshView& b, const Query& query = {});
+    const Collisions& find_between(const MeshView& a, const MeshView& b, DefaultQuery) { return find_between(a, b); }
 
     /// Whether anything collides; stops at the first pair found.
     bool has_collision(const MeshView& mesh, const Query& query = {});
     bool has_collision(const MeshView& a, const MeshView& b, const Query& query = {});
+    bool has_collision(const MeshView& mesh, DefaultQuery) { return has_collision(mesh, Query()); }
 
     /// Cuts a scene into `count` (1 to 64) parts. Depends only on the arguments, so that several machines that are
     /// given the same meshes make the same parts.

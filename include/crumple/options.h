@@ -44,7 +44,8 @@ enum class Intersections : std::uint8_t {
     proper,  ///< only if an edge of one strictly crosses the relative interior of the other
 };
 
-/// Which pairs of triangles are wanted, by their groups.
+/// Which pairs of triangles are wanted, by their groups: any, those of different groups, those of one group. Without
+/// group ids nothing can lie between groups, so `between` is an error then.
 enum class Wanted : std::uint8_t { both, between, within };
 
 /// Two group ids whose triangles shall not be tested against each other; the order does not matter.

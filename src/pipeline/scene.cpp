@@ -25,22 +25,19 @@ bool contiguous(const ArrayView<Type>& view) {
     return view.column_stride == size && view.row_stride == 3 * size;
 }
 
-void check_shape(const MeshView& mesh, const std::string& which) {
+void check_shape(const MeshView& mesh, const std::string& subject) {
     constexpr std::int64_t most = std::numeric_limits<std::int32_t>::max();
-    if (mesh.memory != MemorySpace::host)
-        fail(ErrorCode::invalid_argument, which + "lies in device memory, which needs the cuda backend");
+    const auto refuse = [&](const std::string& what) { fail(ErrorCode::invalid_argument, subject + ' ' + what); };
+    if (mesh.memory != MemorySpace::host) refuse("lies in device memory, which needs the cuda backend");
     if (mesh.vertices.rows < 0 || mesh.vertices.rows > most)
-        fail(ErrorCode::invalid_argument,
-             which + "has " + std::to_string(mesh.vertices.rows) + " vertices; 0 to 2147483647 are possible");
+        refuse("has " + std::to_string(mesh.vertices.rows) + " vertices; 0 to 2147483647 are possible");
     if (mesh.triangles.rows < 0 || mesh.triangles.rows > most)
-        fail(ErrorCode::invalid_argument,
-             which + "has " + std::to_string(mesh.triangles.rows) + " triangles; 0 to 2147483647 are possible");
-    if (mesh.vertices.rows > 0 && !mesh.vertices.data) fail(ErrorCode::invalid_argument, which + "has no vertex data");
-    if (mesh.triangles.rows > 0 && !mesh.triangles.data)
-        fail(ErrorCode::invalid_argument, which + "has no triangle data");
+        refuse("has " + std::to_string(mesh.triangles.rows) + " triangles; 0 to 2147483647 are possible");
+    if (mesh.vertices.rows > 0 && !mesh.vertices.data) refuse("has no vertex data");
+    if (mesh.triangles.rows > 0 && !mesh.triangles.data) refuse("has no triangle data");
     if (!mesh.groups.empty() && static_cast<std::int64_t>(mesh.groups.size()) != mesh.triangles.rows)
-        fail(ErrorCode::invalid_argument, which + "has " + std::to_string(mesh.groups.size()) + " group ids for " +
-                                              std::to_string(mesh.triangles.rows) + " triangles");
+        refuse("has " + std::to_string(mesh.groups.size()) + " group ids for " + std::to_string(mesh.triangles.rows) +
+               " triangles");
 }
 
 // Least and largest of each coordinate of contiguous rows, and whether all are finite. Twelve lanes, four rows at once,
@@ -229,6 +226,8 @@ Scene prepare_scene(const MeshView& a, const MeshView* b, bool weld, ParallelFor
     scene.between = b != nullptr;
     const std::array<const MeshView*, 2> meshes{&a, b};
     const int count = b ? 2 : 1;
+    // Of one mesh a place needs no more than its number.
+    const std::array<std::string, 2> subject{b ? "the first mesh" : "the mesh", "the second mesh"};
     const std::array<std::string, 2> which{b ? "first mesh: " : "", "second mesh: "};
 
     constexpr double most = std::numeric_limits<double>::max();
@@ -236,7 +235,7 @@ Scene prepare_scene(const MeshView& a, const MeshView* b, bool weld, ParallelFor
     scene.side_high.fill({-most, -most, -most});
     for (int side = 0; side < count; ++side) {
         const MeshView& mesh = *meshes[side];
-        check_shape(mesh, which[side]);
+        check_shape(mesh, subject[side]);
         scene.vertices[side] = mesh.vertices.rows;
         scene.triangles[side] = mesh.triangles.rows;
         scene.reader[side] = {static_cast<const std::byte*>(mesh.vertices.data), mesh.vertices.row_stride,

@@ -113,8 +113,11 @@ TEST(Detector, has_collision_says_whether_there_is_any) {
         EXPECT_FALSE(detector.has_collision(test::random_soup(50, 1e-4).view()));
         const auto a = test::random_soup(100, 0.3), b = test::random_soup(100, 0.3, 2);
         EXPECT_TRUE(detector.has_collision(a.view(), b.view()));
-        Query none{.wanted = Wanted::between};
-        EXPECT_FALSE(detector.has_collision(a.view(), none)) << "one group, so nothing lies between groups";
+        const std::vector<std::int32_t> one_group(100, 7);
+        MeshView grouped = a.view();
+        grouped.groups = one_group;
+        const Query none{.wanted = Wanted::between};
+        EXPECT_FALSE(detector.has_collision(grouped, none)) << "one group, so nothing lies between groups";
     }
 }
 

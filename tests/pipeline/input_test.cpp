@@ -134,5 +134,51 @@ TEST(Input, wrong_shapes_and_options_are_errors) {
     EXPECT_EQ(error_of([&] { detector.find_self({vertices, triangles}, Part{}); }).code, ErrorCode::invalid_argument);
 }
 
+TEST(Input, a_wrong_shape_names_the_mesh) {
+    Detector detector;
+    const std::vector<std::int32_t> groups{1, 2, 3};
+    const MeshView good(vertices, triangles), bad(vertices, triangles, groups);
+    const std::string rest = " has 3 group ids for 2 triangles";
+    EXPECT_EQ(error_of([&] { detector.find_self(bad); }).what(), "the mesh" + rest);
+    EXPECT_EQ(error_of([&] { detector.find_between(bad, good); }).what(), "the first mesh" + rest);
+    EXPECT_EQ(error_of([&] { detector.find_between(good, bad); }).what(), "the second mesh" + rest);
+}
+
+TEST(Input, between_groups_needs_groups) {
+    Detector detector;
+    const std::vector<std::int32_t> groups{1, 2};
+    const MeshView plain(vertices, triangles), grouped(vertices, triangles, groups), none;
+    const Query between{.wanted = Wanted::between};
+    const auto expect_refused = [&](auto call) {
+        const Error error = error_of(call);
+        EXPECT_EQ(error.code, ErrorCode::invalid_argument);
+        EXPECT_NE(std::string(error.what()).find("needs groups"), std::string::npos) << error.what();
+    };
+    expect_refused([&] { detector.find_self(plain, between); });
+    expect_refused([&] { detector.has_collision(plain, between); });
+    expect_refused([&] { detector.find_between(plain, plain, between); });
+    expect_refused([&] { detector.has_collision(plain, plain, between); });
+    EXPECT_EQ(pairs_of(detector.find_self(grouped, between)), expected);
+    EXPECT_EQ(detector.find_between(plain, grouped, between).pairs.size(), 4u) << "plain is in group 0";
+    EXPECT_EQ(detector.find_between(grouped, plain, between).pairs.size(), 4u);
+    EXPECT_TRUE(detector.find_self(none, between).pairs.empty()) << "an empty mesh may have had groups";
+    EXPECT_TRUE(detector.find_between(plain, none, between).pairs.empty());
+    EXPECT_EQ(pairs_of(detector.find_self(plain, {.wanted = Wanted::within})), expected) << "all in group 0";
+}
+
+TEST(Input, empty_braces_are_the_default_query) {
+    Detector detector;
+    const MeshView mesh(vertices, triangles);
+    EXPECT_EQ(pairs_of(detector.find_self(mesh, {})), expected);
+    EXPECT_EQ(pairs_of(detector.find_self({vertices, triangles}, {})), expected);
+    EXPECT_TRUE(detector.has_collision(mesh, {}));
+    EXPECT_EQ(detector.find_between(mesh, mesh, {}).pairs.size(), 4u);
+    EXPECT_TRUE(detector.has_collision(mesh, mesh, {}));
+    EXPECT_EQ(detector.find_self(mesh, {.contacts = true}).contacts.kinds.size(), 1u);
+    const Part whole = detector.partition(mesh, 1)[0];
+    EXPECT_EQ(pairs_of(detector.find_self(mesh, whole, {})), expected);
+    EXPECT_EQ(error_of([&] { detector.find_self(mesh, Part{}); }).code, ErrorCode::invalid_argument);
+}
+
 }  // namespace
 }  // namespace crumple
