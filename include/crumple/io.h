@@ -80,8 +80,9 @@ void write_pairs(const std::filesystem::path& path, const Collisions& collisions
 /// The same to a stream; `automatic` is txt.
 void write_pairs(std::ostream& out, const Collisions& collisions, PairFormat format = PairFormat::automatic);
 
-/// Reads pairs from text, in file order: the first two numbers of each line; whatever follows them on the line is
-/// skipped, as are blank lines and comments (#). Throws crumple::Error (file, format) that names the line.
+/// Reads the pairs of a file, in its order: .csv, .json (the member `pairs`) and .npz (the array `pairs`, of 32 or 64
+/// bits) by extension, as write_pairs writes them; any other is text, the first two numbers of each line, with what
+/// follows them, blank lines and comments (#) skipped. Throws crumple::Error (file, format) that names the place.
 std::vector<Pair> read_pairs(const std::filesystem::path& path);
 
 }  // namespace crumple::io

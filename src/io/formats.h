@@ -48,6 +48,8 @@ void write_coloured_glb(std::ostream& out, const ColouredMesh& coloured);
 
 void write_pairs_json(std::ostream& out, const Collisions& collisions);
 void write_pairs_npz(std::ostream& out, const Collisions& collisions);
+std::vector<Pair> read_pairs_json(const Source& source);
+std::vector<Pair> read_pairs_npz(const Source& source);
 
 /// Lower-case extension, with its dot.
 std::string extension_of(const std::filesystem::path& path);

@@ -1,11 +1,10 @@
-// Colliding pairs as text and CSV, and back from text; the format by extension.
+// Colliding pairs as text and CSV; the format by extension.
 
 #include "io/pairs.h"
 
 #include "io/atomic_file.h"
 #include "io/formats.h"
 #include "io/sink.h"
-#include "io/text.h"
 #include "pipeline/float_environment.h"
 
 namespace crumple::io {
@@ -87,13 +86,6 @@ PairFormat format_by_extension(const std::filesystem::path& path) {
                 "cannot write " + path.string() + ": pairs are written as .txt, .csv, .json or .npz");
 }
 
-std::int32_t read_index(Scanner& in) {
-    const char* const place = in.position();
-    const std::int64_t index = in.integer("a triangle");
-    if (index < 0 || index > INT32_MAX) in.fail(place, std::to_string(index) + " names no triangle");
-    return static_cast<std::int32_t>(index);
-}
-
 }  // namespace
 
 void write_pairs(std::ostream& out, const Collisions& collisions, PairFormat format) {
@@ -110,18 +102,6 @@ void write_pairs(const std::filesystem::path& path, const Collisions& collisions
     AtomicFile file(path);
     write(file.stream(), collisions, format);
     file.commit();
-}
-
-std::vector<Pair> read_pairs(const std::filesystem::path& path) {
-    const Source source(path);
-    std::vector<Pair> pairs;
-    Scanner in(source, {.lines = true, .comments = true});
-    for (; in.next_line_with_items(); in.skip_line()) {
-        const std::int32_t a = read_index(in);
-        in.finished();
-        pairs.push_back({a, read_index(in)});
-    }
-    return pairs;
 }
 
 }  // namespace crumple::io

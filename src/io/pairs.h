@@ -1,9 +1,12 @@
 #pragma once
 
-// What the writers of pairs have in common.
+// What writers, and what readers of pairs have in common.
 
+#include <cstdint>
+#include <optional>
 #include <span>
 #include <string_view>
+#include <utility>
 
 #include "crumple/collisions.h"
 
@@ -20,6 +23,13 @@ inline std::span<const std::array<double, 3>> points_of_pair(const Collisions& c
     return contacts.points.span().subspan(
         static_cast<std::size_t>(contacts.offsets[pair]),
         static_cast<std::size_t>(contacts.offsets[pair + 1] - contacts.offsets[pair]));
+}
+
+/// The index of a triangle, or nothing: ids are int32 and not negative.
+template <class Integer>
+std::optional<std::int32_t> triangle_index(Integer value) {
+    if (!std::in_range<std::int32_t>(value) || value < 0) return std::nullopt;
+    return static_cast<std::int32_t>(value);
 }
 
 }  // namespace crumple::io

@@ -1,6 +1,8 @@
 // Colliding pairs as one JSON object: {"pairs": [[a, b], ...], "contacts": [{"kind": ..., "points": [[x, y, z], ...]},
 // ...], "statistics": {...}}. The long arrays are written directly: a document would take some 100 bytes a number.
 
+#include <cmath>
+
 #include <nlohmann/json.hpp>
 
 #include "io/formats.h"
@@ -11,14 +13,17 @@ namespace crumple::io {
 
 namespace {
 
+/// Clocks tell no more than microseconds.
+double rounded(double milliseconds) { return std::round(milliseconds * 1000) / 1000; }
+
 nlohmann::ordered_json document(const Statistics& statistics) {
     nlohmann::ordered_json stages;
     for (int i = 0; i < stage_count; ++i) {
         const auto stage = static_cast<Stage>(i);
-        stages[std::string(stage_name(stage))] = statistics[stage];
+        stages[std::string(stage_name(stage))] = rounded(statistics[stage]);
     }
     return {
-        {"milliseconds", statistics.milliseconds},
+        {"milliseconds", rounded(statistics.milliseconds)},
         {"stage_milliseconds", stages},
         {"triangles", statistics.triangles},
         {"clusters", statistics.clusters},

@@ -6,29 +6,11 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "collisions.h"
 #include "files.h"
 
 namespace crumple::io::test {
 namespace {
-
-Collisions example(bool contacts) {
-    Collisions c;
-    c.pairs.push_back({0, 2});
-    c.pairs.push_back({0, INT32_MAX});
-    c.pairs.push_back({1, 2});
-    for (const std::int64_t offset : {0, 2, 3, 3}) c.offsets.push_back(offset);
-    for (const std::uint8_t hit : std::vector<std::uint8_t>{1, 1, 1}) c.hit.push_back(hit);
-    c.statistics.pairs = 3;
-    c.statistics.backend = "cpu";
-    c.statistics[Stage::sweep] = 1.5;
-    if (!contacts) return c;
-    for (const ContactKind kind : {ContactKind::point, ContactKind::segment, ContactKind::area}) {
-        c.contacts.kinds.push_back(kind);
-    }
-    for (const std::int64_t offset : {0, 1, 3, 6}) c.contacts.offsets.push_back(offset);
-    for (const double x : {0.1, -2.0, 1e300, 5e-324, 1.0 / 3, 0.0}) c.contacts.points.push_back({x, x, 1});
-    return c;
-}
 
 std::string written(const Collisions& collisions, PairFormat format) {
     std::ostringstream out;
@@ -148,31 +130,6 @@ TEST(Pairs, NumpyLoadsNpz) {
     EXPECT_EQ(
         run("import numpy as np; assert np.load('" + (folder / "empty.npz").string() + "')['pairs'].shape == (0,2)"),
         0);
-}
-
-TEST(Pairs, TextIsReadBack) {
-    const Folder folder;
-    for (const bool contacts : {false, true}) {
-        const Collisions c = example(contacts);
-        write_pairs(folder / "a.txt", c);
-        EXPECT_EQ(read_pairs(folder / "a.txt"), std::vector<Pair>(c.pairs.begin(), c.pairs.end()));
-    }
-    EXPECT_TRUE(read_pairs(folder.write("empty.txt", "")).empty());
-    EXPECT_EQ(read_pairs(folder.write("b.txt", "# a b\r\n3 4\r\n\r\n  5\t6 7 8 # more\n1 2")),
-              (std::vector<Pair>{{3, 4}, {5, 6}, {1, 2}}));
-}
-
-TEST(Pairs, MistakesInTextAreErrorsThatNameTheLine) {
-    const Folder folder;
-    for (const char* const bad :
-         {"1", "a b", "1 b", "-1 2", "1 2147483648", "1.5 2", "1 99999999999999999999", "1,2"}) {
-        const Error error =
-            error_of([&] { read_pairs(folder.write("a.txt", std::string("0 1\n\n") + bad + "\n4 5\n")); });
-        EXPECT_EQ(error.code, ErrorCode::format) << bad;
-        EXPECT_EQ(error.element, Element::line) << bad;
-        EXPECT_EQ(error.index, 3) << error.what();
-    }
-    EXPECT_EQ(error_of([&] { read_pairs(folder / "missing.txt"); }).code, ErrorCode::file);
 }
 
 TEST(Pairs, ContactsOfOtherPairsAreRefused) {
