@@ -25,13 +25,19 @@ enum class Element : std::uint8_t { none, vertex, triangle, group, option, line,
 class Error : public std::runtime_error {
    public:
     explicit Error(ErrorCode code, const std::string& message, Element element = Element::none, std::int64_t index = -1,
-                   std::int64_t bytes_needed = 0)
-        : std::runtime_error(message), code(code), element(element), index(index), bytes_needed(bytes_needed) {}
+                   std::int64_t bytes_needed = 0, int system_error = 0)
+        : std::runtime_error(message),
+          code(code),
+          element(element),
+          index(index),
+          bytes_needed(bytes_needed),
+          system_error(system_error) {}
 
     ErrorCode code;
     Element element;            ///< what `index` counts
     std::int64_t index;         ///< the first offending element, -1 if there is none
     std::int64_t bytes_needed;  ///< memory_limit: the limit, in bytes, that suffices; otherwise 0
+    int system_error;           ///< file: errno, where it was the operating system that refused; otherwise 0
 };
 
 }  // namespace crumple

@@ -10,7 +10,8 @@ namespace crumple::io {
 
 class AtomicFile {
    public:
-    /// Throws Error (file) that names the target: no such folder, a directory, not permitted.
+    /// Throws Error (file) that names the target: no such folder, a directory, a file that
+    /// must not be written, not permitted.
     explicit AtomicFile(const std::filesystem::path& target);
     AtomicFile(const AtomicFile&) = delete;
     AtomicFile& operator=(const AtomicFile&) = delete;
@@ -23,7 +24,8 @@ class AtomicFile {
     void commit();
 
    private:
-    [[noreturn]] void fail(const std::string& reason) const;
+    [[noreturn]] void fail(const std::string& reason, int system_error = 0) const;
+    [[noreturn]] void fail(int system_error) const;
 
     std::filesystem::path target_, written_;
     std::ofstream stream_;

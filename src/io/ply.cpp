@@ -28,6 +28,10 @@ class BodyReader {
         if (!corners_ || !corners_->count_type || !is_integer(corners_->type)) {
             source.fail_at_line(face_.place, "faces have no list of integers 'vertex_indices'");
         }
+        if (!group_property.empty() && !face_.find(source, {group_property})) {
+            throw Error(ErrorCode::invalid_argument,
+                        source.name() + ": its faces have no property " + in_quotes(group_property), Element::option);
+        }
         if (!group_property.empty()) group_ = scalar(face_, group_property);
         if (group_ && !is_integer(group_->type)) {
             source.fail_at_line(face_.place, "face property " + in_quotes(group_property) + " is not an integer");

@@ -42,7 +42,7 @@ std::optional<PlyType> type_named(std::string_view name) {
 /// The header, line by line.
 class HeaderReader {
    public:
-    explicit HeaderReader(const Source& source) : source_(source), next_(source.begin()) {}
+    explicit HeaderReader(const Source& source) : source_(source), next_(source.text_begin()) {}
 
     PlyHeader read() {
         if (Words words = next_line(); words.size() != 1 || words[0] != "ply") fail("not a PLY file");

@@ -18,7 +18,7 @@ Format format_of(const Source& source, const std::string& extension) {
     Scanner in(source, {.lines = true, .comments = true});
     if (in.next_line_with_items()) {
         const std::string_view word = in.word();
-        if (word == "ply" && word.data() == source.begin()) return Format::ply;
+        if (word == "ply" && word.data() == source.text_begin()) return Format::ply;
         if (is_off_header(word)) return Format::off;
         if (starts_obj(word)) return Format::obj;
         if (word.size() == 5 && std::tolower(word[0]) == 's' && word.substr(1) == "olid") return Format::stl;
@@ -51,7 +51,7 @@ TriangleMesh read_mesh(const std::filesystem::path& path, const ReadOptions& opt
     const Source source(path);
     const Format format = format_of(source, extension_of(path));
     if (!options.group_property.empty() && format != Format::ply) {
-        throw Error(ErrorCode::invalid_argument, source.name() + ": only PLY files hold groups", Element::option);
+        throw Error(ErrorCode::invalid_argument, source.name() + ": only PLY files have properties", Element::option);
     }
     try {
         TriangleMesh mesh = read(source, format, options);

@@ -11,8 +11,12 @@ namespace fs = std::filesystem;
 
 namespace {
 
-[[noreturn]] void fail_to_read(const fs::path& path, const std::string& reason) {
-    throw Error(ErrorCode::file, "cannot read " + path.string() + ": " + reason);
+[[noreturn]] void fail_to_read(const fs::path& path, const std::string& reason, int system_error = 0) {
+    throw Error(ErrorCode::file, "cannot read " + path.string() + ": " + reason, Element::none, -1, 0, system_error);
+}
+
+[[noreturn]] void fail_to_read(const fs::path& path, int system_error) {
+    fail_to_read(path, std::generic_category().message(system_error), system_error);
 }
 
 }  // namespace
@@ -20,14 +24,14 @@ namespace {
 Source::Source(const fs::path& path) : name_(path.string()) {
     std::error_code error;
     const fs::file_status status = fs::status(path, error);
-    if (error) fail_to_read(path, error.message());
-    if (fs::is_directory(status)) fail_to_read(path, "it is a directory");
+    if (error) fail_to_read(path, error.value());
+    if (fs::is_directory(status)) fail_to_read(path, "it is a directory", EISDIR);
     // Pipes end; devices such as /dev/zero need not.
     if (!fs::is_regular_file(status) && !fs::is_fifo(status)) fail_to_read(path, "it is not a file");
 
     errno = 0;
     std::ifstream in(path, std::ios::binary);
-    if (!in) fail_to_read(path, std::generic_category().message(errno));
+    if (!in) fail_to_read(path, errno);
     const std::uintmax_t hint = fs::is_regular_file(status) ? fs::file_size(path, error) : 0;
     try {
         bytes_.resize(std::max<std::size_t>(error ? 0 : hint, 4095) + 1);  // one more, to see the end in one go
@@ -40,9 +44,9 @@ Source::Source(const fs::path& path) : name_(path.string()) {
         }
         bytes_.resize(size);
     } catch (const std::bad_alloc&) {
-        fail_to_read(path, "it does not fit in memory");
+        fail_to_read(path, "it does not fit in memory", ENOMEM);
     }
-    if (in.bad()) fail_to_read(path, std::generic_category().message(errno));
+    if (in.bad()) fail_to_read(path, errno);
 }
 
 void Source::fail_at_line(const char* place, const std::string& what) const {

@@ -17,6 +17,8 @@ class Source {
     explicit Source(const std::filesystem::path& path);
 
     const char* begin() const { return bytes_.begin(); }
+    /// Where text begins: after the byte order mark that some editors put before UTF-8.
+    const char* text_begin() const { return begin() + (text().starts_with("\xef\xbb\xbf") ? 3 : 0); }
     const char* end() const { return bytes_.end(); }
     std::string_view text() const { return {bytes_.data(), bytes_.size()}; }
     const std::string& name() const { return name_; }

@@ -50,7 +50,7 @@ class Scanner {
 
     Scanner(const Source& source, Syntax syntax, const char* begin)
         : source_(source), syntax_(syntax), p_(begin), end_(source.end()) {}
-    Scanner(const Source& source, Syntax syntax) : Scanner(source, syntax, source.begin()) {}
+    Scanner(const Source& source, Syntax syntax) : Scanner(source, syntax, source.text_begin()) {}
 
     const char* position() const { return p_; }
     std::size_t remaining() const { return static_cast<std::size_t>(end_ - p_); }

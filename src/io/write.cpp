@@ -25,7 +25,7 @@ void validate(const TriangleMesh& mesh) {
         throw Error(ErrorCode::invalid_argument, "more vertices or triangles than 32-bit ids can name");
     }
     if (!mesh.groups.empty() && static_cast<std::int64_t>(mesh.groups.size()) != mesh.triangle_count()) {
-        throw Error(ErrorCode::invalid_argument, std::to_string(mesh.groups.size()) + " groups for " +
+        throw Error(ErrorCode::invalid_argument, "the mesh has " + std::to_string(mesh.groups.size()) + " groups for " +
                                                      std::to_string(mesh.triangle_count()) + " triangles");
     }
     std::visit(

@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <cerrno>
 #include <cfenv>
 #include <cmath>
 
@@ -153,6 +154,26 @@ TEST(Read, GroupsAreOnlyInPly) {
             EXPECT_EQ(error.code, ErrorCode::invalid_argument);
         }
     }
+}
+
+TEST(Read, AByteOrderMarkBeforeTextIsNoPartOfIt) {
+    const std::string mark = "\xef\xbb\xbf";
+    for (const Sample& sample : samples()) {
+        const bool text = sample.name.starts_with("ascii") || sample.name.starts_with("square");
+        if (!text) continue;
+        SCOPED_TRACE(sample.name);
+        for (const std::string& name : {sample.name, std::string("unnamed")})
+            expect_same(read_bytes(mark + sample.bytes, name, {.precision = Precision::float64}), sample_mesh());
+    }
+    expect_bad(mark + "v 0 0 0\nv 1 x 0\n", "a.obj", Element::line, 2, "'x'");
+    expect_bad(mark + mark + "v 0 0 0\n", "a.obj", Element::line, 1, "unknown statement");
+}
+
+TEST(Read, TheOperatingSystemsReasonIsTold) {
+    const Folder folder;
+    EXPECT_EQ(error_of([&] { read_mesh(folder / "missing.ply"); }).system_error, ENOENT);
+    EXPECT_EQ(error_of([&] { read_mesh(folder.path()); }).system_error, EISDIR);
+    EXPECT_EQ(error_of([&] { read_bytes("OFF\n", "a.off"); }).system_error, 0);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <csignal>
 #include <limits>
 
@@ -79,6 +80,32 @@ TEST(Write, ALinkStaysALink) {
     write_mesh(folder / "link.ply", sample_mesh());
     EXPECT_TRUE(fs::is_symlink(folder / "link.ply"));
     expect_same(read_mesh(folder / "target.ply"), sample_mesh());
+}
+
+TEST(Write, AFileThatMustNotBeWrittenStays) {
+    const Folder folder;
+    const fs::path path = folder.write("a.ply", "old");
+    fs::permissions(path, fs::perms::owner_read);
+    // To root every file is writable, so this is for nobody to try.
+    constexpr uid_t nobody = 65534;
+    const bool root = geteuid() == 0;
+    if (root &&
+        (chown(folder.path().c_str(), nobody, nobody) || chown(path.c_str(), nobody, nobody) || seteuid(nobody)))
+        GTEST_SKIP() << "root cannot become somebody else here";
+    std::optional<Error> error;
+    try {
+        write_mesh(path, sample_mesh());
+    } catch (const Error& caught) {
+        error = caught;
+    }
+    if (root) {
+        ASSERT_EQ(seteuid(0), 0);
+    }
+    ASSERT_TRUE(error) << "it was replaced";
+    EXPECT_EQ(error->code, ErrorCode::file);
+    EXPECT_EQ(error->system_error, EACCES) << error->what();
+    EXPECT_EQ(bytes_of(path), "old");
+    EXPECT_EQ(files_in(folder.path()), 1u);
 }
 
 TEST(Write, ADeviceIsWrittenAndNotReplaced) {
