@@ -27,7 +27,7 @@ struct Detect {
         return e == ".ply" || e == ".obj" || e == ".glb";
     }
 
-    void check_outputs() const {
+    void check_output_formats() const {
         for (const std::string& path : outputs) {
             if (!is_list(path) && !is_picture(path)) {
                 throw Error(ErrorCode::invalid_argument,
@@ -43,7 +43,8 @@ struct Detect {
     }
 
     int run() const {
-        check_outputs();
+        check_output_formats();
+        check_outputs(outputs, files, answer);
         Search search(answer, options);
         const Input input = read_input(files, answer);
         const Collisions& found = search.find(input);

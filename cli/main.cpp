@@ -7,6 +7,7 @@
 
 #include "cli/commands.h"
 #include "cli/help.h"
+#include "cli/misuse.h"
 #include "cli/terminal.h"
 #include "crumple/error.h"
 #include "crumple/version.h"
@@ -19,6 +20,7 @@ int run(int argc, char** argv) {
     CLI::App app("Crumple finds every pair of colliding triangles, exactly.", "crumple");
     app.formatter(std::make_shared<Help>());
     app.set_version_flag("--version", "crumple " CRUMPLE_VERSION, "Print the version and exit");
+    app.require_subcommand(0, 1);  // so that a file may be called like a command
     app.footer(
         "Exit status: 0 done; 1 something collides (with --check) or a list is wrong (verify); 2 wrong use or bad\n"
         "input; 3 out of memory, with the limit that suffices; 130 interrupted.\n\n"
@@ -29,7 +31,7 @@ int run(int argc, char** argv) {
     } catch (const CLI::Success& success) {
         return app.exit(success);  // prints help or version
     } catch (const CLI::ParseError& error) {
-        print_error(error.what());
+        print_error(explain(error, app));
         return failed;
     }
     for (const Command& command : commands) {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 #include <string_view>
+#include <system_error>
 
 #include "crumple/error.h"
 
@@ -126,6 +127,19 @@ void check_cost_options(const Options& options) {
     if (options.backend != Backend::reference) return;
     if (options.threads) fail("--threads does not apply to --backend reference, which has one thread");
     if (options.clusters) fail("--clusters does not apply to --backend reference, which has none");
+}
+
+void check_outputs(const std::vector<std::string>& outputs, std::vector<std::string> inputs,
+                   const AnswerOptions& options) {
+    inputs.push_back(options.groups);
+    for (const std::string& output : outputs) {
+        for (const std::string& input : inputs) {
+            std::error_code missing;  // then they are not the same file
+            if (!std::filesystem::equivalent(output, input, missing)) continue;
+            throw Error(ErrorCode::invalid_argument, "-o " + output + " would overwrite the input " + input,
+                        Element::option);
+        }
+    }
 }
 
 std::string extension_of(const std::string& path) {

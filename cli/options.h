@@ -46,6 +46,10 @@ void add_cost_options(CLI::App& app, Options& options);
 /// Throws Error (invalid_argument) for options that the backend has no use for.
 void check_cost_options(const Options& options);
 
+/// Throws Error (invalid_argument) if what is to be written is one of the files that are read, under whatever name.
+void check_outputs(const std::vector<std::string>& outputs, std::vector<std::string> inputs,
+                   const AnswerOptions& options);
+
 /// Lower case, with its dot; empty if there is none.
 std::string extension_of(const std::string& path);
 

@@ -1,9 +1,6 @@
 #include "cli/search.h"
 
-#include <charconv>
 #include <filesystem>
-#include <fstream>
-#include <string_view>
 
 #ifdef CRUMPLE_WITH_TBB
 #include <tbb/global_control.h>
@@ -11,28 +8,23 @@
 
 #include "cli/topology.h"
 #include "crumple/error.h"
+#include "io/text.h"
 
 namespace crumple::cli {
 namespace {
 
-/// One integer a line. Throws Error (file, format) that names the line.
+/// One integer a line; blank lines and comments (#) are skipped. Throws Error (file, format) that names the line.
 std::vector<std::int32_t> read_groups(const std::string& path) {
-    std::ifstream in(path);
-    if (!in) throw Error(ErrorCode::file, "cannot read " + path);
+    const io::Source source(path);
+    io::Scanner in(source, {.lines = true, .comments = true});
     std::vector<std::int32_t> groups;
-    for (std::string line; std::getline(in, line);) {
-        while (!line.empty() && (line.back() == '\r' || line.back() == ' ')) line.pop_back();
-        const char* const end = line.data() + line.size();
-        std::int32_t group = 0;
-        const auto [last, error] = std::from_chars(line.data(), end, group);
-        if (error != std::errc() || last != end) {
-            const auto number = static_cast<std::int64_t>(groups.size()) + 1;
-            throw Error(ErrorCode::format, path + ", line " + std::to_string(number) + ": not one integer of 32 bits",
-                        Element::line, number);
-        }
-        groups.push_back(group);
+    for (; in.next_line_with_items(); in.skip_line()) {
+        const char* const place = in.position();
+        const std::int64_t group = in.integer("a group");
+        if (group != static_cast<std::int32_t>(group)) in.fail(place, "a group does not fit in 32 bits");
+        if (!in.finished()) in.fail("a group of one triangle a line is expected, and the line goes on");
+        groups.push_back(static_cast<std::int32_t>(group));
     }
-    if (in.bad()) throw Error(ErrorCode::file, "cannot read " + path);
     return groups;
 }
 
@@ -54,6 +46,17 @@ void group_by_file(Input& input, const std::string& path) {
     if (input.second) input.second->groups.assign(middle, groups.end());
 }
 
+/// A name that is no property of the mesh may have been meant as that of a file.
+io::TriangleMesh read_mesh(const std::string& path, const io::ReadOptions& how) {
+    try {
+        return io::read_mesh(path, how);
+    } catch (const Error& error) {
+        if (how.group_property.empty() || error.element != Element::option) throw;
+        throw Error(ErrorCode::invalid_argument,
+                    "--groups " + how.group_property + ": there is no such file, and " + error.what(), Element::option);
+    }
+}
+
 }  // namespace
 
 io::ReadOptions read_options(const ReadingOptions& options) {
@@ -67,10 +70,10 @@ Input read_input(const std::vector<std::string>& files, const AnswerOptions& opt
     const bool from_file = !components && std::filesystem::exists(options.groups);
     if (!components && !from_file) how.group_property = options.groups;
 
-    Input input{files[0], io::read_mesh(files[0], how), {}};
+    Input input{files[0], read_mesh(files[0], how), {}};
     if (files.size() > 1) {
         input.name += ", " + files[1];
-        input.second = io::read_mesh(files[1], how);
+        input.second = read_mesh(files[1], how);
     }
     if (components) group_by_components(input);
     if (from_file) group_by_file(input, options.groups);

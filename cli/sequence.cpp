@@ -1,10 +1,16 @@
 // crumple sequence: the frames of an animation, one after another, by one detector that stays warm.
 //
-// Every frame is a row, written as soon as it is known, so that what there is survives an interruption.
+// Every frame is a row, written as soon as it is known, so that what there is survives an interruption. A file is not
+// touched before the first row.
 
+#include <cerrno>
+#include <cmath>
 #include <csignal>
+#include <cstring>
 #include <fstream>
+#include <functional>
 #include <memory>
+#include <optional>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -58,13 +64,17 @@ class Rows {
         out_ << '\n';
     }
     void add_json(const std::string& frame, const Statistics& s) {
-        nlohmann::ordered_json row{
-            {"frame", frame}, {"triangles", s.triangles}, {"pairs", s.pairs}, {"milliseconds", s.milliseconds}};
+        nlohmann::ordered_json row{{"frame", frame},
+                                   {"triangles", s.triangles},
+                                   {"pairs", s.pairs},
+                                   {"milliseconds", rounded(s.milliseconds)}};
         for (int i = 0; i < stage_count; ++i) {
-            row[std::string(stage_name(static_cast<Stage>(i)))] = s[static_cast<Stage>(i)];
+            row[std::string(stage_name(static_cast<Stage>(i)))] = rounded(s[static_cast<Stage>(i)]);
         }
         out_ << (count_ ? ",\n" : "\n") << row.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
     }
+    /// Clocks tell no more than microseconds.
+    static double rounded(double milliseconds) { return std::round(milliseconds * 1000) / 1000; }
     static std::string quoted(const std::string& text) {
         if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
         std::string result = "\"";
@@ -90,41 +100,52 @@ struct Sequence {
             throw Error(ErrorCode::invalid_argument, output + ": a sequence is written as .csv or .json");
         }
         if (json && extension == ".csv") throw Error(ErrorCode::invalid_argument, output + ": --json writes no .csv");
+        check_outputs({output}, frames, answer);
         Search search(answer, options);
         if (output.empty()) {
             int status = done;
-            to_standard_output([&](std::ostream& out) { status = find(search, out, json); });
+            to_standard_output([&](std::ostream& out) {
+                status = find(
+                    search, [&]() -> auto& { return out; }, json);
+            });
             return status;
         }
-        std::ofstream file(output);
-        if (!file) throw Error(ErrorCode::file, "cannot write " + output);
-        const int status = find(search, file, extension == ".json");
+        std::ofstream file;
+        const auto open = [&]() -> std::ostream& {
+            file.open(output);
+            if (!file) throw Error(ErrorCode::file, "cannot write " + output + ": " + std::strerror(errno));
+            return file;
+        };
+        const int status = find(search, open, extension == ".json");
         if (!file) throw Error(ErrorCode::file, "cannot write " + output);
         return status;
     }
 
-    int find(Search& search, std::ostream& out, bool as_json) const {
+    /// `open` is called for the first row.
+    int find(Search& search, const std::function<std::ostream&()>& open, bool as_json) const {
         catch_interrupt();
         Statistics sum;
         std::int64_t hits = 0;
-        Rows rows(out, as_json);
+        std::ostream* out = nullptr;
+        std::optional<Rows> rows;
         Progress progress(frames.size());
         std::size_t i = 0;
         try {
-            for (; i < frames.size() && !stop && out; ++i) {
+            for (; i < frames.size() && !stop && (!out || *out); ++i) {
                 progress.show(i, frames[i]);
                 const Collisions& found = search.find(read_input({frames[i]}, answer));
                 progress.clear();
-                rows.add(frames[i], found.statistics);
+                if (!out) rows.emplace(*(out = &open()), as_json);
+                rows->add(frames[i], found.statistics);
                 add(sum, found.statistics);
                 hits += count_hits(found);
             }
         } catch (...) {
             progress.clear();
-            rows.finish();
+            if (rows) rows->finish();
             throw;
         }
-        rows.finish();
+        if (rows) rows->finish();
         if (stats) print_statistics(sum, hits);
         if (stop) {
             print_error(fmt::format("interrupted after {} of {} frames", i, frames.size()));

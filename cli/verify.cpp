@@ -78,9 +78,11 @@ Command add_verify(CLI::App& app) {
     CLI::App& command =
         *app.add_subcommand("verify", "Tell whether a list of pairs is the whole answer and nothing else");
     command
-        .add_option("FILE", verify->files,
-                    "One mesh or two, then a list of pairs: the first two integers of each line, in any order")
-        ->type_name("FILE [FILE_B] PAIRS.txt")
+        .add_option(
+            "FILE", verify->files,
+            "One mesh or two, then a list of pairs in any order: a .csv, .json or .npz as detect -o writes it, or "
+            "text, the first two integers of each line")
+        ->type_name("FILE [FILE_B] PAIRS")
         ->required()
         ->expected(2, 3);
     add_answer_options(command, verify->answer);

@@ -19,12 +19,15 @@ class Misuse : public Cli {
 
 TEST_F(Misuse, OfTheCommandLine) {
     expect_refused("", "detect, sequence, info, verify or make");
-    expect_refused("dettect five.off", "dettect");
-    expect_refused("detect", "FILE");
-    expect_refused("detect five.off five.off five.off", "At Most 2");
-    expect_refused("detect five.off --fast", "--fast");
-    expect_refused("detect five.off -o", "--output");
-    expect_refused("verify five.off", "FILE");
+    expect_refused("dettect five.off", "dettect is no command: detect, sequence, info, verify or make");
+    expect_refused("--fast", "crumple has no option --fast");
+    expect_refused("detect", "detect: FILE is required");
+    expect_refused("detect five.off five.off five.off", "FILE is given 3 times, and at most 2 are possible");
+    expect_refused("detect five.off --fast", "detect has no option --fast");
+    expect_refused("detect five.off --threads 1 --threads 2", "--threads is given 2 times, and at most 1 is possible");
+    expect_refused("detect five.off -o", "--output needs a value: OUT");
+    expect_refused("verify five.off", "FILE: at least 2 are needed, not 1");
+    expect_refused("info five.off five.off", "info has no use for the argument five.off");
     expect_refused("sequence", "FRAME");
     expect_refused("info", "FILE");
     expect_refused("info five.off --neighbours skip", "--neighbours");
@@ -55,7 +58,7 @@ TEST_F(Misuse, OfNumbers) {
 }
 
 TEST_F(Misuse, OfOptionsThatDoNotGoTogether) {
-    expect_refused("detect five.off --weld --no-weld", "excludes");
+    expect_refused("detect five.off --weld --no-weld", "exclude each other");
     expect_refused("detect five.off --wanted between", "need --groups");
     expect_refused("detect five.off --wanted within", "need --groups");
     expect_refused("detect five.off --groups components", "--wanted");
@@ -66,12 +69,32 @@ TEST_F(Misuse, OfOptionsThatDoNotGoTogether) {
 }
 
 TEST_F(Misuse, OfOutputs) {
+    write("g.txt", "0\n0\n0\n0\n0\n");
     expect_refused("detect five.off -o x.doc", "x.doc");
     expect_refused("detect five.off -o x", ".txt, .csv, .json or .npz");
     expect_refused("detect five.off -o no/such/folder.txt", "no/such");
     expect_refused("sequence five.off -o x.txt", ".csv or .json");
     expect_refused("sequence five.off -o no/such/folder.csv", "no/such");
+    expect_refused("detect five.off --groups g.txt --wanted between -o g.txt", "the input g.txt");
+    EXPECT_EQ(read("g.txt"), "0\n0\n0\n0\n0\n");
     EXPECT_EQ(crumple("detect missing.off -o x.doc").err.find("missing"), std::string::npos) << "outputs first";
+}
+
+TEST_F(Misuse, OfAnInputAsOutput) {
+    ASSERT_EQ(crumple("detect five.off -o five.ply").status, 0);
+    ASSERT_EQ(shell("ln -s five.ply link.ply; ln five.ply twin.ply; mkdir sub; cp five.ply a.csv").status, 0);
+    const std::string before = read("five.ply");
+    for (const char* const output : {"five.ply", "./sub/../five.ply", "link.ply", "twin.ply"}) {
+        const std::string o = std::string(" -o ") + output;
+        expect_refused("detect five.ply" + o, "would overwrite the input five.ply");
+        expect_refused("detect five.off five.ply" + o, "would overwrite the input five.ply");
+        expect_refused("detect five.ply -o x.txt" + o, "would overwrite the input five.ply");
+    }
+    expect_refused("detect link.ply -o five.ply", "would overwrite the input link.ply");
+    expect_refused("sequence five.off a.csv -o a.csv", "would overwrite the input a.csv");
+    EXPECT_EQ(read("five.ply"), before);
+    EXPECT_EQ(read("a.csv"), before);
+    EXPECT_FALSE(fs::exists(file("x.txt")));
 }
 
 TEST_F(Misuse, OfGroups) {
@@ -82,6 +105,10 @@ TEST_F(Misuse, OfGroups) {
     expect_refused("detect five.off --wanted between --groups words.txt", "words.txt, line 3");
     expect_refused("detect five.off --wanted between --groups large.txt", "large.txt, line 5");
     expect_refused("detect five.off --wanted between --groups part", "five.off");
+    expect_refused("detect five.off --wanted between --groups none.txt", "--groups none.txt: there is no such file");
+    ASSERT_EQ(crumple("detect five.off -o five.ply").status, 0);
+    expect_refused("detect five.ply --wanted between --groups none.txt",
+                   "no such file, and five.ply: its faces have no");
 }
 
 TEST_F(Misuse, OfFiles) {
@@ -112,6 +139,11 @@ TEST_F(Misuse, OfFiles) {
 TEST_F(Misuse, OfABadSecondFileNamesIt) {
     write("index.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n");
     expect_refused("detect five.off index.off", "index.off, line 6");
+}
+
+TEST_F(Misuse, AFileCalledLikeACommandIsNone) {
+    write("info", five_off);
+    EXPECT_EQ(crumple("detect info").out, five_pairs);
 }
 
 TEST_F(Misuse, HelpIsNoMisuse) {

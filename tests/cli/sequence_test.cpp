@@ -93,6 +93,23 @@ TEST_F(Sequence, KeepsTheRowsBeforeABadFrame) {
     EXPECT_EQ(nlohmann::json::parse(read("t.json")).size(), 1u);
 }
 
+TEST_F(Sequence, TouchesNoFileBeforeTheFirstRow) {
+    write("old.csv", "precious\n");
+    EXPECT_EQ(crumple("sequence missing.off a.off -o old.csv").status, 2);
+    EXPECT_EQ(read("old.csv"), "precious\n");
+    EXPECT_EQ(crumple("sequence missing.off -o new.json").status, 2);
+    EXPECT_FALSE(fs::exists(file("new.json")));
+    EXPECT_EQ(crumple("sequence a.off -o old.csv").status, 0);
+    EXPECT_EQ(lines(read("old.csv")).size(), 2u);
+}
+
+TEST_F(Sequence, WritesTimesInMicroseconds) {
+    for (const auto& row : nlohmann::json::parse(crumple("sequence --json a.off a.off").out)) {
+        const std::string time = row["milliseconds"].dump();
+        EXPECT_LE(time.size() - std::min(time.find('.'), time.size()), 4u) << time;
+    }
+}
+
 TEST_F(Sequence, SurvivesCtrlC) {
     EXPECT_EQ(interrupt("t.csv"), 130);
     const auto rows = lines(read("t.csv"));

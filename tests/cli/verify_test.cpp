@@ -25,6 +25,14 @@ TEST_F(Verify, AcceptsTheAnswerInAnyOrder) {
     }
 }
 
+TEST_F(Verify, ReadsWhatDetectWrites) {
+    for (const char* list : {"a.txt", "a.csv", "a.json", "a.npz"}) {
+        ASSERT_EQ(crumple(std::string("detect five.off two.off --contacts -o ") + list).status, 0);
+        EXPECT_EQ(crumple(std::string("verify five.off two.off ") + list).status, 0) << list;
+        EXPECT_EQ(crumple(std::string("verify two.off five.off ") + list).status, 1) << list;
+    }
+}
+
 TEST_F(Verify, NamesWhatIsWrong) {
     const Outcome outcome = verify("0 1\n1 2\n0 1\n2 2\n0 3\n1 0\n2 9\n");
     EXPECT_EQ(outcome.status, 1);

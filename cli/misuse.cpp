@@ -1,0 +1,78 @@
+// Wrong use in plain words: CLI11 tells what its parser expected, which is not always what a user can mend.
+
+#include "cli/misuse.h"
+
+#include <algorithm>
+#include <regex>
+#include <vector>
+
+namespace crumple::cli {
+namespace {
+
+bool is_option(const std::string& word) { return word.size() > 1 && word[0] == '-'; }
+
+std::string commands_of(const CLI::App& app) {
+    std::string names;
+    const auto commands = app.get_subcommands([](const CLI::App*) { return true; });
+    for (const CLI::App* command : commands) {
+        names += names.empty() ? "" : command == commands.back() ? " or " : ", ";
+        names += command->get_name();
+    }
+    return names;
+}
+
+/// Words that nothing takes.
+std::string explain_extras(const CLI::App& app) {
+    std::vector<std::string> words = app.remaining(true);
+    const auto option = std::find_if(words.begin(), words.end(), is_option);
+    const bool known_command = !app.get_subcommands().empty();
+    const std::string command = known_command ? app.get_subcommands()[0]->get_name() : "crumple";
+    if (option != words.end() && (known_command || words.front() == *option)) {
+        return command + " has no option " + *option + "; see crumple " + (known_command ? command + " " : "") +
+               "--help";
+    }
+    if (!known_command) return words.front() + " is no command: " + commands_of(app);
+    return command + " has no use for the argument " + words.front() + "; see crumple " + command + " --help";
+}
+
+/// "--triangles: At Most 1 required but received 2", "--output: 1 required OUT missing".
+std::string explain_count(const std::string& message) {
+    std::smatch part;
+    if (std::regex_match(message, part, std::regex("(.+): At Most (\\d+) required but received (\\d+)"))) {
+        return part[1].str() + " is given " + part[3].str() + " times, and at most " + part[2].str() +
+               (part[2] == "1" ? " is possible" : " are possible");
+    }
+    if (std::regex_match(message, part, std::regex("(.+): At least (\\d+) required but received (\\d+)"))) {
+        return part[1].str() + ": at least " + part[2].str() + " are needed, not " + part[3].str();
+    }
+    if (std::regex_match(message, part, std::regex("(.+): \\d+ required (.+) missing"))) {
+        return part[1].str() + " needs a value: " + part[2].str();
+    }
+    return message;
+}
+
+/// "Could not convert: --frame = x".
+std::string explain_value(const std::string& message) {
+    std::smatch part;
+    if (!std::regex_match(message, part, std::regex("Could not convert: (\\S+) = (.*)"))) return message;
+    return part[1].str() + ": " + part[2].str() + " is not what it takes";
+}
+
+}  // namespace
+
+std::string explain(const CLI::ParseError& error, const CLI::App& app) {
+    const std::string message = error.what();
+    if (dynamic_cast<const CLI::ExtrasError*>(&error)) return explain_extras(app);
+    if (dynamic_cast<const CLI::ArgumentMismatch*>(&error)) return explain_count(message);
+    if (dynamic_cast<const CLI::ConversionError*>(&error)) return explain_value(message);
+    if (dynamic_cast<const CLI::ExcludesError*>(&error)) {
+        return std::regex_replace(message, std::regex("(.+) excludes (.+)"), "$1 and $2 exclude each other");
+    }
+    const auto commands = app.get_subcommands();
+    if (dynamic_cast<const CLI::RequiredError*>(&error) && !commands.empty()) {
+        return commands[0]->get_name() + ": " + message + "; see crumple " + commands[0]->get_name() + " --help";
+    }
+    return message;
+}
+
+}  // namespace crumple::cli
