@@ -20,7 +20,7 @@ from ._detector import (
     has_intersections,
     has_intersections_between,
 )
-from ._errors import BackendUnavailable, Error, FileError, InvalidInput, MemoryLimit
+from ._errors import BackendUnavailable, Error, FileError, InvalidInput, InvalidType, MemoryLimit
 from ._files import Scene, make_scene, read_mesh, read_pairs, scenes, write_mesh
 from ._mesh import Mesh, as_mesh
 from ._result import ContactKind, Contacts, Result
@@ -33,6 +33,7 @@ __all__ = [
     "Error",
     "FileError",
     "InvalidInput",
+    "InvalidType",
     "MemoryLimit",
     "Mesh",
     "Part",

@@ -21,9 +21,9 @@ Simd = Literal["automatic", "scalar", "sse4", "avx2", "avx512", "neon"]
 GroupPairs = Iterable[tuple[int, int]]
 
 
-def _mesh(vertices: Any, faces: Any, groups: Any) -> Mesh:
+def _mesh(vertices: Any, faces: Any, groups: Any) -> tuple[Any, Any, Any]:
     if faces is not None:
-        return Mesh(vertices, faces, groups)
+        return vertices, faces, groups
     mesh = as_mesh(vertices)
     return mesh if groups is None else mesh._replace(groups=groups)
 
@@ -127,8 +127,9 @@ class Detector:
         pairs of boxes that overlap; contacts take about a microsecond a pair.
         """
         mesh = _mesh(vertices, faces, groups)
-        found = self._core.find(mesh, None, part, neighbours, intersections, weld, contacts, wanted, excluded_groups)
-        return Result(found, mesh, None, contacts, copy)
+        return self._core.find(
+            mesh, None, part, neighbours, intersections, weld, contacts, wanted, excluded_groups, copy
+        )
 
     def find_between(
         self,
@@ -151,8 +152,9 @@ class Detector:
         mesh is float64, both are computed in float64. Otherwise as find_self, errors and cost included.
         """
         first, second = as_mesh(a), as_mesh(b)
-        found = self._core.find(first, second, part, neighbours, intersections, weld, contacts, wanted, excluded_groups)
-        return Result(found, first, second, contacts, copy)
+        return self._core.find(
+            first, second, part, neighbours, intersections, weld, contacts, wanted, excluded_groups, copy
+        )
 
     def has_intersections(
         self,

@@ -1,5 +1,7 @@
 """Every failure of the library, with the sentence and the place that the C++ library gives."""
 
+import os
+
 
 class Error(Exception):
     """Base of all of crumple's exceptions. The detector that raised one stays usable.
@@ -39,6 +41,10 @@ class InvalidInput(Error, ValueError):
     """An array, an option or a file's content makes no sense: its shape, its type, NaN, an index out of range."""
 
 
+class InvalidType(InvalidInput, TypeError):
+    """An argument is of a type that cannot be one."""
+
+
 class MemoryLimit(Error, MemoryError):
     """Records or result do not fit the detector's memory limit; `bytes_needed` is a limit that suffices."""
 
@@ -48,4 +54,23 @@ class BackendUnavailable(Error):
 
 
 class FileError(Error, OSError):
-    """A file cannot be opened, read or written."""
+    """A file cannot be opened, read or written.
+
+    Attributes:
+        errno, strerror: as of OSError; None where it was not the operating system that refused.
+    """
+
+    def __init__(self, message: str, *, errno: int | None = None, **place) -> None:
+        super().__init__(message, **place)
+        if errno:
+            self.errno, self.strerror = errno, os.strerror(errno)
+
+    def __str__(self) -> str:
+        return self.args[0]
+
+    def __reduce__(self):
+        return _restore_file_error, (self.args[0], self.errno, self.code, self.element, self.index)
+
+
+def _restore_file_error(message, errno, code, element, index):
+    return FileError(message, errno=errno, code=code, element=element, index=index)

@@ -45,7 +45,11 @@ def write_mesh(path: str | os.PathLike[str], mesh: Any) -> None:
 
 
 def read_pairs(path: str | os.PathLike[str]) -> NDArray[np.int32]:
-    """(k, 2) int32: the first two numbers of each line of a text, in file order. Raises FileError, InvalidInput."""
+    """(k, 2) int32: the pairs of a file, in its order.
+
+    .csv, .json and .npz are read as Result.save writes them; any other file is text, the first two numbers of each line.
+    Raises FileError, InvalidInput.
+    """
     return _core.read_pairs(path)
 
 
@@ -63,13 +67,13 @@ def scenes() -> list[Scene]:
     return [Scene(*description) for description in _core.scenes()]
 
 
-def make_scene(name: str, *, triangles: int = 0, frame: int = 0, seed: int = 1) -> Mesh:
+def make_scene(name: str, *, triangles: int = 0, frame: int | None = None, seed: int = 1) -> Mesh:
     """Makes a procedural scene, the same bits on every machine.
 
     Args:
         name: one of those that scenes() lists, for instance "cloth".
         triangles: about how many; 0: the scene's default.
-        frame: of an animation, from 0.
+        frame: of an animation, from 0; None: the last.
         seed: other numbers give other scenes of the same kind.
 
     Returns a Mesh with groups. Raises InvalidInput.

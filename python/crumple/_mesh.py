@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from ._errors import InvalidInput
+from ._errors import InvalidInput, InvalidType
 
 
 class Mesh(NamedTuple):
@@ -49,9 +49,13 @@ def as_mesh(mesh: Any) -> Mesh:
         return _from_open3d(mesh)
     if hasattr(mesh, "vertex") and hasattr(mesh, "triangle"):
         return Mesh(mesh.vertex.positions, mesh.triangle.indices)
-    raise InvalidInput(
-        f"a mesh must be crumple.Mesh, a tuple (vertices, faces), or of trimesh, meshio, Open3D or PyVista, "
-        f"not {type(mesh).__module__}.{type(mesh).__qualname__}"
+    if isinstance(mesh, tuple):
+        given = f"a tuple of {len(mesh)}"
+    else:
+        given = f"{type(mesh).__module__}.{type(mesh).__qualname__}".removeprefix("builtins.")
+    raise InvalidType(
+        "a mesh must be crumple.Mesh, a tuple (vertices, faces) or (vertices, faces, groups), or of trimesh, meshio, "
+        f"Open3D or PyVista, not {given}"
     )
 
 

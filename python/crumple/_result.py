@@ -8,8 +8,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ._core import Collisions, Statistics
-from ._errors import InvalidInput
+from ._core import Collisions, Statistics, set_result_class
+from ._errors import FileError, InvalidInput, InvalidType
 from ._mesh import Mesh
 
 if TYPE_CHECKING:
@@ -64,7 +64,7 @@ class Contacts:
         return f"<crumple.Contacts: {len(self)} pairs, {len(self.points)} points>"
 
 
-class Result:
+class Result(Collisions):
     """Every colliding pair, once, in lexicographic order: the same bytes from every backend and thread count.
 
     A result belongs to whoever holds it: it outlives the detector, and no later call changes it. Its arrays are
@@ -75,15 +75,13 @@ class Result:
     show, save and to_html, but not copies: pictures show what is in them then.
     """
 
-    def __init__(self, collisions: Collisions, first: Mesh, second: Mesh | None, contacts: bool, copy: bool) -> None:
-        self._collisions = collisions
-        self._meshes = (first, second)
-        self._has_contacts = contacts
-        self._copy = copy
-
     def _array(self, name: str) -> Any:
-        array = getattr(self._collisions, name)
+        array = getattr(self, "_" + name)
         return array.copy() if self._copy else array
+
+    @property
+    def _meshes(self) -> tuple[Mesh, Mesh | None]:
+        return Mesh(*self._first), None if self._second is None else Mesh(*self._second)
 
     @cached_property
     def pairs(self) -> NDArray[np.int32]:
@@ -115,10 +113,7 @@ class Result:
     @cached_property
     def statistics(self) -> Statistics:
         """Counts and times of the stages."""
-        return self._collisions.statistics
-
-    def __len__(self) -> int:
-        return len(self._collisions)
+        return self._statistics
 
     def __repr__(self) -> str:
         s = self.statistics
@@ -144,24 +139,33 @@ class Result:
 
         Raises InvalidInput for other extensions, FileError, and ModuleNotFoundError without PyVista.
         """
-        extension = Path(path).suffix.lower()
+        try:
+            name = os.fsdecode(path)
+        except TypeError:
+            kind = "None" if path is None else type(path).__name__
+            raise InvalidType(f"path must be a str, bytes or os.PathLike, not {kind}") from None
+        extension = Path(name).suffix.lower()
         if extension in _PAIR_FILES:
             from ._core import write_pairs
 
-            write_pairs(path, self._collisions)
+            write_pairs(path, self)
         elif extension in _MESH_FILES:
             from ._core import write_coloured
 
-            write_coloured(path, *self._meshes, self._collisions)
+            write_coloured(path, *self._meshes, self)
         elif extension == ".html":
-            Path(path).write_text(self.to_html(**options), encoding="utf-8")
+            page = self.to_html(**options)
+            try:
+                Path(name).write_text(page, encoding="utf-8")
+            except OSError as error:
+                raise FileError(f"cannot write {name}: {error.strerror}", code="file", errno=error.errno) from error
         elif extension in {".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff"}:
             from ._pictures import save
 
-            save(self, path, **options)
+            save(self, name, **options)
         else:
             raise InvalidInput(
-                f"{os.fspath(path)}: a result is saved as .txt, .csv, .json, .npz (pairs), .ply, .obj, .glb (coloured "
+                f"{name}: a result is saved as .txt, .csv, .json, .npz (pairs), .ply, .obj, .glb (coloured "
                 "meshes), .png, .jpg, .bmp, .tif (pictures) or .html"
             )
 
@@ -174,3 +178,6 @@ class Result:
         from ._html import page
 
         return page(self, height)
+
+
+set_result_class(Result)

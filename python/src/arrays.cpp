@@ -2,67 +2,140 @@
 
 #include <nanobind/stl/string.h>
 
+#include <bit>
 #include <stdexcept>
+#include <string_view>
+#include <utility>
 
 namespace nb = nanobind;
 
 namespace crumple::python {
 namespace {
 
-bool on_host(const AnyArray& array) {
-    return array.device_type() == nb::device::cpu::value || array.device_type() == nb::device::cuda_host::value;
+using Number = BorrowedArray::Number;
+
+// A format of Python's struct module for one number in the machine's own byte order.
+Number number_of(const char* format, Py_ssize_t size) {
+    std::string_view code = format ? format : "B";
+    constexpr std::string_view own = std::endian::native == std::endian::little ? "@=<" : "@=>";
+    if (code.size() == 2 && own.find(code[0]) != own.npos) code.remove_prefix(1);
+    if (code == "f" && size == 4) return Number::float32;
+    if (code == "d" && size == 8) return Number::float64;
+    const bool is_signed = code == "i" || code == "l" || code == "q", is_unsigned = code == "I" || code == "L";
+    if (is_signed && size == 8) return Number::int64;
+    if (is_signed && size == 4) return Number::int32;
+    if (is_unsigned && size == 4) return Number::uint32;
+    return Number::other;
 }
 
-bool has_rows_of(std::size_t columns, const AnyArray& array) { return array.ndim() == 2 && array.shape(1) == columns; }
-
-template <class... Types>
-bool holds_one_of(const AnyArray& array) {
-    return ((array.dtype() == nb::dtype<Types>()) || ...);
+Number number_of(nb::dlpack::dtype type) {
+    if (type == nb::dtype<float>()) return Number::float32;
+    if (type == nb::dtype<double>()) return Number::float64;
+    if (type == nb::dtype<std::int32_t>()) return Number::int32;
+    if (type == nb::dtype<std::uint32_t>()) return Number::uint32;
+    if (type == nb::dtype<std::int64_t>()) return Number::int64;
+    return Number::other;
 }
 
-bool are_vertices(const AnyArray& array) {
-    return on_host(array) && has_rows_of(3, array) && holds_one_of<float, double>(array);
+bool has_rows_of(std::int64_t columns, const BorrowedArray& array) {
+    return array.dimensions == 2 && array.shape[1] == columns;
 }
 
-bool are_faces(const AnyArray& array) {
-    return on_host(array) && has_rows_of(3, array) && holds_one_of<std::int32_t, std::uint32_t, std::int64_t>(array);
+bool are_vertices(const BorrowedArray& a) {
+    return has_rows_of(3, a) && (a.number == Number::float32 || a.number == Number::float64);
 }
 
-bool are_groups(const AnyArray& array) {
-    return on_host(array) && array.ndim() == 1 && holds_one_of<std::int32_t>(array) &&
-           (array.shape(0) < 2 || array.stride(0) == 1);
+bool are_faces(const BorrowedArray& a) {
+    return has_rows_of(3, a) && (a.number == Number::int32 || a.number == Number::uint32 || a.number == Number::int64);
 }
 
-bool are_group_pairs(const AnyArray& array) {
-    return on_host(array) && has_rows_of(2, array) && holds_one_of<std::int32_t>(array);
+bool are_groups(const BorrowedArray& a) {
+    constexpr std::int64_t size = sizeof(std::int32_t);
+    return a.dimensions == 1 && a.number == Number::int32 && (a.shape[0] < 2 || a.strides[0] == size) &&
+           reinterpret_cast<std::uintptr_t>(a.data) % size == 0;
 }
 
-AnyArray import_array(nb::handle object, bool (*accepted)(const AnyArray&), const char* converter,
-                      const std::string& which) {
-    AnyArray array;
-    if (nb::try_cast(object, array) && accepted(array)) return array;
+bool are_group_pairs(const BorrowedArray& a) {
+    constexpr std::int64_t size = sizeof(std::int32_t);
+    return has_rows_of(2, a) && a.number == Number::int32 && a.strides[0] % size == 0 && a.strides[1] % size == 0 &&
+           reinterpret_cast<std::uintptr_t>(a.data) % size == 0;
+}
+
+BorrowedArray import_array(nb::handle object, bool (*accepted)(const BorrowedArray&), const char* converter,
+                           const std::string& which) {
+    BorrowedArray array;
+    if (array.borrow(object) && accepted(array)) return array;
     const nb::object converted = nb::module_::import_("crumple._arrays").attr(converter)(object, which);
-    if (nb::try_cast(converted, array) && accepted(array)) return array;
+    BorrowedArray again;
+    if (again.borrow(converted) && accepted(again)) return again;
     throw std::logic_error(std::string("crumple._arrays.") + converter + " gave an array of another kind");
 }
 
 template <class Type>
-ArrayView<Type> rows_of_three(const AnyArray& array, Type type) {
-    const auto size = static_cast<std::int64_t>(array.itemsize());
-    return {array.data(), static_cast<std::int64_t>(array.shape(0)), array.stride(0) * size, array.stride(1) * size,
-            type};
+ArrayView<Type> rows_of_three(const BorrowedArray& array, Type type) {
+    return {array.data, array.shape[0], array.strides[0], array.strides[1], type};
 }
 
-ScalarType scalar_type(const AnyArray& array) {
-    return holds_one_of<float>(array) ? ScalarType::float32 : ScalarType::float64;
+ScalarType scalar_type(const BorrowedArray& array) {
+    return array.number == Number::float32 ? ScalarType::float32 : ScalarType::float64;
 }
 
-IndexType index_type(const AnyArray& array) {
-    if (holds_one_of<std::int32_t>(array)) return IndexType::int32;
-    return holds_one_of<std::uint32_t>(array) ? IndexType::uint32 : IndexType::int64;
+IndexType index_type(const BorrowedArray& array) {
+    if (array.number == Number::int32) return IndexType::int32;
+    return array.number == Number::uint32 ? IndexType::uint32 : IndexType::int64;
 }
 
 }  // namespace
+
+BorrowedArray::~BorrowedArray() {
+    if (buffer_.obj) PyBuffer_Release(&buffer_);
+}
+
+void BorrowedArray::swap(BorrowedArray& other) noexcept {
+    std::swap(data, other.data);
+    std::swap(number, other.number);
+    std::swap(dimensions, other.dimensions);
+    std::swap(shape, other.shape);
+    std::swap(strides, other.strides);
+    std::swap(buffer_, other.buffer_);
+    std::swap(dlpack_, other.dlpack_);
+}
+
+bool BorrowedArray::borrow(nb::handle object) {
+    if (!borrow_buffer(object) && !borrow_dlpack(object)) return false;
+    return dimensions >= 1;
+}
+
+bool BorrowedArray::borrow_buffer(nb::handle object) {
+    if (!PyObject_CheckBuffer(object.ptr())) return false;
+    if (PyObject_GetBuffer(object.ptr(), &buffer_, PyBUF_RECORDS_RO) != 0) {
+        PyErr_Clear();
+        return false;
+    }
+    data = buffer_.buf;
+    number = number_of(buffer_.format, buffer_.itemsize);
+    dimensions = buffer_.ndim <= 2 ? buffer_.ndim : 0;
+    for (int i = 0; i < dimensions; ++i) {
+        shape[static_cast<std::size_t>(i)] = buffer_.shape[i];
+        strides[static_cast<std::size_t>(i)] = buffer_.strides[i];
+    }
+    return true;
+}
+
+bool BorrowedArray::borrow_dlpack(nb::handle object) {
+    if (!nb::try_cast(object, dlpack_)) return false;
+    const int device = dlpack_.device_type();
+    if (device != nb::device::cpu::value && device != nb::device::cuda_host::value) return false;
+    data = dlpack_.data();
+    number = number_of(dlpack_.dtype());
+    dimensions = dlpack_.ndim() <= 2 ? static_cast<int>(dlpack_.ndim()) : 0;
+    for (int i = 0; i < dimensions; ++i) {
+        const auto k = static_cast<std::size_t>(i);
+        shape[k] = static_cast<std::int64_t>(dlpack_.shape(k));
+        strides[k] = dlpack_.stride(k) * static_cast<std::int64_t>(dlpack_.itemsize());
+    }
+    return true;
+}
 
 BorrowedMesh::BorrowedMesh(nb::handle mesh, const std::string& which)
     : vertices_(import_array(mesh[0], are_vertices, "vertices", which)),
@@ -71,17 +144,19 @@ BorrowedMesh::BorrowedMesh(nb::handle mesh, const std::string& which)
     const nb::object groups = mesh[2];
     if (groups.is_none()) return;
     groups_ = import_array(groups, are_groups, "groups", which);
-    view_.groups = {static_cast<const std::int32_t*>(groups_.data()), groups_.shape(0)};
+    view_.groups = {static_cast<const std::int32_t*>(groups_.data), static_cast<std::size_t>(groups_.shape[0])};
 }
 
 std::vector<GroupPair> group_pairs(nb::handle pairs) {
     if (pairs.is_none()) return {};
-    const AnyArray array = import_array(pairs, are_group_pairs, "group_pairs", "");
-    const auto* data = static_cast<const std::int32_t*>(array.data());
+    const BorrowedArray array = import_array(pairs, are_group_pairs, "group_pairs", "");
     std::vector<GroupPair> result;
-    for (std::size_t i = 0; i < array.shape(0); ++i) {
-        const std::int32_t* row = data + static_cast<std::int64_t>(i) * array.stride(0);
-        result.push_back({row[0], row[array.stride(1)]});
+    for (std::int64_t i = 0; i < array.shape[0]; ++i) {
+        const auto* row = static_cast<const std::byte*>(array.data) + i * array.strides[0];
+        const auto id = [&](std::int64_t k) {
+            return *reinterpret_cast<const std::int32_t*>(row + k * array.strides[1]);
+        };
+        result.push_back({id(0), id(1)});
     }
     return result;
 }

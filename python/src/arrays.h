@@ -2,13 +2,18 @@
 
 // Arrays on their way in: views of what Python holds, without a copy wherever the library can read it in place.
 //
-// Accepted as they are: host arrays that speak DLPack or the buffer protocol; vertices (n, 3) of float32 or float64,
+// Accepted as they are: host arrays that speak the buffer protocol or DLPack; vertices (n, 3) of float32 or float64,
 // faces (m, 3) of int32, uint32 or int64, groups (m) of int32 without gaps; any strides. Everything else goes through
 // crumple/_arrays.py, which converts what can be converted without loss and refuses the rest by name.
+//
+// The buffer protocol comes first, for it is the cheaper: a search sweeps the caches, so that each line of code and
+// data that is touched around it comes from memory.
 
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 
+#include <array>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -17,7 +22,35 @@
 
 namespace crumple::python {
 
-using AnyArray = nanobind::ndarray<nanobind::ro>;
+/// An array that is kept alive and in place. Comes and goes with the GIL.
+class BorrowedArray {
+   public:
+    enum class Number : std::uint8_t { other, float32, float64, int32, uint32, int64 };
+
+    BorrowedArray() = default;
+    BorrowedArray(BorrowedArray&& other) noexcept { swap(other); }
+    BorrowedArray& operator=(BorrowedArray&& other) noexcept {
+        swap(other);
+        return *this;
+    }
+    ~BorrowedArray();
+
+    /// Looks at an object; false if it is no host array of one or two dimensions.
+    bool borrow(nanobind::handle object);
+
+    const void* data = nullptr;
+    Number number = Number::other;
+    int dimensions = 0;
+    std::array<std::int64_t, 2> shape{}, strides{};  ///< of two dimensions; strides in bytes
+
+   private:
+    bool borrow_buffer(nanobind::handle object);
+    bool borrow_dlpack(nanobind::handle object);
+    void swap(BorrowedArray& other) noexcept;
+
+    Py_buffer buffer_{};  ///< obj is null if it is not held
+    nanobind::ndarray<nanobind::ro> dlpack_;
+};
 
 /// A mesh that Python holds, a tuple (vertices, faces, groups or None). Keeps its arrays alive; needs the GIL to come
 /// and go, not to be read.
@@ -28,7 +61,7 @@ class BorrowedMesh {
     const MeshView& view() const { return view_; }
 
    private:
-    AnyArray vertices_, faces_, groups_;
+    BorrowedArray vertices_, faces_, groups_;
     MeshView view_;
 };
 

@@ -4,9 +4,9 @@
 
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/string_view.h>
-#include <nanobind/stl/unique_ptr.h>
 #include <nanobind/stl/vector.h>
 
+#include "arguments.h"
 #include "arrays.h"
 #include "names.h"
 
@@ -32,7 +32,11 @@ SharedDetector::SharedDetector(const Options& options) : detector_(options) { de
 SharedDetector::Turn::Turn(SharedDetector& detector) : detector_(detector) {
     if (detector_.caller_ == std::this_thread::get_id())
         refuse("a signal handler cannot call the detector whose call it interrupts");
-    while (!detector_.mutex_.try_lock_for(std::chrono::milliseconds(20))) handle_signals();
+    bool locked = detector_.mutex_.try_lock();  // the ordinary case, without a look at the clock
+    while (!locked) {
+        handle_signals();
+        locked = detector_.mutex_.try_lock_for(std::chrono::milliseconds(20));
+    }
     detector_.caller_ = std::this_thread::get_id();
 }
 
@@ -49,14 +53,12 @@ const Collisions& SharedDetector::search(const MeshView& first, const MeshView* 
 }
 
 // The result moves out, so that Python's outlives the next call and the detector; storage of a dropped one moves in.
-std::unique_ptr<Result> SharedDetector::find(const MeshView& first, const MeshView* second, const Part* part,
-                                             const Query& query) {
+std::shared_ptr<Storage> SharedDetector::find(const MeshView& first, const MeshView* second, const Part* part,
+                                              const Query& query) {
     const Turn turn(*this);
     detector_.take_result(spare_->take());
     search(first, second, part, query);
-    auto result = std::make_unique<Result>(spare_);
-    result->collisions = detector_.take_result();
-    return result;
+    return std::make_shared<Storage>(detector_.take_result(), spare_);
 }
 
 bool SharedDetector::any(const MeshView& first, const MeshView* second, const Query& query) {
@@ -81,19 +83,25 @@ struct Call {
     Call(nb::handle a, nb::handle b) : first(a, b.is_none() ? "" : "first mesh: ") {
         if (!b.is_none()) second.emplace(b, "second mesh: ");
     }
-    Call(nb::handle a, nb::handle b, std::string_view neighbours, std::string_view intersections, bool weld,
-         bool contacts, std::string_view wanted, nb::handle excluded_groups)
+    Call(nb::handle a, nb::handle b, nb::handle neighbours, nb::handle intersections, nb::handle weld,
+         nb::handle contacts, nb::handle wanted, nb::handle excluded_groups)
         : Call(a, b) {
         excluded = group_pairs(excluded_groups);
         query = {named(neighbours_names, "neighbours", neighbours),
                  named(intersections_names, "intersections", intersections),
-                 weld,
-                 contacts,
+                 flag("weld", weld),
+                 flag("contacts", contacts),
                  named(wanted_names, "wanted", wanted),
                  excluded};
     }
     const MeshView* second_or_null() const { return second ? &second->view() : nullptr; }
 };
+
+const Part* part_or_null(nb::handle part) {
+    if (part.is_none()) return nullptr;
+    if (!nb::isinstance<Part>(part)) refuse_type("part", "a crumple.Part", part);
+    return nb::cast<const Part*>(part);
+}
 
 template <class Work>
 auto without_gil(Work work) {
@@ -153,44 +161,54 @@ void bind_detector(nb::module_& module) {
     main_thread = nb::cast<unsigned long>(nb::module_::import_("threading").attr("main_thread")().attr("ident"));
     bind_part(module);
     nb::class_<SharedDetector>(module, "Detector", "The library's detector; crumple.Detector gives access to it.")
-        .def(
-            "__init__",
-            [](SharedDetector* self, std::string_view backend, int threads, std::int64_t memory_limit, int clusters,
-               int leaf_size, double fuzziness, int max_iterations, int first_iterations, double stop,
-               double first_stop, std::string_view simd) {
-                new (self) SharedDetector({named(backend_names, "backend", backend), threads, memory_limit, clusters,
-                                           leaf_size, fuzziness, max_iterations, first_iterations, stop, first_stop,
-                                           named(simd_names, "simd", simd)});
-            },
-            "backend"_a, "threads"_a, "memory_limit"_a, "clusters"_a, "leaf_size"_a, "fuzziness"_a, "max_iterations"_a,
-            "first_iterations"_a, "stop"_a, "first_stop"_a, "simd"_a)
+        .def("__init__",
+             [](SharedDetector* self, const nb::kwargs& options) {
+                 new (self) SharedDetector({
+                     .backend = named(backend_names, "backend", options["backend"]),
+                     .threads = integer<int>("threads", options["threads"]),
+                     .memory_limit = integer<std::int64_t>("memory_limit", options["memory_limit"]),
+                     .clusters = integer<int>("clusters", options["clusters"]),
+                     .leaf_size = integer<int>("leaf_size", options["leaf_size"]),
+                     .fuzziness = real("fuzziness", options["fuzziness"]),
+                     .max_iterations = integer<int>("max_iterations", options["max_iterations"]),
+                     .first_iterations = integer<int>("first_iterations", options["first_iterations"]),
+                     .stop = real("stop", options["stop"]),
+                     .first_stop = real("first_stop", options["first_stop"]),
+                     .simd = named(simd_names, "simd", options["simd"]),
+                 });
+             })
         .def(
             "find",
-            [](SharedDetector& self, nb::handle first, nb::handle second, const Part* part, std::string_view neighbours,
-               std::string_view intersections, bool weld, bool contacts, std::string_view wanted,
-               nb::handle excluded_groups) {
+            [](SharedDetector& self, nb::handle first, nb::handle second, nb::handle part, nb::handle neighbours,
+               nb::handle intersections, nb::handle weld, nb::handle contacts, nb::handle wanted,
+               nb::handle excluded_groups, nb::handle copy) {
                 const Call call(first, second, neighbours, intersections, weld, contacts, wanted, excluded_groups);
-                return without_gil(
-                    [&] { return self.find(call.first.view(), call.second_or_null(), part, call.query); });
+                const Part* const of = part_or_null(part);
+                Result result{nullptr, nb::borrow(first), nb::borrow(second), call.query.contacts, flag("copy", copy)};
+                result.storage =
+                    without_gil([&] { return self.find(call.first.view(), call.second_or_null(), of, call.query); });
+                return make_result(std::move(result));
             },
-            "first"_a, "second"_a.none(), "part"_a.none(), "neighbours"_a, "intersections"_a, "weld"_a, "contacts"_a,
-            "wanted"_a, "excluded_groups"_a.none())
+            "first"_a, "second"_a.none(), "part"_a.none(), "neighbours"_a.none(), "intersections"_a.none(),
+            "weld"_a.none(), "contacts"_a.none(), "wanted"_a.none(), "excluded_groups"_a.none(), "copy"_a.none())
         .def(
             "any",
-            [](SharedDetector& self, nb::handle first, nb::handle second, std::string_view neighbours,
-               std::string_view intersections, bool weld, std::string_view wanted, nb::handle excluded_groups) {
-                const Call call(first, second, neighbours, intersections, weld, false, wanted, excluded_groups);
+            [](SharedDetector& self, nb::handle first, nb::handle second, nb::handle neighbours,
+               nb::handle intersections, nb::handle weld, nb::handle wanted, nb::handle excluded_groups) {
+                const Call call(first, second, neighbours, intersections, weld, nb::bool_(false), wanted,
+                                excluded_groups);
                 return without_gil([&] { return self.any(call.first.view(), call.second_or_null(), call.query); });
             },
-            "first"_a, "second"_a.none(), "neighbours"_a, "intersections"_a, "weld"_a, "wanted"_a,
-            "excluded_groups"_a.none())
+            "first"_a, "second"_a.none(), "neighbours"_a.none(), "intersections"_a.none(), "weld"_a.none(),
+            "wanted"_a.none(), "excluded_groups"_a.none())
         .def(
             "partition",
-            [](SharedDetector& self, nb::handle first, nb::handle second, int count) {
+            [](SharedDetector& self, nb::handle first, nb::handle second, nb::handle count) {
                 const Call call(first, second);
-                return without_gil([&] { return self.partition(call.first.view(), call.second_or_null(), count); });
+                const int parts = integer<int>("count", count);
+                return without_gil([&] { return self.partition(call.first.view(), call.second_or_null(), parts); });
             },
-            "first"_a, "second"_a.none(), "count"_a);
+            "first"_a, "second"_a.none(), "count"_a.none());
 }
 
 }  // namespace crumple::python

@@ -23,7 +23,7 @@ class SharedDetector {
 
     /// `second` null: one soup. Call without the GIL. In the main thread, signals are handled while a call runs or
     /// waits for its turn; what their handlers raise ends the call.
-    std::unique_ptr<Result> find(const MeshView& first, const MeshView* second, const Part* part, const Query& query);
+    std::shared_ptr<Storage> find(const MeshView& first, const MeshView* second, const Part* part, const Query& query);
     bool any(const MeshView& first, const MeshView* second, const Query& query);
     std::vector<Part> partition(const MeshView& first, const MeshView* second, int count);
     const Options& options() const { return detector_.options(); }

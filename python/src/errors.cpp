@@ -1,6 +1,9 @@
 #include "errors.h"
 
 #include <array>
+#include <system_error>
+
+#include <nanobind/stl/string.h>
 
 namespace nb = nanobind;
 
@@ -19,8 +22,9 @@ const char* name_of(Element element) {
     return names[static_cast<std::size_t>(element)];
 }
 
-const char* class_of(ErrorCode code) {
-    switch (code) {
+const char* class_of(const Error& error) {
+    if (dynamic_cast<const InvalidType*>(&error)) return "InvalidType";
+    switch (error.code) {
         case ErrorCode::memory_limit:
             return "MemoryLimit";
         case ErrorCode::backend_unavailable:
@@ -42,10 +46,14 @@ void translate(const std::exception_ptr& pointer, void*) {
     try {
         std::rethrow_exception(pointer);
     } catch (const Error& error) {
-        const nb::object type = nb::module_::import_("crumple._errors").attr(class_of(error.code));
+        const nb::object type = nb::module_::import_("crumple._errors").attr(class_of(error));
         const nb::object exception =
             type(error.what(), nb::arg("code") = name_of(error.code), nb::arg("element") = name_of(error.element),
                  nb::arg("index") = error.index, nb::arg("bytes_needed") = error.bytes_needed);
+        if (error.system_error) {
+            exception.attr("errno") = error.system_error;
+            exception.attr("strerror") = std::generic_category().message(error.system_error);
+        }
         PyErr_SetObject(type.ptr(), exception.ptr());
     }
 }

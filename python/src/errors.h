@@ -13,6 +13,11 @@ namespace crumple::python {
 /// Lets crumple::Error cross into Python. Call once, at the module's start.
 void translate_errors();
 
+/// An argument of a type that cannot be one.
+struct InvalidType : Error {
+    explicit InvalidType(const std::string& message) : Error(ErrorCode::invalid_argument, message, Element::option) {}
+};
+
 /// An Error (invalid_argument) about an argument of the Python call.
 [[noreturn]] inline void refuse(const std::string& message) {
     throw Error(ErrorCode::invalid_argument, message, Element::option);

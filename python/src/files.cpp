@@ -7,10 +7,10 @@
 #include <variant>
 
 #include <nanobind/ndarray.h>
-#include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/string_view.h>
 
+#include "arguments.h"
 #include "arrays.h"
 #include "crumple/io.h"
 #include "names.h"
@@ -84,72 +84,89 @@ io::TriangleMesh copy_of(const MeshView& view) {
     return mesh;
 }
 
+// 0 for a scene that does not exist, whose name scenes::make then refuses.
+int last_frame(std::string_view scene) {
+    for (const scenes::Description& d : scenes::descriptions())
+        if (d.name == scene) return d.frames - 1;
+    return 0;
+}
+
 }  // namespace
 
 void bind_files(nb::module_& module) {
     module.def(
         "read_mesh",
-        [](const Path& path, std::string_view precision, std::string_view weld, const std::string& group_property) {
+        [](nb::handle path, nb::handle precision, nb::handle weld, nb::handle group_property) {
+            const Path from = python::path("path", path);
             const io::ReadOptions options{named(precision_names, "precision", precision),
-                                          named(weld_names, "weld", weld), group_property};
+                                          named(weld_names, "weld", weld),
+                                          std::string(text("group_property", group_property))};
             io::TriangleMesh mesh;
             {
                 const nb::gil_scoped_release released;
-                mesh = io::read_mesh(path, options);
+                mesh = io::read_mesh(from, options);
             }
             return give(std::move(mesh));
         },
-        "path"_a, "precision"_a, "weld"_a, "group_property"_a);
+        "path"_a.none(), "precision"_a.none(), "weld"_a.none(), "group_property"_a.none());
     module.def(
         "write_mesh",
-        [](const Path& path, nb::handle mesh) {
+        [](nb::handle path, nb::handle mesh) {
+            const Path to = python::path("path", path);
             const BorrowedMesh borrowed(mesh, "");
             const nb::gil_scoped_release released;
-            io::write_mesh(path, copy_of(borrowed.view()));
+            io::write_mesh(to, copy_of(borrowed.view()));
         },
-        "path"_a, "mesh"_a);
+        "path"_a.none(), "mesh"_a);
     module.def(
         "write_coloured",
-        [](const Path& path, nb::handle first, nb::handle second, const Result& result) {
+        [](nb::handle path, nb::handle first, nb::handle second, const Result& result) {
+            const Path to = python::path("path", path);
             const BorrowedMesh a(first, "");
             std::optional<BorrowedMesh> b;
             if (!second.is_none()) b.emplace(second, "");
             const nb::gil_scoped_release released;
             std::optional<io::TriangleMesh> copy;
             if (b) copy = copy_of(b->view());
-            io::write_coloured(path, copy_of(a.view()), copy ? &*copy : nullptr, result.collisions);
+            io::write_coloured(to, copy_of(a.view()), copy ? &*copy : nullptr, result.collisions());
         },
-        "path"_a, "first"_a, "second"_a.none(), "result"_a);
+        "path"_a.none(), "first"_a, "second"_a.none(), "result"_a);
     module.def(
         "write_pairs",
-        [](const Path& path, const Result& result) {
+        [](nb::handle path, const Result& result) {
+            const Path to = python::path("path", path);
             const nb::gil_scoped_release released;
-            io::write_pairs(path, result.collisions);
+            io::write_pairs(to, result.collisions());
         },
-        "path"_a, "result"_a);
+        "path"_a.none(), "result"_a);
     module.def(
         "read_pairs",
-        [](const Path& path) {
+        [](nb::handle path) {
+            const Path from = python::path("path", path);
             const auto pairs = new std::vector<Pair>;
             const nb::capsule owner(pairs, [](void* p) noexcept { delete static_cast<std::vector<Pair>*>(p); });
             {
                 const nb::gil_scoped_release released;
-                *pairs = io::read_pairs(path);
+                *pairs = io::read_pairs(from);
             }
             return nb::ndarray<nb::numpy, std::int32_t>(pairs->data(), {pairs->size(), 2}, owner);
         },
-        "path"_a);
+        "path"_a.none());
     module.def(
         "make_scene",
-        [](const std::string& name, std::int64_t triangles, int frame, std::uint64_t seed) {
+        [](nb::handle name, nb::handle triangles, nb::handle frame, nb::handle seed) {
+            const std::string scene(text("name", name));
+            const scenes::Parameters parameters{integer<std::int64_t>("triangles", triangles),
+                                                frame.is_none() ? last_frame(scene) : integer<int>("frame", frame),
+                                                integer<std::uint64_t>("seed", seed)};
             io::TriangleMesh mesh;
             {
                 const nb::gil_scoped_release released;
-                mesh = scenes::make(name, {triangles, frame, seed});
+                mesh = scenes::make(scene, parameters);
             }
             return give(std::move(mesh));
         },
-        "name"_a, "triangles"_a, "frame"_a, "seed"_a);
+        "name"_a.none(), "triangles"_a.none(), "frame"_a.none(), "seed"_a.none());
     module.def("scenes", [] {
         nb::list list;
         for (const scenes::Description& d : scenes::descriptions())

@@ -7,9 +7,9 @@
 #include <string_view>
 #include <utility>
 
+#include "arguments.h"
 #include "crumple/io.h"
 #include "crumple/options.h"
-#include "errors.h"
 
 namespace crumple::python {
 
@@ -38,14 +38,16 @@ inline constexpr Names<io::Weld, 3> weld_names{
 
 /// The enumerator that is called so; else an Error that names the argument and what it may be.
 template <class Enum, std::size_t count>
-Enum named(const Names<Enum, count>& names, std::string_view argument, std::string_view name) {
+Enum named(const Names<Enum, count>& names, std::string_view argument, nanobind::handle value) {
+    const bool is_text = PyUnicode_Check(value.ptr());
+    const std::string_view name = is_text ? text(argument, value) : std::string_view();
     std::string known;
-    for (const auto& [known_name, value] : names) {
-        if (known_name == name) return value;
-        if (!known.empty()) known += ", ";
-        known.append("\"").append(known_name).append("\"");
+    for (const auto& [known_name, enumerator] : names) {
+        if (is_text && known_name == name) return enumerator;
+        known.append(known.empty() ? "one of \"" : ", \"").append(known_name).append("\"");
     }
-    refuse(std::string(argument) + " must be one of " + known + ", not \"" + std::string(name) + "\"");
+    if (!is_text) refuse_type(argument, known, value);
+    refuse(std::string(argument) + " must be " + known + ", not \"" + std::string(name) + "\"");
 }
 
 }  // namespace crumple::python

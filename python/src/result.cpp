@@ -9,14 +9,14 @@ using namespace nb::literals;
 namespace crumple::python {
 namespace {
 
-// A read-only NumPy view that keeps its owner alive.
+// A read-only NumPy view that keeps the storage alive.
 template <class Element, class... Shape>
-auto view(nb::handle owner, const void* data, Shape... shape) {
-    return nb::ndarray<nb::numpy, const Element>(static_cast<const Element*>(data),
-                                                 {static_cast<std::size_t>(shape)...}, owner);
+nb::object view(const Result& result, const void* data, Shape... shape) {
+    const auto owner = new std::shared_ptr<Storage>(result.storage);
+    const nb::capsule capsule(owner, [](void* p) noexcept { delete static_cast<std::shared_ptr<Storage>*>(p); });
+    return nb::cast(nb::ndarray<nb::numpy, const Element>(static_cast<const Element*>(data),
+                                                          {static_cast<std::size_t>(shape)...}, capsule));
 }
-
-const Collisions& collisions_of(nb::handle self) { return nb::cast<const Result&>(self).collisions; }
 
 nb::dict stage_milliseconds(const Statistics& statistics) {
     nb::dict result;
@@ -59,50 +59,87 @@ void bind_statistics(nb::module_& module) {
         });
 }
 
+// crumple.Result, which the package names when it is imported; never released, as types of a module are not.
+nb::handle result_class;
+
+// A mesh may hold a result that holds the mesh's arrays.
+int visit_meshes(PyObject* self, visitproc visit, void* arg) {
+    Py_VISIT(Py_TYPE(self));
+    if (!nb::inst_ready(self)) return 0;
+    const Result& result = *nb::inst_ptr<Result>(self);
+    Py_VISIT(result.first.ptr());
+    Py_VISIT(result.second.ptr());
+    return 0;
+}
+int clear_meshes(PyObject* self) {
+    if (!nb::inst_ready(self)) return 0;
+    Result& result = *nb::inst_ptr<Result>(self);
+    result.first.reset();
+    result.second.reset();
+    return 0;
+}
+PyType_Slot collected[] = {{Py_tp_traverse, reinterpret_cast<void*>(visit_meshes)},
+                           {Py_tp_clear, reinterpret_cast<void*>(clear_meshes)},
+                           {0, nullptr}};
+
 }  // namespace
+
+nb::object make_result(Result&& result) {
+    nb::object object = nb::inst_alloc(result_class);
+    new (nb::inst_ptr<Result>(object)) Result(std::move(result));
+    nb::inst_mark_ready(object);
+    return object;
+}
 
 void bind_result(nb::module_& module) {
     bind_statistics(module);
-    nb::class_<Result>(module, "Collisions", "The library's answer; crumple.Result gives access to it.")
-        .def("__len__", [](const Result& r) { return r.collisions.pairs.size(); })
-        .def_prop_ro("pairs",
-                     [](nb::handle self) {
-                         const auto& pairs = collisions_of(self).pairs;
-                         return view<std::int32_t>(self, pairs.data(), pairs.size(), 2);
+    nb::class_<Result>(module, "Collisions", nb::type_slots(collected),
+                       "The library's answer; crumple.Result gives access to it.")
+        .def("__len__", [](const Result& r) { return r.collisions().pairs.size(); })
+        .def_prop_ro("_pairs",
+                     [](const Result& r) {
+                         const auto& pairs = r.collisions().pairs;
+                         return view<std::int32_t>(r, pairs.data(), pairs.size(), 2);
                      })
-        .def_prop_ro("offsets",
-                     [](nb::handle self) {
-                         const auto& offsets = collisions_of(self).offsets;
-                         return view<std::int64_t>(self, offsets.data(), offsets.size());
+        .def_prop_ro("_offsets",
+                     [](const Result& r) {
+                         const auto& offsets = r.collisions().offsets;
+                         return view<std::int64_t>(r, offsets.data(), offsets.size());
                      })
-        .def_prop_ro("hit",
-                     [](nb::handle self) {
-                         const auto& hit = collisions_of(self).hit;
-                         return view<bool>(self, hit.data(), hit.size());
+        .def_prop_ro("_hit",
+                     [](const Result& r) {
+                         const auto& hit = r.collisions().hit;
+                         return view<bool>(r, hit.data(), hit.size());
                      })
-        .def_prop_ro("hit_second",
-                     [](nb::handle self) {
-                         const auto& hit = collisions_of(self).hit_second;
-                         return view<bool>(self, hit.data(), hit.size());
+        .def_prop_ro("_hit_second",
+                     [](const Result& r) {
+                         const auto& hit = r.collisions().hit_second;
+                         return view<bool>(r, hit.data(), hit.size());
                      })
-        .def_prop_ro("contact_kinds",
-                     [](nb::handle self) {
-                         const auto& kinds = collisions_of(self).contacts.kinds;
-                         return view<std::uint8_t>(self, kinds.data(), kinds.size());
+        .def_prop_ro("_contact_kinds",
+                     [](const Result& r) {
+                         const auto& kinds = r.collisions().contacts.kinds;
+                         return view<std::uint8_t>(r, kinds.data(), kinds.size());
                      })
-        .def_prop_ro("contact_offsets",
-                     [](nb::handle self) {
-                         const auto& offsets = collisions_of(self).contacts.offsets;
-                         return view<std::int64_t>(self, offsets.data(), offsets.size());
+        .def_prop_ro("_contact_offsets",
+                     [](const Result& r) {
+                         const auto& offsets = r.collisions().contacts.offsets;
+                         return view<std::int64_t>(r, offsets.data(), offsets.size());
                      })
-        .def_prop_ro("contact_points",
-                     [](nb::handle self) {
-                         const auto& points = collisions_of(self).contacts.points;
-                         return view<double>(self, points.data(), points.size(), 3);
+        .def_prop_ro("_contact_points",
+                     [](const Result& r) {
+                         const auto& points = r.collisions().contacts.points;
+                         return view<double>(r, points.data(), points.size(), 3);
                      })
         .def_prop_ro(
-            "statistics", [](const Result& r) -> const Statistics& { return r.collisions.statistics; },
-            nb::rv_policy::copy);
+            "_statistics", [](const Result& r) -> const Statistics& { return r.collisions().statistics; },
+            nb::rv_policy::copy)
+        .def_ro("_first", &Result::first)
+        .def_ro("_second", &Result::second)
+        .def_ro("_has_contacts", &Result::has_contacts)
+        .def_ro("_copy", &Result::copy);
+    module.def(
+        "set_result_class", [](nb::type_object type) { result_class = type.release(); }, "type"_a);
 }
 
 }  // namespace crumple::python

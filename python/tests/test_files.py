@@ -1,6 +1,9 @@
 """Meshes, pairs and scenes from and to files."""
 
+import errno
 import json
+import os
+import pickle
 
 import numpy as np
 import pytest
@@ -46,6 +49,10 @@ def test_bad_files_are_named(tmp_path):
     with pytest.raises(crumple.FileError, match="none.ply") as caught:
         crumple.read_mesh(tmp_path / "none.ply")
     assert isinstance(caught.value, OSError) and caught.value.code == "file"
+    assert (caught.value.errno, caught.value.strerror) == (errno.ENOENT, os.strerror(errno.ENOENT))
+    assert str(caught.value) == f"cannot read {tmp_path}/none.ply: No such file or directory"
+    copy = pickle.loads(pickle.dumps(caught.value))
+    assert (type(copy), str(copy), copy.errno, copy.code) == (crumple.FileError, str(caught.value), errno.ENOENT, "file")
     (tmp_path / "cut.off").write_text("OFF\n3 1 0\n0 0 0\n1 0 0\n")
     with pytest.raises(crumple.InvalidInput, match="cut.off") as caught:
         crumple.read_mesh(tmp_path / "cut.off")
@@ -64,12 +71,21 @@ def test_results_are_saved_by_extension(tmp_path, crossing, detector):
     for name in ("pairs.txt", "pairs.csv", "pairs.json", "pairs.npz", "mesh.ply", "mesh.obj", "mesh.glb", "mesh.html"):
         result.save(tmp_path / name)
         assert (tmp_path / name).stat().st_size > 0
-    assert crumple.read_pairs(tmp_path / "pairs.txt").tolist() == [[0, 1]]
+    for name in ("pairs.txt", "pairs.csv", "pairs.json", "pairs.npz"):
+        assert crumple.read_pairs(tmp_path / name).tolist() == [[0, 1]]
     assert json.loads((tmp_path / "pairs.json").read_text())["pairs"] == [[0, 1]]
     assert np.load(tmp_path / "pairs.npz")["contact_points"].shape == (2, 3)
     assert len(crumple.read_mesh(tmp_path / "mesh.ply").faces) == 3
     detector.find_between(crossing, crossing).save(tmp_path / "both.ply")
     assert len(crumple.read_mesh(tmp_path / "both.ply").faces) == 6
+    np.savez_compressed(tmp_path / "long.npz", pairs=np.array([[5, 6], [7, 8]], np.int64, order="F"))
+    assert crumple.read_pairs(tmp_path / "long.npz").tolist() == [[5, 6], [7, 8]]
+    for name in ("mesh.html", "pairs.csv"):
+        with pytest.raises(crumple.FileError, match=f"cannot write .*{name}: No such file") as caught:
+            result.save(tmp_path / "none" / name)
+        assert caught.value.errno == errno.ENOENT
+    result.save(os.fsencode(tmp_path / "bytes.txt"))
+    assert (tmp_path / "bytes.txt").read_bytes() == (tmp_path / "pairs.txt").read_bytes()
     with pytest.raises(crumple.InvalidInput, match="a result is saved as .txt"):
         result.save(tmp_path / "pairs.xlsx")
 
@@ -79,6 +95,8 @@ def test_scenes_are_the_same_everywhere():
     assert {"cloth", "soup", "shells"} <= set(names)
     a, b = (crumple.make_scene("bodies", triangles=2000, frame=7, seed=3) for _ in range(2))
     assert a.vertices.tobytes() == b.vertices.tobytes() and (a.groups == b.groups).all()
+    last = crumple.make_scene("bodies", triangles=2000, frame=59)
+    assert crumple.make_scene("bodies", triangles=2000).vertices.tobytes() == last.vertices.tobytes() != a.vertices.tobytes()
     with pytest.raises(crumple.InvalidInput, match="there is no scene tea; there are cloth"):
         crumple.make_scene("tea")
     with pytest.raises(crumple.InvalidInput, match="has no frame 60; its frames are 0 to 59"):

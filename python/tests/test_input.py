@@ -162,7 +162,7 @@ def test_an_error_knows_the_place(detector):
 
 
 OPTIONS = [
-    ({"groups": [0] * 59}, r"59 group ids for 60 triangles"),
+    ({"groups": [0] * 59}, r"^the mesh has 59 group ids for 60 triangles$"),
     ({"groups": [[0] * 60]}, r"groups must have shape \(faces,\), not \(1, 60\)"),
     ({"groups": [0.5] * 60}, r"groups must be integers, not float64"),
     ({"groups": [0] * 59 + [2**31]}, r"groups: group id 2147483648 at 59 does not fit int32"),
@@ -178,6 +178,101 @@ OPTIONS = [
 def test_wrong_queries_are_named(query, message, detector):
     with pytest.raises(crumple.InvalidInput, match=message):
         detector.find_self(MESH, **query)
+
+
+WRONG_TYPES = [
+    ({"neighbours": None}, 'neighbours must be one of "geometric", "skip", not None'),
+    ({"intersections": 1}, 'intersections must be one of "all", "proper", not int'),
+    ({"wanted": ["both"]}, 'wanted must be one of "both", "between", "within", not list'),
+    ({"weld": 1}, "weld must be True or False, not int"),
+    ({"weld": None}, "weld must be True or False, not None"),
+    ({"contacts": "no"}, "contacts must be True or False, not str"),
+    ({"copy": 0.0}, "copy must be True or False, not float"),
+    ({"part": 1}, "part must be a crumple.Part, not int"),
+]
+
+
+@pytest.mark.parametrize("query, message", WRONG_TYPES)
+def test_wrong_types_in_a_query_are_named(query, message, detector):
+    with pytest.raises(crumple.InvalidType, match=f"^{message}$") as caught:
+        detector.find_self(MESH, **query)
+    assert isinstance(caught.value, TypeError) and isinstance(caught.value, crumple.InvalidInput)
+    if not set(query) & {"contacts", "copy", "part"}:
+        for call in (detector.has_intersections, detector.find_self):
+            with pytest.raises(TypeError, match=f"^{message}$"):
+                call(MESH, **query)
+
+
+@pytest.mark.parametrize(
+    "options, message",
+    [
+        ({"threads": "2"}, "threads must be an integer, not str"),
+        ({"threads": 2.0}, "threads must be an integer, not float"),
+        ({"threads": None}, "threads must be an integer, not None"),
+        ({"memory_limit": 1e9}, "memory_limit must be an integer, not float"),
+        ({"fuzziness": "2"}, "fuzziness must be a number, not str"),
+        ({"stop": None}, "stop must be a number, not None"),
+        ({"backend": 3}, 'backend must be one of "automatic", "cpu", "reference", not int'),
+        ({"simd": b"avx2"}, 'simd must be one of "automatic", .*, not bytes'),
+    ],
+)
+def test_wrong_types_of_options_are_named(options, message):
+    with pytest.raises(crumple.InvalidType, match=f"^{message}$"):
+        crumple.Detector(**options)
+
+
+@pytest.mark.parametrize("name", ["threads", "clusters", "leaf_size", "max_iterations", "first_iterations"])
+def test_integers_that_are_too_large_are_named(name):
+    for value in (10**12, -(10**12), 10**30):
+        with pytest.raises(crumple.InvalidInput, match=f"^{name} must be from -2147483648 to 2147483647, not {value}$"):
+            crumple.Detector(**{name: value})
+    with pytest.raises(crumple.InvalidInput, match="^memory_limit must be from .* not 1000000000000000000000$"):
+        crumple.Detector(memory_limit=10**21)
+    with pytest.raises(crumple.InvalidInput, match="^stop is beyond float64$"):
+        crumple.Detector(stop=10**400)
+
+
+def test_numpy_scalars_do_where_python_s_do():
+    for integer in (np.int8, np.uint16, np.int64, np.uint64):
+        detector = crumple.Detector(threads=integer(2), memory_limit=integer(0), leaf_size=integer(100))
+    detector = crumple.Detector(threads=np.int32(2), fuzziness=np.float32(2), stop=np.float64(0.01), first_stop=0)
+    result = detector.find_self(MESH, weld=np.bool_(False), contacts=np.bool_(True), copy=np.True_)
+    assert result.pairs.tolist() == EXPECTED and result.contacts and result.pairs.flags.writeable
+    assert len(detector.partition(MESH, count=np.int64(3))) == 3
+    assert len(crumple.make_scene("soup", triangles=np.int64(20), frame=np.uint8(0), seed=np.uint64(2**63)).faces)
+
+
+def test_other_wrong_types_are_named(detector, tmp_path):
+    for call, message in [
+        (lambda: detector.partition(MESH, count="3"), "count must be an integer, not str"),
+        (lambda: detector.partition(MESH, count=0), "the number of parts must be 1 to 64"),
+        (lambda: crumple.read_mesh(7), "path must be a str, bytes or os.PathLike, not int"),
+        (lambda: crumple.read_mesh(None), "path must be a str, bytes or os.PathLike, not None"),
+        (lambda: crumple.read_mesh("a\0b"), "path cannot be the name of a file"),
+        (lambda: crumple.read_mesh("a.ply", group_property=None), "group_property must be a str, not None"),
+        (lambda: crumple.read_pairs(1.5), "path must be a str, bytes or os.PathLike, not float"),
+        (lambda: crumple.write_mesh([], MESH), "path must be a str, bytes or os.PathLike, not list"),
+        (lambda: detector.find_self(MESH).save(None), "path must be a str, bytes or os.PathLike, not None"),
+        (lambda: crumple.make_scene(3), "name must be a str, not int"),
+        (lambda: crumple.make_scene("cloth", triangles="many"), "triangles must be an integer, not str"),
+        (lambda: crumple.make_scene("cloth", seed=-1), "seed must be from 0 to 18446744073709551615, not -1"),
+        (lambda: detector.find_self(MESH.vertices), "a mesh must be .*, not numpy.ndarray"),
+        (lambda: detector.find_self((1, 2, 3, 4)), "a mesh must be .*, not a tuple of 4"),
+        (lambda: detector.find_between(None, MESH), "a mesh must be .*, not NoneType"),
+    ]:
+        with pytest.raises(crumple.InvalidInput, match=f"^{message}$"):
+            call()
+
+
+def test_between_groups_needs_groups(detector):
+    for call in (detector.find_self, detector.has_intersections):
+        with pytest.raises(crumple.InvalidInput, match="wanted between needs groups, and the mesh has none"):
+            call(MESH, wanted="between")
+    for call in (detector.find_between, detector.has_intersections_between):
+        with pytest.raises(crumple.InvalidInput, match="wanted between needs groups, and neither mesh has any"):
+            call(MESH, MESH, wanted="between")
+    assert len(detector.find_between(MESH, MESH._replace(groups=[1] * 60), wanted="between")) > 60
+    assert not detector.find_self((np.zeros((0, 3)), []), groups=[], wanted="between")
 
 
 def test_groups_of_every_integer_type(detector):

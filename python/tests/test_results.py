@@ -64,7 +64,7 @@ def test_arrays_are_read_only_views_of_one_memory(detector):
         with pytest.raises(ValueError):
             array[...] = 0
     assert result.pairs is result.pairs
-    assert address(result._collisions.pairs) == address(result.pairs), "no copy is made"
+    assert address(result._pairs) == address(result.pairs), "no copy is made"
 
 
 def test_copies_are_writable(detector):
@@ -101,6 +101,43 @@ def test_a_view_outlives_result_detector_and_input():
         gc.collect()
         churn = [crumple.find_self_intersections(soup(500, seed=s)) for s in range(5)]
         assert pairs.tolist() == expected and len(churn) == 5
+
+
+def test_a_result_that_was_looked_at_goes_with_its_last_reference(detector):
+    """Reference counts alone do it: neither the result's views nor its meshes hold the result."""
+    gc.disable()
+    try:
+        result = detector.find_self(soup(300), contacts=True)
+        gone, storage = weakref.ref(result), address(result.pairs)
+        assert len(fields(result)) > 3 and result.statistics
+        del result
+        assert gone() is None
+        assert address(detector.find_self(soup(300)).pairs) == storage, "its memory is used again"
+    finally:
+        gc.enable()
+
+
+def test_a_cycle_of_mesh_and_result_is_collected(detector):
+    class Owner:
+        def __init__(self):
+            self.vertices, self.faces, _ = soup(30)
+
+    owner = Owner()
+    owner.result = detector.find_self(owner.vertices, Faces(owner))
+    gone = weakref.ref(owner)
+    del owner
+    gc.collect()
+    assert gone() is None
+
+
+class Faces:
+    """Speaks only __array__, and knows who owns it."""
+
+    def __init__(self, owner):
+        self.owner = owner
+
+    def __array__(self, dtype=None, copy=None):
+        return self.owner.faces
 
 
 def test_views_alone_do_not_keep_the_input():
