@@ -4,6 +4,13 @@
 #   scripts/demo.sh mesh.ply ...      each of your meshes (PLY, OBJ, STL, OFF) against itself
 # Installs what is missing (Debian 12) and builds first. Pictures go to demo/.
 set -euo pipefail
+case ${1-} in
+    -h | --help) sed -n '2,5s/^# \{0,1\}//p' "$0"; exit ;;
+    -?*) echo "demo.sh: $1 is no option; demo.sh --help tells what there is" >&2; exit 2 ;;
+esac
+for file in "$@"; do
+    [[ -r $file && ! -d $file ]] || { echo "demo.sh: cannot read $file" >&2; exit 2; }
+done
 top=$(cd "$(dirname "$0")/.." && pwd)
 
 "$top/scripts/install_dependencies.sh"
