@@ -31,7 +31,7 @@ struct Detect {
         for (const std::string& path : outputs) {
             if (!is_list(path) && !is_picture(path)) {
                 throw Error(ErrorCode::invalid_argument,
-                            path +
+                            "-o " + (path.empty() ? "''" : path) +
                                 ": pairs are written as .txt, .csv, .json or .npz, coloured meshes as .ply, .obj or "
                                 ".glb");
             }

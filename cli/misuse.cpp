@@ -51,11 +51,14 @@ std::string explain_count(const std::string& message) {
     return message;
 }
 
-/// "Could not convert: --frame = x".
+/// "Could not convert: --frame = x", "--threads: Value two not in range 1 to 1024": every range is one of integers.
 std::string explain_value(const std::string& message) {
     std::smatch part;
-    if (!std::regex_match(message, part, std::regex("Could not convert: (\\S+) = (.*)"))) return message;
-    return part[1].str() + ": " + part[2].str() + " is not what it takes";
+    if (std::regex_match(message, part, std::regex("Could not convert: (\\S+) = (.*)"))) {
+        return part[1].str() + ": " + part[2].str() + " is not what it takes";
+    }
+    return std::regex_replace(message, std::regex("Value (.*) not in range (\\d+) to (\\d+)"),
+                              "$1 is no integer from $2 to $3");
 }
 
 }  // namespace
@@ -64,7 +67,9 @@ std::string explain(const CLI::ParseError& error, const CLI::App& app) {
     const std::string message = error.what();
     if (dynamic_cast<const CLI::ExtrasError*>(&error)) return explain_extras(app);
     if (dynamic_cast<const CLI::ArgumentMismatch*>(&error)) return explain_count(message);
-    if (dynamic_cast<const CLI::ConversionError*>(&error)) return explain_value(message);
+    if (dynamic_cast<const CLI::ConversionError*>(&error) || dynamic_cast<const CLI::ValidationError*>(&error)) {
+        return explain_value(message);
+    }
     if (dynamic_cast<const CLI::ExcludesError*>(&error)) {
         return std::regex_replace(message, std::regex("(.+) excludes (.+)"), "$1 and $2 exclude each other");
     }

@@ -1,8 +1,7 @@
 """Arrays that the library cannot read in place: converted where nothing is lost, refused by name where it would be.
 
 The extension module takes arrays in place where it can (python/src/arrays.h) and calls these functions for the
-others: Python lists, byte orders of other machines, strides that cut through numbers, narrow and unsigned integers, and
-whatever is wrong.
+others: Python lists, byte orders of other machines, narrow and unsigned integers, and whatever is wrong.
 """
 
 from __future__ import annotations

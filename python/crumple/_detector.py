@@ -21,9 +21,8 @@ Simd = Literal["automatic", "scalar", "sse4", "avx2", "avx512", "neon"]
 GroupPairs = Iterable[tuple[int, int]]
 
 
-def _mesh(vertices: Any, faces: Any, groups: Any) -> tuple[Any, Any, Any]:
-    if faces is not None:
-        return vertices, faces, groups
+def _whole_mesh(vertices: Any, groups: Any) -> Mesh:
+    """Of a call that gives one object and no faces."""
     mesh = as_mesh(vertices)
     return mesh if groups is None else mesh._replace(groups=groups)
 
@@ -126,7 +125,7 @@ class Detector:
         A warm call on two threads takes about 0.1 microseconds a triangle on ordinary scenes, more with the number of
         pairs of boxes that overlap; contacts take about a microsecond a pair.
         """
-        mesh = _mesh(vertices, faces, groups)
+        mesh = _whole_mesh(vertices, groups) if faces is None else (vertices, faces, groups)
         return self._core.find(
             mesh, None, part, neighbours, intersections, weld, contacts, wanted, excluded_groups, copy
         )
@@ -169,7 +168,7 @@ class Detector:
         excluded_groups: GroupPairs | None = None,
     ) -> bool:
         """Whether any two triangles of a soup collide; stops at the first pair. Otherwise as find_self."""
-        mesh = _mesh(vertices, faces, groups)
+        mesh = _whole_mesh(vertices, groups) if faces is None else (vertices, faces, groups)
         return self._core.any(mesh, None, neighbours, intersections, weld, wanted, excluded_groups)
 
     def has_intersections_between(

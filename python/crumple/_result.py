@@ -173,10 +173,12 @@ class Result(Collisions):
         """A self-contained piece of HTML that shows the meshes in WebGL: drag to turn, wheel to zoom.
 
         For a notebook: IPython.display.HTML(result.to_html()). It needs no package and no network. About 100 bytes a
-        triangle. `height` is in pixels.
+        triangle. `height` is in pixels. Raises InvalidType.
         """
         from ._html import page
 
+        if not hasattr(height, "__index__"):
+            raise InvalidType(f"height must be an integer, not {type(height).__name__}")
         return page(self, height)
 
 

@@ -253,6 +253,7 @@ def test_other_wrong_types_are_named(detector, tmp_path):
         (lambda: crumple.read_pairs(1.5), "path must be a str, bytes or os.PathLike, not float"),
         (lambda: crumple.write_mesh([], MESH), "path must be a str, bytes or os.PathLike, not list"),
         (lambda: detector.find_self(MESH).save(None), "path must be a str, bytes or os.PathLike, not None"),
+        (lambda: detector.find_self(MESH).to_html(height="tall"), "height must be an integer, not str"),
         (lambda: crumple.make_scene(3), "name must be a str, not int"),
         (lambda: crumple.make_scene("cloth", triangles="many"), "triangles must be an integer, not str"),
         (lambda: crumple.make_scene("cloth", seed=-1), "seed must be from 0 to 18446744073709551615, not -1"),

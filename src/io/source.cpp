@@ -12,7 +12,8 @@ namespace fs = std::filesystem;
 namespace {
 
 [[noreturn]] void fail_to_read(const fs::path& path, const std::string& reason, int system_error = 0) {
-    throw Error(ErrorCode::file, "cannot read " + path.string() + ": " + reason, Element::none, -1, 0, system_error);
+    throw Error(ErrorCode::file, "cannot read " + (path.empty() ? "''" : path.string()) + ": " + reason, Element::none,
+                -1, 0, system_error);
 }
 
 [[noreturn]] void fail_to_read(const fs::path& path, int system_error) {

@@ -43,7 +43,8 @@ TEST_F(Misuse, OfOptionsWithFewValues) {
 
 TEST_F(Misuse, OfNumbers) {
     for (const char* threads : {"0", "-1", "1025", "two", "1.5"}) {
-        expect_refused(std::string("detect five.off --threads ") + threads, "--threads");
+        expect_refused(std::string("detect five.off --threads ") + threads,
+                       std::string("--threads: ") + threads + " is no integer from 1 to 1024");
     }
     for (const char* clusters : {"0", "65", "x"}) {
         expect_refused(std::string("detect five.off --clusters ") + clusters, "--clusters");
@@ -71,6 +72,7 @@ TEST_F(Misuse, OfOptionsThatDoNotGoTogether) {
 TEST_F(Misuse, OfOutputs) {
     write("g.txt", "0\n0\n0\n0\n0\n");
     expect_refused("detect five.off -o x.doc", "x.doc");
+    expect_refused("detect five.off -o ''", "-o '': ");
     expect_refused("detect five.off -o x", ".txt, .csv, .json or .npz");
     expect_refused("detect five.off -o no/such/folder.txt", "no/such");
     expect_refused("sequence five.off -o x.txt", ".csv or .json");
@@ -123,6 +125,7 @@ TEST_F(Misuse, OfFiles) {
         }
     };
     expect_refused("detect missing.ply", "missing.ply");
+    expect_refused("detect ''", "cannot read '': ");
     expect_refused("detect .", "crumple: ");
     expect_refused("detect five.off missing.ply", "missing.ply");
     refused("empty.ply", "", "");
