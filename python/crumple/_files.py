@@ -76,6 +76,7 @@ def make_scene(name: str, *, triangles: int = 0, frame: int | None = None, seed:
         frame: of an animation, from 0; None: the last.
         seed: other numbers give other scenes of the same kind.
 
-    Returns a Mesh with groups. Raises InvalidInput.
+    Returns a Mesh with groups. Raises InvalidInput. Simulated scenes take seconds to minutes, the first time; Ctrl-C
+    ends them between two frames.
     """
     return Mesh(*_core.make_scene(name, triangles, frame, seed))

@@ -18,14 +18,13 @@ namespace {
 
 unsigned long main_thread = 0;
 
-// Runs Python's signal handlers, which is for the main thread alone. Call without the GIL.
+}  // namespace
+
 void handle_signals() {
     if (PyThread_get_thread_ident() != main_thread) return;
     const nb::gil_scoped_acquire acquired;
     if (PyErr_CheckSignals() != 0) throw nb::python_error();
 }
-
-}  // namespace
 
 SharedDetector::SharedDetector(const Options& options) : detector_(options) { detector_.set_poll(handle_signals); }
 

@@ -17,6 +17,10 @@
 
 namespace crumple::python {
 
+/// Runs Python's signal handlers, which is for the main thread alone: others return at once. Call without the GIL.
+/// Throws what a handler raises.
+void handle_signals();
+
 class SharedDetector {
    public:
     explicit SharedDetector(const Options& options);

@@ -13,6 +13,7 @@
 #include "arguments.h"
 #include "arrays.h"
 #include "crumple/io.h"
+#include "detector.h"
 #include "names.h"
 #include "result.h"
 #include "scenes/scenes.h"
@@ -162,7 +163,7 @@ void bind_files(nb::module_& module) {
             io::TriangleMesh mesh;
             {
                 const nb::gil_scoped_release released;
-                mesh = scenes::make(scene, parameters);
+                mesh = scenes::make(scene, parameters, [](int, int) { handle_signals(); });
             }
             return give(std::move(mesh));
         },

@@ -1,5 +1,6 @@
 """The Python answers are the C++ answers: the same bytes as the command line writes, and as brute force finds."""
 
+import functools
 import subprocess
 import sys
 
@@ -21,6 +22,7 @@ QUERIES = {
 }
 
 
+@functools.cache
 def small(name: str, triangles: int = 300) -> crumple.Mesh:
     """The last frame, with groups of some kind."""
     mesh = crumple.make_scene(name, triangles=triangles)
