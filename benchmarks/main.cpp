@@ -10,6 +10,7 @@
 
 #include "contest.h"
 #include "requests.h"
+#include "sequence.h"
 #include "studies/studies.h"
 
 namespace crumple::benchmark {
@@ -33,6 +34,8 @@ void print_lists() {
     for (const auto& name : real_scenes()) fmt::print(" {}", name);
     fmt::print("\nprocedural:");
     for (const auto& name : procedural_scenes()) fmt::print(" {}", name);
+    fmt::print("\nsequences:");
+    for (const auto& name : sequences()) fmt::print(" {}", name);
     fmt::print("\npeers:");
     for (const auto& name : built_peers()) fmt::print(" {}", name);
     fmt::print("\nstudies:\n");

@@ -1,7 +1,7 @@
 #include "sequence.h"
 
-#include <array>
-#include <charconv>
+#include <fmt/format.h>
+
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -71,12 +71,14 @@ Sequence load_sequence(const std::string& name, int step) {
         }
         return sequence;
     }
-    const std::string scene = name.substr(0, name.find(':'));
+    const auto [scene, parameters] = parse(name);
     for (const auto& description : scenes::descriptions()) {
         if (description.name != scene) continue;
+        if (description.simulated) fmt::print("{}: simulated, minutes unless it is in the cache\n", name);
+        scenes::Animation animation(scene, parameters);
         for (int frame = 0; frame < description.frames; frame += step) {
             sequence.numbers.push_back(frame);
-            sequence.frames.push_back(procedural(name + "@" + std::to_string(frame)));
+            sequence.frames.push_back(animation.frame(frame));
             sequence.frames.back().groups.clear();
         }
     }

@@ -7,7 +7,6 @@
 #include <filesystem>
 
 #include "crumple/error.h"
-#include "scenes/scenes.h"
 
 namespace crumple::benchmark {
 namespace {
@@ -61,7 +60,7 @@ fs::path data_folder() {
     return fs::path(CRUMPLE_SOURCE_DIR).parent_path() / "shared" / "data";
 }
 
-io::TriangleMesh procedural(const std::string& name) {
+std::pair<std::string, scenes::Parameters> parse(const std::string& name) {
     std::string scene = name;
     const auto number_after = [&](char mark, auto& number) {
         const std::size_t place = scene.find(mark);
@@ -78,7 +77,7 @@ io::TriangleMesh procedural(const std::string& name) {
     number_after(':', parameters.triangles);
     for (const auto& description : scenes::descriptions())
         if (description.name == scene && !framed) parameters.frame = description.frames - 1;
-    return scenes::make(scene, parameters);
+    return {scene, parameters};
 }
 
 std::string_view name_of(Question question) {
@@ -97,7 +96,8 @@ Workload load(const std::string& name) {
         workload.a = io::read_mesh(data_folder() / real->a, options);
         if (*real->b) workload.b = io::read_mesh(data_folder() / real->b, options);
     } else {
-        workload.a = procedural(scene);
+        const auto [procedural, parameters] = parse(scene);
+        workload.a = scenes::make(procedural, parameters);
         if (between) {
             workload.question = Question::between;
             workload.b = groups_of(workload.a, 1);

@@ -11,10 +11,12 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "crumple/collisions.h"
 #include "crumple/io.h"
+#include "scenes/scenes.h"
 
 namespace crumple::benchmark {
 
@@ -37,8 +39,8 @@ struct Workload {
 /// Throws Error for a name that is unknown or a file that is not there.
 Workload load(const std::string& name);
 
-/// A procedural scene, named SCENE[:TRIANGLES][@FRAME].
-io::TriangleMesh procedural(const std::string& name);
+/// A procedural scene and its parameters, from SCENE[:TRIANGLES][@FRAME].
+std::pair<std::string, scenes::Parameters> parse(const std::string& name);
 
 /// Where the files lie: $CRUMPLE_DATA or, failing that, ../shared/data beside the checkout. May not exist.
 std::filesystem::path data_folder();

@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 
 #include "contest.h"
 #include "report.h"
@@ -80,7 +81,8 @@ bool same_clusters(const Run& a, const Run& b) {
     return std::ranges::equal(a.last, b.last, {}, &Statistics::members, &Statistics::members);
 }
 
-nlohmann::json follow(const Sequence& sequence, int passes) {
+/// Up to `most` passes, fewer if they would take longer than `budget` seconds, but one after the warm-up.
+nlohmann::json follow(const Sequence& sequence, int most, double budget) {
     const std::size_t frames = sequence.frames.size();
     struct Kind {
         const char* name;
@@ -99,7 +101,9 @@ nlohmann::json follow(const Sequence& sequence, int passes) {
         detectors.emplace_back(kind.options);
         runs.emplace_back(frames);
     }
+    int passes = most;
     for (int pass = 0; pass <= passes; ++pass) {
+        const auto begin = std::chrono::steady_clock::now();
         for (std::size_t k = 0; k < kinds.size(); ++k) {
             for (std::size_t f = 0; f < frames; ++f) {
                 const MeshView mesh = sequence.frames[f].view();
@@ -116,11 +120,13 @@ nlohmann::json follow(const Sequence& sequence, int passes) {
                 }
             }
         }
+        const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+        if (pass == 0) passes = std::clamp(static_cast<int>(budget / seconds), 1, most);
     }
 
-    Table table(fmt::format("sequence {}: {} frames", sequence.name, frames),
+    Table table(fmt::format("sequence {}: {} frames, {} passes", sequence.name, frames, passes),
                 {"centres", "median, ms", "quartiles", "99th percentile", "subdivide, ms", "members", "candidates"});
-    nlohmann::json row{{"sequence", sequence.name}, {"frames", sequence.numbers}};
+    nlohmann::json row{{"sequence", sequence.name}, {"frames", sequence.numbers}, {"passes", passes}};
     row["triangles"] = counts(runs.front(), &Statistics::triangles);
     row["pairs"] = counts(runs.front(), &Statistics::pairs);
     for (std::size_t k = 0; k < kinds.size(); ++k) {
@@ -200,7 +206,7 @@ nlohmann::json study_sequences(const StudySettings& settings) {
     if (settings.quick && settings.scenes.empty()) names = {"cloth:20000"};
     for (const std::string& name : names) {
         const Sequence sequence = load_sequence(name, settings.quick ? 8 : 1);
-        nlohmann::json row = follow(sequence, settings.quick ? 2 : 5);
+        nlohmann::json row = settings.quick ? follow(sequence, 2, 4) : follow(sequence, 5, 60);
         std::vector<std::size_t> some;
         const std::size_t step = std::max<std::size_t>(1, sequence.frames.size() / (settings.quick ? 3 : 12));
         for (std::size_t f = step / 2; f < sequence.frames.size(); f += step) some.push_back(f);
