@@ -14,8 +14,8 @@ import numpy as np
 import pyvista
 from PIL import Image
 
-# Where the camera looks from, and which way is up.
-VIEWS = {"cloth": ((1.0, -1.6, 0.75), (0, 0, 1)), "bodies": ((1, -1.4, 0.8), (0, 0, 1))}
+LARGE, SMALL = (400, 300), (280, 220)
+VIEW, UP = (1.0, -1.6, 0.95), (0, 0, 1)
 COLOURS = ["#4f8fe6", "#f08a3c", "#3fae6b", "#c25bd0", "#c9a227", "#2aa7b8", "#e0566f", "#8d80e8",
            "#7fae3a", "#b5754a", "#5b9aa0", "#d67fb0", "#6f86b0", "#a8963f", "#4aa58c", "#d2694f"]
 OVERLAP, CLOTH, HIT, BALL = "#555b64", "#8fa9c9", "#e5484d", "#b9a37c"
@@ -59,19 +59,46 @@ def by_part(masks):
     return colours
 
 
-def by_hit(scene):
-    return np.array([rgb(CLOTH), rgb(HIT)], np.uint8)[scene.hit.astype(int)]
-
-
-def render(scene, colours, view, size, zoom):
+def polydata(scene):
     faces = np.column_stack([np.full(len(scene.triangles), 3), scene.triangles]).ravel()
-    mesh = pyvista.PolyData(scene.vertices.astype(float), faces)
+    return pyvista.PolyData(scene.vertices.astype(float), faces)
+
+
+def bodies(scene):
+    """For each triangle, the number of its connected component."""
+    return polydata(scene).connectivity("all").cell_data["RegionId"]
+
+
+def by_hit(scene):
+    """What collides is red; the largest body, which is the cloth, has another colour than the rest."""
+    body = bodies(scene)
+    colours = np.array([rgb(BALL), rgb(CLOTH)], np.uint8)[(body == np.bincount(body).argmax()).astype(int)]
+    colours[scene.hit] = rgb(HIT)
+    return colours
+
+
+def shown(scene):
+    """Without a ground: a body all of which lies flat at the very bottom."""
+    height = scene.vertices[scene.triangles][:, :, 2]
+    low, high = height.min(), height.max()
+    body = bodies(scene)
+    raised = np.bincount(body, (height > low + 1e-6 * (high - low)).any(1))
+    return raised[body] > 0
+
+
+def bounds(scene):
+    points = scene.vertices[scene.triangles[shown(scene)]].reshape(-1, 3)
+    return np.column_stack([points.min(0), points.max(0)])
+
+
+def render(scene, colours, size, zoom, box=None):
+    mesh = polydata(scene)
     mesh.cell_data["colour"] = colours
+    mesh = mesh.extract_cells(shown(scene)).extract_surface(algorithm="dataset_surface")
     plotter = pyvista.Plotter(off_screen=True, window_size=(2 * size[0], 2 * size[1]), lighting="light_kit")
     plotter.add_mesh(mesh, scalars="colour", rgb=True, smooth_shading=False, ambient=0.15, diffuse=0.85, specular=0.1)
-    position, up = view
-    plotter.camera_position = [position, (0, 0, 0), up]
-    plotter.reset_camera()
+    plotter.camera_position = [VIEW, (0, 0, 0), UP]
+    plotter.reset_camera(bounds=(bounds(scene) if box is None else box).ravel())
     plotter.camera.zoom(zoom)
     image = plotter.screenshot(transparent_background=True, return_img=True)
     plotter.close()
@@ -96,6 +123,10 @@ def listed(benchmark):
     return subprocess.run([benchmark, "--list"], capture_output=True, text=True, check=True).stdout.split()
 
 
+def frames_of(benchmark, name, frames):
+    return [Scene(benchmark, f"{name}@{frame}") for frame in frames]
+
+
 def draw_pictures(folder, benchmark):
     folder.mkdir(parents=True, exist_ok=True)
     known = listed(benchmark)
@@ -104,18 +135,13 @@ def draw_pictures(folder, benchmark):
     if "funnel" in known:
         models.insert(1, ("funnel", 375))
     scenes = [Scene(benchmark, f"{name}@{frame}", (2, 16)) for name, frame in models]
-    for scene in scenes:
-        scene.view = VIEWS.get("bodies" if scene is scenes[-1] else "cloth")
-    sheet([[render(s, by_part(s.masks[count]), s.view, (400, 300), 1.1) for s in scenes] for count in (2, 16)],
+    sheet([[render(scene, by_part(scene.masks[count]), LARGE, 1.15) for scene in scenes] for count in (2, 16)],
           folder / "clusters.png")
 
-    sequences = [(cloth, (0, 10, 40, 60, 93))]
-    if "funnel" in known:
-        sequences.append(("funnel", (0, 125, 200, 375, 500)))
-    rows = []
-    for name, frames in sequences:
-        rows.append([])
-        for frame in frames:
-            scene = Scene(benchmark, f"{name}@{frame}")
-            rows[-1].append(render(scene, by_hit(scene), VIEWS["cloth"], (280, 220), 1.2))
+    rows = [[render(scene, by_hit(scene), SMALL, 1.2) for scene in frames_of(benchmark, cloth, (0, 10, 40, 60, 93))]]
+    if "funnel" in known:  # one camera for all frames, because the funnel does not move
+        scenes = frames_of(benchmark, "funnel", (0, 125, 200, 375, 500))
+        boxes = np.array([bounds(scene) for scene in scenes[1:]])
+        box = np.column_stack([boxes[:, :, 0].min(0), boxes[:, :, 1].max(0)])
+        rows.append([render(scene, by_hit(scene), SMALL, 1.28, box) for scene in scenes])
     sheet(rows, folder / "frames.png")

@@ -46,17 +46,24 @@ class Tables(Results):
         counts = ["triangles"] if question == "any" else ["triangles", "pairs"]
         return table(["scene", *counts, "Crumple", *theirs], rows)
 
+    def named(self, peer, otherwise):
+        """With the first two numbers of its version; older results do not have it."""
+        version = self.version(peer)
+        return f"{peer} {'.'.join(version.split('.')[:2])}" if version else otherwise
+
     def self_contest(self):
-        return self.contest("self", {"CGAL": "CGAL 5.5, exact", "MeshLib": "MeshLib 3.1, float32",
-                                     "Embree": "Embree 3, boxes only",
+        return self.contest("self", {"CGAL": self.named("CGAL", "CGAL 5.5") + ", exact",
+                                     "MeshLib": self.named("MeshLib", "MeshLib 3.1") + ", float32",
+                                     "Embree": self.named("Embree", "Embree 3") + ", boxes only",
                                      "IPC Toolkit LBVH, from Python": "IPC Toolkit LBVH, boxes only"})
 
     def between_contest(self):
-        return self.contest("between", {"FCL": "FCL 0.7, build and collide", "FCL, trees built": "FCL, trees built",
-                                        "Embree": "Embree 3, boxes only"})
+        return self.contest("between", {"FCL": self.named("FCL", "FCL 0.7") + ", build and collide",
+                                        "FCL, trees built": "FCL, trees built",
+                                        "Embree": self.named("Embree", "Embree 3") + ", boxes only"})
 
     def any_contest(self):
-        return self.contest("any", {"CGAL": "CGAL 5.5, exact",
+        return self.contest("any", {"CGAL": self.named("CGAL", "CGAL 5.5") + ", exact",
                                     "IPC Toolkit has_intersections": "IPC Toolkit `has_intersections`"})
 
     def growth(self):
