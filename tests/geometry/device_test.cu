@@ -1,7 +1,10 @@
 // The decision as device code. On a device, and on the CPU, it must say what the host says.
 
+#include <cstring>
+
 #include "cuda_on_cpu/portable/portable.h"
 #include "geometry/ball.h"
+#include "geometry/contact_on_line.h"
 #include "geometry/decide.h"
 #include "geometry/decision.h"
 #include "geometry/filters.h"
@@ -48,6 +51,43 @@ TEST_F(Device, decides_as_the_host_does) {
                     ASSERT_EQ(filtered[i], expected) << pairs[i];
                 }
             }
+        }
+    }
+}
+
+struct Found {
+    bool done;
+    Contact contact;
+};
+
+__global__ void contact_all(const TrianglePair* pairs, int count, Found* found) {
+    const int i = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x);
+    if (i < count) found[i].done = contact_on_line(pairs[i].a, pairs[i].b, NothingExact{}, found[i].contact);
+}
+
+TEST_F(Device, finds_the_hosts_contacts) {
+    for (const Kind kind : all_kinds) {
+        RandomPairs random(kind, 79);
+        std::vector<TrianglePair> pairs;
+        for (int i = 0; i < 4'000; ++i) pairs.push_back(random());
+        const portable::Array<TrianglePair> input(pairs);
+        const portable::Array<Found> output(pairs.size());
+        portable::launch(contact_all, static_cast<unsigned>((pairs.size() + 127) / 128), 128, 0, input.data(),
+                         static_cast<int>(pairs.size()), output.data());
+        const std::vector<Found> found = output.values();
+        int done = 0;
+        for (std::size_t i = 0; i < pairs.size(); ++i) {
+            if (!found[i].done) continue;
+            ++done;
+            const Contact expected = contact(pairs[i].a, pairs[i].b);
+            ASSERT_EQ(found[i].contact.count, expected.count) << pairs[i];
+            ASSERT_EQ(std::memcmp(found[i].contact.points.data(), expected.points.data(),
+                                  static_cast<std::size_t>(expected.count) * sizeof(Vec3d)),
+                      0)
+                << pairs[i];
+        }
+        if (kind == Kind::random || kind == Kind::random_float) {
+            EXPECT_GT(done, 3'000);
         }
     }
 }
