@@ -22,7 +22,7 @@ from pathlib import Path
 from statistics import median, quantiles
 
 sys.dont_write_bytecode = True
-PEERS = ["peers.ipc_toolkit", "peers.mesh_lib", "peers.libigl", "peers.true_form", "peers.coal"]
+PEERS = ["peers.ipc_toolkit", "peers.mesh_lib", "peers.libigl", "peers.true_form", "peers.coal", "peers.warp_boxes"]
 SCENES = ["cloth_ball92", "balls16_18", "227", "ember_016", "ember_260", "ember_406", "bunny_69k", "armadillo_86k"]
 PROCEDURAL = ["cloth", "bodies", "between:bodies", "any:shells"]
 QUICK, QUICK_PROCEDURAL = ["227", "ember_406", "bunny_69k"], ["cloth:20000", "between:bodies:20000", "any:shells"]

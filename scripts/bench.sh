@@ -41,7 +41,9 @@ grep -h 'Benchmarks:' "$build/build.log" || true
 
 python=$build/python/bin/python
 [[ -x $python ]] || python3 -m venv "$build/python" || true
-for package in numpy ipctk meshlib libigl trueform coal; do
+packages=(numpy ipctk meshlib libigl trueform coal)
+nvidia-smi >/dev/null 2>&1 && packages+=(warp-lang)  # the peer on CUDA
+for package in "${packages[@]}"; do
     [[ -x $python ]] || break
     "$python" -m pip show --quiet "$package" >/dev/null 2>&1 ||
         "$python" -m pip install --quiet --disable-pip-version-check "$package" ||

@@ -48,10 +48,12 @@ def work(module, name, way, threads, folder):
     """Answers each line of standard input, `run SECONDS` or `pairs`, by a line of JSON; "ready" comes first."""
     if threads == 1:
         os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})  # before the library starts its threads
+    answers = os.fdopen(os.dup(1), "w")
+    os.dup2(2, 1)  # what the library prints must not come between
     gc.disable()
     peer = getattr(importlib.import_module(module), name)(folder, way)
-    print(json.dumps("ready"), flush=True)
+    print(json.dumps("ready"), file=answers, flush=True)
     for line in sys.stdin:
         request, *arguments = line.split()
         answer = run(peer, float(arguments[0])) if request == "run" else compare(peer, folder)
-        print(json.dumps(answer), flush=True)
+        print(json.dumps(answer), file=answers, flush=True)
