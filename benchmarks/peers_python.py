@@ -141,7 +141,9 @@ def race(contestants, rounds, seconds, budget):
 
 def summary(values):
     lower, middle, upper = quantiles(values, method="inclusive") if len(values) > 1 else 3 * values
-    return {"median": middle, "lower_quartile": lower, "upper_quartile": upper, "minimum": min(values), "calls": len(values)}
+    last = quantiles(values, n=100, method="inclusive")[-1] if len(values) > 1 else values[0]
+    return {"median": middle, "lower_quartile": lower, "upper_quartile": upper, "minimum": min(values), "percentile_99": last,
+            "calls": len(values)}
 
 
 def judge(contestants):
