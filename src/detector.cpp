@@ -80,8 +80,18 @@ struct Detector::Implementation {
     explicit Implementation(const Options& o) : options(o) {
         check_options(o);
         meter.limit = o.memory_limit;
-        backend = o.backend == Backend::reference ? make_reference_backend(options, meter, cancellation)
-                                                  : make_cpu_backend(options, meter, cancellation);
+        backend = make_backend();
+    }
+
+    std::unique_ptr<BackendBase> make_backend() {
+        switch (options.backend) {
+            case Backend::reference:
+                return make_reference_backend(options, meter, cancellation);
+            case Backend::cuda:
+                return make_cuda_backend(options, meter, cancellation);
+            default:
+                return make_cpu_backend(options, meter, cancellation);
+        }
     }
 
     void forget() {

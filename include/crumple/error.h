@@ -15,6 +15,7 @@ enum class ErrorCode : std::uint8_t {
     file,                 ///< a file cannot be opened, read or written
     format,               ///< a file's content is not what its format demands
     cancelled,            ///< Detector::cancel() ended the call
+    device,               ///< a call of CUDA failed; the message names it
 };
 
 /// What Error::index counts.

@@ -5,7 +5,7 @@
 
 namespace crumple {
 
-enum class Backend : std::uint8_t { automatic, reference, cpu };
+enum class Backend : std::uint8_t { automatic, reference, cpu, cuda };
 
 /// Instruction sets that the cpu backend can run on. `automatic` takes the best that the machine has.
 enum class Simd : std::uint8_t { automatic, scalar, sse4, avx2, avx512, neon };
@@ -31,6 +31,7 @@ struct Options {
     double stop = 1e-2;
     double first_stop = 1e-4;  ///< the same for a first frame
     Simd simd = Simd::automatic;
+    int device = 0;  ///< of the cuda backend: its number among those that CUDA lists
 };
 
 /// Pairs of triangles that share a vertex.

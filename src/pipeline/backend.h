@@ -34,6 +34,7 @@ class BackendBase : public ParallelFor {
 
 std::unique_ptr<BackendBase> make_reference_backend(const Options& options, MemoryMeter& meter,
                                                     Cancellation& cancellation);
+std::unique_ptr<BackendBase> make_cuda_backend(const Options& options, MemoryMeter& meter, Cancellation& cancellation);
 std::unique_ptr<BackendBase> make_cpu_backend(const Options& options, MemoryMeter& meter, Cancellation& cancellation);
 
 }  // namespace crumple

@@ -5,10 +5,9 @@
 // An axis is shifted only where its interval lies on one side of 0 within a factor of two; then by its end nearest to
 // 0, which makes the difference exact (Sterbenz). Scaling by powers of two is exact but for underflow. So y = (x pre -
 // shift) post differs from the true value by at most 2^-1000, and y is a float32 number if x and the box's corners are.
-// `pre` keeps differences of the largest and of subnormal numbers representable.
+// `pre` keeps differences of the largest and of subnormal numbers representable. Compiled for host and device.
 
-#include <algorithm>
-#include <cmath>
+#include <math.h>  // ilogb and ldexp, for host and device
 
 #include "geometry/vec.h"
 
@@ -19,10 +18,10 @@ struct Normaliser {
     Vec3d shift;
 
     Normaliser() = default;
-    Normaliser(Vec3d low, Vec3d high) {
+    CRUMPLE_HD Normaliser(Vec3d low, Vec3d high) {
         const double reach = max(largest(abs(low)), largest(abs(high)));
         if (reach == 0) return;
-        const int exponent = std::ilogb(reach);
+        const int exponent = ilogb(reach);
         pre = exponent > 1000 ? 0x1p-8 : exponent < -700 ? 0x1p300 : 1.0;
         double extent = 0;
         for (int axis = 0; axis < 3; ++axis) {
@@ -31,9 +30,9 @@ struct Normaliser {
             if (h < 0 && l >= 2 * h) shift[axis] = h;
             extent = max(extent, max(std::abs(l - shift[axis]), std::abs(h - shift[axis])));
         }
-        if (extent > 0) post = std::ldexp(1.0, std::min(-std::ilogb(extent) - 1, 1000));
+        if (extent > 0) post = ldexp(1.0, min(-ilogb(extent) - 1, 1000));
     }
-    Vec3d operator()(Vec3d x) const {
+    CRUMPLE_HD Vec3d operator()(Vec3d x) const {
         return {(x.x * pre - shift.x) * post, (x.y * pre - shift.y) * post, (x.z * pre - shift.z) * post};
     }
     /// Back to the scene's coordinates, rounded.

@@ -28,12 +28,18 @@ struct VertexReader {
     std::int64_t row_stride = 0, column_stride = 0;
     bool float32 = true;
 
-    Vec3d operator()(std::int64_t i) const {
+    CRUMPLE_HD Vec3d operator()(std::int64_t i) const {
         const std::byte* row = data + i * row_stride;
         return float32 ? read<float>(row) : read<double>(row);
     }
+    std::size_t scalar_bytes() const { return float32 ? sizeof(float) : sizeof(double); }
+    /// Rows of three scalars, one behind the other.
+    bool contiguous() const {
+        const auto size = static_cast<std::int64_t>(scalar_bytes());
+        return column_stride == size && row_stride == 3 * size;
+    }
     template <class T>
-    Vec3d read(const std::byte* row) const {
+    CRUMPLE_HD Vec3d read(const std::byte* row) const {
         T x, y, z;
         std::memcpy(&x, row, sizeof(T));
         std::memcpy(&y, row + column_stride, sizeof(T));
@@ -53,17 +59,17 @@ struct Scene {
     Vec3d low, high;                           ///< box of all vertices; 0 if there are none
     std::array<Vec3d, 2> side_low, side_high;  ///< box of each mesh's vertices; low > high if there are none
 
-    std::int64_t vertex_count() const { return vertices[0] + vertices[1]; }
-    std::int64_t triangle_count() const { return triangles[0] + triangles[1]; }
-    Vec3d position(std::int64_t vertex) const {
+    CRUMPLE_HD std::int64_t vertex_count() const { return vertices[0] + vertices[1]; }
+    CRUMPLE_HD std::int64_t triangle_count() const { return triangles[0] + triangles[1]; }
+    CRUMPLE_HD Vec3d position(std::int64_t vertex) const {
         return vertex < vertices[0] ? reader[0](vertex) : reader[1](vertex - vertices[0]);
     }
-    Triangle triangle(std::int64_t t) const {
+    CRUMPLE_HD Triangle triangle(std::int64_t t) const {
         const std::int32_t* c = corners + 3 * t;
         return {{position(c[0]), position(c[1]), position(c[2])}, {c[0], c[1], c[2]}};
     }
-    std::int32_t group(std::int64_t t) const { return groups ? groups[t] : 0; }
-    bool second(std::int64_t t) const { return t >= triangles[0]; }
+    CRUMPLE_HD std::int32_t group(std::int64_t t) const { return groups ? groups[t] : 0; }
+    CRUMPLE_HD bool second(std::int64_t t) const { return t >= triangles[0]; }
 };
 
 /// What the check of a chunk of vertices or of triangles found.

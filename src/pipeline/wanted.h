@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <span>
 
 #include "crumple/array.h"
 #include "crumple/options.h"
@@ -28,6 +29,9 @@ class GroupRule {
 
     /// No pair within a group is wanted.
     bool groups_apart() const { return wanted_ == Wanted::between; }
+
+    /// Excluded pairs of groups as sorted keys: the lower id in the upper half.
+    std::span<const std::uint64_t> excluded() const { return excluded_.span(); }
 
     bool operator()(std::int32_t g, std::int32_t h) const {
         if (wanted_ == Wanted::between && g == h) return false;

@@ -91,16 +91,24 @@ std::string describe(const Options& o) {
     return text.str();
 }
 
+// The backend that is compared with `reference`; the same tests are built once for each.
+#ifndef CRUMPLE_TESTED_BACKEND
+#define CRUMPLE_TESTED_BACKEND cpu
+#endif
+constexpr Backend tested = Backend::CRUMPLE_TESTED_BACKEND;
+constexpr std::size_t option_count = tested == Backend::cpu ? 24 : 7;  // threads of a device are slow to play
+
 /// Few and many clusters, leaves so small that there are several levels, all thread counts and instruction sets.
 std::vector<Options> option_list() {
     std::vector<Options> list(1);
+    list[0].backend = tested;
     constexpr std::array clusters{1, 2, 3, 5, 16, 33, 64};
     constexpr std::array leaves{1, 4, 16, 60, 200, 3000};
     constexpr std::array threads{1, 2, 3, 7, 16};
     constexpr std::array instructions{Simd::automatic, Simd::scalar, Simd::sse4, Simd::avx2, Simd::avx512, Simd::neon};
-    for (std::size_t i = 0; i < 24; ++i) {
+    for (std::size_t i = 0; i < option_count; ++i) {
         Options o;
-        o.backend = Backend::cpu;
+        o.backend = tested;
         o.clusters = clusters[i % clusters.size()];
         o.leaf_size = leaves[i % leaves.size()];
         o.threads = threads[i % threads.size()];
@@ -225,21 +233,22 @@ struct Union {
 };
 
 TEST_P(Agreement, OfTheUnionOfAnyNumberOfParts) {
-    Detector cpu({.backend = Backend::cpu, .leaf_size = 100});
+    Detector parted({.backend = tested, .leaf_size = 100});
     Query query;
     query.contacts = true;
     Union whole, whole_between;
     const auto [a, b] = halves();
-    whole.add(cpu.find_self(view(), query));
-    whole_between.add(cpu.find_between(a, b, query));
+    whole.add(parted.find_self(view(), query));
+    whole_between.add(parted.find_between(a, b, query));
     for (const int count : {1, 2, 3, 8, 31, 64}) {
         SCOPED_TRACE(testing::Message() << scene().name << ", " << count << " parts");
-        const std::vector<Part> parts = cpu.partition(view(), count), between = cpu.partition(a, b, count);
+        const std::vector<Part> parts = parted.partition(view(), count), between = parted.partition(a, b, count);
         ASSERT_EQ(parts.size(), static_cast<std::size_t>(count));
         Union joined, joined_between, joined_reference;
         // In any order: from the last to the first.
-        for (auto part = parts.rbegin(); part != parts.rend(); ++part) joined.add(cpu.find_self(view(), *part, query));
-        for (const Part& part : between) joined_between.add(cpu.find_between(a, b, part, query));
+        for (auto part = parts.rbegin(); part != parts.rend(); ++part)
+            joined.add(parted.find_self(view(), *part, query));
+        for (const Part& part : between) joined_between.add(parted.find_between(a, b, part, query));
         ASSERT_EQ(difference(whole.list(), joined.list()), "");
         ASSERT_TRUE(whole.pairs == joined.pairs) << "contacts differ";
         ASSERT_EQ(difference(whole_between.list(), joined_between.list()), "");
@@ -253,7 +262,7 @@ TEST_P(Agreement, OfTheUnionOfAnyNumberOfParts) {
 TEST_P(Agreement, UnderAnyMemoryLimit) {
     Query query;
     query.contacts = true;
-    const Options unlimited{.backend = Backend::cpu, .leaf_size = 100};
+    const Options unlimited{.backend = tested, .leaf_size = 100};
     const auto limited = [&](std::int64_t bytes) {
         Options options = unlimited;
         options.memory_limit = bytes;

@@ -1,0 +1,111 @@
+#include "cuda/align.h"
+
+#include <cub/block/block_reduce.cuh>
+
+#include "geometry/eigen.h"
+
+namespace crumple::cuda {
+namespace {
+
+constexpr int threads = 128;  // and as many samples for the covariance, as on the CPU
+
+struct FrameShared {
+    cub::BlockReduce<double, threads>::TempStorage sum;
+    cub::BlockReduce<float, threads>::TempStorage most;
+    double sums[6];
+    Frame frame;
+};
+
+// The sum, or the largest, of what the block's threads have, for all of them.
+__device__ double block_sum(FrameShared& shared, double value, double& slot) {
+    __syncthreads();
+    const double sum = cub::BlockReduce<double, threads>(shared.sum).Sum(value);
+    if (threadIdx.x == 0) slot = sum;
+    __syncthreads();
+    return slot;
+}
+struct Larger {
+    __device__ float operator()(float a, float b) const { return a < b ? b : a; }
+};
+__device__ float block_max(FrameShared& shared, float value) {
+    __syncthreads();
+    const float most = cub::BlockReduce<float, threads>(shared.most).Reduce(value, Larger());
+    if (threadIdx.x == 0) shared.sums[0] = most;
+    __syncthreads();
+    return static_cast<float>(shared.sums[0]);
+}
+
+__device__ Vec3f to_float(Vec3d p) {
+    return {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
+}
+
+// One block a leaf.
+__global__ void frame_kernel(const unsigned long long* first, const std::int32_t* triangle, const Ball* balls,
+                             Frame* frames) {
+    auto& shared = dynamic_shared<FrameShared>();
+    const unsigned long long begin = first[blockIdx.x], members = first[blockIdx.x + 1] - begin;
+    if (members == 0) return;  // all threads of the block
+    const auto samples = static_cast<unsigned>(members < threads ? members : threads);
+    const bool has = threadIdx.x < samples;
+    const Ball ball = has ? balls[triangle[begin + threadIdx.x * members / samples]] : Ball{0, 0, 0, 0};
+    const double share = has ? 1.0 / samples : 0.0;
+
+    Vec3d mean;
+    mean.x = block_sum(shared, share * ball.x, shared.sums[0]);
+    mean.y = block_sum(shared, share * ball.y, shared.sums[0]);
+    mean.z = block_sum(shared, share * ball.z, shared.sums[0]);
+    const double radius = block_sum(shared, share * ball.r, shared.sums[0]);
+    const Vec3d d = has ? Vec3d{ball.x, ball.y, ball.z} - mean : Vec3d{};
+    SymmetricMatrix covariance;
+    covariance.xx = block_sum(shared, share * d.x * d.x, shared.sums[0]);
+    covariance.xy = block_sum(shared, share * d.x * d.y, shared.sums[1]);
+    covariance.xz = block_sum(shared, share * d.x * d.z, shared.sums[2]);
+    covariance.yy = block_sum(shared, share * d.y * d.y, shared.sums[3]);
+    covariance.yz = block_sum(shared, share * d.y * d.z, shared.sums[4]);
+    covariance.zz = block_sum(shared, share * d.z * d.z, shared.sums[5]);
+    const float spread = block_max(shared, static_cast<float>(largest(abs(d))));
+
+    Frame& frame = shared.frame;
+    if (threadIdx.x == 0) {
+        const PrincipalAxes axes = principal_axes(covariance);
+        frame.origin = to_float(mean);
+        for (int i = 0; i < 3; ++i) frame.axis[i] = to_float(axes.axis[i]);
+        frame.big = 2 * (spread + static_cast<float>(radius)) + 1e-30f;
+    }
+    __syncthreads();
+
+    // The reach of all members, and their range along the sweep direction; for the bins, which need not be exact.
+    float reach = 0, low = INFINITY, high = -INFINITY;
+    for (unsigned long long m = begin + threadIdx.x; m < begin + members; m += threads) {
+        const Ball b = balls[triangle[m]];
+        const float own = reach_of(b, frame);
+        if (own > frame.big) {
+            reach = max(reach, 0x1p-28f * own);
+            continue;
+        }
+        reach = max(reach, own);
+        const float x = dot(frame.axis[0], Vec3f{b.x, b.y, b.z} - frame.origin);
+        low = min(low, x - b.r);
+        high = max(high, x + b.r);
+    }
+    reach = block_max(shared, reach);
+    high = block_max(shared, high);
+    low = -block_max(shared, -low);
+    if (threadIdx.x != 0) return;
+    frame.reach = reach;
+    frame.margin = 12 * unit_roundoff * reach + 1e-30f;
+    const bool any = high - low > 1e-30f;
+    frame.base = any ? low : 0;
+    frame.scale = any ? bins / (high - low) : 0;
+    frames[blockIdx.x] = frame;
+}
+
+}  // namespace
+
+void make_frames(cudaStream_t stream, int leaves, const unsigned long long* first, const std::int32_t* triangle,
+                 const Ball* balls, Frame* frames) {
+    Launch{stream, static_cast<unsigned>(leaves), threads, sizeof(FrameShared)}(frame_kernel, first, triangle, balls,
+                                                                                frames);
+}
+
+}  // namespace crumple::cuda

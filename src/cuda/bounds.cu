@@ -1,0 +1,109 @@
+#include "cuda/bounds.h"
+
+#include "cuda/memory.h"
+#include "pipeline/normaliser.h"
+
+namespace crumple::cuda {
+namespace {
+
+// Widen a computed radius. Coordinates are at most 1: differences and the corners of float64 input err by at most 2 u.
+constexpr float ball_factor = 1.000002f, ball_slack = 4e-7f;
+
+__global__ void check_kernel(Scene scene, SceneBox* box, Counters* counters) {
+    constexpr double most = 1.7976931348623157e308;
+    Vec3d low{most, most, most}, high{-most, -most, -most};
+    const auto n = static_cast<std::size_t>(scene.vertex_count());
+    for (std::size_t v = grid_thread(); v < n; v += grid_stride()) {
+        const Vec3d p = scene.position(static_cast<std::int64_t>(v));
+        // Neither NaN nor an infinity is at most the largest number.
+        if (!(std::abs(p.x) <= most && std::abs(p.y) <= most && std::abs(p.z) <= most)) {
+            const auto first = static_cast<std::size_t>(scene.vertices[0]);
+            const int side = v >= first;
+            atomicMin(&counters->bad_vertex[side], static_cast<unsigned long long>(side ? v - first : v));
+            continue;
+        }
+        low = min(low, p);
+        high = max(high, p);
+    }
+    for (int axis = 0; axis < 3; ++axis) {
+        unsigned long long least = ordered(low[axis]), greatest = ordered(high[axis]);
+        for (int lanes = 16; lanes > 0; lanes /= 2) {
+            least = min(least, __shfl_xor_sync(whole_warp, least, lanes));
+            greatest = max(greatest, __shfl_xor_sync(whole_warp, greatest, lanes));
+        }
+        if (threadIdx.x % 32 != 0) continue;
+        atomicMin(&box->low[axis], least);
+        atomicMax(&box->high[axis], greatest);
+    }
+}
+
+template <class T>
+__global__ void normalise_kernel(Scene scene, const SceneBox* box, Row<T>* rows) {
+    auto& normaliser = dynamic_shared<Normaliser>();
+    if (threadIdx.x == 0) {
+        Vec3d low, high;
+        for (int axis = 0; axis < 3; ++axis)
+            low[axis] = from_ordered(box->low[axis]), high[axis] = from_ordered(box->high[axis]);
+        normaliser = low.x <= high.x ? Normaliser(low, high) : Normaliser();
+    }
+    __syncthreads();
+    const auto n = static_cast<std::size_t>(scene.vertex_count());
+    for (std::size_t v = grid_thread(); v < n; v += grid_stride()) {
+        const Vec3d p = normaliser(scene.position(static_cast<std::int64_t>(v)));
+        rows[v] = {static_cast<T>(p.x), static_cast<T>(p.y), static_cast<T>(p.z), 0};
+    }
+}
+
+template <class T>
+__device__ Vec3f centre_point(const Row<T>& row) {
+    return {static_cast<float>(row.x), static_cast<float>(row.y), static_cast<float>(row.z)};
+}
+
+template <class T>
+__global__ void balls_kernel(Scene scene, const Row<T>* rows, Ball* balls, Counters* counters) {
+    const auto n = static_cast<std::size_t>(scene.triangle_count());
+    const auto vertices = static_cast<std::uint32_t>(scene.vertex_count());
+    for (std::size_t t = grid_thread(); t < n; t += grid_stride()) {
+        const std::int32_t* corner = scene.corners + 3 * t;
+        const std::int32_t i = corner[0], j = corner[1], k = corner[2];
+        if (static_cast<std::uint32_t>(i) >= vertices || static_cast<std::uint32_t>(j) >= vertices ||
+            static_cast<std::uint32_t>(k) >= vertices) {
+            const int side = scene.second(static_cast<std::int64_t>(t));
+            atomicMin(
+                &counters->bad_triangle[side],
+                static_cast<unsigned long long>(t) - static_cast<unsigned long long>(side ? scene.triangles[0] : 0));
+            balls[t] = {0, 0, 0, NAN};
+            continue;
+        }
+        const Vec3f p[3] = {centre_point(rows[i]), centre_point(rows[j]), centre_point(rows[k])};
+        const Vec3f c = (1.0f / 3.0f) * (p[0] + p[1] + p[2]);
+        float r2 = 0;
+        for (const Vec3f& q : p) r2 = max(r2, dot(q - c, q - c));
+        balls[t] = {c.x, c.y, c.z, std::sqrt(r2) * ball_factor + ball_slack};
+    }
+}
+
+}  // namespace
+
+void check_vertices(const Geometry& geometry, cudaStream_t stream, const Scene& scene, SceneBox* box,
+                    Counters* counters) {
+    const auto n = static_cast<std::size_t>(scene.vertex_count());
+    Launch{stream, geometry.blocks(n), geometry.threads}(check_kernel, scene, box, counters);
+}
+
+void compute_bounds(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const SceneBox* box,
+                    const Points& points, Ball* balls, Counters* counters) {
+    const auto vertices = static_cast<std::size_t>(scene.vertex_count());
+    const auto triangles = static_cast<std::size_t>(scene.triangle_count());
+    const Launch over_vertices{stream, geometry.blocks(vertices), geometry.threads, sizeof(Normaliser)};
+    const Launch over_triangles{stream, geometry.blocks(triangles), geometry.threads};
+    if (points.f) {
+        over_vertices(normalise_kernel<float>, scene, box, points.f);
+        over_triangles(balls_kernel<float>, scene, points.f, balls, counters);
+    } else {
+        over_vertices(normalise_kernel<double>, scene, box, points.d);
+        over_triangles(balls_kernel<double>, scene, points.d, balls, counters);
+    }
+}
+
+}  // namespace crumple::cuda

@@ -1,0 +1,35 @@
+#pragma once
+
+// Stage `bounds`: normalised vertices, and a ball around each triangle ([MZ] sec. 5). See docs/bounds.md.
+
+#include <bit>
+
+#include "cuda/layout.h"
+#include "cuda/runtime.h"
+#include "pipeline/scene.h"
+
+namespace crumple::cuda {
+
+/// The box of all vertices, as integers in the order of the numbers they stand for, so that atomics can widen it.
+struct SceneBox {
+    unsigned long long low[3], high[3];
+};
+
+/// Integers in the order of the (finite) numbers.
+CRUMPLE_HD inline unsigned long long ordered(double x) {
+    const auto bits = std::bit_cast<unsigned long long>(x);
+    return bits >> 63 ? ~bits : bits | 1ull << 63;
+}
+CRUMPLE_HD inline double from_ordered(unsigned long long key) {
+    return std::bit_cast<double>(key >> 63 ? key & ~(1ull << 63) : ~key);
+}
+
+/// Widens the box by the scene's vertices and notes the first that is not finite. For scenes that lie on the device;
+/// others were checked by the host.
+void check_vertices(const Geometry& geometry, cudaStream_t stream, const Scene& scene, SceneBox* box,
+                    Counters* counters);
+
+void compute_bounds(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const SceneBox* box,
+                    const Points& points, Ball* balls, Counters* counters);
+
+}  // namespace crumple::cuda

@@ -1,0 +1,92 @@
+#include "cuda/narrow.h"
+
+#include "geometry/decision.h"
+
+namespace crumple::cuda {
+namespace {
+
+// Records one colliding pair, lower id first. All lanes of a warp call it together.
+__device__ void add(const Hits& hits, bool is_hit, std::int32_t a, std::int32_t b, std::int32_t second) {
+    unsigned long long rank = 0;
+    if (is_hit) rank = atomicAdd(&hits.by_first[a], 1ull);
+    if (hits.mode == Hits::Mode::fill) {
+        if (is_hit) hits.second[rank] = b - second;
+        return;
+    }
+    const unsigned long long place = append(is_hit, hits.list.count);
+    if (is_hit && hits.mode == Hits::Mode::list && place < hits.list.capacity)
+        hits.list.data[place] = {a, b, static_cast<std::uint32_t>(rank)};
+}
+
+__device__ std::int32_t second_of(const Scene& scene) {
+    return static_cast<std::int32_t>(scene.between ? scene.triangles[0] : 0);
+}
+
+__device__ Pair pair_of(const Sorted& sorted, const Candidate& c) {
+    const std::int32_t a = sorted.triangle[c.row], b = sorted.triangle[c.column];
+    return {min(a, b), max(a, b)};
+}
+
+// What float64 filters can prove.
+__global__ void filter_kernel(Scene scene, Sorted sorted, Neighbours neighbours, Intersections intersections,
+                              List<Candidate> survivors, List<Candidate> undecided, Hits hits) {
+    const unsigned long long n = survivors.filled(), warps_end = (n + 31) / 32 * 32;
+    for (unsigned long long i = grid_thread(); i < warps_end; i += grid_stride()) {
+        Verdict verdict = Verdict::apart;
+        Candidate candidate{};
+        Pair pair{};
+        if (i < n) {
+            candidate = survivors.data[i];
+            pair = pair_of(sorted, candidate);
+            FilteredSigns signs;
+            verdict = decide(scene.triangle(pair.a), scene.triangle(pair.b), neighbours, intersections, signs);
+        }
+        add(hits, verdict == Verdict::collides, pair.a, pair.b, second_of(scene));
+        const unsigned long long place = append(verdict == Verdict::undecided, undecided.count);
+        if (verdict == Verdict::undecided && place < undecided.capacity) undecided.data[place] = candidate;
+    }
+}
+
+// Expansions; few pairs come here, so that their registers and stack do not matter.
+__global__ void exact_kernel(Scene scene, Sorted sorted, Neighbours neighbours, Intersections intersections,
+                             List<Candidate> undecided, List<Pair> beyond, Hits hits) {
+    const unsigned long long n = undecided.filled(), warps_end = (n + 31) / 32 * 32;
+    for (unsigned long long i = grid_thread(); i < warps_end; i += grid_stride()) {
+        Verdict verdict = Verdict::apart;
+        Pair pair{};
+        if (i < n) {
+            pair = pair_of(sorted, undecided.data[i]);
+            ExactSigns signs;
+            verdict = decide(scene.triangle(pair.a), scene.triangle(pair.b), neighbours, intersections, signs);
+        }
+        add(hits, verdict == Verdict::collides, pair.a, pair.b, second_of(scene));
+        const unsigned long long place = append(verdict == Verdict::undecided, beyond.count);
+        if (verdict == Verdict::undecided && place < beyond.capacity) beyond.data[place] = pair;
+    }
+}
+
+__global__ void add_kernel(Scene scene, const Pair* pairs, std::size_t n, Hits hits) {
+    const std::size_t warps_end = (n + 31) / 32 * 32;
+    for (std::size_t i = grid_thread(); i < warps_end; i += grid_stride())
+        add(hits, i < n, i < n ? pairs[i].a : 0, i < n ? pairs[i].b : 0, second_of(scene));
+}
+
+}  // namespace
+
+void narrow(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Sorted& sorted, const Rules& rules,
+            const List<Candidate>& survivors, const List<Candidate>& undecided, const List<Pair>& beyond,
+            const Hits& hits) {
+    const Neighbours neighbours = rules.skip_neighbours ? Neighbours::skip : Neighbours::geometric;
+    const Intersections intersections = rules.proper ? Intersections::proper : Intersections::all;
+    Launch{stream, geometry.blocks(survivors.capacity), geometry.threads}(filter_kernel, scene, sorted, neighbours,
+                                                                          intersections, survivors, undecided, hits);
+    Launch{stream, geometry.blocks(undecided.capacity), geometry.threads}(exact_kernel, scene, sorted, neighbours,
+                                                                          intersections, undecided, beyond, hits);
+}
+
+void add_hits(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Pair* pairs, std::size_t count,
+              const Hits& hits) {
+    Launch{stream, geometry.blocks(count), geometry.threads}(add_kernel, scene, pairs, count, hits);
+}
+
+}  // namespace crumple::cuda

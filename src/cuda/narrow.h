@@ -1,0 +1,31 @@
+#pragma once
+
+// Stage `narrow`: which of the pairs that no plane separates do collide. Filters in float32 first, then the exact
+// decision; what expansions cannot hold is left for the host.
+
+#include "cuda/layout.h"
+#include "cuda/runtime.h"
+#include "cuda/sweep.h"
+#include "pipeline/scene.h"
+
+namespace crumple::cuda {
+
+/// Where colliding pairs go. Counting: only their number by first triangle. Filling: to the places that prefix sums of
+/// these numbers gave, `second` of them. Otherwise: to a list, with their rank.
+struct Hits {
+    enum class Mode { list, count, fill };
+    Mode mode;
+    List<Hit> list;
+    unsigned long long* by_first;  ///< n: number of pairs of each first triangle; filling: where its next one goes
+    std::int32_t* second;
+};
+
+void narrow(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Sorted& sorted, const Rules& rules,
+            const List<Candidate>& survivors, const List<Candidate>& undecided, const List<Pair>& beyond,
+            const Hits& hits);
+
+/// Adds pairs (in joint numbering, lower id first) that the host has decided.
+void add_hits(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Pair* pairs, std::size_t count,
+              const Hits& hits);
+
+}  // namespace crumple::cuda

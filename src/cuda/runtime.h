@@ -1,0 +1,100 @@
+#pragma once
+
+// The CUDA runtime, wrapped: calls that throw, launches, owners of streams, events and graphs. The same text compiles
+// with nvcc and, with the headers of tests/cuda_on_cpu on the include path, as plain C++ (docs/cuda_on_cpu.md).
+
+#include <cuda_runtime.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+
+namespace crumple::cuda {
+
+/// Throws Error (device) that names the call, unless `error` is success.
+void check(cudaError_t error, const char* call);
+#define CRUMPLE_CUDA(call) ::crumple::cuda::check(call, #call)
+
+/// The block's dynamic shared memory: one struct a kernel. The one place where the two compilers see different text.
+template <class T>
+__device__ T& dynamic_shared() {
+#ifdef __CUDACC__
+    extern __shared__ __align__(16) unsigned char raw[];
+    return reinterpret_cast<T&>(*raw);
+#else
+    return cuda_on_cpu::dynamic_shared<T>();
+#endif
+}
+
+struct Launch {
+    cudaStream_t stream;
+    dim3 blocks;
+    unsigned threads;
+    std::size_t shared = 0;
+
+    template <class... Parameters, class... Arguments>
+    void operator()(void (*kernel)(Parameters...), Arguments&&... arguments) const {
+        if (blocks.x == 0 || blocks.y == 0) return;
+        cudaLaunchConfig_t config{};
+        config.gridDim = blocks;
+        config.blockDim = threads;
+        config.dynamicSmemBytes = shared;
+        config.stream = stream;
+        CRUMPLE_CUDA(cudaLaunchKernelEx(&config, kernel, static_cast<Parameters>(arguments)...));
+    }
+};
+
+inline constexpr unsigned whole_warp = 0xffffffffu;
+
+/// How kernels are launched. Tests choose fewer threads, so that blocks and warps meet in other ways.
+struct Geometry {
+    unsigned threads = 256;  ///< of a block: 64 or 256
+    unsigned resident = 0;   ///< blocks that fill the device a few times over
+
+    /// Blocks for one thread an element, no more than fill the device: kernels stride on.
+    unsigned blocks(std::size_t elements) const {
+        const std::size_t wanted = (elements + threads - 1) / threads;
+        return static_cast<unsigned>(wanted < 1 ? 1 : wanted < resident ? wanted : resident);
+    }
+};
+
+/// First element and stride of a thread that shares a loop with the whole grid.
+__device__ inline std::size_t grid_thread() { return std::size_t{blockIdx.x} * blockDim.x + threadIdx.x; }
+__device__ inline std::size_t grid_stride() { return std::size_t{gridDim.x} * blockDim.x; }
+
+/// Gives each lane that wants one a place of its own behind *counter; all lanes of the warp call it together. The
+/// counter counts on when places run out, so that the host learns how many were wanted.
+__device__ inline unsigned long long append(bool wants, unsigned long long* counter) {
+    const unsigned wanting = __ballot_sync(whole_warp, wants), lane = threadIdx.x % 32;
+    unsigned long long first = 0;
+    if (lane == 0 && wanting) first = atomicAdd(counter, static_cast<unsigned long long>(__popc(wanting)));
+    first = __shfl_sync(whole_warp, first, 0);
+    return first + static_cast<unsigned long long>(__popc(wanting & ((1u << lane) - 1)));
+}
+
+/// Owner of a handle that is created and destroyed by functions of the runtime.
+template <class Handle, cudaError_t (*destroy)(Handle)>
+class Owner {
+   public:
+    Owner() = default;
+    explicit Owner(Handle handle) : handle_(handle) {}
+    Owner(Owner&& other) noexcept : handle_(std::exchange(other.handle_, nullptr)) {}
+    Owner& operator=(Owner&& other) noexcept {
+        std::swap(handle_, other.handle_);
+        return *this;
+    }
+    ~Owner() {
+        if (handle_) destroy(handle_);
+    }
+    Handle get() const { return handle_; }
+    explicit operator bool() const { return handle_ != nullptr; }
+
+   private:
+    Handle handle_ = nullptr;
+};
+using Stream = Owner<cudaStream_t, cudaStreamDestroy>;
+using Event = Owner<cudaEvent_t, cudaEventDestroy>;
+using Graph = Owner<cudaGraph_t, cudaGraphDestroy>;
+using GraphExec = Owner<cudaGraphExec_t, cudaGraphExecDestroy>;
+
+}  // namespace crumple::cuda

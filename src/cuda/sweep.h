@@ -1,0 +1,31 @@
+#pragma once
+
+// Stage `sweep`: pairs of rows whose boxes overlap ([MZ] sec. 3.1), and, while their records are at hand, the first
+// filter of `narrow`: pairs that no plane separates go on.
+
+#include "cuda/layout.h"
+#include "cuda/runtime.h"
+#include "cuda/sort.h"
+#include "pipeline/scene.h"
+
+namespace crumple::cuda {
+
+/// Which pairs of groups are wanted; `excluded` is sorted.
+struct Rules {
+    bool skip_neighbours = false, proper = false;
+    bool by_group = false, between = false, within = false;  ///< groups that differ, groups that are equal
+    const std::uint64_t* excluded = nullptr;
+    int excluded_count = 0;
+};
+
+/// The part of all units that one call sweeps: slice `index` of `count`.
+struct Slice {
+    unsigned long long index = 0, count = 1;
+};
+
+/// `members`: their number, on the device.
+void sweep(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Sorted& sorted,
+           const unsigned long long* members, const Ownership& ownership, const Rules& rules,
+           const List<Candidate>& survivors, const Slice& slice, Counters* counters);
+
+}  // namespace crumple::cuda
