@@ -1,5 +1,7 @@
 #include "cuda/align.h"
 
+#include <algorithm>
+
 #include <cub/block/block_reduce.cuh>
 
 #include "geometry/eigen.h"
@@ -39,12 +41,9 @@ __device__ Vec3f to_float(Vec3d p) {
     return {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
 }
 
-// One block a leaf.
-__global__ void frame_kernel(const unsigned long long* first, const std::int32_t* triangle, const Ball* balls,
-                             Frame* frames) {
-    auto& shared = dynamic_shared<FrameShared>();
-    const unsigned long long begin = first[blockIdx.x], members = first[blockIdx.x + 1] - begin;
-    if (members == 0) return;  // all threads of the block
+// The frame of one leaf, by one block.
+__device__ void make_frame(FrameShared& shared, unsigned long long begin, unsigned long long members,
+                           const std::int32_t* triangle, const Ball* balls, Frame& result) {
     const auto samples = static_cast<unsigned>(members < threads ? members : threads);
     const bool has = threadIdx.x < samples;
     const Ball ball = has ? balls[triangle[begin + threadIdx.x * members / samples]] : Ball{0, 0, 0, 0};
@@ -97,15 +96,24 @@ __global__ void frame_kernel(const unsigned long long* first, const std::int32_t
     const bool any = high - low > 1e-30f;
     frame.base = any ? low : 0;
     frame.scale = any ? bins / (high - low) : 0;
-    frames[blockIdx.x] = frame;
+    result = frame;
+}
+
+__global__ void frame_kernel(int leaves, const unsigned long long* first, const std::int32_t* triangle,
+                             const Ball* balls, Frame* frames) {
+    auto& shared = dynamic_shared<FrameShared>();
+    for (int leaf = static_cast<int>(blockIdx.x); leaf < leaves; leaf += static_cast<int>(gridDim.x)) {
+        const unsigned long long begin = first[leaf], members = first[leaf + 1] - begin;
+        if (members > 0) make_frame(shared, begin, members, triangle, balls, frames[leaf]);
+    }
 }
 
 }  // namespace
 
-void make_frames(cudaStream_t stream, int leaves, const unsigned long long* first, const std::int32_t* triangle,
-                 const Ball* balls, Frame* frames) {
-    Launch{stream, static_cast<unsigned>(leaves), threads, sizeof(FrameShared)}(frame_kernel, first, triangle, balls,
-                                                                                frames);
+void make_frames(const Geometry& geometry, cudaStream_t stream, int leaves, const unsigned long long* first,
+                 const std::int32_t* triangle, const Ball* balls, Frame* frames) {
+    const unsigned blocks = std::min(static_cast<unsigned>(leaves), geometry.resident * geometry.threads / threads);
+    Launch{stream, blocks, threads, sizeof(FrameShared)}(frame_kernel, leaves, first, triangle, balls, frames);
 }
 
 }  // namespace crumple::cuda

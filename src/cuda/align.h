@@ -11,8 +11,8 @@ namespace crumple::cuda {
 inline constexpr float unit_roundoff = 0x1p-24f;  ///< u
 
 /// Frames of leaves [0, leaves), whose members lie at [first[leaf], first[leaf + 1]).
-void make_frames(cudaStream_t stream, int leaves, const unsigned long long* first, const std::int32_t* triangle,
-                 const Ball* balls, Frame* frames);
+void make_frames(const Geometry& geometry, cudaStream_t stream, int leaves, const unsigned long long* first,
+                 const std::int32_t* triangle, const Ball* balls, Frame* frames);
 
 /// An upper bound of any coordinate of the ball's triangle, relative to the frame's origin.
 CRUMPLE_HD inline float reach_of(const Ball& ball, const Frame& frame) {

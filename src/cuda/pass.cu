@@ -113,7 +113,7 @@ void Pass::subdivide_clusters(std::uint64_t listed) {
 }
 
 void Pass::align() {
-    make_frames(stream_, plan.leaves(), leaf_first(), members_[plan.levels() - 1].triangle, balls_, frames_);
+    make_frames(geometry_, stream_, plan.leaves(), leaf_first(), members_[plan.levels() - 1].triangle, balls_, frames_);
 }
 
 void Pass::sort() {
