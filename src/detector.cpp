@@ -100,13 +100,20 @@ struct Detector::Implementation {
         result = metered(&meter);
     }
 
-    // Runs `work` on the prepared scene; a detector that throws holds an empty result and no kept memory.
-    template <class Work>
-    void guarded(const MeshView& a, const MeshView* b, const Part* part, const Query& query, Work work) {
+    // Runs `work` on the prepared scene, or on_device() where the meshes lie on a device; a detector that throws holds
+    // an empty result and no kept memory.
+    template <class Work, class OnDevice>
+    void guarded(const MeshView& a, const MeshView* b, const Part* part, const Query& query, Work work,
+                 OnDevice on_device) {
         const FloatEnvironment environment;
         cancellation.begin();
         check_query(a, b, query);
-        const auto attempt = [&] { work(prepare_scene(a, b, query.weld, *backend, buffers)); };
+        const auto attempt = [&] {
+            if (a.memory == MemorySpace::host)
+                work(prepare_scene(a, b, query.weld, *backend, buffers));
+            else
+                on_device();
+        };
         try {
             try {
                 try {
@@ -140,6 +147,7 @@ struct Detector::Implementation {
             }
             ~Lifted() { meter.limit = limit; }
         } lifted(meter);
+        if (a.memory != MemorySpace::host) return backend->bytes_needed(a, b, query, part);
         return backend->bytes_needed(prepare_scene(a, b, query.weld, *backend, buffers), query, part);
     }
 
@@ -147,11 +155,11 @@ struct Detector::Implementation {
         const auto begin = std::chrono::steady_clock::now();
         if (part) check_part(*part);
         meter.peak = meter.used.load();
-        guarded(a, b, part, query, [&](const Scene& scene) {
-            result.statistics = {};
-            backend->find(scene, query, part, result);
-            result.statistics.triangles = scene.triangle_count();
-        });
+        result.statistics = {};
+        guarded(
+            a, b, part, query, [&](const Scene& scene) { backend->find(scene, query, part, result); },
+            [&] { backend->find(a, b, query, part, result); });
+        result.statistics.triangles = a.triangles.rows + (b ? b->triangles.rows : 0);
         result.statistics.pairs = static_cast<std::int64_t>(result.pairs.size());
         result.statistics.peak_memory_bytes = meter.peak;
         result.statistics.milliseconds =
@@ -172,14 +180,51 @@ struct Detector::Implementation {
 
     bool any(const MeshView& a, const MeshView* b, const Query& query) {
         bool found = false;
-        guarded(a, b, nullptr, query, [&](const Scene& scene) { found = backend->any(scene, query); });
+        guarded(
+            a, b, nullptr, query, [&](const Scene& scene) { found = backend->any(scene, query); },
+            [&] { found = backend->any(a, b, query); });
         return found;
+    }
+
+    void launch(const MeshView& a, const MeshView* b, const Query& query) {
+        cancellation.begin();
+        check_query(a, b, query);
+        if (a.memory == MemorySpace::host)
+            throw Error(ErrorCode::invalid_argument, "launch_self and launch_between take meshes in device memory");
+        on_the_device([&] { backend->launch(a, b, query); });
+    }
+    const DeviceCollisions& wait() {
+        const DeviceCollisions* answer = nullptr;
+        on_the_device([&] { answer = &backend->wait(); });
+        return *answer;
+    }
+    const Collisions& download() {
+        on_the_device([&] { backend->download(result); });
+        return result;
+    }
+    // A detector that throws holds an empty result and no kept memory.
+    template <class Work>
+    void on_the_device(Work work) {
+        const FloatEnvironment environment;
+        try {
+            work();
+        } catch (const MemoryMeter::Exceeded&) {
+            forget();
+            throw Error(ErrorCode::memory_limit,
+                        "the memory limit of " + std::to_string(options.memory_limit) + " bytes is too small",
+                        Element::option);
+        } catch (...) {
+            forget();
+            throw;
+        }
     }
 
     std::vector<Part> partition(const MeshView& a, const MeshView* b, int count) {
         check(count >= 1 && count <= max_clusters, "the number of parts must be 1 to 64");
         std::vector<Part> parts;
-        guarded(a, b, nullptr, {}, [&](const Scene& scene) { parts = make_parts(scene, count); });
+        guarded(
+            a, b, nullptr, {}, [&](const Scene& scene) { parts = make_parts(scene, count); },
+            [] { throw Error(ErrorCode::invalid_argument, "partition() takes meshes in host memory"); });
         return parts;
     }
 };
@@ -213,6 +258,12 @@ std::vector<Part> Detector::partition(const MeshView& mesh, int count) {
 std::vector<Part> Detector::partition(const MeshView& a, const MeshView& b, int count) {
     return implementation_->partition(a, &b, count);
 }
+void Detector::launch_self(const MeshView& mesh, const Query& query) { implementation_->launch(mesh, nullptr, query); }
+void Detector::launch_between(const MeshView& a, const MeshView& b, const Query& query) {
+    implementation_->launch(a, &b, query);
+}
+const DeviceCollisions& Detector::wait() { return implementation_->wait(); }
+const Collisions& Detector::download() { return implementation_->download(); }
 Collisions Detector::take_result(Collisions spare) { return implementation_->take_result(std::move(spare)); }
 void Detector::cancel() { implementation_->cancellation.request(); }
 void Detector::set_poll(std::function<void()> poll) { implementation_->cancellation.set_poll(std::move(poll)); }

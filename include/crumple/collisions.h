@@ -70,4 +70,19 @@ struct Collisions {
     Statistics statistics;
 };
 
+/// An answer that lies in the memory of a device: pointers of the device, as Collisions has arrays. Valid until the
+/// detector's next call.
+struct DeviceCollisions {
+    const Pair* pairs = nullptr;  ///< pair_count
+    std::int64_t pair_count = 0;
+    const std::int64_t* offsets = nullptr;                  ///< triangles of the first mesh + 1
+    const std::uint8_t* hit = nullptr;                      ///< triangles of the first mesh
+    const std::uint8_t* hit_second = nullptr;               ///< triangles of the second mesh; null for one soup
+    const ContactKind* contact_kinds = nullptr;             ///< pair_count; null unless asked for
+    const std::int64_t* contact_offsets = nullptr;          ///< pair_count + 1
+    const std::array<double, 3>* contact_points = nullptr;  ///< contact_point_count
+    std::int64_t contact_point_count = 0;
+    Statistics statistics;
+};
+
 }  // namespace crumple

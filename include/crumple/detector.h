@@ -77,6 +77,20 @@ class Detector {
     /// of this detector. For languages whose signals must be looked at in the calling thread. Empty: none.
     void set_poll(std::function<void()> poll);
 
+    /// Starts a query on meshes in device memory and returns at once: on the stream of `mesh` (of `a`), which the
+    /// arrays have to be ready on. Only with the cuda backend. Frames of one shape after the other run as one CUDA
+    /// graph without any word between host and device. The arrays must stay as they are until wait() returns.
+    void launch_self(const MeshView& mesh, const Query& query = {});
+    void launch_between(const MeshView& a, const MeshView& b, const Query& query = {});
+
+    /// Waits for the launched query and tells where its answer lies on the device. Reports bad input, makes room and
+    /// runs again where a list was too short, and does what only the host can: the answer is complete. Valid until the
+    /// next call of any other member but download().
+    const DeviceCollisions& wait();
+
+    /// Copies the answer of the last wait() to the host. Valid as any result.
+    const Collisions& download();
+
     const Options& options() const;
 
    private:

@@ -21,6 +21,7 @@ struct ArrayView {
     std::int64_t row_stride = 0;     ///< bytes from row i to row i + 1
     std::int64_t column_stride = 0;  ///< bytes from x to y to z
     Type type{};
+    friend bool operator==(const ArrayView&, const ArrayView&) = default;
 };
 
 using VertexView = ArrayView<ScalarType>;

@@ -3,21 +3,23 @@
 // A plan gives each list a capacity. After a pass the host reads the counters; if a list was too short, it grows and
 // the pass is run again (layout.h). Where that does not fit the memory limit or the device, clusters are done one after
 // another, in slices, and each twice: pairs are counted, then written to their places ([MZ] sec. 3.1).
+//
+// launch() gives a whole pass to the caller's stream, as one CUDA graph, and returns; wait() looks at the counters.
 
 #include "pipeline/backend.h"
 
-#include <cstring>
 #include <limits>
 #include <memory>
-#include <string>
+#include <vector>
 
 #include "crumple/error.h"
 #include "cuda/device.h"
+#include "cuda/gather.h"
+#include "cuda/input.h"
 #include "cuda/pass.h"
+#include "geometry/contact.h"
 #include "geometry/decide.h"
 #include "pipeline/output.h"
-#include "pipeline/part.h"
-#include "pipeline/wanted.h"
 
 namespace crumple {
 namespace cuda {
@@ -31,150 +33,283 @@ class CudaBackend final : public BackendBase {
           meter_(meter),
           device_(options.device),
           geometry_(device_.geometry()),
-          input_(meter),
+          input_(stream_.get(), meter),
           state_(meter),
           work_(meter),
           result_(meter),
-          pass_(geometry_, stream_.get(), options_),
-          rule_(&meter),
-          part_masks_(&meter),
-          packed_(&meter) {}
+          contacts_(meter),
+          pass_(geometry_, stream_.get(), options_) {}
 
     void find(const Scene& scene, const Query& query, const Part* part, Collisions& result) override {
         const Device::Current current(device_);
-        result.statistics = {};
-        result.statistics.backend = "cuda";
-        const auto in_chunks = [&] {
-            too_many_ = scene.triangle_count();
-            find_in_chunks(scene, query, part, result);
-        };
-        if (scene.triangle_count() >= too_many_) {
-            in_chunks();
-        } else {
-            try {
-                find_at_once(scene, query, part, result);
-            } catch (const MemoryMeter::Exceeded&) {
-                in_chunks();
-            } catch (const OutOfDeviceMemory&) {
-                in_chunks();
-            }
-        }
-        if (query.contacts) contacts_of_pairs(scene, result);
+        input_.bring(scene);
+        find(query, part, result);
+    }
+    void find(const MeshView& a, const MeshView* b, const Query& query, const Part* part, Collisions& result) override {
+        const Device::Current current(device_);
+        await(a, b);
+        input_.view(a, b, query.weld);
+        find(query, part, result);
+    }
+
+    bool any(const Scene& scene, const Query& query) override {
+        const Device::Current current(device_);
+        input_.bring(scene);
+        return any(query);
+    }
+    bool any(const MeshView& a, const MeshView* b, const Query& query) override {
+        const Device::Current current(device_);
+        await(a, b);
+        input_.view(a, b, query.weld);
+        return any(query);
     }
 
     std::int64_t bytes_needed(const Scene& scene, const Query& query, const Part* part) override {
         const Device::Current current(device_);
-        release();
-        meter_.peak = meter_.used.load();
-        Statistics unused;
-        const std::int64_t pairs = count_in_chunks(scene, query, part, unused);
-        Cutter cutter;
-        cut_result(cutter, scene, static_cast<std::size_t>(pairs));
-        return meter_.peak + static_cast<std::int64_t>(cutter.used()) + result_bytes(scene, query, pairs);
+        input_.bring(scene);
+        return bytes_needed(query, part);
+    }
+    std::int64_t bytes_needed(const MeshView& a, const MeshView* b, const Query& query, const Part* part) override {
+        const Device::Current current(device_);
+        await(a, b);
+        input_.view(a, b, query.weld);
+        return bytes_needed(query, part);
     }
 
-    bool any(const Scene& scene, const Query& query) override {
-        Collisions unused;
-        Query without_contacts = query;
-        without_contacts.contacts = false;
-        find(scene, without_contacts, nullptr, unused);
-        return !unused.pairs.empty();
+    void launch(const MeshView& a, const MeshView* b, const Query& query) override {
+        const Device::Current current(device_);
+        finish();
+        input_.view(a, b, query.weld);
+        contacts_wanted_ = query.contacts;
+        adopt(query, nullptr);
+        const auto stream = static_cast<cudaStream_t>(a.stream);
+        if (b && b->stream != a.stream) order(static_cast<cudaStream_t>(b->stream), stream);
+        try {
+            plan();
+            lay_out_lists();
+            launch_graph(stream);
+        } catch (const MemoryMeter::Exceeded&) {
+            too_many_ = pass_.scene.triangle_count();  // wait() does it in chunks
+        } catch (const OutOfDeviceMemory&) {
+            too_many_ = pass_.scene.triangle_count();
+        }
+        CRUMPLE_CUDA(cudaEventRecord(done_.get(), stream));
+        launched_ = true;
+    }
+
+    const DeviceCollisions& wait() override {
+        const Device::Current current(device_);
+        if (!launched_) throw Error(ErrorCode::invalid_argument, "wait() without a launch");
+        launched_ = false;
+        CRUMPLE_CUDA(cudaEventSynchronize(done_.get()));
+        statistics_ = {};
+        if (pass_.scene.triangle_count() >= too_many_ || !accept(*counters_)) answer();
+        if (contacts_wanted_) make_contacts(host_contacts_);
+        show();
+        return shown_;
+    }
+
+    void download(Collisions& result) override {
+        const Device::Current current(device_);
+        CRUMPLE_CUDA(cudaStreamSynchronize(stream_.get()));
+        copy_out(result);
+        result.statistics = statistics_;
+        if (contacts_wanted_) result.contacts = host_contacts_;
     }
 
     void release() override {
         const Device::Current current(device_);
-        for (Block* block : {&input_, &state_, &work_, &result_}) block->release();
-        rule_ = GroupRule(&meter_);
-        part_masks_ = Array<std::uint64_t>(&meter_);
-        packed_ = Array<std::byte>(&meter_);
+        finish();
+        input_.release();
+        for (Block* block : {&state_, &work_, &result_, &contacts_}) block->release();
+        host_contacts_ = {};
+        graph_ = {};
         planned_for_ = -1;
         too_many_ = std::numeric_limits<std::int64_t>::max();
     }
 
    private:
-    void find_at_once(const Scene& host, const Query& query, const Part* part, Collisions& result) {
-        prepare(host, query, part);
-        if (planned_for_ != host.triangle_count()) pass_.plan.choose(host.triangle_count(), options_);
-        planned_for_ = -1;  // until this call succeeds
-        Counters counters{};
-        for (bool accepted = false; !accepted;) {
-            cancellation_.check();
-            lay_out(work_, [&](Cutter& c) { pass_.cut(c); });
-            lay_out(result_, [&](Cutter& c) { cut_result(c, host, pass_.plan.hits); });
-            clear_offsets();
-            pass_.clear_counters();
-            watch_.begin(Stage::bounds, stream_.get());
-            pass_.bounds(false);
-            watch_.begin(Stage::subdivide, stream_.get());
-            pass_.subdivide_scene();
-            pass_.subdivide_clusters(~std::uint64_t{0});
-            watch_.begin(Stage::align, stream_.get());
-            pass_.align();
-            watch_.begin(Stage::sort, stream_.get());
-            pass_.sort();
-            watch_.begin(Stage::sweep, stream_.get());
-            pass_.sweep({});
-            watch_.begin(Stage::narrow, stream_.get());
-            pass_.narrow(list_hits());
-            counters = read_counters();
-            accepted = pass_.plan.accepts(counters, host.triangle_count(), options_);
-            if (accepted && decide_beyond(host, query, counters, list_hits(), result.statistics)) {
-                counters = read_counters();
-                accepted = pass_.plan.accepts(counters, host.triangle_count(), options_);
-            }
+    void find(const Query& query, const Part* part, Collisions& result) {
+        adopt(query, part);
+        answer();
+        if (query.contacts) make_contacts(result.contacts);
+        copy_out(result);
+        if (!query.contacts) clear(result.contacts);
+        result.statistics = statistics_;
+    }
+
+    bool any(const Query& query) {
+        adopt(query, nullptr);
+        answer();
+        return total_ > 0;
+    }
+
+    std::int64_t bytes_needed(const Query& query, const Part* part) {
+        adopt(query, part);
+        meter_.peak = meter_.used.load();
+        const auto pairs = static_cast<std::int64_t>(count_in_chunks());
+        Cutter cutter;
+        cut_result(cutter, static_cast<std::size_t>(pairs));
+        if (query.contacts) Gathered::cut(cutter, static_cast<std::size_t>(pairs));
+        return meter_.peak + static_cast<std::int64_t>(cutter.used()) + result_bytes(pass_.scene, query, pairs);
+    }
+
+    // What follows works on the input, whichever way it came.
+
+    void adopt(const Query& query, const Part* part) {
+        query_ = query;
+        input_.want(query, part);
+        pass_.scene = input_.scene();
+        pass_.box = input_.box();
+        pass_.part_mask = input_.part_mask();
+        pass_.part = input_.part();
+        pass_.rules = input_.rules();
+        lay_out(state_, [&](Cutter& c) { pass_.centres.cut(c); });
+        statistics_ = {};
+    }
+
+    void plan() {
+        const std::int64_t n = pass_.scene.triangle_count();
+        if (planned_for_ != n) pass_.plan.choose(n, options_);
+        planned_for_ = n;
+    }
+
+    void lay_out_lists() {
+        lay_out(work_, [&](Cutter& c) { pass_.cut(c); });
+        lay_out(result_, [&](Cutter& c) { cut_result(c, pass_.plan.hits); });
+    }
+
+    // Leaves the answer in output_, and its size in total_.
+    void answer() {
+        statistics_ = {};
+        const auto in_chunks = [&] {
+            too_many_ = pass_.scene.triangle_count();
+            answer_in_chunks();
+        };
+        if (pass_.scene.triangle_count() >= too_many_) {
+            in_chunks();
+            return;
         }
-        watch_.begin(Stage::output, stream_.get());
+        try {
+            answer_at_once();
+        } catch (const MemoryMeter::Exceeded&) {
+            in_chunks();
+        } catch (const OutOfDeviceMemory&) {
+            in_chunks();
+        }
+    }
+
+    void answer_at_once() {
+        plan();
+        do {
+            cancellation_.check();
+            lay_out_lists();
+            enqueue(&watch_);
+            CRUMPLE_CUDA(cudaStreamSynchronize(stream_.get()));
+        } while (!accept(*counters_));
+        watch_.read(statistics_);
+    }
+
+    // The whole of [MZ] Algorithm 1, given to the stream.
+    void enqueue(Stopwatch* watch) {
+        const cudaStream_t stream = stream_.get();
+        const auto begin = [&](Stage stage) {
+            if (watch) watch->begin(stage, stream);
+        };
+        clear_offsets();
+        pass_.clear_counters();
+        begin(Stage::bounds);
+        input_.enqueue(geometry_, stream, pass_.counters);
+        pass_.bounds();
+        begin(Stage::subdivide);
+        pass_.subdivide_scene();
+        pass_.subdivide_clusters(~std::uint64_t{0});
+        begin(Stage::align);
+        pass_.align();
+        begin(Stage::sort);
+        pass_.sort();
+        begin(Stage::sweep);
+        pass_.sweep({});
+        begin(Stage::narrow);
+        pass_.narrow({Hits::Mode::list, pass_.hits(), output_.offsets, nullptr});
+        begin(Stage::output);
+        write_output();
+        if (watch) watch->end(stream);
+        CRUMPLE_CUDA(
+            cudaMemcpyAsync(counters_.get(), pass_.counters, sizeof(Counters), cudaMemcpyDeviceToHost, stream));
+    }
+
+    void write_output() {
         make_offsets(stream_.get(), pass_.scene, output_);
         fill_buckets(geometry_, stream_.get(), pass_.scene, pass_.hits(), output_);
         order_buckets(geometry_, stream_.get(), pass_.scene, output_, pass_.counters);
-        watch_.end(stream_.get());
-        download(host, counters.hits, result);
-        count(counters, result.statistics);
-        watch_.read(result.statistics);
+    }
+
+    // Whether the pass that these counters tell of was complete. If not, the plan is another one.
+    bool accept(const Counters& counters) {
+        input_.throw_error(counters);
+        const std::int64_t n = pass_.scene.triangle_count();
+        if (!pass_.plan.accepts(counters, n, options_)) return false;
+        total_ = counters.hits;
+        if (counters.beyond > 0) {
+            const std::size_t found = decide_beyond(static_cast<std::size_t>(counters.beyond));
+            total_ += found;
+            if (!pass_.plan.accepts_hits(total_)) return false;
+            if (found > 0) {
+                append_hits(geometry_, stream_.get(), pass_.beyond(), found, counters.hits, pass_.hits());
+                clear_offsets();
+                rank_hits(geometry_, stream_.get(), pass_.hits(), output_.offsets);
+                write_output();
+                CRUMPLE_CUDA(cudaStreamSynchronize(stream_.get()));
+            }
+        }
+        count(counters);
         pass_.plan.cold = false;
-        planned_for_ = host.triangle_count();
+        return true;
     }
 
-    void find_in_chunks(const Scene& host, const Query& query, const Part* part, Collisions& result) {
+    void answer_in_chunks() {
         for (Block* block : {&work_, &result_}) block->release();
-        Statistics counting;
-        const auto total = static_cast<std::size_t>(count_in_chunks(host, query, part, counting));
-        // The offsets wait in the host's result while their block grows.
-        const std::size_t n = static_cast<std::size_t>(host.triangles[0]) + 1;
-        auto* offsets = reinterpret_cast<unsigned long long*>(result.offsets.resize_discard(n));
-        copy(offsets, output_.offsets, n, cudaMemcpyDeviceToHost);
+        total_ = count_in_chunks();
+        // The offsets wait with the host while their block grows.
+        const std::size_t n = static_cast<std::size_t>(pass_.scene.triangles[0]) + 1;
+        Array<unsigned long long> offsets(&meter_);
+        copy(offsets.resize_discard(n), output_.offsets, n, cudaMemcpyDeviceToHost);
         work_.release();
-        lay_out(result_, [&](Cutter& c) { cut_result(c, host, total); });
-        copy(output_.offsets, offsets, n, cudaMemcpyHostToDevice);
-        copy(output_.next, offsets, n, cudaMemcpyHostToDevice);
-        pass_over_chunks(host, query, {Hits::Mode::fill, {}, output_.next, output_.second}, result.statistics);
+        result_.release();
+        lay_out(result_, [&](Cutter& c) { cut_result(c, static_cast<std::size_t>(total_)); });
+        copy(output_.offsets, offsets.data(), n, cudaMemcpyHostToDevice);
+        copy(output_.next, offsets.data(), n, cudaMemcpyHostToDevice);
+        statistics_ = {};
+        pass_over_chunks({Hits::Mode::fill, {}, output_.next, output_.second});
         order_buckets(geometry_, stream_.get(), pass_.scene, output_, pass_.counters);
-        download(host, total, result);
+        CRUMPLE_CUDA(cudaStreamSynchronize(stream_.get()));
+        planned_for_ = -1;
     }
 
-    std::int64_t count_in_chunks(const Scene& host, const Query& query, const Part* part, Statistics& statistics) {
-        prepare(host, query, part);
+    unsigned long long count_in_chunks() {
         planned_for_ = -1;
-        pass_.plan.choose_chunks(host.triangle_count(), options_);
-        lay_out(result_, [&](Cutter& c) { cut_result(c, host, 0); });
+        pass_.plan.choose_chunks(pass_.scene.triangle_count(), options_);
+        lay_out(result_, [&](Cutter& c) { cut_result(c, 0); });
         clear_offsets();
-        pass_over_chunks(host, query, {Hits::Mode::count, {}, output_.offsets, nullptr}, statistics);
+        pass_over_chunks({Hits::Mode::count, {}, output_.offsets, nullptr});
         make_offsets(stream_.get(), pass_.scene, output_);
         unsigned long long total = 0;
-        copy(&total, output_.offsets + host.triangles[0], 1, cudaMemcpyDeviceToHost);
-        return static_cast<std::int64_t>(total);
+        copy(&total, output_.offsets + pass_.scene.triangles[0], 1, cudaMemcpyDeviceToHost);
+        return total;
     }
 
     // Cluster by cluster, each in as many slices as the lists demand.
-    void pass_over_chunks(const Scene& host, const Query& query, Hits hits, Statistics& statistics) {
+    void pass_over_chunks(Hits hits) {
         bool laid_out = false;
         for (int k = 0; k < pass_.plan.fan_out[0];) {
             if (!laid_out) {
                 lay_out(work_, [&](Cutter& c) { pass_.cut(c); });
                 pass_.clear_counters();
-                pass_.bounds(false);
+                input_.enqueue(geometry_, stream_.get(), pass_.counters);
+                pass_.bounds();
+                input_.throw_error(read_counters());
                 pass_.subdivide_scene();
-                pass_.plan.cold = true;  // each pass makes the same clusters
                 laid_out = true;
             }
             pass_.clear_counters();
@@ -183,7 +318,7 @@ class CudaBackend final : public BackendBase {
             if (!laid_out) continue;
             pass_.align();
             pass_.sort();
-            count(read_counters(), statistics);
+            count(read_counters());
             hits.list.count = &pass_.counters->hits;
             for (Slice slice{}; slice.index < slice.count;) {
                 cancellation_.check();
@@ -195,99 +330,113 @@ class CudaBackend final : public BackendBase {
                 }
                 pass_.narrow(hits);
                 const Counters counters = read_counters();
-                count(counters, statistics);
-                decide_beyond(host, query, counters, hits, statistics);
+                count(counters);
+                if (counters.beyond > 0) {
+                    const std::size_t found = decide_beyond(static_cast<std::size_t>(counters.beyond));
+                    add_hits(geometry_, stream_.get(), pass_.scene, pass_.beyond(), found, hits);
+                }
                 ++slice.index;
             }
             ++k;
         }
     }
 
-    // Brings in the scene, what the query wants, and the kept centres.
-    void prepare(const Scene& host, const Query& query, const Part* part) {
-        rule_.prepare(query);
-        if (part)
-            part_masks(host, part->centres, part_masks_);
-        else
-            part_masks_.clear();
-        Scene& scene = pass_.scene;
-        scene = host;
-        std::int32_t *corners = nullptr, *groups = nullptr;
-        std::uint64_t *mask = nullptr, *excluded = nullptr;
-        std::byte* vertices[2] = {nullptr, nullptr};
-        const std::size_t triangles = static_cast<std::size_t>(host.triangle_count());
-        lay_out(input_, [&](Cutter& c) {
-            pass_.box = c.take<SceneBox>(1);
-            for (int side = 0; side < 2; ++side) vertices[side] = c.take<std::byte>(bytes_of(host, side));
-            corners = c.take<std::int32_t>(3 * triangles);
-            groups = c.take<std::int32_t>(host.groups ? triangles : 0);
-            mask = c.take<std::uint64_t>(part_masks_.size());
-            excluded = c.take<std::uint64_t>(rule_.excluded().size());
-        });
-        lay_out(state_, [&](Cutter& c) { pass_.centres.cut(c); });
-        SceneBox box;
-        for (int axis = 0; axis < 3; ++axis)
-            box.low[axis] = ordered(host.low[axis]), box.high[axis] = ordered(host.high[axis]);
-        copy(pass_.box, &box, 1, cudaMemcpyHostToDevice);
-        for (int side = 0; side < 2; ++side) {
-            copy(vertices[side], packed(host, side), bytes_of(host, side), cudaMemcpyHostToDevice);
-            const auto size = static_cast<std::int64_t>(host.reader[side].scalar_bytes());
-            scene.reader[side] = {vertices[side], 3 * size, size, host.reader[side].float32};
-        }
-        copy(corners, host.corners, 3 * triangles, cudaMemcpyHostToDevice);
-        scene.corners = corners;
-        if (host.groups) copy(groups, host.groups, triangles, cudaMemcpyHostToDevice);
-        scene.groups = host.groups ? groups : nullptr;
-        copy(mask, part_masks_.data(), part_masks_.size(), cudaMemcpyHostToDevice);
-        copy(excluded, rule_.excluded().data(), rule_.excluded().size(), cudaMemcpyHostToDevice);
-        pass_.part_mask = part ? mask : nullptr;
-        pass_.part = part ? part->index : 0;
-        pass_.rules = {query.neighbours == Neighbours::skip,
-                       query.intersections == Intersections::proper,
-                       !rule_.trivial(),
-                       query.wanted == Wanted::between,
-                       query.wanted == Wanted::within,
-                       excluded,
-                       static_cast<int>(rule_.excluded().size())};
-    }
-
-    static std::size_t bytes_of(const Scene& scene, int side) {
-        return 3 * static_cast<std::size_t>(scene.vertices[side]) * scene.reader[side].scalar_bytes();
-    }
-    // The vertices of one mesh, row by row without gaps.
-    const std::byte* packed(const Scene& scene, int side) {
-        const VertexReader& reader = scene.reader[side];
-        if (reader.contiguous()) return reader.data;
-        const std::size_t size = reader.scalar_bytes();
-        std::byte* out = packed_.resize_discard(bytes_of(scene, side));
-        for (std::int64_t v = 0; v < scene.vertices[side]; ++v)
-            for (int axis = 0; axis < 3; ++axis, out += size)
-                std::memcpy(out, reader.data + v * reader.row_stride + axis * reader.column_stride, size);
-        return packed_.data();
-    }
-
-    // Pairs that even expansions could not hold, in rational arithmetic. Returns whether there were any.
-    bool decide_beyond(const Scene& host, const Query& query, const Counters& counters, const Hits& hits,
-                       Statistics& statistics) {
-        const auto n = static_cast<std::size_t>(counters.beyond);
-        if (n == 0) return false;
-        Array<Pair> pairs(&meter_);
-        pairs.resize_discard(n);
+    // Pairs that even expansions could not hold, in rational arithmetic. Leaves those that collide at the front of the
+    // list, and returns how many.
+    std::size_t decide_beyond(std::size_t n) {
+        std::vector<Pair> pairs(n), hits;
         copy(pairs.data(), pass_.beyond(), n, cudaMemcpyDeviceToHost);
-        std::size_t found = 0;
-        for (const Pair pair : pairs) {
+        Gathered gathered(geometry_, stream_.get(), pass_.scene, meter_);
+        gathered.each(pass_.beyond(), n, 0, [&](std::size_t i, const Triangle& a, const Triangle& b) {
+            cancellation_.check();
             DecisionCounts counts;
-            if (collide(host.triangle(pair.a), host.triangle(pair.b), query.neighbours, query.intersections, counts))
-                pairs[found++] = pair;
-        }
-        statistics.rational_tests += static_cast<std::int64_t>(n);
-        copy(pass_.beyond(), pairs.data(), found, cudaMemcpyHostToDevice);
-        add_hits(geometry_, stream_.get(), pass_.scene, pass_.beyond(), found, hits);
-        CRUMPLE_CUDA(cudaStreamSynchronize(stream_.get()));
-        return found > 0;
+            if (collide(a, b, query_.neighbours, query_.intersections, counts)) hits.push_back(pairs[i]);
+        });
+        statistics_.rational_tests += static_cast<std::int64_t>(n);
+        copy(pass_.beyond(), hits.data(), hits.size(), cudaMemcpyHostToDevice);
+        return hits.size();
     }
 
-    void cut_result(Cutter& c, const Scene& scene, std::size_t pairs) {
+    void make_contacts(Contacts& contacts) {
+        const auto n = static_cast<std::size_t>(total_);
+        contacts.kinds.resize_discard(n);
+        contacts.offsets.resize_discard(n + 1);
+        contacts.points.resize_discard(6 * n);
+        contacts.offsets[0] = 0;
+        Gathered gathered(geometry_, stream_.get(), pass_.scene, meter_);
+        const auto second = static_cast<std::int32_t>(pass_.scene.between ? pass_.scene.triangles[0] : 0);
+        gathered.each(output_.pairs, n, second, [&](std::size_t i, const Triangle& a, const Triangle& b) {
+            cancellation_.check();
+            const Contact c = contact(a, b);
+            contacts.kinds[i] = c.kind();
+            auto* point = contacts.points.data() + contacts.offsets[i];
+            for (std::size_t k = 0; k < static_cast<std::size_t>(c.count); ++k)
+                point[k] = {c.points[k].x, c.points[k].y, c.points[k].z};
+            contacts.offsets[i + 1] = contacts.offsets[i] + c.count;
+        });
+        contacts.points.resize(static_cast<std::size_t>(contacts.offsets[n]));
+    }
+
+    static void clear(Contacts& contacts) {
+        contacts.kinds.clear();
+        contacts.offsets.clear();
+        contacts.points.clear();
+    }
+
+    // Everything that the commands of a pass were made of. While it stays the same, they are the same.
+    struct Key {
+        Scene scene;
+        Rules rules;
+        Plan plan;
+        Input::Work input;
+        const void *work, *result, *state;
+        friend bool operator==(const Key&, const Key&) = default;
+    };
+
+    void launch_graph(cudaStream_t stream) {
+        const Key key{pass_.scene, pass_.rules, pass_.plan, input_.work(), work_.data(), result_.data(), state_.data()};
+        if (!graph_ || !(key == key_)) {
+            graph_ = capture();
+            key_ = key;
+        }
+        CRUMPLE_CUDA(cudaGraphLaunch(graph_.get(), stream));
+    }
+
+    GraphExec capture() {
+        CRUMPLE_CUDA(cudaStreamBeginCapture(stream_.get(), cudaStreamCaptureModeThreadLocal));
+        cudaGraph_t made = nullptr;
+        try {
+            enqueue(nullptr);
+        } catch (...) {
+            cudaStreamEndCapture(stream_.get(), &made);
+            const Graph spoilt(made);
+            throw;
+        }
+        CRUMPLE_CUDA(cudaStreamEndCapture(stream_.get(), &made));
+        const Graph graph(made);
+        cudaGraphExec_t executable = nullptr;
+        CRUMPLE_CUDA(cudaGraphInstantiate(&executable, graph.get(), 0));
+        return GraphExec(executable);
+    }
+
+    // Work of ours begins after what the callers' streams were given.
+    void await(const MeshView& a, const MeshView* b) {
+        finish();
+        order(static_cast<cudaStream_t>(a.stream), stream_.get());
+        if (b) order(static_cast<cudaStream_t>(b->stream), stream_.get());
+    }
+    void order(cudaStream_t first, cudaStream_t then) {
+        CRUMPLE_CUDA(cudaEventRecord(before_.get(), first));
+        CRUMPLE_CUDA(cudaStreamWaitEvent(then, before_.get(), 0));
+    }
+    // A launch that nobody waited for is over before its memory is used again.
+    void finish() {
+        if (launched_) CRUMPLE_CUDA(cudaEventSynchronize(done_.get()));
+        launched_ = false;
+    }
+
+    void cut_result(Cutter& c, std::size_t pairs) {
+        const Scene& scene = pass_.scene;
         const auto first = static_cast<std::size_t>(scene.triangles[0]);
         output_.offsets = c.take<unsigned long long>(first + 1);
         output_.next = c.take<unsigned long long>(first + 1);
@@ -306,19 +455,47 @@ class CudaBackend final : public BackendBase {
         const auto n = static_cast<std::size_t>(pass_.scene.triangles[0]) + 1;
         CRUMPLE_CUDA(cudaMemsetAsync(output_.offsets, 0, n * sizeof *output_.offsets, stream_.get()));
     }
-    Hits list_hits() const { return {Hits::Mode::list, pass_.hits(), output_.offsets, nullptr}; }
 
-    void download(const Scene& host, unsigned long long total, Collisions& result) {
-        const auto first = static_cast<std::size_t>(host.triangles[0]),
-                   second = static_cast<std::size_t>(host.triangles[1]);
-        copy(result.pairs.resize_discard(total), output_.pairs, total, cudaMemcpyDeviceToHost);
+    void copy_out(Collisions& result) {
+        const auto first = static_cast<std::size_t>(pass_.scene.triangles[0]);
+        const auto second = static_cast<std::size_t>(pass_.scene.triangles[1]),
+                   pairs = static_cast<std::size_t>(total_);
+        copy(result.pairs.resize_discard(pairs), output_.pairs, pairs, cudaMemcpyDeviceToHost);
         copy(reinterpret_cast<unsigned long long*>(result.offsets.resize_discard(first + 1)), output_.offsets,
              first + 1, cudaMemcpyDeviceToHost);
         copy(result.hit.resize_discard(first), output_.hit, first, cudaMemcpyDeviceToHost);
         copy(result.hit_second.resize_discard(second), output_.hit_second, second, cudaMemcpyDeviceToHost);
-        result.contacts.kinds.clear();
-        result.contacts.offsets.clear();
-        result.contacts.points.clear();
+    }
+
+    // Fills shown_: the answer where it lies.
+    void show() {
+        shown_ = {};
+        shown_.pair_count = static_cast<std::int64_t>(total_);
+        shown_.pairs = output_.pairs;
+        shown_.offsets = reinterpret_cast<const std::int64_t*>(output_.offsets);
+        shown_.hit = output_.hit;
+        shown_.hit_second = pass_.scene.between ? output_.hit_second : nullptr;
+        if (contacts_wanted_) {
+            const Contacts& c = host_contacts_;
+            ContactKind* kinds = nullptr;
+            std::int64_t* offsets = nullptr;
+            std::array<double, 3>* points = nullptr;
+            lay_out(contacts_, [&](Cutter& cutter) {
+                kinds = cutter.take<ContactKind>(c.kinds.size());
+                offsets = cutter.take<std::int64_t>(c.offsets.size());
+                points = cutter.take<std::array<double, 3>>(c.points.size());
+            });
+            copy(kinds, c.kinds.data(), c.kinds.size(), cudaMemcpyHostToDevice);
+            copy(offsets, c.offsets.data(), c.offsets.size(), cudaMemcpyHostToDevice);
+            copy(points, c.points.data(), c.points.size(), cudaMemcpyHostToDevice);
+            shown_.contact_kinds = kinds;
+            shown_.contact_offsets = offsets;
+            shown_.contact_points = points;
+            shown_.contact_point_count = static_cast<std::int64_t>(c.points.size());
+        }
+        statistics_.triangles = pass_.scene.triangle_count();
+        statistics_.pairs = shown_.pair_count;
+        shown_.statistics = statistics_;
     }
 
     Counters read_counters() {
@@ -326,7 +503,9 @@ class CudaBackend final : public BackendBase {
         return *counters_;
     }
 
-    void count(const Counters& c, Statistics& s) const {
+    void count(const Counters& c) {
+        Statistics& s = statistics_;
+        s.backend = "cuda";
         s.clusters = pass_.plan.fan_out[0];
         s.leaves = pass_.plan.leaves();
         s.members += static_cast<std::int64_t>(c.members[pass_.plan.levels() - 1]);
@@ -350,16 +529,23 @@ class CudaBackend final : public BackendBase {
     MemoryMeter& meter_;
     Device device_;
     Geometry geometry_;
-    Stream stream_ = make_stream();
-    Stopwatch watch_;
+    Stream stream_ = make_stream(device_);
+    Event before_ = make_event(device_), done_ = make_event(device_);
+    Stopwatch watch_{device_};
     Pinned<Counters> counters_;
-    Block input_, state_, work_, result_;
+    Input input_;
+    Block state_, work_, result_, contacts_;
     Pass pass_;
     Output output_{};
-    GroupRule rule_;
-    Array<std::uint64_t> part_masks_;
-    Array<std::byte> packed_;
-    std::int64_t planned_for_ = -1;  ///< triangles of the scene that the plan has served
+    Query query_;
+    Statistics statistics_;
+    unsigned long long total_ = 0;
+    DeviceCollisions shown_;
+    Contacts host_contacts_;
+    bool launched_ = false, contacts_wanted_ = false;
+    GraphExec graph_;
+    Key key_{};
+    std::int64_t planned_for_ = -1;  ///< triangles of the scene that the plan was made for
     std::int64_t too_many_ = std::numeric_limits<std::int64_t>::max();  ///< triangles that did not fit at once
 };
 

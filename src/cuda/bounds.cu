@@ -1,7 +1,6 @@
 #include "cuda/bounds.h"
 
 #include "cuda/memory.h"
-#include "pipeline/normaliser.h"
 
 namespace crumple::cuda {
 namespace {
@@ -40,12 +39,7 @@ __global__ void check_kernel(Scene scene, SceneBox* box, Counters* counters) {
 template <class T>
 __global__ void normalise_kernel(Scene scene, const SceneBox* box, Row<T>* rows) {
     auto& normaliser = dynamic_shared<Normaliser>();
-    if (threadIdx.x == 0) {
-        Vec3d low, high;
-        for (int axis = 0; axis < 3; ++axis)
-            low[axis] = from_ordered(box->low[axis]), high[axis] = from_ordered(box->high[axis]);
-        normaliser = low.x <= high.x ? Normaliser(low, high) : Normaliser();
-    }
+    if (threadIdx.x == 0) normaliser = normaliser_of(*box);
     __syncthreads();
     const auto n = static_cast<std::size_t>(scene.vertex_count());
     for (std::size_t v = grid_thread(); v < n; v += grid_stride()) {

@@ -6,6 +6,7 @@
 
 #include "cuda/layout.h"
 #include "cuda/runtime.h"
+#include "pipeline/normaliser.h"
 #include "pipeline/scene.h"
 
 namespace crumple::cuda {
@@ -22,6 +23,15 @@ CRUMPLE_HD inline unsigned long long ordered(double x) {
 }
 CRUMPLE_HD inline double from_ordered(unsigned long long key) {
     return std::bit_cast<double>(key >> 63 ? key & ~(1ull << 63) : ~key);
+}
+
+CRUMPLE_HD inline Normaliser normaliser_of(const SceneBox& box) {
+    Vec3d low, high;
+    for (int axis = 0; axis < 3; ++axis) {
+        low[axis] = from_ordered(box.low[axis]);
+        high[axis] = from_ordered(box.high[axis]);
+    }
+    return low.x <= high.x ? Normaliser(low, high) : Normaliser();
 }
 
 /// Widens the box by the scene's vertices and notes the first that is not finite. For scenes that lie on the device;

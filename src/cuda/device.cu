@@ -42,13 +42,22 @@ Device::Current::~Current() {
     if (switched_) cudaSetDevice(before_);
 }
 
-Stream make_stream() {
+Event make_event(const Device& device) {
+    const Device::Current current(device);
+    cudaEvent_t event;
+    CRUMPLE_CUDA(cudaEventCreateWithFlags(&event, cudaEventDisableTiming));
+    return Event(event);
+}
+
+Stream make_stream(const Device& device) {
+    const Device::Current current(device);
     cudaStream_t stream;
     CRUMPLE_CUDA(cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking));
     return Stream(stream);
 }
 
-Stopwatch::Stopwatch() {
+Stopwatch::Stopwatch(const Device& device) {
+    const Device::Current current(device);
     for (Event& event : events_) {
         cudaEvent_t fresh;
         CRUMPLE_CUDA(cudaEventCreate(&fresh));

@@ -35,12 +35,14 @@ class Device {
 /// Threads of a block, for devices made from now on; for tests: 64 or 256.
 extern unsigned block_threads;
 
-Stream make_stream();
+Stream make_stream(const Device& device);
+/// Without times.
+Event make_event(const Device& device);
 
 /// Times of the stages: an event at the start of each.
 class Stopwatch {
    public:
-    Stopwatch();
+    explicit Stopwatch(const Device& device);
     void begin(Stage stage, cudaStream_t stream);
     void end(cudaStream_t stream);
     /// After the stream was synchronised.

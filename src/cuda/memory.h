@@ -29,6 +29,7 @@ class Block {
         if (bytes > capacity_) grow(bytes);
         return data_;
     }
+    const void* data() const { return data_; }
     void release() {
         if (!data_) return;
         cudaFree(data_);

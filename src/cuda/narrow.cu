@@ -71,6 +71,18 @@ __global__ void add_kernel(Scene scene, const Pair* pairs, std::size_t n, Hits h
         add(hits, i < n, i < n ? pairs[i].a : 0, i < n ? pairs[i].b : 0, second_of(scene));
 }
 
+__global__ void append_kernel(const Pair* pairs, std::size_t n, unsigned long long begin, List<Hit> hits) {
+    for (std::size_t i = grid_thread(); i < n; i += grid_stride())
+        if (begin + i < hits.capacity) hits.data[begin + i] = {pairs[i].a, pairs[i].b, 0};
+    if (grid_thread() == 0) *hits.count = begin + n;
+}
+
+__global__ void rank_kernel(List<Hit> hits, unsigned long long* by_first) {
+    const unsigned long long n = hits.filled();
+    for (unsigned long long i = grid_thread(); i < n; i += grid_stride())
+        hits.data[i].rank = static_cast<std::uint32_t>(atomicAdd(&by_first[hits.data[i].a], 1ull));
+}
+
 }  // namespace
 
 void narrow(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Sorted& sorted, const Rules& rules,
@@ -82,6 +94,15 @@ void narrow(const Geometry& geometry, cudaStream_t stream, const Scene& scene, c
                                                                           intersections, survivors, undecided, hits);
     Launch{stream, geometry.blocks(undecided.capacity), geometry.threads}(exact_kernel, scene, sorted, neighbours,
                                                                           intersections, undecided, beyond, hits);
+}
+
+void append_hits(const Geometry& geometry, cudaStream_t stream, const Pair* pairs, std::size_t count,
+                 unsigned long long begin, const List<Hit>& hits) {
+    Launch{stream, geometry.blocks(count), geometry.threads}(append_kernel, pairs, count, begin, hits);
+}
+
+void rank_hits(const Geometry& geometry, cudaStream_t stream, const List<Hit>& hits, unsigned long long* by_first) {
+    Launch{stream, geometry.blocks(hits.capacity), geometry.threads}(rank_kernel, hits, by_first);
 }
 
 void add_hits(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Pair* pairs, std::size_t count,

@@ -24,6 +24,12 @@ void narrow(const Geometry& geometry, cudaStream_t stream, const Scene& scene, c
             const List<Candidate>& survivors, const List<Candidate>& undecided, const List<Pair>& beyond,
             const Hits& hits);
 
+/// Writes pairs that the host has decided behind the list's first `begin` hits.
+void append_hits(const Geometry& geometry, cudaStream_t stream, const Pair* pairs, std::size_t count,
+                 unsigned long long begin, const List<Hit>& hits);
+/// Counts the list's hits by first triangle anew.
+void rank_hits(const Geometry& geometry, cudaStream_t stream, const List<Hit>& hits, unsigned long long* by_first);
+
 /// Adds pairs (in joint numbering, lower id first) that the host has decided.
 void add_hits(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Pair* pairs, std::size_t count,
               const Hits& hits);

@@ -34,10 +34,10 @@ __device__ void flag(std::uint8_t* flags, std::size_t i) {
 }
 
 __global__ void order_kernel(std::size_t n, bool between, Output out, Counters* counters) {
-    const unsigned long long total = out.offsets[n] < out.capacity ? out.offsets[n] : out.capacity;
+    const unsigned long long total = out.total(n);
     for (unsigned long long i = grid_thread(); i < total; i += grid_stride()) {
         const std::size_t a = row_of(out.offsets, n, i);
-        const unsigned long long begin = out.offsets[a], end = min(out.offsets[a + 1], total);
+        const unsigned long long begin = out.offsets[a], end = out.offsets[a + 1];
         const std::int32_t b = out.second[i];
         flag(out.hit, a);
         flag(between ? out.hit_second : out.hit, static_cast<std::size_t>(b));
@@ -59,7 +59,7 @@ __global__ void long_row_kernel(Output out, const Counters* counters) {
     const unsigned long long rows = min(counters->long_rows, out.long_capacity);
     for (unsigned long long r = blockIdx.x; r < rows; r += gridDim.x) {
         const std::int32_t a = out.long_rows[r];
-        const unsigned long long begin = out.offsets[a], end = min(out.offsets[a + 1], out.capacity);
+        const unsigned long long begin = out.offsets[a], end = out.offsets[a + 1];
         const unsigned long long n = end - begin;
         std::int32_t* second = out.second + begin;
         for (unsigned long long size = 2; size / 2 < n; size *= 2) {

@@ -21,6 +21,9 @@ struct Output {
     unsigned long long long_capacity;
     void* scan;
     std::size_t scan_bytes;
+
+    /// Pairs of the answer; none if there are more than fit, since not all of them were kept.
+    CRUMPLE_HD unsigned long long total(std::size_t n) const { return offsets[n] <= capacity ? offsets[n] : 0; }
 };
 
 std::size_t output_scratch_bytes(std::int64_t first_triangles);

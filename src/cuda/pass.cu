@@ -93,10 +93,7 @@ void Pass::clear_counters() {
     CRUMPLE_CUDA(cudaMemsetAsync(counters, 0xff, sizeof counters->bad_vertex + sizeof counters->bad_triangle, stream_));
 }
 
-void Pass::bounds(bool check) {
-    if (check) check_vertices(geometry_, stream_, scene, box, counters);
-    compute_bounds(geometry_, stream_, scene, box, points_, balls_, counters);
-}
+void Pass::bounds() { compute_bounds(geometry_, stream_, scene, box, points_, balls_, counters); }
 
 void Pass::subdivide_scene() {
     Launch{stream_, 1, 32}(first_kernel, scene_first_, static_cast<unsigned long long>(scene.triangle_count()));

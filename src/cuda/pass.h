@@ -29,7 +29,7 @@ class Pass {
 
     /// What is asked. Pointers are of the device.
     Scene scene;
-    SceneBox* box = nullptr;
+    const SceneBox* box = nullptr;
     const std::uint64_t* part_mask = nullptr;
     int part = 0;
     Rules rules;
@@ -39,7 +39,7 @@ class Pass {
     /// Cuts the arrays of all stages but the last; their contents are lost.
     void cut(Cutter& cutter);
 
-    void bounds(bool check);
+    void bounds();
     void subdivide_scene();
     /// Leaves of those clusters of the first level that have a bit in `listed`.
     void subdivide_clusters(std::uint64_t listed);

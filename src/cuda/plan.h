@@ -18,6 +18,8 @@ struct Plan {
     unsigned long long members[2] = {0, 0};
     unsigned long long survivors = 0, undecided = 0, beyond = 0, hits = 0;
 
+    friend bool operator==(const Plan&, const Plan&) = default;
+
     int levels() const { return fan_out[1] > 0 ? 2 : 1; }
     int leaves() const { return fan_out[0] * std::max(1, fan_out[1]); }
     unsigned long long last_members() const { return members[levels() - 1]; }
@@ -77,6 +79,8 @@ struct Plan {
         fits = grow(beyond, c.beyond) && fits;
         return grow(hits, c.hits) && fits;
     }
+
+    bool accepts_hits(unsigned long long wanted) { return grow(hits, wanted); }
 
     /// The same for one cluster of many: how many join it says nothing about the clusters.
     bool accepts_chunk(const Counters& c) {

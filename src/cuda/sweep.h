@@ -16,6 +16,7 @@ struct Rules {
     bool by_group = false, between = false, within = false;  ///< groups that differ, groups that are equal
     const std::uint64_t* excluded = nullptr;
     int excluded_count = 0;
+    friend bool operator==(const Rules&, const Rules&) = default;
 };
 
 /// The part of all units that one call sweeps: slice `index` of `count`.

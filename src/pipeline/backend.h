@@ -28,6 +28,15 @@ class BackendBase : public ParallelFor {
     /// Whether there is any pair; stops at the first.
     virtual bool any(const Scene& scene, const Query& query) = 0;
 
+    /// The same for meshes in device memory (b null: one), which the backend checks itself. Only cuda can.
+    virtual void find(const MeshView& a, const MeshView* b, const Query& query, const Part* part, Collisions& result);
+    virtual std::int64_t bytes_needed(const MeshView& a, const MeshView* b, const Query& query, const Part* part);
+    virtual bool any(const MeshView& a, const MeshView* b, const Query& query);
+    /// Detector::launch_self and those that belong to it.
+    virtual void launch(const MeshView& a, const MeshView* b, const Query& query);
+    virtual const DeviceCollisions& wait();
+    virtual void download(Collisions& result);
+
     /// Drops what is kept between calls, memory and centres alike.
     virtual void release() = 0;
 };

@@ -5,6 +5,7 @@
 
 #include "pipeline/fuzzy_c_means.h"
 #include "pipeline/normaliser.h"
+#include "pipeline/part_mask.h"
 
 namespace crumple {
 
@@ -15,30 +16,8 @@ void part_masks(const Scene& scene, const std::vector<std::array<double, 3>>& ce
     for (std::size_t k = 0; k < count; ++k) v[k] = normalise({centres[k][0], centres[k][1], centres[k][2]});
 
     masks.resize_discard(static_cast<std::size_t>(scene.triangle_count()));
-    for (std::int64_t t = 0; t < scene.triangle_count(); ++t) {
-        const Triangle triangle = scene.triangle(t);
-        const std::array<Vec3d, 3> p{normalise(triangle.point[0]), normalise(triangle.point[1]),
-                                     normalise(triangle.point[2])};
-        const Vec3d c = (1.0 / 3.0) * (p[0] + p[1] + p[2]);
-        double r2 = 0;
-        for (const Vec3d& corner : p) r2 = max(r2, dot(corner - c, corner - c));
-        const double r = std::sqrt(r2);
-
-        std::array<double, max_clusters> d2;
-        std::size_t nearest = 0;
-        for (std::size_t k = 0; k < count; ++k) {
-            d2[k] = dot(c - v[k], c - v[k]);
-            if (d2[k] < d2[nearest]) nearest = k;
-        }
-        // The bisector rule of docs/subdivide.md. Each side is some ten roundings from the truth, and no number exceeds
-        // 12 (1 + d2), so the slack covers them; `not greater` keeps a member where a comparison is with NaN.
-        std::uint64_t mask = 0;
-        for (std::size_t k = 0; k < count; ++k) {
-            const double between = std::sqrt(dot(v[k] - v[nearest], v[k] - v[nearest]));
-            if (!(d2[k] - d2[nearest] > 2 * r * between + 1e-13 * (1 + d2[k]))) mask |= std::uint64_t{1} << k;
-        }
-        masks[static_cast<std::size_t>(t)] = mask;
-    }
+    for (std::int64_t t = 0; t < scene.triangle_count(); ++t)
+        masks[static_cast<std::size_t>(t)] = part_mask(scene.triangle(t), normalise, v.data(), count);
 }
 
 std::vector<Part> make_parts(const Scene& scene, int count) {

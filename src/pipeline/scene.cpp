@@ -5,16 +5,11 @@
 #include <limits>
 #include <string>
 
-#include "crumple/error.h"
 #include "geometry/position_hash.h"
+#include "pipeline/outline.h"
 
 namespace crumple {
 namespace {
-
-[[noreturn]] void fail(ErrorCode code, const std::string& message, Element element = Element::none,
-                       std::int64_t index = -1) {
-    throw Error(code, message, element, index);
-}
 
 std::size_t size_of(ScalarType type) { return type == ScalarType::float32 ? sizeof(float) : sizeof(double); }
 std::size_t size_of(IndexType type) { return type == IndexType::int64 ? sizeof(std::int64_t) : sizeof(std::int32_t); }
@@ -23,21 +18,6 @@ template <class Type>
 bool contiguous(const ArrayView<Type>& view) {
     const auto size = static_cast<std::int64_t>(size_of(view.type));
     return view.column_stride == size && view.row_stride == 3 * size;
-}
-
-void check_shape(const MeshView& mesh, const std::string& subject) {
-    constexpr std::int64_t most = std::numeric_limits<std::int32_t>::max();
-    const auto refuse = [&](const std::string& what) { fail(ErrorCode::invalid_argument, subject + ' ' + what); };
-    if (mesh.memory != MemorySpace::host) refuse("lies in device memory, which needs the cuda backend");
-    if (mesh.vertices.rows < 0 || mesh.vertices.rows > most)
-        refuse("has " + std::to_string(mesh.vertices.rows) + " vertices; 0 to 2147483647 are possible");
-    if (mesh.triangles.rows < 0 || mesh.triangles.rows > most)
-        refuse("has " + std::to_string(mesh.triangles.rows) + " triangles; 0 to 2147483647 are possible");
-    if (mesh.vertices.rows > 0 && !mesh.vertices.data) refuse("has no vertex data");
-    if (mesh.triangles.rows > 0 && !mesh.triangles.data) refuse("has no triangle data");
-    if (!mesh.groups.empty() && static_cast<std::int64_t>(mesh.groups.size()) != mesh.triangles.rows)
-        refuse("has " + std::to_string(mesh.groups.size()) + " group ids for " + std::to_string(mesh.triangles.rows) +
-               " triangles");
 }
 
 // Least and largest of each coordinate of contiguous rows, and whether all are finite. Twelve lanes, four rows at once,
@@ -93,7 +73,7 @@ ChunkCheck check_vertices(const VertexView& view, const VertexReader& reader, st
     std::int64_t i = 0;
     const auto finite = [](Vec3d p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); };
     while (i + 1 < view.rows && finite(reader(i))) ++i;
-    fail(ErrorCode::not_finite, which + "vertex " + std::to_string(i) + " is not finite", Element::vertex, i);
+    fail_not_finite(which, i);
 }
 
 // Reads indices wherever the caller has them; an array need not be aligned.
@@ -140,11 +120,7 @@ template <class Index>
     };
     std::int64_t t = 0;
     while (t + 1 < view.rows && !wrong(t, 0) && !wrong(t, 1) && !wrong(t, 2)) ++t;
-    const int corner = wrong(t, 0) ? 0 : wrong(t, 1) ? 1 : 2;
-    fail(ErrorCode::index_out_of_range,
-         which + "triangle " + std::to_string(t) + " names vertex " + std::to_string(read(t, corner)) + " of " +
-             std::to_string(vertex_count),
-         Element::triangle, t);
+    fail_index(which, t, read(t, wrong(t, 0) ? 0 : wrong(t, 1) ? 1 : 2), vertex_count);
 }
 
 // Copies the indices of `view` to `out` as int32, `offset` added.
@@ -222,35 +198,18 @@ void weld_corners(Scene& scene, SceneBuffers& buffers) {
 }  // namespace
 
 Scene prepare_scene(const MeshView& a, const MeshView* b, bool weld, ParallelFor& workers, SceneBuffers& buffers) {
-    Scene scene;
-    scene.between = b != nullptr;
+    Scene scene = outline_scene(a, b, MemorySpace::host);
     const std::array<const MeshView*, 2> meshes{&a, b};
-    const int count = b ? 2 : 1;
-    // Of one mesh a place needs no more than its number.
-    const std::array<std::string, 2> subject{b ? "the first mesh" : "the mesh", "the second mesh"};
-    const std::array<std::string, 2> which{b ? "first mesh: " : "", "second mesh: "};
-
     constexpr double most = std::numeric_limits<double>::max();
     scene.side_low.fill({most, most, most});
     scene.side_high.fill({-most, -most, -most});
-    for (int side = 0; side < count; ++side) {
-        const MeshView& mesh = *meshes[side];
-        check_shape(mesh, subject[side]);
-        scene.vertices[side] = mesh.vertices.rows;
-        scene.triangles[side] = mesh.triangles.rows;
-        scene.reader[side] = {static_cast<const std::byte*>(mesh.vertices.data), mesh.vertices.row_stride,
-                              mesh.vertices.column_stride, mesh.vertices.type == ScalarType::float32};
-        scene.float32 = scene.float32 && scene.reader[side].float32;
-        check_content(mesh, scene.reader[side], which[side], workers, buffers.checks, scene.side_low[side],
-                      scene.side_high[side]);
-    }
+    for (int side = 0; side < (b ? 2 : 1); ++side)
+        check_content(*meshes[side], scene.reader[side], mesh_name(scene, side), workers, buffers.checks,
+                      scene.side_low[side], scene.side_high[side]);
     if (scene.vertex_count() > 0) {
         scene.low = min(scene.side_low[0], scene.side_low[1]);
         scene.high = max(scene.side_high[0], scene.side_high[1]);
     }
-    constexpr std::int64_t most_ids = std::numeric_limits<std::int32_t>::max();
-    if (scene.vertex_count() > most_ids || scene.triangle_count() > most_ids)
-        fail(ErrorCode::invalid_argument, "both meshes together have more than 2147483647 vertices or triangles");
 
     const bool as_is = !b && !weld && a.triangles.type != IndexType::int64 && contiguous(a.triangles) &&
                        reinterpret_cast<std::uintptr_t>(a.triangles.data) % sizeof(std::int32_t) == 0;
@@ -258,7 +217,7 @@ Scene prepare_scene(const MeshView& a, const MeshView* b, bool weld, ParallelFor
         scene.corners = static_cast<const std::int32_t*>(a.triangles.data);
     } else {
         buffers.corners.resize_discard(static_cast<std::size_t>(3 * scene.triangle_count()));
-        for (int side = 0; side < count; ++side)
+        for (int side = 0; side < (b ? 2 : 1); ++side)
             with_index_type(meshes[side]->triangles.type, [&](auto index) {
                 copy_corners<decltype(index)>(meshes[side]->triangles,
                                               static_cast<std::int32_t>(side ? scene.vertices[0] : 0),

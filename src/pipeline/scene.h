@@ -28,6 +28,7 @@ struct VertexReader {
     std::int64_t row_stride = 0, column_stride = 0;
     bool float32 = true;
 
+    friend bool operator==(const VertexReader&, const VertexReader&) = default;
     CRUMPLE_HD Vec3d operator()(std::int64_t i) const {
         const std::byte* row = data + i * row_stride;
         return float32 ? read<float>(row) : read<double>(row);
@@ -59,6 +60,7 @@ struct Scene {
     Vec3d low, high;                           ///< box of all vertices; 0 if there are none
     std::array<Vec3d, 2> side_low, side_high;  ///< box of each mesh's vertices; low > high if there are none
 
+    friend bool operator==(const Scene&, const Scene&) = default;
     CRUMPLE_HD std::int64_t vertex_count() const { return vertices[0] + vertices[1]; }
     CRUMPLE_HD std::int64_t triangle_count() const { return triangles[0] + triangles[1]; }
     CRUMPLE_HD Vec3d position(std::int64_t vertex) const {

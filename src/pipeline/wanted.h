@@ -17,6 +17,9 @@ class GroupRule {
    public:
     explicit GroupRule(MemoryMeter* meter = nullptr) : excluded_(meter) {}
 
+    /// Gives its memory back.
+    void release() { excluded_.release(); }
+
     void prepare(const Query& query) {
         wanted_ = query.wanted;
         excluded_.resize_discard(query.excluded_groups.size());

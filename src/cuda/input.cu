@@ -1,0 +1,303 @@
+#include "cuda/input.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <vector>
+
+#include "pipeline/outline.h"
+
+namespace crumple::cuda {
+namespace {
+
+constexpr std::int32_t no_vertex = -1;
+constexpr unsigned empty_slot = ~0u;
+
+/// A mesh's indices, wherever the caller has them.
+template <class Index>
+struct IndexReader {
+    const std::byte* data;
+    std::int64_t row_stride, column_stride;
+
+    explicit IndexReader(const TriangleView& view)
+        : data(static_cast<const std::byte*>(view.data)),
+          row_stride(view.row_stride),
+          column_stride(view.column_stride) {}
+    __device__ Index operator()(std::size_t t, int corner) const {
+        Index value;
+        std::memcpy(&value, data + static_cast<std::int64_t>(t) * row_stride + corner * column_stride, sizeof value);
+        return value;
+    }
+};
+
+// One mesh's corners in joint numbering; those that name no vertex become no_vertex, which `bounds` reports.
+template <class Index>
+__global__ void join_kernel(IndexReader<Index> read, std::size_t triangles, std::int64_t vertices, std::int64_t offset,
+                            std::int32_t* corners) {
+    for (std::size_t i = grid_thread(); i < 3 * triangles; i += grid_stride()) {
+        const auto index = static_cast<std::int64_t>(read(i / 3, static_cast<int>(i % 3)));
+        corners[i] = index >= 0 && index < vertices ? static_cast<std::int32_t>(index + offset) : no_vertex;
+    }
+}
+
+// Open addressing, linear probing, half full at most. A slot holds the lowest vertex at its position.
+__global__ void fill_table_kernel(Scene scene, PositionHash hash, unsigned* table, std::size_t slots) {
+    const auto n = static_cast<std::size_t>(scene.vertex_count());
+    for (std::size_t v = grid_thread(); v < n; v += grid_stride()) {
+        const auto vertex = static_cast<unsigned>(v);
+        const Vec3d p = scene.position(vertex);
+        std::size_t slot = hash(p) & (slots - 1);
+        for (;; slot = (slot + 1) & (slots - 1)) {
+            const unsigned holder = atomicCAS(&table[slot], empty_slot, vertex);
+            if (holder == empty_slot) break;
+            if (scene.position(holder) == p) {
+                atomicMin(&table[slot], vertex);
+                break;
+            }
+        }
+    }
+}
+
+__global__ void weld_kernel(Scene scene, PositionHash hash, const unsigned* table, std::size_t slots,
+                            std::int32_t* corners) {
+    const auto n = 3 * static_cast<std::size_t>(scene.triangle_count());
+    for (std::size_t i = grid_thread(); i < n; i += grid_stride()) {
+        if (corners[i] == no_vertex) continue;
+        const Vec3d p = scene.position(corners[i]);
+        if (!(p == p)) continue;  // NaN equals nothing; reported elsewhere
+        std::size_t slot = hash(p) & (slots - 1);
+        while (!(scene.position(table[slot]) == p)) slot = (slot + 1) & (slots - 1);
+        corners[i] = static_cast<std::int32_t>(table[slot]);
+    }
+}
+
+struct PartShared {
+    Normaliser normaliser;
+    Vec3d centre[64];
+};
+
+__global__ void part_kernel(Scene scene, const SceneBox* box, const Vec3d* centre, int count, std::uint64_t* mask) {
+    auto& shared = dynamic_shared<PartShared>();
+    if (threadIdx.x == 0) shared.normaliser = normaliser_of(*box);
+    __syncthreads();
+    for (int k = static_cast<int>(threadIdx.x); k < count; k += static_cast<int>(blockDim.x))
+        shared.centre[k] = shared.normaliser(centre[k]);
+    __syncthreads();
+    const auto n = static_cast<std::size_t>(scene.triangle_count());
+    const auto vertices = static_cast<std::uint32_t>(scene.vertex_count());
+    for (std::size_t t = grid_thread(); t < n; t += grid_stride()) {
+        const std::int32_t* c = scene.corners + 3 * t;
+        const bool exists = static_cast<std::uint32_t>(c[0]) < vertices &&
+                            static_cast<std::uint32_t>(c[1]) < vertices && static_cast<std::uint32_t>(c[2]) < vertices;
+        mask[t] = exists ? crumple::part_mask(scene.triangle(static_cast<std::int64_t>(t)), shared.normaliser,
+                                              shared.centre, static_cast<std::size_t>(count))
+                         : 0;
+    }
+}
+
+template <class T>
+void copy(cudaStream_t stream, T* to, const T* from, std::size_t n) {
+    if (n == 0) return;
+    CRUMPLE_CUDA(cudaMemcpyAsync(to, from, n * sizeof(T), cudaMemcpyHostToDevice, stream));
+    CRUMPLE_CUDA(cudaStreamSynchronize(stream));  // the host's arrays need not last
+}
+
+std::size_t bytes_of(const Scene& scene, int side) {
+    return 3 * static_cast<std::size_t>(scene.vertices[side]) * scene.reader[side].scalar_bytes();
+}
+
+// The vertices of one mesh, row by row without gaps.
+const std::byte* pack(const Scene& scene, int side, Array<std::byte>& packed) {
+    const VertexReader& reader = scene.reader[side];
+    if (reader.contiguous()) return reader.data;
+    const std::size_t size = reader.scalar_bytes();
+    std::byte* out = packed.resize_discard(bytes_of(scene, side));
+    for (std::int64_t v = 0; v < scene.vertices[side]; ++v)
+        for (int axis = 0; axis < 3; ++axis, out += size)
+            std::memcpy(out, reader.data + v * reader.row_stride + axis * reader.column_stride, size);
+    return packed.data();
+}
+
+template <class Function>
+void with_index_type(IndexType type, Function function) {
+    switch (type) {
+        case IndexType::int32:
+            function(std::int32_t{});
+            break;
+        case IndexType::uint32:
+            function(std::uint32_t{});
+            break;
+        case IndexType::int64:
+            function(std::int64_t{});
+            break;
+    }
+}
+
+bool is_int32_rows(const TriangleView& view) {
+    return view.type != IndexType::int64 && view.column_stride == 4 && view.row_stride == 12 &&
+           reinterpret_cast<std::uintptr_t>(view.data) % 4 == 0;
+}
+
+}  // namespace
+
+void Input::bring(const Scene& host) {
+    scene_ = host;
+    mesh_[0] = mesh_[1] = {};
+    weld_ = false;
+    std::byte* vertices[2] = {};
+    const auto triangles = static_cast<std::size_t>(host.triangle_count());
+    lay_out(block_, [&](Cutter& c) {
+        box_ = c.take<SceneBox>(1);
+        for (int side = 0; side < 2; ++side) vertices[side] = c.take<std::byte>(bytes_of(host, side));
+        corners_ = c.take<std::int32_t>(3 * triangles);
+        groups_ = c.take<std::int32_t>(host.groups ? triangles : 0);
+        part_mask_ = c.take<std::uint64_t>(triangles);
+    });
+    SceneBox box;
+    for (int axis = 0; axis < 3; ++axis)
+        box.low[axis] = ordered(host.low[axis]), box.high[axis] = ordered(host.high[axis]);
+    copy(stream_, box_, &box, 1);
+    for (int side = 0; side < 2; ++side) {
+        copy(stream_, vertices[side], pack(host, side, packed_), bytes_of(host, side));
+        const auto size = static_cast<std::int64_t>(host.reader[side].scalar_bytes());
+        scene_.reader[side] = {vertices[side], 3 * size, size, host.reader[side].float32};
+    }
+    copy(stream_, corners_, host.corners, 3 * triangles);
+    if (host.groups) copy(stream_, groups_, host.groups, triangles);
+    scene_.corners = corners_;
+    scene_.groups = host.groups ? groups_ : nullptr;
+}
+
+void Input::view(const MeshView& a, const MeshView* b, bool weld) {
+    scene_ = outline_scene(a, b, MemorySpace::cuda);
+    mesh_[0] = a;
+    mesh_[1] = b ? std::optional(*b) : std::nullopt;
+    weld_ = weld;
+    const auto vertices = static_cast<std::size_t>(scene_.vertex_count());
+    const auto triangles = static_cast<std::size_t>(scene_.triangle_count());
+    const bool as_is = !b && !weld && is_int32_rows(a.triangles);
+    const bool any_groups = !a.groups.empty() || (b && !b->groups.empty());
+    slots_ = weld ? std::bit_ceil(2 * vertices + 1) : 0;
+    lay_out(block_, [&](Cutter& c) {
+        box_ = c.take<SceneBox>(1);
+        corners_ = c.take<std::int32_t>(as_is ? 0 : 3 * triangles);
+        groups_ = c.take<std::int32_t>(b && any_groups ? triangles : 0);
+        table_ = c.take<unsigned>(slots_);
+        part_mask_ = c.take<std::uint64_t>(triangles);
+    });
+    scene_.corners = as_is ? static_cast<const std::int32_t*>(a.triangles.data) : corners_;
+    scene_.groups = !any_groups ? nullptr : b ? groups_ : a.groups.data();
+}
+
+void Input::want(const Query& query, const Part* part) {
+    rule_.prepare(query);
+    parted_ = part != nullptr;
+    part_ = part ? part->index : 0;
+    part_count_ = part ? static_cast<int>(part->centres.size()) : 0;
+    const std::size_t excluded = rule_.excluded().size();
+    lay_out(rule_block_, [&](Cutter& c) {
+        excluded_ = c.take<std::uint64_t>(excluded);
+        part_centre_ = c.take<Vec3d>(static_cast<std::size_t>(part_count_));
+    });
+    copy(stream_, excluded_, rule_.excluded().data(), excluded);
+    if (part) {
+        std::vector<Vec3d> centres;
+        for (const auto& [x, y, z] : part->centres) centres.push_back({x, y, z});
+        copy(stream_, part_centre_, centres.data(), centres.size());
+    }
+    rules_ = {query.neighbours == Neighbours::skip,
+              query.intersections == Intersections::proper,
+              !rule_.trivial(),
+              query.wanted == Wanted::between,
+              query.wanted == Wanted::within,
+              excluded_,
+              static_cast<int>(excluded)};
+}
+
+void Input::join(const Geometry& geometry, cudaStream_t stream, Counters* counters) {
+    CRUMPLE_CUDA(cudaMemsetAsync(box_->low, 0xff, sizeof box_->low, stream));
+    CRUMPLE_CUDA(cudaMemsetAsync(box_->high, 0, sizeof box_->high, stream));
+    check_vertices(geometry, stream, scene_, box_, counters);
+    if (scene_.corners == corners_) {
+        for (int side = 0; side < (scene_.between ? 2 : 1); ++side) {
+            const auto n = static_cast<std::size_t>(scene_.triangles[side]);
+            with_index_type(mesh_[side]->triangles.type, [&](auto index) {
+                using Index = decltype(index);
+                Launch{stream, geometry.blocks(3 * n), geometry.threads}(
+                    join_kernel<Index>, IndexReader<Index>(mesh_[side]->triangles), n, scene_.vertices[side],
+                    side ? scene_.vertices[0] : 0, corners_ + (side ? 3 * scene_.triangles[0] : 0));
+            });
+        }
+    }
+    if (scene_.between && scene_.groups) {
+        for (int side = 0; side < 2; ++side) {
+            const auto bytes = static_cast<std::size_t>(scene_.triangles[side]) * sizeof *groups_;
+            std::int32_t* to = groups_ + (side ? scene_.triangles[0] : 0);
+            const auto& groups = mesh_[side]->groups;
+            if (groups.empty())
+                CRUMPLE_CUDA(cudaMemsetAsync(to, 0, bytes, stream));
+            else
+                CRUMPLE_CUDA(cudaMemcpyAsync(to, groups.data(), bytes, cudaMemcpyDeviceToDevice, stream));
+        }
+    }
+    if (!weld_) return;
+    CRUMPLE_CUDA(cudaMemsetAsync(table_, 0xff, slots_ * sizeof *table_, stream));
+    const Launch over_vertices{stream, geometry.blocks(static_cast<std::size_t>(scene_.vertex_count())),
+                               geometry.threads};
+    const Launch over_corners{stream, geometry.blocks(3 * static_cast<std::size_t>(scene_.triangle_count())),
+                              geometry.threads};
+    over_vertices(fill_table_kernel, scene_, hash_, table_, slots_);
+    over_corners(weld_kernel, scene_, hash_, table_, slots_, corners_);
+}
+
+void Input::enqueue(const Geometry& geometry, cudaStream_t stream, Counters* counters) {
+    if (mesh_[0]) join(geometry, stream, counters);
+    if (!parted_) return;
+    const std::size_t n = static_cast<std::size_t>(scene_.triangle_count());
+    Launch{stream, geometry.blocks(n), geometry.threads, sizeof(PartShared)}(part_kernel, scene_, box_, part_centre_,
+                                                                             part_count_, part_mask_);
+}
+
+void Input::throw_error(const Counters& counters) const {
+    for (int side = 0; side < 2; ++side) {
+        const std::string which = mesh_name(scene_, side);
+        const unsigned long long vertex = counters.bad_vertex[side], t = counters.bad_triangle[side];
+        if (vertex != ~0ull) fail_not_finite(which, static_cast<std::int64_t>(vertex));
+        if (t == ~0ull) continue;
+        const TriangleView& view = mesh_[side]->triangles;
+        with_index_type(view.type, [&](auto index) {
+            std::int64_t wrong = 0;
+            for (int corner = 2; corner >= 0; --corner) {
+                const auto* row =
+                    static_cast<const std::byte*>(view.data) + static_cast<std::int64_t>(t) * view.row_stride;
+                CRUMPLE_CUDA(cudaMemcpyAsync(&index, row + corner * view.column_stride, sizeof index,
+                                             cudaMemcpyDeviceToHost, stream_));
+                CRUMPLE_CUDA(cudaStreamSynchronize(stream_));
+                const auto value = static_cast<std::int64_t>(index);
+                if (value < 0 || value >= scene_.vertices[side]) wrong = value;
+            }
+            fail_index(which, static_cast<std::int64_t>(t), wrong, scene_.vertices[side]);
+        });
+    }
+}
+
+Input::Work Input::work() const {
+    Work work;
+    for (int side = 0; side < 2; ++side) {
+        if (!mesh_[side]) continue;
+        work.triangles[side] = mesh_[side]->triangles;
+        work.groups[side] = mesh_[side]->groups.data();
+    }
+    work.block = block_.data();
+    work.weld = weld_;
+    return work;
+}
+
+void Input::release() {
+    block_.release();
+    rule_block_.release();
+    rule_.release();
+    packed_.release();
+}
+
+}  // namespace crumple::cuda
