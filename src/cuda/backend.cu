@@ -10,6 +10,8 @@
 
 #include <limits>
 #include <memory>
+#include <string>
+#include <type_traits>
 #include <vector>
 
 #include "crumple/error.h"
@@ -41,80 +43,87 @@ class CudaBackend final : public BackendBase {
           pass_(geometry_, stream_.get(), options_) {}
 
     void find(const Scene& scene, const Query& query, const Part* part, Collisions& result) override {
-        const Device::Current current(device_);
-        input_.bring(scene);
-        find(query, part, result);
+        on_device([&] {
+            bring(scene);
+            find(query, part, result);
+        });
     }
     void find(const MeshView& a, const MeshView* b, const Query& query, const Part* part, Collisions& result) override {
-        const Device::Current current(device_);
-        await(a, b);
-        input_.view(a, b, query.weld);
-        find(query, part, result);
+        on_device([&] {
+            view(a, b, query);
+            find(query, part, result);
+        });
     }
 
     bool any(const Scene& scene, const Query& query) override {
-        const Device::Current current(device_);
-        input_.bring(scene);
-        return any(query);
+        return on_device([&] {
+            bring(scene);
+            return any(query);
+        });
     }
     bool any(const MeshView& a, const MeshView* b, const Query& query) override {
-        const Device::Current current(device_);
-        await(a, b);
-        input_.view(a, b, query.weld);
-        return any(query);
+        return on_device([&] {
+            view(a, b, query);
+            return any(query);
+        });
     }
 
     std::int64_t bytes_needed(const Scene& scene, const Query& query, const Part* part) override {
-        const Device::Current current(device_);
-        input_.bring(scene);
-        return bytes_needed(query, part);
+        return on_device([&] {
+            bring(scene);
+            return bytes_needed(query, part);
+        });
     }
     std::int64_t bytes_needed(const MeshView& a, const MeshView* b, const Query& query, const Part* part) override {
-        const Device::Current current(device_);
-        await(a, b);
-        input_.view(a, b, query.weld);
-        return bytes_needed(query, part);
+        return on_device([&] {
+            view(a, b, query);
+            return bytes_needed(query, part);
+        });
     }
 
     void launch(const MeshView& a, const MeshView* b, const Query& query) override {
-        const Device::Current current(device_);
-        finish();
-        input_.view(a, b, query.weld);
-        contacts_wanted_ = query.contacts;
-        adopt(query, nullptr);
-        const auto stream = static_cast<cudaStream_t>(a.stream);
-        if (b && b->stream != a.stream) order(static_cast<cudaStream_t>(b->stream), stream);
-        try {
-            plan();
-            lay_out_lists();
-            launch_graph(stream);
-        } catch (const MemoryMeter::Exceeded&) {
-            too_many_ = pass_.scene.triangle_count();  // wait() does it in chunks
-        } catch (const OutOfDeviceMemory&) {
-            too_many_ = pass_.scene.triangle_count();
-        }
-        CRUMPLE_CUDA(cudaEventRecord(done_.get(), stream));
-        launched_ = true;
+        on_device([&] {
+            finish();
+            input_.view(a, b, query.weld);
+            contacts_wanted_ = query.contacts;
+            adopt(query, nullptr);
+            const auto stream = static_cast<cudaStream_t>(a.stream);
+            if (b && b->stream != a.stream) order(static_cast<cudaStream_t>(b->stream), stream);
+            try {
+                plan();
+                lay_out_lists();
+                launch_graph(stream);
+            } catch (const MemoryMeter::Exceeded&) {
+                too_many_ = pass_.scene.triangle_count();  // wait() does it in chunks
+            } catch (const OutOfDeviceMemory&) {
+                too_many_ = pass_.scene.triangle_count();
+            }
+            CRUMPLE_CUDA(cudaEventRecord(done_.get(), stream));
+            launched_ = true;
+        });
     }
 
     const DeviceCollisions& wait() override {
-        const Device::Current current(device_);
-        if (!launched_) throw Error(ErrorCode::invalid_argument, "wait() without a launch");
-        launched_ = false;
-        CRUMPLE_CUDA(cudaEventSynchronize(done_.get()));
-        statistics_ = {};
-        if (pass_.scene.triangle_count() >= too_many_ || !accept(*counters_)) answer();
-        if (contacts_wanted_) make_contacts(host_contacts_);
-        show();
+        if (!launched_) throw Error(ErrorCode::invalid_argument, "wait() needs a launch before it");
+        on_device([&] {
+            finish();
+            statistics_ = {};
+            if (pass_.scene.triangle_count() >= too_many_ || !accept(*counters_)) answer();
+            if (contacts_wanted_) make_contacts(host_contacts_);
+            show();
+        });
         return shown_;
     }
 
     void download(Collisions& result) override {
-        const Device::Current current(device_);
-        CRUMPLE_CUDA(cudaStreamSynchronize(stream_.get()));
-        copy_out(result);
-        result.statistics = statistics_;
-        if (contacts_wanted_) result.contacts = host_contacts_;
+        on_device([&] {
+            copy_out(result);
+            result.statistics = statistics_;
+            if (contacts_wanted_)
+                result.contacts = host_contacts_;
+            else
+                clear(result.contacts);
+        });
     }
 
     void release() override {
@@ -419,11 +428,26 @@ class CudaBackend final : public BackendBase {
         return GraphExec(executable);
     }
 
+    template <class Work>
+    std::invoke_result_t<Work> on_device(Work work) {
+        const Device::Current current(device_);
+        try {
+            return work();
+        } catch (const OutOfDeviceMemory& error) {
+            throw Error(ErrorCode::device, "cudaMalloc: " + std::to_string(error.bytes) + " bytes: out of memory");
+        }
+    }
+
+    void bring(const Scene& scene) {
+        finish();
+        input_.bring(scene);
+    }
     // Work of ours begins after what the callers' streams were given.
-    void await(const MeshView& a, const MeshView* b) {
+    void view(const MeshView& a, const MeshView* b, const Query& query) {
         finish();
         order(static_cast<cudaStream_t>(a.stream), stream_.get());
         if (b) order(static_cast<cudaStream_t>(b->stream), stream_.get());
+        input_.view(a, b, query.weld);
     }
     void order(cudaStream_t first, cudaStream_t then) {
         CRUMPLE_CUDA(cudaEventRecord(before_.get(), first));

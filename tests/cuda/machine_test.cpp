@@ -1,0 +1,71 @@
+// What only the machine that plays the device can show: no device, no driver, no memory.
+
+#include <gtest/gtest.h>
+
+#include "agreement/compare.h"
+#include "crumple/error.h"
+#include "cuda_on_cpu/machine/settings.h"
+#include "scenes/scenes.h"
+
+namespace crumple::test {
+namespace {
+
+using cuda_on_cpu::settings;
+
+class CudaMachine : public testing::Test {
+   protected:
+    void TearDown() override {
+        settings() = {};
+        settings().multiprocessors = 1;
+    }
+    static std::string message() {
+        try {
+            Detector({.backend = Backend::cuda});
+        } catch (const Error& error) {
+            EXPECT_EQ(error.code, ErrorCode::backend_unavailable);
+            return std::string(error.what()).substr(0, 37);
+        }
+        return "no error";
+    }
+};
+
+TEST_F(CudaMachine, may_have_no_device) {
+    settings().devices = 0;
+    EXPECT_EQ(message(), "the cuda backend is not available: no");  // CUDA has its own words for the reason
+}
+
+TEST_F(CudaMachine, may_have_no_driver) {
+    settings().driver = false;
+    EXPECT_EQ(message().substr(0, 34), "the cuda backend is not available:");
+}
+
+TEST_F(CudaMachine, may_not_have_the_device_asked_for) {
+    try {
+        Detector({.backend = Backend::cuda, .device = 3});
+        FAIL();
+    } catch (const Error& error) {
+        EXPECT_STREQ(error.what(), "the cuda backend is not available: device 3 of 1 does not exist");
+    }
+}
+
+TEST_F(CudaMachine, may_run_out_of_memory_anywhere) {
+    const io::TriangleMesh mesh = scenes::make("cloth", {.triangles = 300, .frame = 40});
+    const Collisions expected = Detector({.backend = Backend::cpu}).find_self(mesh.view());
+    int failures = 0;
+    for (int allocations = 0; allocations < 12; ++allocations) {
+        Detector detector({.backend = Backend::cuda});
+        settings().allocations_before_failure = allocations;
+        try {
+            EXPECT_TRUE(same_answer(detector.find_self(mesh.view()), expected));
+        } catch (const Error& error) {
+            ++failures;
+            EXPECT_EQ(error.code, ErrorCode::device) << error.what();
+        }
+        settings().allocations_before_failure = -1;
+        EXPECT_TRUE(same_answer(detector.find_self(mesh.view()), expected)) << "after " << allocations;
+    }
+    EXPECT_LT(failures, 12);
+}
+
+}  // namespace
+}  // namespace crumple::test
