@@ -329,12 +329,12 @@ class CudaBackend final : public BackendBase {
             pass_.sort();
             count(read_counters());
             hits.list.count = &pass_.counters->hits;
-            for (Slice slice{}; slice.index < slice.count;) {
+            for (Slice slice{}; slice.turn < slice.turns;) {
                 cancellation_.check();
                 pass_.clear_counters();
                 pass_.sweep(slice);
                 if (read_counters().survivors > pass_.plan.survivors) {
-                    slice = {2 * slice.index, 2 * slice.count};
+                    slice = {2 * slice.turn, 2 * slice.turns};
                     continue;
                 }
                 pass_.narrow(hits);
@@ -344,7 +344,7 @@ class CudaBackend final : public BackendBase {
                     const std::size_t found = decide_beyond(static_cast<std::size_t>(counters.beyond));
                     add_hits(geometry_, stream_.get(), pass_.scene, pass_.beyond(), found, hits);
                 }
-                ++slice.index;
+                ++slice.turn;
             }
             ++k;
         }

@@ -140,8 +140,8 @@ __global__ void __launch_bounds__(threads)
     Sweep sweep{scene, sorted, ownership, rules, list, shared, lane};
     const std::size_t rows = *members, groups = (rows + 31) / 32;
     const unsigned long long warp = grid_thread() / 32, warps = grid_stride() / 32;
-    const unsigned long long all = sorted.unit_first[groups], begin_unit = all * slice.index / slice.count;
-    const unsigned long long units = all * (slice.index + 1) / slice.count - begin_unit;
+    const unsigned long long all = sorted.unit_first[groups], begin_unit = all * slice.turn / slice.turns;
+    const unsigned long long units = all * (slice.turn + 1) / slice.turns - begin_unit;
     const unsigned long long last = begin_unit + units * (warp + 1) / warps;
     std::size_t group = 0;
     for (unsigned long long unit = begin_unit + units * warp / warps; unit < last; ++unit) {

@@ -19,9 +19,9 @@ struct Rules {
     friend bool operator==(const Rules&, const Rules&) = default;
 };
 
-/// The part of all units that one call sweeps: slice `index` of `count`.
+/// The part of all units that one call sweeps: number `turn` of `turns`.
 struct Slice {
-    unsigned long long index = 0, count = 1;
+    unsigned long long turn = 0, turns = 1;
 };
 
 /// `members`: their number, on the device.
