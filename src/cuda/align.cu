@@ -9,7 +9,7 @@
 namespace crumple::cuda {
 namespace {
 
-constexpr int threads = 128;  // and as many samples for the covariance, as on the CPU
+constexpr int threads = 256;  // and as many samples for the covariance
 
 struct FrameShared {
     cub::BlockReduce<double, threads>::TempStorage sum;
@@ -37,13 +37,21 @@ __device__ float block_max(FrameShared& shared, float value) {
     return static_cast<float>(shared.sums[0]);
 }
 
-__device__ Vec3f to_float(Vec3d p) {
-    return {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
+// An upper bound of any coordinate of the ball's triangle, relative to the frame's origin.
+__device__ float reach_of(const Ball& ball, const Frame& frame) {
+    return (largest(abs(Vec3f{ball.x, ball.y, ball.z} - frame.origin)) + ball.r) * 1.00001f;
+}
+
+__device__ Member exact_member(const Scene& scene, const PointRows& points, std::int32_t triangle, const Frame& frame) {
+    const std::int32_t* corner = scene.corners + 3 * static_cast<std::size_t>(triangle);
+    const Vec3d p[3] = {points[corner[0]], points[corner[1]], points[corner[2]]};
+    return member_of(p, corner, frame);
 }
 
 // The frame of one leaf, by one block.
 __device__ void make_frame(FrameShared& shared, unsigned long long begin, unsigned long long members,
-                           const std::int32_t* triangle, const Ball* balls, Frame& result) {
+                           const std::int32_t* triangle, const Scene& scene, const PointRows& points, const Ball* balls,
+                           Frame& result) {
     const auto samples = static_cast<unsigned>(members < threads ? members : threads);
     const bool has = threadIdx.x < samples;
     const Ball ball = has ? balls[triangle[begin + threadIdx.x * members / samples]] : Ball{0, 0, 0, 0};
@@ -73,14 +81,18 @@ __device__ void make_frame(FrameShared& shared, unsigned long long begin, unsign
     }
     __syncthreads();
 
-    // The reach of all members, and their range along the sweep direction; for the bins, which need not be exact.
+    // The reach of all members by their balls, unless these let one seem big that is not; and their range along the
+    // sweep direction, for the bins, which need not be exact.
     float reach = 0, low = INFINITY, high = -INFINITY;
     for (unsigned long long m = begin + threadIdx.x; m < begin + members; m += threads) {
         const Ball b = balls[triangle[m]];
         const float own = reach_of(b, frame);
         if (own > frame.big) {
-            reach = max(reach, 0x1p-28f * own);
-            continue;
+            const Member member = exact_member(scene, points, triangle[m], frame);
+            if (member.big) {
+                reach = max(reach, member.reach);
+                continue;
+            }
         }
         reach = max(reach, own);
         const float x = dot(frame.axis[0], Vec3f{b.x, b.y, b.z} - frame.origin);
@@ -99,21 +111,23 @@ __device__ void make_frame(FrameShared& shared, unsigned long long begin, unsign
     result = frame;
 }
 
-__global__ void frame_kernel(int leaves, const unsigned long long* first, const std::int32_t* triangle,
-                             const Ball* balls, Frame* frames) {
+__global__ void frame_kernel(int leaves, const unsigned long long* first, const std::int32_t* triangle, Scene scene,
+                             PointRows points, const Ball* balls, Frame* frames) {
     auto& shared = dynamic_shared<FrameShared>();
     for (int leaf = static_cast<int>(blockIdx.x); leaf < leaves; leaf += static_cast<int>(gridDim.x)) {
         const unsigned long long begin = first[leaf], members = first[leaf + 1] - begin;
-        if (members > 0) make_frame(shared, begin, members, triangle, balls, frames[leaf]);
+        if (members > 0) make_frame(shared, begin, members, triangle, scene, points, balls, frames[leaf]);
     }
 }
 
 }  // namespace
 
 void make_frames(const Geometry& geometry, cudaStream_t stream, int leaves, const unsigned long long* first,
-                 const std::int32_t* triangle, const Ball* balls, Frame* frames) {
+                 const std::int32_t* triangle, const Scene& scene, const Points& points, const Ball* balls,
+                 Frame* frames) {
     const unsigned blocks = std::min(static_cast<unsigned>(leaves), geometry.resident * geometry.threads / threads);
-    Launch{stream, blocks, threads, sizeof(FrameShared)}(frame_kernel, leaves, first, triangle, balls, frames);
+    Launch{stream, blocks, threads, sizeof(FrameShared)}(frame_kernel, leaves, first, triangle, scene, points.rows(),
+                                                         balls, frames);
 }
 
 }  // namespace crumple::cuda

@@ -536,7 +536,7 @@ class CudaBackend final : public BackendBase {
         s.interval_tests += static_cast<std::int64_t>(c.interval_tests);
         s.box_overlaps += static_cast<std::int64_t>(c.box_overlaps);
         s.edge_tests += static_cast<std::int64_t>(c.survivors);
-        s.double_tests += static_cast<std::int64_t>(c.survivors);
+        s.double_tests += static_cast<std::int64_t>(c.doubles);
         s.exact_tests += static_cast<std::int64_t>(c.undecided);
     }
 

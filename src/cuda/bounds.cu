@@ -5,9 +5,6 @@
 namespace crumple::cuda {
 namespace {
 
-// Widen a computed radius. Coordinates are at most 1: differences and the corners of float64 input err by at most 2 u.
-constexpr float ball_factor = 1.000002f, ball_slack = 4e-7f;
-
 __global__ void check_kernel(Scene scene, SceneBox* box, Counters* counters) {
     constexpr double most = 1.7976931348623157e308;
     Vec3d low{most, most, most}, high{-most, -most, -most};
@@ -49,7 +46,7 @@ __global__ void normalise_kernel(Scene scene, const SceneBox* box, Row<T>* rows)
 }
 
 template <class T>
-__device__ Vec3f centre_point(const Row<T>& row) {
+__device__ Vec3f in_float(const Row<T>& row) {
     return {static_cast<float>(row.x), static_cast<float>(row.y), static_cast<float>(row.z)};
 }
 
@@ -69,11 +66,7 @@ __global__ void balls_kernel(Scene scene, const Row<T>* rows, Ball* balls, Count
             balls[t] = {0, 0, 0, NAN};
             continue;
         }
-        const Vec3f p[3] = {centre_point(rows[i]), centre_point(rows[j]), centre_point(rows[k])};
-        const Vec3f c = (1.0f / 3.0f) * (p[0] + p[1] + p[2]);
-        float r2 = 0;
-        for (const Vec3f& q : p) r2 = max(r2, dot(q - c, q - c));
-        balls[t] = {c.x, c.y, c.z, std::sqrt(r2) * ball_factor + ball_slack};
+        balls[t] = ball_of(in_float(rows[i]), in_float(rows[j]), in_float(rows[k]));
     }
 }
 

@@ -205,13 +205,12 @@ void Input::want(const Query& query, const Part* part) {
         for (const auto& [x, y, z] : part->centres) centres.push_back({x, y, z});
         copy(stream_, part_centre_, centres.data(), centres.size());
     }
-    rules_ = {query.neighbours == Neighbours::skip,
-              query.intersections == Intersections::proper,
-              !rule_.trivial(),
-              query.wanted == Wanted::between,
-              query.wanted == Wanted::within,
-              excluded_,
-              static_cast<int>(excluded)};
+    rules_ = {.policy = {query.neighbours == Neighbours::skip, query.intersections == Intersections::proper},
+              .by_group = !rule_.trivial(),
+              .between = query.wanted == Wanted::between,
+              .within = query.wanted == Wanted::within,
+              .excluded = excluded_,
+              .excluded_count = static_cast<int>(excluded)};
 }
 
 void Input::join(const Geometry& geometry, cudaStream_t stream, Counters* counters) {

@@ -18,7 +18,9 @@
 #include <cstdint>
 
 #include "crumple/collisions.h"
-#include "geometry/vec.h"
+#include "geometry/ball.h"
+#include "geometry/point_rows.h"
+#include "geometry/record.h"
 
 namespace crumple::cuda {
 
@@ -35,11 +37,8 @@ struct alignas(4 * sizeof(T)) Row {
 struct Points {
     Row<float>* f = nullptr;
     Row<double>* d = nullptr;
-};
 
-/// A ball that holds a triangle; its radius is NaN if the triangle names a vertex that does not exist.
-struct alignas(16) Ball {
-    float x, y, z, r;
+    PointRows rows() const { return {reinterpret_cast<const float*>(f), reinterpret_cast<const double*>(d)}; }
 };
 
 /// What the device counts for the host. Numbers of elements are those wanted, whether or not they fitted.
@@ -48,8 +47,8 @@ struct Counters {
     unsigned long long members[2];                      ///< of each level of subdivision
     unsigned long long interval_tests, box_overlaps;
     unsigned long long survivors;  ///< that no plane separates
-    unsigned long long undecided;  ///< by float32
-    unsigned long long exact;      ///< not decided by float64 filters
+    unsigned long long doubles;    ///< of these, undecided in float32
+    unsigned long long undecided;  ///< of these, undecided by filters in float64
     unsigned long long beyond;     ///< what expansions cannot hold: for the host
     unsigned long long hits;
     unsigned long long long_rows;  ///< rows of the answer that a block sorts
@@ -78,21 +77,11 @@ struct Members {
     unsigned long long capacity;
 };
 
-/// The frame in which a leaf is swept: sweep direction first.
-struct Frame {
-    Vec3f origin;
-    Vec3f axis[3];
-    float big;          ///< members that reach further than this from the origin, in any coordinate, are big
-    float reach;        ///< no corner of another member does reach further than this
+/// A leaf's frame, and what all its members have in common.
+struct Frame : LeafFrame {
+    float reach;        ///< no corner of a member that is not big is further from the origin, in any coordinate
     float margin;       ///< error of a turned coordinate (docs/align.md)
     float base, scale;  ///< bin of x: (x - base) scale
-};
-
-/// One cache line, see src/cpu/layout.h. Big members have NaN corners, from which no filter decides anything.
-struct alignas(64) Record {
-    float x[4], y[4], z[4];  ///< of three corners, relative to the leaf's origin, and of the normal
-    std::int32_t id[3];      ///< vertices
-    float c;                 ///< plane: normal . p = c, scaled so that its sign is certain beyond 1
 };
 
 /// A member's extent across the sweep direction.

@@ -1,6 +1,7 @@
 #include "cuda/narrow.h"
 
 #include "geometry/decision.h"
+#include "geometry/filters.h"
 
 namespace crumple::cuda {
 namespace {
@@ -27,27 +28,34 @@ __device__ Pair pair_of(const Sorted& sorted, const Candidate& c) {
     return {min(a, b), max(a, b)};
 }
 
-// What float64 filters can prove.
-__global__ void filter_kernel(Scene scene, Sorted sorted, Neighbours neighbours, Intersections intersections,
-                              List<Candidate> survivors, List<Candidate> undecided, Hits hits) {
+// What filters can prove, in float32 and then in float64.
+__global__ void filter_kernel(Scene scene, Sorted sorted, PointRows points, const Frame* frames, NarrowPolicy policy,
+                              List<Candidate> survivors, List<Candidate> undecided, Hits hits,
+                              unsigned long long* doubles) {
     const unsigned long long n = survivors.filled(), warps_end = (n + 31) / 32 * 32;
     for (unsigned long long i = grid_thread(); i < warps_end; i += grid_stride()) {
         Verdict verdict = Verdict::apart;
         Candidate candidate{};
         Pair pair{};
+        bool in_double = false;
         if (i < n) {
             candidate = survivors.data[i];
             pair = pair_of(sorted, candidate);
-            FilteredSigns signs;
-            verdict = decide(scene.triangle(pair.a), scene.triangle(pair.b), neighbours, intersections, signs);
+            const Record &a = sorted.record[candidate.row], &b = sorted.record[candidate.column];
+            const PairSigns signs = pair_signs(a, b);
+            const float reach = frames[sorted.leaf[candidate.row]].reach;
+            verdict = filter_in_float(a, b, signs, classify(signs, policy), policy, points, reach);
+            in_double = verdict == Verdict::undecided;
+            if (in_double && filter_in_double(a, b, signs, points)) verdict = Verdict::apart;
         }
+        append(in_double, doubles);
         add(hits, verdict == Verdict::collides, pair.a, pair.b, second_of(scene));
         const unsigned long long place = append(verdict == Verdict::undecided, undecided.count);
         if (verdict == Verdict::undecided && place < undecided.capacity) undecided.data[place] = candidate;
     }
 }
 
-// Expansions; few pairs come here, so that their registers and stack do not matter.
+// The exact decision, with expansions where it takes them. Few pairs come here: registers and stack do not matter.
 __global__ void exact_kernel(Scene scene, Sorted sorted, Neighbours neighbours, Intersections intersections,
                              List<Candidate> undecided, List<Pair> beyond, Hits hits) {
     const unsigned long long n = undecided.filled(), warps_end = (n + 31) / 32 * 32;
@@ -85,13 +93,13 @@ __global__ void rank_kernel(List<Hit> hits, unsigned long long* by_first) {
 
 }  // namespace
 
-void narrow(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Sorted& sorted, const Rules& rules,
-            const List<Candidate>& survivors, const List<Candidate>& undecided, const List<Pair>& beyond,
-            const Hits& hits) {
-    const Neighbours neighbours = rules.skip_neighbours ? Neighbours::skip : Neighbours::geometric;
-    const Intersections intersections = rules.proper ? Intersections::proper : Intersections::all;
-    Launch{stream, geometry.blocks(survivors.capacity), geometry.threads}(filter_kernel, scene, sorted, neighbours,
-                                                                          intersections, survivors, undecided, hits);
+void narrow(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Sorted& sorted,
+            const Points& points, const Frame* frames, const Rules& rules, const List<Candidate>& survivors,
+            const List<Candidate>& undecided, const List<Pair>& beyond, const Hits& hits, unsigned long long* doubles) {
+    const Neighbours neighbours = rules.policy.skip_neighbours ? Neighbours::skip : Neighbours::geometric;
+    const Intersections intersections = rules.policy.proper ? Intersections::proper : Intersections::all;
+    Launch{stream, geometry.blocks(survivors.capacity), geometry.threads}(
+        filter_kernel, scene, sorted, points.rows(), frames, rules.policy, survivors, undecided, hits, doubles);
     Launch{stream, geometry.blocks(undecided.capacity), geometry.threads}(exact_kernel, scene, sorted, neighbours,
                                                                           intersections, undecided, beyond, hits);
 }

@@ -20,9 +20,10 @@ struct Hits {
     std::int32_t* second;
 };
 
-void narrow(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Sorted& sorted, const Rules& rules,
-            const List<Candidate>& survivors, const List<Candidate>& undecided, const List<Pair>& beyond,
-            const Hits& hits);
+/// `doubles` counts the pairs that float32 leaves undecided.
+void narrow(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Sorted& sorted,
+            const Points& points, const Frame* frames, const Rules& rules, const List<Candidate>& survivors,
+            const List<Candidate>& undecided, const List<Pair>& beyond, const Hits& hits, unsigned long long* doubles);
 
 /// Writes pairs that the host has decided behind the list's first `begin` hits.
 void append_hits(const Geometry& geometry, cudaStream_t stream, const Pair* pairs, std::size_t count,

@@ -110,12 +110,13 @@ void Pass::subdivide_clusters(std::uint64_t listed) {
 }
 
 void Pass::align() {
-    make_frames(geometry_, stream_, plan.leaves(), leaf_first(), members_[plan.levels() - 1].triangle, balls_, frames_);
+    make_frames(geometry_, stream_, plan.leaves(), leaf_first(), members_[plan.levels() - 1].triangle, scene, points_,
+                balls_, frames_);
 }
 
 void Pass::sort() {
-    sort_members(geometry_, stream_, scene, points_, balls_, plan.leaves(), leaf_first(), members_[plan.levels() - 1],
-                 frames_, ownership(), sorted_, scratch_, counters);
+    sort_members(geometry_, stream_, scene, points_, plan.leaves(), leaf_first(), members_[plan.levels() - 1], frames_,
+                 ownership(), sorted_, scratch_, counters);
 }
 
 void Pass::sweep(const Slice& slice) {
@@ -124,8 +125,9 @@ void Pass::sweep(const Slice& slice) {
 }
 
 void Pass::narrow(const Hits& hits) {
-    cuda::narrow(geometry_, stream_, scene, sorted_, rules, {survivors_, &counters->survivors, plan.survivors},
-                 {undecided_, &counters->undecided, plan.undecided}, {beyond_, &counters->beyond, plan.beyond}, hits);
+    cuda::narrow(geometry_, stream_, scene, sorted_, points_, frames_, rules,
+                 {survivors_, &counters->survivors, plan.survivors}, {undecided_, &counters->undecided, plan.undecided},
+                 {beyond_, &counters->beyond, plan.beyond}, hits, &counters->doubles);
 }
 
 }  // namespace crumple::cuda

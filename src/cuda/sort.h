@@ -27,9 +27,8 @@ struct SortScratch {
 std::size_t sort_scratch_bytes(int leaves, std::size_t capacity);
 
 /// `first`: leaves + 1; the last one is the number of members, at most `capacity`.
-void sort_members(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Points& points,
-                  const Ball* balls, int leaves, const unsigned long long* first, const Members& members,
-                  const Frame* frames, const Ownership& ownership, const Sorted& sorted, const SortScratch& scratch,
-                  Counters* counters);
+void sort_members(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Points& points, int leaves,
+                  const unsigned long long* first, const Members& members, const Frame* frames,
+                  const Ownership& ownership, const Sorted& sorted, const SortScratch& scratch, Counters* counters);
 
 }  // namespace crumple::cuda

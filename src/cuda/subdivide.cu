@@ -128,8 +128,7 @@ struct AssignShared {
     unsigned count[max_fan_out];
 };
 
-// The children whose cell may hold a point of the ball: d_k^2 - d_min^2 <= 2 r |v_k - v_min|, with factors that cover
-// the roundings. No bit for a radius that is NaN.
+// The children whose cell may hold a point of the ball. None for a radius that is NaN.
 __device__ std::uint64_t children_of(const Ball& ball, const Row<float>* centre, int fan_out) {
     if (!(ball.r >= 0)) return 0;
     float best = INFINITY;
@@ -146,8 +145,7 @@ __device__ std::uint64_t children_of(const Ball& ball, const Row<float>* centre,
     std::uint64_t mask = 0;
     for (int k = 0; k < fan_out; ++k) {
         const float dx = centre[k].x - v.x, dy = centre[k].y - v.y, dz = centre[k].z - v.z;
-        const float reach = 2.00001f * std::sqrt(dx * dx + dy * dy + dz * dz) + 1e-22f;
-        if (!(distance2(k) > best * 1.000002f + ball.r * reach)) mask |= std::uint64_t{1} << k;
+        if (joins(distance2(k), best, ball.r, bisector_reach({dx, dy, dz}))) mask |= std::uint64_t{1} << k;
     }
     return mask;
 }

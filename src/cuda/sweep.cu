@@ -5,6 +5,8 @@
 
 #include "cuda/sweep.h"
 
+#include "geometry/plane_filter.h"
+
 #include <algorithm>
 
 namespace crumple::cuda {
@@ -42,33 +44,6 @@ __device__ bool ours(const Ownership& o, std::uint32_t leaf, std::int32_t a, std
     return !(o.upper_mask[a] & o.upper_mask[b] & ((std::uint64_t{1} << cluster) - 1));
 }
 
-// All corners of `other` that the two do not share lie, for certain, on one side of the plane.
-__device__ bool plane_separates(const Record& plane, const Record& other, const bool shared[3]) {
-    bool above = true, below = true;
-    for (int k = 0; k < 3; ++k) {
-        const float side = plane.x[3] * other.x[k] + plane.y[3] * other.y[k] + plane.z[3] * other.z[k] - plane.c;
-        above = above && (shared[k] || side > 1);
-        below = below && (shared[k] || side < -1);
-    }
-    return above || below;
-}
-
-__device__ bool survives(const Record& a, const Record& b, bool skip_neighbours) {
-    bool shared_a[3], shared_b[3] = {false, false, false}, neighbours = false;
-    for (int s = 0; s < 3; ++s) {
-        shared_a[s] = false;
-        for (int t = 0; t < 3; ++t) {
-            const bool same = a.id[s] == b.id[t];
-            shared_a[s] = shared_a[s] || same;
-            shared_b[t] = shared_b[t] || same;
-            neighbours = neighbours || same;
-        }
-    }
-    if (skip_neighbours && neighbours) return false;
-    if ((shared_a[0] && shared_a[1] && shared_a[2]) || (shared_b[0] && shared_b[1] && shared_b[2])) return true;
-    return !plane_separates(a, b, shared_b) && !plane_separates(b, a, shared_a);
-}
-
 struct Sweep {
     const Scene& scene;
     const Sorted& sorted;
@@ -84,7 +59,8 @@ struct Sweep {
         const std::int32_t a = sorted.triangle[c.row], b = sorted.triangle[c.column];
         if (!ours(ownership, sorted.leaf[c.row], a, b)) return false;
         if (rules.by_group && !wanted(rules, scene.group(a), scene.group(b))) return false;
-        return survives(sorted.record[c.row], sorted.record[c.column], rules.skip_neighbours);
+        const PairSigns signs = pair_signs(sorted.record[c.row], sorted.record[c.column]);
+        return classify(signs, rules.policy) != PairKind::apart;
     }
 
     // Moves the last survivors of the queue, up to 32, to the list.

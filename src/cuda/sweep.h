@@ -6,13 +6,14 @@
 #include "cuda/layout.h"
 #include "cuda/runtime.h"
 #include "cuda/sort.h"
+#include "geometry/plane_filter.h"
 #include "pipeline/scene.h"
 
 namespace crumple::cuda {
 
 /// Which pairs of groups are wanted; `excluded` is sorted.
 struct Rules {
-    bool skip_neighbours = false, proper = false;
+    NarrowPolicy policy;
     bool by_group = false, between = false, within = false;  ///< groups that differ, groups that are equal
     const std::uint64_t* excluded = nullptr;
     int excluded_count = 0;

@@ -11,6 +11,7 @@ namespace crumple {
 struct NarrowPolicy {
     bool skip_neighbours = false;
     bool proper = false;
+    friend bool operator==(const NarrowPolicy&, const NarrowPolicy&) = default;
 };
 
 /// Where the corners of a pair lie: one bit a corner.
