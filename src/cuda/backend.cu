@@ -141,9 +141,26 @@ class CudaBackend final : public BackendBase {
     void find(const Query& query, const Part* part, Collisions& result) {
         adopt(query, part);
         answer();
-        if (query.contacts) make_contacts(result.contacts);
+        try {
+            deliver(query, result);
+        } catch (const MemoryMeter::Exceeded&) {
+            // An answer that was found at once has lists with room to spare.
+            if (pass_.scene.triangle_count() >= too_many_) throw;
+            too_many_ = pass_.scene.triangle_count();
+            result.pairs.release();
+            result.contacts.points.release();
+            answer();
+            deliver(query, result);
+        }
+    }
+
+    void deliver(const Query& query, Collisions& result) {
+        if (meter_.limit > 0) work_.release();
+        if (query.contacts)
+            make_contacts(result.contacts);
+        else
+            clear(result.contacts);
         copy_out(result);
-        if (!query.contacts) clear(result.contacts);
         result.statistics = statistics_;
     }
 
@@ -289,6 +306,7 @@ class CudaBackend final : public BackendBase {
         lay_out(result_, [&](Cutter& c) { cut_result(c, static_cast<std::size_t>(total_)); });
         copy(output_.offsets, offsets.data(), n, cudaMemcpyHostToDevice);
         copy(output_.next, offsets.data(), n, cudaMemcpyHostToDevice);
+        offsets.release();
         statistics_ = {};
         pass_over_chunks({Hits::Mode::fill, {}, output_.next, output_.second});
         order_buckets(geometry_, stream_.get(), pass_.scene, output_, pass_.counters);
