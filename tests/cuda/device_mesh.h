@@ -57,8 +57,7 @@ class DeviceMesh {
         };
         pack(view_.vertices, vertices_, host.vertices.type == ScalarType::float32 ? 4 : 8);
         pack(view_.triangles, triangles_, host.triangles.type == IndexType::int64 ? 8 : 4);
-        if (!host.groups.empty())
-            view_.groups = {static_cast<const std::int32_t*>(groups_.data()), host.groups.size()};
+        if (!host.groups.empty()) view_.groups = {static_cast<const std::int32_t*>(groups_.data()), host.groups.size()};
         view_.memory = MemorySpace::cuda;
     }
     const MeshView& view() const { return view_; }

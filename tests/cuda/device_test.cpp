@@ -43,7 +43,8 @@ testing::AssertionResult shows(const DeviceCollisions& found, const MeshView& a,
     if (!result || expected.contacts.offsets.empty()) return result;
     result = same(to_host(found.contact_kinds, found.pair_count), expected.contacts.kinds, "kinds");
     if (result)
-        result = same(to_host(found.contact_offsets, found.pair_count + 1), expected.contacts.offsets, "contact offsets");
+        result =
+            same(to_host(found.contact_offsets, found.pair_count + 1), expected.contacts.offsets, "contact offsets");
     if (result)
         result = same(to_host(found.contact_points, found.contact_point_count), expected.contacts.points, "points");
     return result;
@@ -94,10 +95,12 @@ TEST(CudaDevice, compares_two_meshes_with_groups_and_parts) {
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
     for (const Wanted wanted : {Wanted::both, Wanted::between, Wanted::within}) {
         const Query query{.weld = true, .wanted = wanted};
-        EXPECT_TRUE(same_answer(cuda.find_between(device_a.view(), device_b.view(), query), cpu.find_between(grouped, b, query)));
+        EXPECT_TRUE(same_answer(cuda.find_between(device_a.view(), device_b.view(), query),
+                                cpu.find_between(grouped, b, query)));
     }
     for (const Part& part : cpu.partition(grouped, b, 3))
-        EXPECT_TRUE(same_answer(cuda.find_between(device_a.view(), device_b.view(), part), cpu.find_between(grouped, b, part)));
+        EXPECT_TRUE(
+            same_answer(cuda.find_between(device_a.view(), device_b.view(), part), cpu.find_between(grouped, b, part)));
 }
 
 TEST(CudaDevice, names_what_is_wrong_on_the_device) {
