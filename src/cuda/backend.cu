@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "crumple/error.h"
+#include "cuda/contacts.h"
 #include "cuda/device.h"
 #include "cuda/gather.h"
 #include "cuda/input.h"
@@ -109,7 +110,7 @@ class CudaBackend final : public BackendBase {
             finish();
             statistics_ = {};
             if (pass_.scene.triangle_count() >= too_many_ || !accept(*counters_)) answer();
-            if (contacts_wanted_) make_contacts(host_contacts_);
+            if (contacts_wanted_) make_contacts();
             show();
         });
         return shown_;
@@ -120,7 +121,7 @@ class CudaBackend final : public BackendBase {
             copy_out(result);
             result.statistics = statistics_;
             if (contacts_wanted_)
-                result.contacts = host_contacts_;
+                copy_contacts(result.contacts);
             else
                 clear(result.contacts);
         });
@@ -131,7 +132,6 @@ class CudaBackend final : public BackendBase {
         finish();
         input_.release();
         for (Block* block : {&state_, &work_, &result_, &contacts_}) block->release();
-        host_contacts_ = {};
         graph_ = {};
         planned_for_ = -1;
         too_many_ = std::numeric_limits<std::int64_t>::max();
@@ -149,6 +149,7 @@ class CudaBackend final : public BackendBase {
             too_many_ = pass_.scene.triangle_count();
             result.pairs.release();
             result.contacts.points.release();
+            contacts_.release();
             answer();
             deliver(query, result);
         }
@@ -156,10 +157,12 @@ class CudaBackend final : public BackendBase {
 
     void deliver(const Query& query, Collisions& result) {
         if (meter_.limit > 0) work_.release();
-        if (query.contacts)
-            make_contacts(result.contacts);
-        else
+        if (query.contacts) {
+            make_contacts();
+            copy_contacts(result.contacts);
+        } else {
             clear(result.contacts);
+        }
         copy_out(result);
         result.statistics = statistics_;
     }
@@ -176,7 +179,13 @@ class CudaBackend final : public BackendBase {
         const auto pairs = static_cast<std::int64_t>(count_in_chunks());
         Cutter cutter;
         cut_result(cutter, static_cast<std::size_t>(pairs));
-        if (query.contacts) Gathered::cut(cutter, static_cast<std::size_t>(pairs));
+        if (query.contacts) {
+            const auto n = static_cast<std::size_t>(pairs);
+            ContactArrays().cut(cutter, n);
+            cutter.take<Pair>(n);
+            cutter.take<HostContact>(n);
+            Gathered::cut(cutter, n);
+        }
         return meter_.peak + static_cast<std::int64_t>(cutter.used()) + result_bytes(pass_.scene, query, pairs);
     }
 
@@ -295,7 +304,7 @@ class CudaBackend final : public BackendBase {
     }
 
     void answer_in_chunks() {
-        for (Block* block : {&work_, &result_}) block->release();
+        for (Block* block : {&work_, &result_, &contacts_}) block->release();
         total_ = count_in_chunks();
         // The offsets wait with the host while their block grows.
         const std::size_t n = static_cast<std::size_t>(pass_.scene.triangles[0]) + 1;
@@ -384,24 +393,50 @@ class CudaBackend final : public BackendBase {
         return hits.size();
     }
 
-    void make_contacts(Contacts& contacts) {
+    // Leaves the contacts of the answer on the device, and the number of their points in point_count_.
+    void make_contacts() {
         const auto n = static_cast<std::size_t>(total_);
-        contacts.kinds.resize_discard(n);
-        contacts.offsets.resize_discard(n + 1);
-        contacts.points.resize_discard(6 * n);
-        contacts.offsets[0] = 0;
-        Gathered gathered(geometry_, stream_.get(), pass_.scene, meter_);
         const auto second = static_cast<std::int32_t>(pass_.scene.between ? pass_.scene.triangles[0] : 0);
-        gathered.each(output_.pairs, n, second, [&](std::size_t i, const Triangle& a, const Triangle& b) {
+        lay_out(contacts_, [&](Cutter& c) { contact_arrays_.cut(c, n); });
+        find_contacts(geometry_, stream_.get(), pass_.scene, output_.pairs, n, second, contact_arrays_);
+        unsigned long long open = 0;
+        copy(&open, contact_arrays_.open_count, 1, cudaMemcpyDeviceToHost);
+        if (open > 0) decide_open(static_cast<std::size_t>(open), second);
+        pack_contacts(geometry_, stream_.get(), n, contact_arrays_);
+        copy(&point_count_, contact_arrays_.offsets + n, 1, cudaMemcpyDeviceToHost);
+    }
+
+    // Contacts that only the host can round.
+    void decide_open(std::size_t n, std::int32_t second) {
+        Block block(meter_);
+        Pair* pairs = nullptr;
+        HostContact* found = nullptr;
+        lay_out(block, [&](Cutter& c) {
+            pairs = c.take<Pair>(n);
+            found = c.take<HostContact>(n);
+        });
+        list_open(geometry_, stream_.get(), output_.pairs, contact_arrays_, n, pairs);
+        std::vector<HostContact> host(n);
+        Gathered gathered(geometry_, stream_.get(), pass_.scene, meter_);
+        gathered.each(pairs, n, second, [&](std::size_t i, const Triangle& a, const Triangle& b) {
             cancellation_.check();
             const Contact c = contact(a, b);
-            contacts.kinds[i] = c.kind();
-            auto* point = contacts.points.data() + contacts.offsets[i];
+            host[i].kind = c.kind();
+            host[i].count = c.count;
             for (std::size_t k = 0; k < static_cast<std::size_t>(c.count); ++k)
-                point[k] = {c.points[k].x, c.points[k].y, c.points[k].z};
-            contacts.offsets[i + 1] = contacts.offsets[i] + c.count;
+                host[i].points[k] = {c.points[k].x, c.points[k].y, c.points[k].z};
         });
-        contacts.points.resize(static_cast<std::size_t>(contacts.offsets[n]));
+        copy(found, host.data(), n, cudaMemcpyHostToDevice);
+        add_contacts(geometry_, stream_.get(), found, n, contact_arrays_);
+        CRUMPLE_CUDA(cudaStreamSynchronize(stream_.get()));
+    }
+
+    void copy_contacts(Contacts& contacts) {
+        const auto n = static_cast<std::size_t>(total_), points = static_cast<std::size_t>(point_count_);
+        copy(contacts.kinds.resize_discard(n), contact_arrays_.kinds, n, cudaMemcpyDeviceToHost);
+        copy(reinterpret_cast<unsigned long long*>(contacts.offsets.resize_discard(n + 1)), contact_arrays_.offsets,
+             n + 1, cudaMemcpyDeviceToHost);
+        copy(contacts.points.resize_discard(points), contact_arrays_.points, points, cudaMemcpyDeviceToHost);
     }
 
     static void clear(Contacts& contacts) {
@@ -518,22 +553,10 @@ class CudaBackend final : public BackendBase {
         shown_.hit = output_.hit;
         shown_.hit_second = pass_.scene.between ? output_.hit_second : nullptr;
         if (contacts_wanted_) {
-            const Contacts& c = host_contacts_;
-            ContactKind* kinds = nullptr;
-            std::int64_t* offsets = nullptr;
-            std::array<double, 3>* points = nullptr;
-            lay_out(contacts_, [&](Cutter& cutter) {
-                kinds = cutter.take<ContactKind>(c.kinds.size());
-                offsets = cutter.take<std::int64_t>(c.offsets.size());
-                points = cutter.take<std::array<double, 3>>(c.points.size());
-            });
-            copy(kinds, c.kinds.data(), c.kinds.size(), cudaMemcpyHostToDevice);
-            copy(offsets, c.offsets.data(), c.offsets.size(), cudaMemcpyHostToDevice);
-            copy(points, c.points.data(), c.points.size(), cudaMemcpyHostToDevice);
-            shown_.contact_kinds = kinds;
-            shown_.contact_offsets = offsets;
-            shown_.contact_points = points;
-            shown_.contact_point_count = static_cast<std::int64_t>(c.points.size());
+            shown_.contact_kinds = contact_arrays_.kinds;
+            shown_.contact_offsets = reinterpret_cast<const std::int64_t*>(contact_arrays_.offsets);
+            shown_.contact_points = contact_arrays_.points;
+            shown_.contact_point_count = static_cast<std::int64_t>(point_count_);
         }
         statistics_.triangles = pass_.scene.triangle_count();
         statistics_.pairs = shown_.pair_count;
@@ -583,7 +606,8 @@ class CudaBackend final : public BackendBase {
     Statistics statistics_;
     unsigned long long total_ = 0;
     DeviceCollisions shown_;
-    Contacts host_contacts_;
+    ContactArrays contact_arrays_{};
+    unsigned long long point_count_ = 0;
     bool launched_ = false, contacts_wanted_ = false;
     GraphExec graph_;
     Key key_{};

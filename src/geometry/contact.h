@@ -13,7 +13,7 @@ struct Contact {
     int count = 0;                ///< 0: they do not intersect; otherwise 1, 2 or 3 to 6
     std::array<Vec3d, 6> points;  ///< ordered as crumple::Contacts says
 
-    ContactKind kind() const { return static_cast<ContactKind>(count < 3 ? count : 3); }
+    CRUMPLE_HD ContactKind kind() const { return static_cast<ContactKind>(count < 3 ? count : 3); }
 };
 
 /// The whole intersection of two triangles (parts that neighbours share included).
