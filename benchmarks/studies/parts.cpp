@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <numeric>
 
 #include "report.h"
@@ -37,7 +38,9 @@ nlohmann::json share_out(const Workload& workload, int count, const Effort& effo
 
     std::vector<double> whole_times, partition_times;
     std::vector<std::vector<double>> alone_times(n), owning_times(n);
-    for (int round = 0; round < effort.rounds + 1; ++round) {
+    int rounds = effort.rounds;
+    for (int round = 0; round <= rounds; ++round) {
+        const auto begin = std::chrono::steady_clock::now();
         const double whole_time = whole.find_self(mesh).statistics.milliseconds;
         const Contestant cutting{"", "", "", [&] { whole.partition(mesh, count); }, {}};
         const double partition_time = time_slice(cutting, 0).front();
@@ -47,6 +50,8 @@ nlohmann::json share_out(const Workload& workload, int count, const Effort& effo
             if (round > 0) alone_times[k].push_back(own), owning_times[k].push_back(owned);
         }
         if (round > 0) whole_times.push_back(whole_time), partition_times.push_back(partition_time);
+        const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+        if (round == 0) rounds = std::clamp(static_cast<int>(effort.budget / seconds), 2, effort.rounds);
     }
     const Summary all = summarise(whole_times);
     nlohmann::json row{{"parts", count},
