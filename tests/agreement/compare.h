@@ -49,6 +49,8 @@ inline std::string test_name(std::string text) {
     return text;
 }
 
-inline std::string_view backend_name(Backend backend) { return backend == Backend::reference ? "reference" : "cpu"; }
+inline std::string_view backend_name(Backend backend) {
+    return backend == Backend::reference ? "reference" : backend == Backend::cuda ? "cuda" : "cpu";
+}
 
 }  // namespace crumple::test

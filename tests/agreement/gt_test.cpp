@@ -56,10 +56,16 @@ class DataTest : public testing::Test {
     std::optional<fs::path> folder = io::test::data_folder();
 };
 
+// The same tests are built once for each backend that has to be shown right.
+#ifndef CRUMPLE_TESTED_BACKEND
+#define CRUMPLE_TESTED_BACKEND cpu
+#endif
+constexpr Backend tested = Backend::CRUMPLE_TESTED_BACKEND;
+
 /// Brute force is left out where it takes more than a second.
 std::vector<Backend> backends_for(std::int64_t triangles) {
-    if (triangles <= 1'500) return {Backend::reference, Backend::cpu};
-    return {Backend::cpu};
+    if (triangles <= 1'500) return {Backend::reference, tested};
+    return {tested};
 }
 
 Detector detector_of(Backend backend) {
@@ -182,7 +188,7 @@ TEST_P(WeldedTruth, IsFoundWhenEqualPositionsAreOneVertex) {
     for (Pair pair; file >> pair.a >> pair.b;) expected.push_back(pair);
     ASSERT_FALSE(expected.empty());
 
-    Detector detector = detector_of(Backend::cpu);
+    Detector detector = detector_of(tested);
     Query query;
     query.weld = true;
     for (const Precision precision : precisions(scene)) {
@@ -217,7 +223,7 @@ TEST_P(BetweenTruth, IsFoundForOneMeshAgainstAnother) {
     }
     ASSERT_FALSE(all.empty());
 
-    Detector detector = detector_of(Backend::cpu);
+    Detector detector = detector_of(tested);
     for (const Precision precision : {single, twofold}) {
         const io::TriangleMesh a = io::read_mesh(*folder / scene.a, {.precision = precision});
         const io::TriangleMesh b = io::read_mesh(*folder / scene.b, {.precision = precision});
@@ -252,7 +258,7 @@ TEST_F(Frames, ClothNeverMeetsTheBall) {
         constexpr std::int64_t cloth_end = 91'470;
         mesh.groups.assign(static_cast<std::size_t>(mesh.triangle_count()), 0);
         std::fill(mesh.groups.begin() + cloth_end, mesh.groups.end(), 1);
-        Detector detector = detector_of(Backend::cpu);
+        Detector detector = detector_of(tested);
         Query query;
         query.wanted = Wanted::between;
         EXPECT_TRUE(same_pairs(detector.find_self(mesh.view(), query).pairs.span(), {}));
@@ -281,7 +287,7 @@ TEST_F(Frames, OfACharacterAreRightOneAfterTheOther) {
     std::string heading;
     std::getline(counts, heading);
 
-    Detector detector = detector_of(Backend::cpu);
+    Detector detector = detector_of(tested);
     int frame, all, skip, neighbours;
     char comma;
     int frames = 0;

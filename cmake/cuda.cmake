@@ -1,0 +1,10 @@
+# CUDA for the cuda backend and what is tested with it: here, since a language is enabled for all folders at once.
+if(NOT DEFINED CMAKE_CUDA_ARCHITECTURES)
+    set(CMAKE_CUDA_ARCHITECTURES all-major)  # machine code for each generation, PTX for those to come
+endif()
+enable_language(CUDA)
+set(CMAKE_CUDA_STANDARD_REQUIRED OFF)
+
+# The standard by hand: CMake 3.25 turns 20 into 17 for nvcc 13. No fused operations: signs and error bounds are proven
+# without them, and host and device are to make the same bytes.
+set(crumple_cuda_flags $<$<COMPILE_LANGUAGE:CUDA>:-std=c++20 --fmad=false --expt-relaxed-constexpr -Xcompiler=-ffp-contract=off>)
