@@ -12,6 +12,7 @@
 #include "cli/search.h"
 #include "cli/terminal.h"
 #include "cli/topology.h"
+#include "crumple/device.h"
 
 namespace crumple::cli {
 namespace {
@@ -62,6 +63,18 @@ void print_information(std::ostream& out, const io::TriangleMesh& mesh) {
     row("connected components", grouped(label_components(mesh, labels)));
 }
 
+/// A line for each device, or the reason why there is none.
+std::string describe_devices() {
+    const DeviceList list = list_devices();
+    if (list.devices.empty()) return "none: " + list.reason;
+    std::vector<std::string> lines;
+    for (const DeviceInfo& d : list.devices) {
+        lines.push_back(fmt::format("{}  {}, compute capability {}.{}, {}", d.number, d.name, d.major, d.minor,
+                                    readable_bytes(d.memory_bytes)));
+    }
+    return fmt::format("{}", fmt::join(lines, "\n"));
+}
+
 }  // namespace
 
 Command add_info(CLI::App& app) {
@@ -73,6 +86,9 @@ Command add_info(CLI::App& app) {
     CLI::App& command = *app.add_subcommand("info", "Tell what a mesh file holds, and what is odd about it");
     command.add_option("FILE", info->file, "A mesh (PLY, OBJ, STL, OFF)")->type_name("FILE")->required();
     add_reading_options(command, info->reading);
+    // Like --version, which CLI11 has this for: no file is needed, the text is printed, and that is all.
+    command.set_version_flag("--devices", describe_devices,
+                             "List the devices of the cuda backend, or why there is none, and exit");
     command.footer(
         "Degenerate and duplicated triangles are found by exact tests on positions; edges and components go by vertex\n"
         "index, so files without shared vertices want --weld.\n"

@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <string_view>
 #include <system_error>
 
@@ -109,8 +110,16 @@ void AnswerOptions::check() const {
 void add_cost_options(CLI::App& app, Options& options) {
     add_choice<Backend, Backend>(
         app, "--backend", options.backend,
-        {{"auto", Backend::automatic}, {"reference", Backend::reference}, {"cpu", Backend::cpu}},
-        "Who does the work; reference is brute force in rational arithmetic, slow and simple");
+        {{"auto", Backend::automatic},
+         {"reference", Backend::reference},
+         {"cpu", Backend::cpu},
+         {"cuda", Backend::cuda}},
+        "Who does the work; auto is cuda where it was built and a device is there, else cpu; reference is brute force "
+        "in rational arithmetic, slow and simple");
+    app.add_option("--device", options.device,
+                   "Device of the cuda backend, from 0; crumple info --devices lists them. Without it the first")
+        ->type_name("N")
+        ->check(CLI::Range(0, std::numeric_limits<int>::max()).description(""));
     app.add_option("--threads", options.threads, "Threads; without it as many as the machine has")
         ->type_name("N")
         ->check(CLI::Range(1, 1024).description(""));
@@ -124,6 +133,10 @@ void add_cost_options(CLI::App& app, Options& options) {
 }
 
 void check_cost_options(const Options& options) {
+    if (options.device && (options.backend == Backend::reference || options.backend == Backend::cpu))
+        fail("--device applies to --backend cuda only");
+    if (options.threads && options.backend == Backend::cuda)
+        fail("--threads does not apply to --backend cuda: the device has its own");
     if (options.backend != Backend::reference) return;
     if (options.threads) fail("--threads does not apply to --backend reference, which has one thread");
     if (options.clusters) fail("--clusters does not apply to --backend reference, which has none");

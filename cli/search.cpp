@@ -6,6 +6,7 @@
 #include <tbb/global_control.h>
 #endif
 
+#include "cli/terminal.h"
 #include "cli/topology.h"
 #include "crumple/error.h"
 #include "io/text.h"
@@ -94,7 +95,10 @@ struct Search::Threads {
 Search::Search(const AnswerOptions& answer, const Options& options)
     : answer_(answer),
       threads_(options.threads ? std::make_unique<Threads>(options.threads) : nullptr),
-      detector_((answer.check(), check_cost_options(options), options)) {}
+      detector_((answer.check(), check_cost_options(options), options)) {
+    if (!detector_.fallback().empty())
+        print_error(std::string(detector_.fallback()) + "; the cpu backend does the work");
+}
 
 Search::~Search() = default;
 

@@ -34,10 +34,14 @@ void print_statistics(const Statistics& s, std::int64_t hits) {
         fmt::print(stderr, "{:<15}{:>9.2f} ms{:>7.0f} %\n", stage_name(stage), s[stage],
                    sum > 0 ? 100 * s[stage] / sum : 0);
     }
-    fmt::print(stderr, "{:<15}{:>9.2f} ms\n", "all threads", sum);
+    fmt::print(stderr, "{:<15}{:>9.2f} ms\n", s.backend == "cuda" ? "on the device" : "all threads", sum);
     fmt::print(stderr, on_terminal(2, fmt::emphasis::bold), "{:<15}{:>9.2f} ms", "wall clock", s.milliseconds);
-    fmt::print(stderr, "  {} thread{}, {} backend, {}\n\n", s.threads, s.threads == 1 ? "" : "s", s.backend,
-               s.simd.empty() ? "scalar" : s.simd);
+    if (s.backend == "cuda") {
+        fmt::print(stderr, "  cuda backend\n\n");
+    } else {
+        fmt::print(stderr, "  {} thread{}, {} backend, {}\n\n", s.threads, s.threads == 1 ? "" : "s", s.backend,
+                   s.simd.empty() ? "scalar" : s.simd);
+    }
     row("triangles", s.triangles);
     row("clusters", s.clusters, fmt::format("{} leaves swept", grouped(s.leaves)));
     row("members", s.members, fmt::format("{:.2f} a triangle", ratio(s.members, s.triangles)));

@@ -26,6 +26,7 @@ void check(bool holds, const char* message) {
 void check_options(const Options& o) {
     check(o.threads >= 0, "threads must be 0 (as many as the machine has) or more");
     check(o.threads <= 1024, "threads must be at most 1024");
+    check(o.device >= 0, "device must be 0 or more");
     check(o.memory_limit >= 0, "memory_limit must be 0 (none) or a number of bytes");
     check(o.clusters >= 0 && o.clusters <= max_clusters, "clusters must be 0 (chosen) to 64");
     check(o.leaf_size >= 1, "leaf_size must be at least 1");
@@ -76,6 +77,7 @@ struct Detector::Implementation {
     Collisions result = metered(&meter);
     Cancellation cancellation;
     std::unique_ptr<BackendBase> backend;
+    std::string fallback;
 
     explicit Implementation(const Options& o) : options(o) {
         check_options(o);
@@ -89,6 +91,15 @@ struct Detector::Implementation {
                 return make_reference_backend(options, meter, cancellation);
             case Backend::cuda:
                 return make_cuda_backend(options, meter, cancellation);
+            case Backend::automatic:
+                if (has_cuda_backend()) {
+                    try {
+                        return make_cuda_backend(options, meter, cancellation);
+                    } catch (const Error& error) {
+                        fallback = error.what();
+                    }
+                }
+                [[fallthrough]];
             default:
                 return make_cpu_backend(options, meter, cancellation);
         }
@@ -268,5 +279,6 @@ Collisions Detector::take_result(Collisions spare) { return implementation_->tak
 void Detector::cancel() { implementation_->cancellation.request(); }
 void Detector::set_poll(std::function<void()> poll) { implementation_->cancellation.set_poll(std::move(poll)); }
 const Options& Detector::options() const { return implementation_->options; }
+std::string_view Detector::fallback() const { return implementation_->fallback; }
 
 }  // namespace crumple

@@ -52,7 +52,7 @@ struct Statistics {
     std::int64_t pairs = 0;
     std::int64_t peak_memory_bytes = 0;  ///< most that the detector has owned
     int threads = 1;
-    std::string_view backend;  ///< "reference", "cpu"
+    std::string_view backend;  ///< "reference", "cpu", "cuda"
     std::string_view simd;     ///< Highway's name of the instruction set: "scalar", "SSE4", "AVX2", "AVX3_DL", ...
 
     double& operator[](Stage stage) { return stage_milliseconds[static_cast<std::size_t>(stage)]; }

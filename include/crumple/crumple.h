@@ -3,6 +3,7 @@
 #include "crumple/array.h"
 #include "crumple/collisions.h"
 #include "crumple/detector.h"
+#include "crumple/device.h"
 #include "crumple/error.h"
 #include "crumple/mesh.h"
 #include "crumple/options.h"

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <string_view>
 #include <vector>
 
 #include "crumple/collisions.h"
@@ -92,6 +93,10 @@ class Detector {
     const Collisions& download();
 
     const Options& options() const;
+
+    /// Why Backend::automatic took the cpu backend although this build has the cuda backend, in one line; else empty.
+    /// Valid while the detector lives.
+    std::string_view fallback() const;
 
    private:
     struct Implementation;

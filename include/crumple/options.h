@@ -5,6 +5,8 @@
 
 namespace crumple {
 
+/// Who does the work. `automatic` takes cuda if it was built and a device is there (Detector::fallback() tells why
+/// not), else cpu. A backend that is asked for by name and is not there is an Error (backend_unavailable).
 enum class Backend : std::uint8_t { automatic, reference, cpu, cuda };
 
 /// Instruction sets that the cpu backend can run on. `automatic` takes the best that the machine has.
@@ -31,7 +33,7 @@ struct Options {
     double stop = 1e-2;
     double first_stop = 1e-4;  ///< the same for a first frame
     Simd simd = Simd::automatic;
-    int device = 0;  ///< of the cuda backend: its number among those that CUDA lists
+    int device = 0;  ///< of the cuda backend: its number among those of list_devices()
 };
 
 /// Pairs of triangles that share a vertex.

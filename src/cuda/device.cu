@@ -2,27 +2,51 @@
 
 #include <string>
 
+#include "crumple/device.h"
 #include "crumple/error.h"
 
 namespace crumple::cuda {
 
 unsigned block_threads = 256;
 
-Device::Device(int index) : index_(index) {
-    // Without a driver the count is left unwritten.
-    int count = 0;
+namespace {
+
+std::string unavailable(const std::string& reason) { return "the cuda backend is not available: " + reason; }
+
+/// How many there are; if none, `reason` is set.
+int count_devices(std::string& reason) {
+    int count = 0;  // without a driver it is left unwritten
     const cudaError_t error = cudaGetDeviceCount(&count);
-    const auto unavailable = [](const std::string& reason) {
-        throw Error(ErrorCode::backend_unavailable, "the cuda backend is not available: " + reason, Element::option);
+    if (error != cudaSuccess) {
+        cudaGetLastError();  // or the next check would meet it
+        reason = unavailable(cudaGetErrorString(error));
+        return 0;
+    }
+    if (count == 0) reason = unavailable("CUDA lists no device");
+    return count;
+}
+
+__global__ void do_nothing() {}
+
+}  // namespace
+
+Device::Device(int index) : index_(index) {
+    const auto refuse = [](const std::string& reason) {
+        throw Error(ErrorCode::backend_unavailable, reason, Element::option);
     };
+    std::string reason;
+    const int count = count_devices(reason);
+    if (count == 0) refuse(reason);
+    if (index < 0 || index >= count)
+        refuse(unavailable("device " + std::to_string(index) + " of " + std::to_string(count) + " does not exist"));
+    const Current current(*this);
+    // A device that this build has no code for tells so at the first kernel.
+    cudaFuncAttributes attributes;
+    const cudaError_t error = cudaFuncGetAttributes(&attributes, do_nothing);
     if (error != cudaSuccess) {
         cudaGetLastError();
-        unavailable(cudaGetErrorString(error));
+        refuse(unavailable("device " + std::to_string(index) + ": " + cudaGetErrorString(error)));
     }
-    if (index < 0 || index >= count)
-        unavailable("device " + std::to_string(index) + " of " + std::to_string(count) + " does not exist");
-    const Current current(*this);
-    CRUMPLE_CUDA(cudaPeekAtLastError());
 }
 
 Geometry Device::geometry() const {
@@ -77,3 +101,26 @@ void Stopwatch::read(Statistics& statistics) const {
 }
 
 }  // namespace crumple::cuda
+
+namespace crumple {
+
+bool has_cuda_backend() { return true; }
+
+DeviceList list_devices() {
+    DeviceList list;
+    const int count = cuda::count_devices(list.reason);
+    for (int i = 0; i < count; ++i) {
+        cudaDeviceProp properties;
+        if (const cudaError_t error = cudaGetDeviceProperties(&properties, i); error != cudaSuccess) {
+            cudaGetLastError();
+            list.reason = cuda::unavailable(cudaGetErrorString(error));
+            continue;
+        }
+        list.devices.push_back({i, properties.name, properties.major, properties.minor,
+                                static_cast<std::int64_t>(properties.totalGlobalMem)});
+    }
+    if (!list.devices.empty()) list.reason.clear();
+    return list;
+}
+
+}  // namespace crumple

@@ -43,6 +43,8 @@ class BackendBase : public ParallelFor {
 
 std::unique_ptr<BackendBase> make_reference_backend(const Options& options, MemoryMeter& meter,
                                                     Cancellation& cancellation);
+/// Whether this build has more of the cuda backend than what stands in for it.
+bool has_cuda_backend();
 std::unique_ptr<BackendBase> make_cuda_backend(const Options& options, MemoryMeter& meter, Cancellation& cancellation);
 std::unique_ptr<BackendBase> make_cpu_backend(const Options& options, MemoryMeter& meter, Cancellation& cancellation);
 

@@ -71,5 +71,12 @@ TEST_F(Info, OfNothingIsNothing) {
     EXPECT_TRUE(contains(outcome.out, "triangles             0\n")) << outcome.out << outcome.err;
 }
 
+TEST_F(Info, ListsDevicesWithoutAFile) {
+    const Outcome outcome = crumple("info --devices");
+    EXPECT_EQ(outcome.status, 0);
+    EXPECT_EQ(outcome.err, "");
+    EXPECT_TRUE(outcome.out.starts_with("0  ") || outcome.out.starts_with("none: the cuda backend ")) << outcome.out;
+}
+
 }  // namespace
 }  // namespace crumple::cli::test

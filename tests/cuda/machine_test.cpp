@@ -48,6 +48,38 @@ TEST_F(CudaMachine, may_not_have_the_device_asked_for) {
     }
 }
 
+TEST_F(CudaMachine, lists_its_devices_or_says_why_there_are_none) {
+    settings().devices = 2;
+    const DeviceList two = list_devices();
+    ASSERT_EQ(two.devices.size(), 2u);
+    EXPECT_EQ(two.reason, "");
+    EXPECT_EQ(two.devices[1].number, 1);
+    EXPECT_NE(two.devices[1].name, "");
+    EXPECT_GE(two.devices[1].major, 7);
+    EXPECT_EQ(two.devices[1].memory_bytes, static_cast<std::int64_t>(settings().device_bytes));
+    settings().devices = 0;
+    EXPECT_TRUE(list_devices().devices.empty());
+    EXPECT_TRUE(list_devices().reason.starts_with("the cuda backend is not available: ")) << list_devices().reason;
+    settings().devices = 1;
+    settings().driver = false;
+    EXPECT_TRUE(list_devices().devices.empty());
+    EXPECT_TRUE(list_devices().reason.starts_with("the cuda backend is not available: ")) << list_devices().reason;
+}
+
+TEST_F(CudaMachine, is_taken_by_the_automatic_backend_if_it_has_a_device) {
+    const io::TriangleMesh mesh = scenes::make("cloth", {.triangles = 100, .frame = 40});
+    const auto chosen = [&](const Options& options) {
+        Detector detector(options);
+        const std::string backend(detector.find_self(mesh.view()).statistics.backend);
+        return backend + (detector.fallback().empty() ? "" : ": " + std::string(detector.fallback()));
+    };
+    EXPECT_EQ(chosen({}), "cuda");
+    EXPECT_EQ(chosen({.backend = Backend::cpu}), "cpu");
+    EXPECT_EQ(chosen({.device = 1}), "cpu: the cuda backend is not available: device 1 of 1 does not exist");
+    settings().devices = 0;
+    EXPECT_EQ(chosen({}).substr(0, 40), "cpu: the cuda backend is not available: ");
+}
+
 TEST_F(CudaMachine, may_run_out_of_memory_anywhere) {
     const io::TriangleMesh mesh = scenes::make("cloth", {.triangles = 300, .frame = 40});
     const Collisions expected = Detector({.backend = Backend::cpu}).find_self(mesh.view());

@@ -1,0 +1,65 @@
+// The command line of a build with the cuda backend, on a machine with and without a device.
+
+#include "cli/run.h"
+
+namespace crumple::cli::test {
+namespace {
+
+class CudaCli : public Cli {
+   protected:
+    CudaCli() { write("five.off", five_off); }
+    Outcome without_device(const std::string& arguments) const {
+        return shell("CUDA_ON_CPU_DEVICES=0 $crumple " + arguments);
+    }
+};
+
+TEST_F(CudaCli, works_on_the_device) {
+    const Outcome named = crumple("detect five.off --backend cuda --device 0 --stats");
+    EXPECT_EQ(named.status, 0) << named.err;
+    EXPECT_EQ(named.out, five_pairs);
+    EXPECT_TRUE(contains(named.err, "cuda backend\n")) << named.err;
+    const Outcome chosen = crumple("detect five.off --stats");
+    EXPECT_EQ(chosen.out, five_pairs);
+    EXPECT_TRUE(contains(chosen.err, "cuda backend\n")) << chosen.err;
+}
+
+TEST_F(CudaCli, says_in_one_line_why_the_cpu_does_the_work) {
+    for (const char* command : {"detect five.off", "sequence five.off"}) {
+        const Outcome outcome = without_device(command);
+        EXPECT_EQ(outcome.status, 0);
+        EXPECT_TRUE(is_error_line(outcome.err)) << outcome.err;
+        EXPECT_TRUE(contains(outcome.err, "the cuda backend is not available: ")) << outcome.err;
+        EXPECT_TRUE(contains(outcome.err, "; the cpu backend does the work\n")) << outcome.err;
+    }
+    EXPECT_EQ(without_device("detect five.off").out, five_pairs);
+    const Outcome other = crumple("detect five.off --device 1");
+    EXPECT_EQ(other.out, five_pairs);
+    EXPECT_TRUE(contains(other.err, "device 1 of 1 does not exist; the cpu backend")) << other.err;
+    EXPECT_EQ(without_device("detect five.off --backend cpu").err, "");
+}
+
+TEST_F(CudaCli, refuses_a_device_that_is_asked_for_and_is_not_there) {
+    for (const Outcome& outcome :
+         {crumple("detect five.off --backend cuda --device 7"), without_device("detect five.off --backend cuda")}) {
+        EXPECT_EQ(outcome.status, 2);
+        EXPECT_EQ(outcome.out, "");
+        EXPECT_TRUE(is_error_line(outcome.err)) << outcome.err;
+        EXPECT_TRUE(contains(outcome.err, "the cuda backend is not available: ")) << outcome.err;
+    }
+}
+
+TEST_F(CudaCli, lists_devices) {
+    const Outcome two = shell("CUDA_ON_CPU_DEVICES=2 $crumple info --devices");
+    EXPECT_EQ(two.status, 0);
+    EXPECT_EQ(std::count(two.out.begin(), two.out.end(), '\n'), 2) << two.out;
+    EXPECT_TRUE(two.out.starts_with("0  ")) << two.out;
+    EXPECT_TRUE(contains(two.out, "\n1  ")) << two.out;
+    EXPECT_TRUE(contains(two.out, ", compute capability ")) << two.out;
+    EXPECT_TRUE(contains(two.out, ", 4.0 GiB\n")) << two.out;
+    const Outcome none = without_device("info --devices");
+    EXPECT_EQ(none.status, 0);
+    EXPECT_TRUE(none.out.starts_with("none: the cuda backend is not available: ")) << none.out;
+}
+
+}  // namespace
+}  // namespace crumple::cli::test
