@@ -36,6 +36,16 @@ std::string range(const Summary& summary) {
     return fmt::format("{} - {}", number(summary.lower_quartile), number(summary.upper_quartile));
 }
 
+double exponent(std::span<const double> x, std::span<const double> y) {
+    double sx = 0, sy = 0, sxx = 0, sxy = 0;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+        const double lx = std::log(x[i]), ly = std::log(y[i]);
+        sx += lx, sy += ly, sxx += lx * lx, sxy += lx * ly;
+    }
+    const auto n = static_cast<double>(x.size());
+    return (n * sxy - sx * sy) / (n * sxx - sx * sx);
+}
+
 nlohmann::json to_json(const Summary& summary) {
     return {{"median", summary.median},
             {"lower_quartile", summary.lower_quartile},

@@ -3,6 +3,7 @@
 // Tables for people, JSON for machines.
 
 #include <nlohmann/json_fwd.hpp>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,9 @@ class Table {
 std::string number(double value);
 /// "lower - upper" quartile.
 std::string range(const Summary& summary);
+
+/// Slope of the least squares line through (log x, log y).
+double exponent(std::span<const double> x, std::span<const double> y);
 
 nlohmann::json to_json(const Summary& summary);
 

@@ -3,24 +3,11 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-
 #include "report.h"
 #include "studies/studies.h"
 
 namespace crumple::benchmark {
 namespace {
-
-/// Slope of the least squares line through (log x, log y).
-double exponent(std::span<const double> x, std::span<const double> y) {
-    double sx = 0, sy = 0, sxx = 0, sxy = 0;
-    for (std::size_t i = 0; i < x.size(); ++i) {
-        const double lx = std::log(x[i]), ly = std::log(y[i]);
-        sx += lx, sy += ly, sxx += lx * lx, sxy += lx * ly;
-    }
-    const auto n = static_cast<double>(x.size());
-    return (n * sxy - sx * sy) / (n * sxx - sx * sx);
-}
 
 std::int64_t output_bytes(const Collisions& c) {
     return static_cast<std::int64_t>(c.pairs.capacity() * sizeof(Pair) + c.offsets.capacity() * sizeof(std::int64_t) +

@@ -1,0 +1,267 @@
+// crumple_cuda_benchmark: the cuda backend alone, on meshes that lie on the device, as a simulation there has them.
+//
+// A detector is warmed up, then answers the same frame again and again by launch_self and wait: the time of a frame is
+// the device's, between events around the graph on the caller's stream. Beside it: the same by the host's clock, with
+// what wait() does; with the mesh on the host, so that it is brought in and the answer out; and the cpu backend on all
+// threads. Each answer is compared with the cpu backend's; one that differs ends the program with status 1.
+
+#include <cuda_runtime.h>
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <cstring>
+#include <exception>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "crumple/crumple.h"
+#include "race.h"
+#include "report.h"
+#include "workload.h"
+
+namespace crumple::benchmark {
+namespace {
+
+struct Settings {
+    std::vector<std::string> scenes;
+    std::string json, commit = "unknown";
+    int frames = 200, device = 0, largest = 2'000'000;
+    bool profile = false;
+
+    Options options() const { return {.backend = Backend::cuda, .device = device}; }
+    int host_frames() const { return std::max(1, frames / 10); }
+};
+
+void check(cudaError_t error) {
+    if (error != cudaSuccess) throw std::runtime_error(cudaGetErrorString(error));
+}
+
+class DeviceArray {
+   public:
+    DeviceArray(const void* host, std::size_t bytes) {
+        check(cudaMalloc(&data_, std::max<std::size_t>(bytes, 1)));
+        check(cudaMemcpy(data_, host, bytes, cudaMemcpyHostToDevice));
+    }
+    DeviceArray(const DeviceArray&) = delete;
+    DeviceArray& operator=(const DeviceArray&) = delete;
+    ~DeviceArray() { cudaFree(data_); }
+    const void* data() const { return data_; }
+
+   private:
+    void* data_ = nullptr;
+};
+
+/// A mesh's copy on the device, and the stream and events that its frames are timed with.
+class Simulation {
+   public:
+    explicit Simulation(const io::TriangleMesh& mesh)
+        : vertices_(std::visit([](const auto& v) { return static_cast<const void*>(v.data()); }, mesh.vertices),
+                    std::visit([](const auto& v) { return v.size() * sizeof(v[0]); }, mesh.vertices)),
+          triangles_(mesh.triangles.data(), mesh.triangles.size() * sizeof(std::int32_t)),
+          view_(mesh.view()) {
+        check(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking));
+        for (cudaEvent_t* event : {&begin_, &end_}) check(cudaEventCreate(event));
+        view_.vertices.data = vertices_.data();
+        view_.triangles.data = triangles_.data();
+        view_.memory = MemorySpace::cuda;
+        view_.stream = stream_;
+    }
+    Simulation(const Simulation&) = delete;
+    Simulation& operator=(const Simulation&) = delete;
+    ~Simulation() {
+        for (cudaEvent_t event : {begin_, end_}) cudaEventDestroy(event);
+        cudaStreamDestroy(stream_);
+    }
+    const MeshView& view() const { return view_; }
+
+    /// Milliseconds of the device for one frame. `answer` is the detector's.
+    double frame(Detector& detector, const DeviceCollisions*& answer) {
+        check(cudaEventRecord(begin_, stream_));
+        detector.launch_self(view_);
+        check(cudaEventRecord(end_, stream_));
+        answer = &detector.wait();
+        check(cudaEventSynchronize(end_));
+        float milliseconds = 0;
+        check(cudaEventElapsedTime(&milliseconds, begin_, end_));
+        return static_cast<double>(milliseconds);
+    }
+
+   private:
+    DeviceArray vertices_, triangles_;
+    MeshView view_;
+    cudaStream_t stream_ = nullptr;
+    cudaEvent_t begin_ = nullptr, end_ = nullptr;
+};
+
+template <class Work>
+double milliseconds_of(Work work) {
+    const auto begin = std::chrono::steady_clock::now();
+    work();
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+}
+
+template <class Work>
+Summary repeated(int times, Work work) {
+    std::vector<double> values;
+    for (int i = 0; i < times; ++i) values.push_back(milliseconds_of(work));
+    return summarise(std::move(values));
+}
+
+void expect_same(const std::string& scene, const Collisions& cuda, const Collisions& cpu) {
+    const auto same = [](const auto& a, const auto& b) { return std::equal(a.begin(), a.end(), b.begin(), b.end()); };
+    if (!same(cuda.pairs, cpu.pairs) || !same(cuda.offsets, cpu.offsets) || !same(cuda.hit, cpu.hit))
+        throw std::runtime_error(scene + ": the answers of cuda and cpu differ");
+}
+
+/// Medians of the stages' times over frames that are not launched as a graph, so that there are events between them.
+nlohmann::json stages(const Settings& settings, Detector& detector, const MeshView& view) {
+    std::vector<std::vector<double>> times(stage_count);
+    for (int i = 0; i < settings.frames; ++i) {
+        const Statistics& s = detector.find_self(view).statistics;
+        for (std::size_t k = 0; k < times.size(); ++k) times[k].push_back(s.stage_milliseconds[k]);
+    }
+    nlohmann::json result;
+    for (std::size_t k = 0; k < times.size(); ++k)
+        result[std::string(stage_name(static_cast<Stage>(k)))] = to_json(summarise(std::move(times[k])));
+    return result;
+}
+
+nlohmann::json counts(const Statistics& s) {
+    return {{"triangles", s.triangles},
+            {"clusters", s.clusters},
+            {"leaves", s.leaves},
+            {"members", s.members},
+            {"interval_tests", s.interval_tests},
+            {"box_overlaps", s.box_overlaps},
+            {"edge_tests", s.edge_tests},
+            {"double_tests", s.double_tests},
+            {"exact_tests", s.exact_tests},
+            {"rational_tests", s.rational_tests},
+            {"pairs", s.pairs},
+            {"peak_memory_bytes", s.peak_memory_bytes}};
+}
+
+nlohmann::json measure(const Settings& settings, const std::string& scene, Table& table) {
+    const Workload workload = load(scene);
+    if (workload.question != Question::self) throw std::runtime_error(scene + " is no soup against itself");
+    const MeshView host = workload.a.view();
+    Simulation simulation(workload.a);
+    Detector detector(settings.options()), other(settings.options()), cpu({.backend = Backend::cpu});
+
+    const DeviceCollisions* answer = nullptr;
+    const double first = milliseconds_of([&] { simulation.frame(detector, answer); });
+    for (int i = 0; i < 5; ++i) simulation.frame(detector, answer);
+    std::vector<double> device, clock;
+    for (int i = 0; i < settings.frames; ++i)
+        clock.push_back(milliseconds_of([&] { device.push_back(simulation.frame(detector, answer)); }));
+    expect_same(scene, detector.download(), cpu.find_self(host));
+
+    const nlohmann::json of_stages = stages(settings, other, simulation.view());
+    const nlohmann::json counted = counts(other.find_self(simulation.view()).statistics);
+    expect_same(scene, other.find_self(host), cpu.find_self(host));
+    const Summary brought = repeated(settings.host_frames(), [&] { other.find_self(host); });
+    const Summary on_cpu = repeated(settings.host_frames(), [&] { cpu.find_self(host); });
+    const Summary graph = summarise(std::move(device)), waited = summarise(std::move(clock));
+    table.row({scene, std::to_string(workload.triangle_count()), counted["pairs"].dump(), number(graph.median),
+               range(graph), number(waited.median), number(brought.median), number(on_cpu.median), number(first)});
+    return {{"scene", scene},
+            {"triangles", workload.triangle_count()},
+            {"scalar", workload.scalar()},
+            {"device", to_json(graph)},
+            {"device_and_wait", to_json(waited)},
+            {"from_and_to_host", to_json(brought)},
+            {"cpu_all_threads", to_json(on_cpu)},
+            {"first_milliseconds", first},
+            {"stages", of_stages},
+            {"counts", counted}};
+}
+
+/// From 10,000 triangles on, in steps of about 2.
+nlohmann::json growth(const Settings& settings, Table& table) {
+    nlohmann::json rows = nlohmann::json::array();
+    std::vector<double> triangles, times;
+    for (const int size :
+         {10'000, 20'000, 50'000, 100'000, 200'000, 500'000, 1'000'000, 2'000'000, 5'000'000, 10'000'000}) {
+        if (size > settings.largest) break;
+        rows.push_back(measure(settings, fmt::format("cloth:{}", size), table));
+        triangles.push_back(rows.back()["triangles"].get<double>());
+        times.push_back(rows.back()["device"]["median"].get<double>());
+    }
+    nlohmann::json result{{"sizes", rows}};
+    if (rows.size() > 1) result["exponent"] = exponent(triangles, times);
+    return result;
+}
+
+/// A few frames and nothing else, for a profiler.
+void play(const Settings& settings) {
+    for (const std::string& scene : settings.scenes) {
+        const Workload workload = load(scene);
+        Simulation simulation(workload.a);
+        Detector detector(settings.options());
+        for (int i = 0; i < settings.frames; ++i) detector.find_self(simulation.view());
+    }
+}
+
+int run(const Settings& settings) {
+    const DeviceList list = list_devices();
+    if (list.devices.empty()) throw std::runtime_error(list.reason);
+    if (settings.profile) {
+        play(settings);
+        return 0;
+    }
+    const DeviceInfo device = list.devices.at(static_cast<std::size_t>(settings.device));
+    check(cudaSetDevice(settings.device));
+    int runtime = 0, driver = 0;
+    check(cudaRuntimeGetVersion(&runtime));
+    check(cudaDriverGetVersion(&driver));
+    nlohmann::json result{{"commit", settings.commit},
+                          {"device",
+                           {{"name", device.name},
+                            {"compute_capability", fmt::format("{}.{}", device.major, device.minor)},
+                            {"memory_bytes", device.memory_bytes}}},
+                          {"cuda_runtime", runtime},
+                          {"cuda_driver", driver},
+                          {"frames", settings.frames},
+                          {"milliseconds", true}};
+    Table table(fmt::format("cuda on {}, milliseconds, medians of {} frames", device.name, settings.frames),
+                {"scene", "triangles", "pairs", "device", "quartiles", "with wait", "host to host", "cpu", "first"});
+    nlohmann::json& scenes = result["scenes"] = nlohmann::json::array();
+    for (const std::string& scene : settings.scenes) scenes.push_back(measure(settings, scene, table));
+    if (settings.largest > 0) result["growth"] = growth(settings, table);
+    table.print();
+    if (result.contains("growth") && result["growth"].contains("exponent"))
+        fmt::print("  time ~ triangles^{:.3f} on the device\n", result["growth"]["exponent"].get<double>());
+    if (settings.json.empty()) return 0;
+    std::ofstream file(settings.json);
+    if (!(file << result.dump(1) << '\n').flush()) throw std::runtime_error("cannot write " + settings.json);
+    return 0;
+}
+
+}  // namespace
+}  // namespace crumple::benchmark
+
+int main(int argc, char** argv) {
+    using namespace crumple::benchmark;
+    Settings settings;
+    CLI::App app("The cuda backend on meshes that lie on the device.");
+    app.add_option("--scene", settings.scenes,
+                   "[any number of] scenes as of crumple_benchmark; without it cloth_ball92, 227 and balls16_18 where "
+                   "their files are");
+    app.add_option("--frames", settings.frames, "Frames that a median is made of")->check(CLI::Range(1, 100'000));
+    app.add_option("--largest", settings.largest, "Triangles of the largest cloth of the growth curve; 0: no curve");
+    app.add_option("--device", settings.device, "Number of the device")->check(CLI::Range(0, 1'000));
+    app.add_option("--json", settings.json, "File to write the figures to");
+    app.add_option("--commit", settings.commit, "What the figures say they were made from");
+    app.add_flag("--profile", settings.profile, "Only play the scenes' frames, for a profiler");
+    CLI11_PARSE(app, argc, argv);
+    try {
+        if (settings.scenes.empty() && !real_scenes().empty()) settings.scenes = {"cloth_ball92", "227", "balls16_18"};
+        return run(settings);
+    } catch (const std::exception& error) {
+        fmt::print(stderr, "crumple_cuda_benchmark: {}\n", error.what());
+        return 1;
+    }
+}
