@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+
 #include "agreement/compare.h"
 #include "agreement/hard_soups.h"
 #include "crumple/error.h"
@@ -206,6 +208,24 @@ TEST(CudaDevice, puts_long_rows_in_order) {
     const Collisions& found = cuda.find_self(mesh);
     EXPECT_EQ(found.pairs.size(), 1000u);
     EXPECT_TRUE(same_answer(found, cpu.find_self(mesh)));
+}
+
+// How blocks take turns must not show. On a device many repetitions are cheap: CRUMPLE_REPEATS.
+TEST(CudaDevice, answers_the_same_bytes_every_time) {
+    const char* wanted = std::getenv("CRUMPLE_REPEATS");
+    const int repeats = wanted ? std::atoi(wanted) : 3;
+    ASSERT_GT(repeats, 0);
+    const io::TriangleMesh mesh = cloth(200 * repeats);
+    const DeviceMesh device(mesh.view());
+    const Query query{.contacts = true};
+    Detector cpu({.backend = Backend::cpu}), warm({.backend = Backend::cuda});
+    const Collisions& expected = cpu.find_self(mesh.view(), query);
+    ASSERT_GT(expected.pairs.size(), 0u);
+    for (int i = 0; i < repeats; ++i) {
+        Detector cold({.backend = Backend::cuda});
+        ASSERT_TRUE(same_answer(warm.find_self(device.view(), query), expected)) << "warm, run " << i;
+        ASSERT_TRUE(same_answer(cold.find_self(device.view(), query), expected)) << "new, run " << i;
+    }
 }
 
 TEST(CudaDevice, tells_meshes_apart_from_those_of_the_host) {
