@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 Neighbours = Literal["geometric", "skip"]
 Intersections = Literal["all", "proper"]
 Wanted = Literal["both", "between", "within"]
-Backend = Literal["automatic", "cpu", "reference"]
+Backend = Literal["automatic", "cpu", "cuda", "reference"]
 Simd = Literal["automatic", "scalar", "sse4", "avx2", "avx512", "neon"]
 GroupPairs = Iterable[tuple[int, int]]
 
@@ -44,7 +44,8 @@ class Detector:
     stays usable; partition is not cut short while it clusters.
 
     Args:
-        backend: "automatic", "cpu", or "reference", brute force in rational arithmetic to compare with.
+        backend: "automatic", "cpu", "cuda", or "reference", brute force in rational arithmetic to compare with.
+            "automatic" is "cuda" where it was built and a device is there, else "cpu".
         threads: 0: as many as the machine has.
         memory_limit: bytes that the detector may own, 0: no limit. Results in Python's hands are not counted.
             Work that exceeds the limit is cut into chunks, on one thread.
@@ -56,6 +57,7 @@ class Detector:
         stop: iteration ends when no centre moves further, in units of the scene's extent.
         first_stop: the same for a first frame.
         simd: instruction set: "automatic" takes the best that the machine has.
+        device: number of the device that the cuda backend works on.
 
     No option changes an answer, only its cost. Raises InvalidInput for options out of range, BackendUnavailable for
     what this machine or build lacks.
@@ -77,6 +79,7 @@ class Detector:
         stop: float = 1e-2,
         first_stop: float = 1e-4,
         simd: Simd = "automatic",
+        device: int = 0,
     ) -> None:
         self._options = {name: value for name, value in locals().items() if name != "self"}
         self._core = _core.Detector(**self._options)

@@ -174,6 +174,7 @@ void bind_detector(nb::module_& module) {
                      .stop = real("stop", options["stop"]),
                      .first_stop = real("first_stop", options["first_stop"]),
                      .simd = named(simd_names, "simd", options["simd"]),
+                     .device = integer<int>("device", options["device"]),
                  });
              })
         .def(

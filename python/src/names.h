@@ -16,8 +16,10 @@ namespace crumple::python {
 template <class Enum, std::size_t count>
 using Names = std::array<std::pair<std::string_view, Enum>, count>;
 
-inline constexpr Names<Backend, 3> backend_names{
-    {{"automatic", Backend::automatic}, {"cpu", Backend::cpu}, {"reference", Backend::reference}}};
+inline constexpr Names<Backend, 4> backend_names{{{"automatic", Backend::automatic},
+                                                  {"cpu", Backend::cpu},
+                                                  {"cuda", Backend::cuda},
+                                                  {"reference", Backend::reference}}};
 inline constexpr Names<Simd, 6> simd_names{{{"automatic", Simd::automatic},
                                             {"scalar", Simd::scalar},
                                             {"sse4", Simd::sse4},

@@ -1,6 +1,7 @@
 """What comes in: every layout is read for what it is, nothing is written to, and what is wrong is named."""
 
 import ctypes
+import re
 
 import numpy as np
 import pytest
@@ -212,7 +213,8 @@ def test_wrong_types_in_a_query_are_named(query, message, detector):
         ({"memory_limit": 1e9}, "memory_limit must be an integer, not float"),
         ({"fuzziness": "2"}, "fuzziness must be a number, not str"),
         ({"stop": None}, "stop must be a number, not None"),
-        ({"backend": 3}, 'backend must be one of "automatic", "cpu", "reference", not int'),
+        ({"backend": 3}, 'backend must be one of "automatic", "cpu", "cuda", "reference", not int'),
+        ({"device": "0"}, "device must be an integer, not str"),
         ({"simd": b"avx2"}, 'simd must be one of "automatic", .*, not bytes'),
     ],
 )
@@ -299,7 +301,8 @@ def test_groups_of_every_integer_type(detector):
         ({"leaf_size": 0}, "leaf_size must be at least 1"),
         ({"fuzziness": 1.0}, "fuzziness must be finite and above 1"),
         ({"memory_limit": -5}, "memory_limit must be 0"),
-        ({"backend": "abacus"}, 'backend must be one of "automatic", "cpu", "reference", not "abacus"'),
+        ({"backend": "abacus"}, 'backend must be one of "automatic", "cpu", "cuda", "reference", not "abacus"'),
+        ({"device": -1}, "device must be 0 or more"),
         ({"simd": "mmx"}, 'simd must be one of "automatic"'),
     ],
 )
@@ -316,6 +319,16 @@ def test_a_missing_instruction_set_is_an_error():
         except crumple.BackendUnavailable as error:
             missing.append((simd, str(error)))
     assert missing, "no machine has both AVX and NEON"
+
+
+def test_the_cuda_backend_says_why_it_is_not_there():
+    try:
+        detector = crumple.Detector(backend="cuda", device=1000)
+    except crumple.BackendUnavailable as error:
+        assert re.match("the cuda backend (was not built; configure with|is not available: )", str(error))
+        assert error.code == "backend_unavailable"
+    else:
+        pytest.fail(f"{detector} has a thousand devices")
 
 
 def test_a_memory_limit_names_the_limit_that_suffices():
