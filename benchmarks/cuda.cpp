@@ -225,7 +225,7 @@ int run(const Settings& settings) {
                           {"cuda_runtime", runtime},
                           {"cuda_driver", driver},
                           {"frames", settings.frames},
-                          {"milliseconds", true}};
+                          {"unit", "milliseconds"}};
     Table table(fmt::format("cuda on {}, milliseconds, medians of {} frames", device.name, settings.frames),
                 {"scene", "triangles", "pairs", "device", "quartiles", "with wait", "host to host", "cpu", "first"});
     nlohmann::json& scenes = result["scenes"] = nlohmann::json::array();

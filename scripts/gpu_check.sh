@@ -31,7 +31,7 @@ make_pack() {
     # Of Boost only what is included.
     git -C "$top" grep -ho '#include <boost/[^>]*>' -- src | sort -u >"$tree/boost.cpp"
     echo '#include <boost/version.hpp>' >>"$tree/boost.cpp"
-    g++ -std=c++20 -M "$tree/boost.cpp" | tr -s ' \\' '\n' | grep '^/usr/include/boost/' >>"$tree.list"
+    g++ -std=c++20 -M "$tree/boost.cpp" | tr -s '\\ ' '\n' | grep '^/usr/include/boost/' >>"$tree.list"
     find /usr/include/boost/config -type f >>"$tree.list"
     rm "$tree/boost.cpp"
     # Shared libraries and what they need, but for the C and C++ libraries.
@@ -127,7 +127,7 @@ version=$(commit | paste -sd' ')
 if [[ -f $pack ]]; then
     libraries=$build/pack
     step unpack 60 sh -c "rm -rf '$libraries' && mkdir -p '$libraries' && tar -C '$libraries' -xzf '$pack'" || give_up
-    version=$(paste -sd' ' "$libraries/commit")
+    [[ $version != unknown ]] || version=$(paste -sd' ' "$libraries/commit")  # a copy without its history
     folder=$libraries/usr/lib/$(uname -m)-linux-gnu
     export PKG_CONFIG_PATH=$folder/pkgconfig:$libraries/usr/share/pkgconfig PKG_CONFIG_SYSROOT_DIR=$libraries
     # An old-style RPATH, since libraries of the pack need others of the pack.
@@ -162,7 +162,7 @@ if grep -q '^none' "$work/logs/device" 2>/dev/null; then
     give_up
 fi
 
-# The tests. Brute force keeps the processors busy, so those that need it share them.
+# The tests that take seconds.
 step portable 60 "$tests/device_portable_test" --gtest_brief=1 || failed=1
 step device_test 60 "$tests/device_test" --gtest_brief=1 || failed=1
 if [[ -f ${CRUMPLE_DATA:-$top/../shared/data}/gt/cloth_ball92.txt ]]; then
@@ -171,14 +171,6 @@ if [[ -f ${CRUMPLE_DATA:-$top/../shared/data}/gt/cloth_ball92.txt ]]; then
 else
     note truth "left out" 0 "no scenes: CRUMPLE_DATA"
 fi
-shards=$(($(nproc) < 8 ? $(nproc) : 8))
-jobs=()
-for ((shard = 0; shard < shards; ++shard)); do
-    GTEST_TOTAL_SHARDS=$shards GTEST_SHARD_INDEX=$shard \
-        step "agreement_$shard" 120 "$tests/device_agreement_test" --gtest_brief=1 &
-    jobs+=($!)
-done
-for job in "${jobs[@]}"; do wait "$job" || failed=1; done
 CRUMPLE_REPEATS=100 step same_bytes_100_times 40 "$tests/device_test" --gtest_brief=1 \
     --gtest_filter='*same_bytes*' || failed=1
 
@@ -208,19 +200,26 @@ else
     note ncu "left out" 0 "ncu is not here"
 fi
 
-# The sanitizers, on small scenes, side by side.
+# Side by side what takes longest: brute force against every scene, which keeps the processors busy, and the sanitizers, on
+# small scenes.
+jobs=()
+shards=$(($(nproc) < 8 ? $(nproc) : 8))
+for ((shard = 0; shard < shards; ++shard)); do
+    GTEST_TOTAL_SHARDS=$shards GTEST_SHARD_INDEX=$shard \
+        step "agreement_$shard" 240 "$tests/device_agreement_test" --gtest_brief=1 &
+    jobs+=($!)
+done
 if command -v compute-sanitizer >/dev/null; then
     few='*takes_meshes_of_every_layout:*launches_between_two_meshes:*puts_long_rows_in_order:*forgets_a_launch*'
-    jobs=()
     for tool in memcheck racecheck initcheck synccheck; do
-        step "$tool" 150 compute-sanitizer --tool "$tool" --error-exitcode 9 "$tests/device_test" --gtest_brief=1 \
+        step "$tool" 240 compute-sanitizer --tool "$tool" --error-exitcode 9 "$tests/device_test" --gtest_brief=1 \
             --gtest_filter="$few" &
         jobs+=($!)
     done
-    for job in "${jobs[@]}"; do wait "$job" || failed=1; done
 else
     note sanitizers "left out" 0 "compute-sanitizer is not here"
 fi
+for job in "${jobs[@]}"; do wait "$job" || failed=1; done
 
 if ((failed)); then give_up; fi
 finish ok
