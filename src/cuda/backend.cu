@@ -15,12 +15,11 @@
 #include <vector>
 
 #include "crumple/error.h"
-#include "cuda/contacts.h"
+#include "cuda/answer.h"
 #include "cuda/device.h"
 #include "cuda/gather.h"
 #include "cuda/input.h"
 #include "cuda/pass.h"
-#include "geometry/contact.h"
 #include "geometry/decide.h"
 #include "pipeline/output.h"
 
@@ -39,8 +38,7 @@ class CudaBackend final : public BackendBase {
           input_(stream_.get(), meter),
           state_(meter),
           work_(meter),
-          result_(meter),
-          contacts_(meter),
+          answer_(geometry_, stream_.get(), meter),
           pass_(geometry_, stream_.get(), options_) {}
 
     void find(const Scene& scene, const Query& query, const Part* part, Collisions& result) override {
@@ -110,20 +108,19 @@ class CudaBackend final : public BackendBase {
             finish();
             statistics_ = {};
             if (pass_.scene.triangle_count() >= too_many_ || !accept(*counters_)) answer();
-            if (contacts_wanted_) make_contacts();
-            show();
+            if (contacts_wanted_) answer_.make_contacts(pass_.scene, cancellation_);
+            statistics_.triangles = pass_.scene.triangle_count();
+            statistics_.pairs = static_cast<std::int64_t>(answer_.total);
+            shown_ = answer_.show(pass_.scene, contacts_wanted_);
+            shown_.statistics = statistics_;
         });
         return shown_;
     }
 
     void download(Collisions& result) override {
         on_device([&] {
-            copy_out(result);
+            answer_.copy_to(pass_.scene, contacts_wanted_, result);
             result.statistics = statistics_;
-            if (contacts_wanted_)
-                copy_contacts(result.contacts);
-            else
-                clear(result.contacts);
         });
     }
 
@@ -131,7 +128,8 @@ class CudaBackend final : public BackendBase {
         const Device::Current current(device_);
         finish();
         input_.release();
-        for (Block* block : {&state_, &work_, &result_, &contacts_}) block->release();
+        answer_.release();
+        for (Block* block : {&state_, &work_}) block->release();
         graph_ = {};
         planned_for_ = -1;
         too_many_ = std::numeric_limits<std::int64_t>::max();
@@ -149,7 +147,7 @@ class CudaBackend final : public BackendBase {
             too_many_ = pass_.scene.triangle_count();
             result.pairs.release();
             result.contacts.points.release();
-            contacts_.release();
+            answer_.release_contacts();
             answer();
             deliver(query, result);
         }
@@ -157,36 +155,23 @@ class CudaBackend final : public BackendBase {
 
     void deliver(const Query& query, Collisions& result) {
         if (meter_.limit > 0) work_.release();
-        if (query.contacts) {
-            make_contacts();
-            copy_contacts(result.contacts);
-        } else {
-            clear(result.contacts);
-        }
-        copy_out(result);
+        if (query.contacts) answer_.make_contacts(pass_.scene, cancellation_);
+        answer_.copy_to(pass_.scene, query.contacts, result);
         result.statistics = statistics_;
     }
 
     bool any(const Query& query) {
         adopt(query, nullptr);
         answer();
-        return total_ > 0;
+        return answer_.total > 0;
     }
 
     std::int64_t bytes_needed(const Query& query, const Part* part) {
         adopt(query, part);
         meter_.peak = meter_.used.load();
         const auto pairs = static_cast<std::int64_t>(count_in_chunks());
-        Cutter cutter;
-        cut_result(cutter, static_cast<std::size_t>(pairs));
-        if (query.contacts) {
-            const auto n = static_cast<std::size_t>(pairs);
-            ContactArrays().cut(cutter, n);
-            cutter.take<Pair>(n);
-            cutter.take<HostContact>(n);
-            Gathered::cut(cutter, n);
-        }
-        return meter_.peak + static_cast<std::int64_t>(cutter.used()) + result_bytes(pass_.scene, query, pairs);
+        const std::size_t room = Answer::bytes(pass_.scene, static_cast<std::size_t>(pairs), query.contacts);
+        return meter_.peak + static_cast<std::int64_t>(room) + result_bytes(pass_.scene, query, pairs);
     }
 
     // What follows works on the input, whichever way it came.
@@ -211,10 +196,10 @@ class CudaBackend final : public BackendBase {
 
     void lay_out_lists() {
         lay_out(work_, [&](Cutter& c) { pass_.cut(c); });
-        lay_out(result_, [&](Cutter& c) { cut_result(c, pass_.plan.hits); });
+        answer_.make_room(pass_.scene, pass_.plan.hits);
     }
 
-    // Leaves the answer in output_, and its size in total_.
+    // Leaves the answer in answer_.
     void answer() {
         statistics_ = {};
         const auto in_chunks = [&] {
@@ -251,7 +236,7 @@ class CudaBackend final : public BackendBase {
         const auto begin = [&](Stage stage) {
             if (watch) watch->begin(stage, stream);
         };
-        clear_offsets();
+        answer_.clear_offsets(pass_.scene);
         pass_.clear_counters();
         begin(Stage::bounds);
         input_.enqueue(geometry_, stream, pass_.counters);
@@ -266,18 +251,12 @@ class CudaBackend final : public BackendBase {
         begin(Stage::sweep);
         pass_.sweep({});
         begin(Stage::narrow);
-        pass_.narrow({Hits::Mode::list, pass_.hits(), output_.offsets, nullptr});
+        pass_.narrow({Hits::Mode::list, pass_.hits(), answer_.output.offsets, nullptr});
         begin(Stage::output);
-        write_output();
+        answer_.write(pass_.scene, pass_.hits(), pass_.counters);
         if (watch) watch->end(stream);
         CRUMPLE_CUDA(
             cudaMemcpyAsync(counters_.get(), pass_.counters, sizeof(Counters), cudaMemcpyDeviceToHost, stream));
-    }
-
-    void write_output() {
-        make_offsets(stream_.get(), pass_.scene, output_);
-        fill_buckets(geometry_, stream_.get(), pass_.scene, pass_.hits(), output_);
-        order_buckets(geometry_, stream_.get(), pass_.scene, output_, pass_.counters);
     }
 
     // Whether the pass that these counters tell of was complete. If not, the plan is another one.
@@ -285,16 +264,16 @@ class CudaBackend final : public BackendBase {
         input_.throw_error(counters);
         const std::int64_t n = pass_.scene.triangle_count();
         if (!pass_.plan.accepts(counters, n, options_)) return false;
-        total_ = counters.hits;
+        answer_.total = counters.hits;
         if (counters.beyond > 0) {
             const std::size_t found = decide_beyond(static_cast<std::size_t>(counters.beyond));
-            total_ += found;
-            if (!pass_.plan.accepts_hits(total_)) return false;
+            answer_.total += found;
+            if (!pass_.plan.accepts_hits(answer_.total)) return false;
             if (found > 0) {
                 append_hits(geometry_, stream_.get(), pass_.beyond(), found, counters.hits, pass_.hits());
-                clear_offsets();
-                rank_hits(geometry_, stream_.get(), pass_.hits(), output_.offsets);
-                write_output();
+                answer_.clear_offsets(pass_.scene);
+                rank_hits(geometry_, stream_.get(), pass_.hits(), answer_.output.offsets);
+                answer_.write(pass_.scene, pass_.hits(), pass_.counters);
                 CRUMPLE_CUDA(cudaStreamSynchronize(stream_.get()));
             }
         }
@@ -304,21 +283,23 @@ class CudaBackend final : public BackendBase {
     }
 
     void answer_in_chunks() {
-        for (Block* block : {&work_, &result_, &contacts_}) block->release();
-        total_ = count_in_chunks();
+        work_.release();
+        answer_.release();
+        answer_.total = count_in_chunks();
         // The offsets wait with the host while their block grows.
         const std::size_t n = static_cast<std::size_t>(pass_.scene.triangles[0]) + 1;
         Array<unsigned long long> offsets(&meter_);
-        copy(offsets.resize_discard(n), output_.offsets, n, cudaMemcpyDeviceToHost);
+        copy(offsets.resize_discard(n), answer_.output.offsets, n, cudaMemcpyDeviceToHost);
         work_.release();
-        result_.release();
-        lay_out(result_, [&](Cutter& c) { cut_result(c, static_cast<std::size_t>(total_)); });
-        copy(output_.offsets, offsets.data(), n, cudaMemcpyHostToDevice);
-        copy(output_.next, offsets.data(), n, cudaMemcpyHostToDevice);
+        answer_.release();
+        answer_.make_room(pass_.scene, static_cast<std::size_t>(answer_.total));
+        const Output& output = answer_.output;
+        copy(output.offsets, offsets.data(), n, cudaMemcpyHostToDevice);
+        copy(output.next, offsets.data(), n, cudaMemcpyHostToDevice);
         offsets.release();
         statistics_ = {};
-        pass_over_chunks({Hits::Mode::fill, {}, output_.next, output_.second});
-        order_buckets(geometry_, stream_.get(), pass_.scene, output_, pass_.counters);
+        pass_over_chunks({Hits::Mode::fill, {}, output.next, output.second});
+        order_buckets(geometry_, stream_.get(), pass_.scene, output, pass_.counters);
         CRUMPLE_CUDA(cudaStreamSynchronize(stream_.get()));
         planned_for_ = -1;
     }
@@ -326,12 +307,13 @@ class CudaBackend final : public BackendBase {
     unsigned long long count_in_chunks() {
         planned_for_ = -1;
         pass_.plan.choose_chunks(pass_.scene.triangle_count(), options_);
-        lay_out(result_, [&](Cutter& c) { cut_result(c, 0); });
-        clear_offsets();
-        pass_over_chunks({Hits::Mode::count, {}, output_.offsets, nullptr});
-        make_offsets(stream_.get(), pass_.scene, output_);
+        answer_.make_room(pass_.scene, 0);
+        answer_.clear_offsets(pass_.scene);
+        const Output& output = answer_.output;
+        pass_over_chunks({Hits::Mode::count, {}, output.offsets, nullptr});
+        make_offsets(stream_.get(), pass_.scene, output);
         unsigned long long total = 0;
-        copy(&total, output_.offsets + pass_.scene.triangles[0], 1, cudaMemcpyDeviceToHost);
+        copy(&total, output.offsets + pass_.scene.triangles[0], 1, cudaMemcpyDeviceToHost);
         return total;
     }
 
@@ -393,58 +375,6 @@ class CudaBackend final : public BackendBase {
         return hits.size();
     }
 
-    // Leaves the contacts of the answer on the device, and the number of their points in point_count_.
-    void make_contacts() {
-        const auto n = static_cast<std::size_t>(total_);
-        const auto second = static_cast<std::int32_t>(pass_.scene.between ? pass_.scene.triangles[0] : 0);
-        lay_out(contacts_, [&](Cutter& c) { contact_arrays_.cut(c, n); });
-        find_contacts(geometry_, stream_.get(), pass_.scene, output_.pairs, n, second, contact_arrays_);
-        unsigned long long open = 0;
-        copy(&open, contact_arrays_.open_count, 1, cudaMemcpyDeviceToHost);
-        if (open > 0) decide_open(static_cast<std::size_t>(open), second);
-        pack_contacts(geometry_, stream_.get(), n, contact_arrays_);
-        copy(&point_count_, contact_arrays_.offsets + n, 1, cudaMemcpyDeviceToHost);
-    }
-
-    // Contacts that only the host can round.
-    void decide_open(std::size_t n, std::int32_t second) {
-        Block block(meter_);
-        Pair* pairs = nullptr;
-        HostContact* found = nullptr;
-        lay_out(block, [&](Cutter& c) {
-            pairs = c.take<Pair>(n);
-            found = c.take<HostContact>(n);
-        });
-        list_open(geometry_, stream_.get(), output_.pairs, contact_arrays_, n, pairs);
-        std::vector<HostContact> host(n);
-        Gathered gathered(geometry_, stream_.get(), pass_.scene, meter_);
-        gathered.each(pairs, n, second, [&](std::size_t i, const Triangle& a, const Triangle& b) {
-            cancellation_.check();
-            const Contact c = contact(a, b);
-            host[i].kind = c.kind();
-            host[i].count = c.count;
-            for (std::size_t k = 0; k < static_cast<std::size_t>(c.count); ++k)
-                host[i].points[k] = {c.points[k].x, c.points[k].y, c.points[k].z};
-        });
-        copy(found, host.data(), n, cudaMemcpyHostToDevice);
-        add_contacts(geometry_, stream_.get(), found, n, contact_arrays_);
-        CRUMPLE_CUDA(cudaStreamSynchronize(stream_.get()));
-    }
-
-    void copy_contacts(Contacts& contacts) {
-        const auto n = static_cast<std::size_t>(total_), points = static_cast<std::size_t>(point_count_);
-        copy(contacts.kinds.resize_discard(n), contact_arrays_.kinds, n, cudaMemcpyDeviceToHost);
-        copy(reinterpret_cast<unsigned long long*>(contacts.offsets.resize_discard(n + 1)), contact_arrays_.offsets,
-             n + 1, cudaMemcpyDeviceToHost);
-        copy(contacts.points.resize_discard(points), contact_arrays_.points, points, cudaMemcpyDeviceToHost);
-    }
-
-    static void clear(Contacts& contacts) {
-        contacts.kinds.clear();
-        contacts.offsets.clear();
-        contacts.points.clear();
-    }
-
     // Everything that the commands of a pass were made of. While it stays the same, they are the same.
     struct Key {
         Scene scene;
@@ -456,7 +386,8 @@ class CudaBackend final : public BackendBase {
     };
 
     void launch_graph(cudaStream_t stream) {
-        const Key key{pass_.scene, pass_.rules, pass_.plan, input_.work(), work_.data(), result_.data(), state_.data()};
+        const Key key{pass_.scene,  pass_.rules,     pass_.plan,   input_.work(),
+                      work_.data(), answer_.place(), state_.data()};
         if (!graph_ || !(key == key_)) {
             graph_ = capture();
             key_ = key;
@@ -512,57 +443,6 @@ class CudaBackend final : public BackendBase {
         launched_ = false;
     }
 
-    void cut_result(Cutter& c, std::size_t pairs) {
-        const Scene& scene = pass_.scene;
-        const auto first = static_cast<std::size_t>(scene.triangles[0]);
-        output_.offsets = c.take<unsigned long long>(first + 1);
-        output_.next = c.take<unsigned long long>(first + 1);
-        output_.hit = c.take<std::uint8_t>((first + 3) / 4 * 4);
-        output_.hit_second = c.take<std::uint8_t>((static_cast<std::size_t>(scene.triangles[1]) + 3) / 4 * 4);
-        output_.capacity = pairs;
-        output_.pairs = c.take<Pair>(pairs);
-        output_.second = c.take<std::int32_t>(pairs);
-        output_.long_capacity = long_row_capacity(pairs);
-        output_.long_rows = c.take<std::int32_t>(output_.long_capacity);
-        output_.scan_bytes = output_scratch_bytes(scene.triangles[0]);
-        output_.scan = c.take<std::byte>(output_.scan_bytes);
-    }
-
-    void clear_offsets() {
-        const auto n = static_cast<std::size_t>(pass_.scene.triangles[0]) + 1;
-        CRUMPLE_CUDA(cudaMemsetAsync(output_.offsets, 0, n * sizeof *output_.offsets, stream_.get()));
-    }
-
-    void copy_out(Collisions& result) {
-        const auto first = static_cast<std::size_t>(pass_.scene.triangles[0]);
-        const auto second = static_cast<std::size_t>(pass_.scene.triangles[1]),
-                   pairs = static_cast<std::size_t>(total_);
-        copy(result.pairs.resize_discard(pairs), output_.pairs, pairs, cudaMemcpyDeviceToHost);
-        copy(reinterpret_cast<unsigned long long*>(result.offsets.resize_discard(first + 1)), output_.offsets,
-             first + 1, cudaMemcpyDeviceToHost);
-        copy(result.hit.resize_discard(first), output_.hit, first, cudaMemcpyDeviceToHost);
-        copy(result.hit_second.resize_discard(second), output_.hit_second, second, cudaMemcpyDeviceToHost);
-    }
-
-    // Fills shown_: the answer where it lies.
-    void show() {
-        shown_ = {};
-        shown_.pair_count = static_cast<std::int64_t>(total_);
-        shown_.pairs = output_.pairs;
-        shown_.offsets = reinterpret_cast<const std::int64_t*>(output_.offsets);
-        shown_.hit = output_.hit;
-        shown_.hit_second = pass_.scene.between ? output_.hit_second : nullptr;
-        if (contacts_wanted_) {
-            shown_.contact_kinds = contact_arrays_.kinds;
-            shown_.contact_offsets = reinterpret_cast<const std::int64_t*>(contact_arrays_.offsets);
-            shown_.contact_points = contact_arrays_.points;
-            shown_.contact_point_count = static_cast<std::int64_t>(point_count_);
-        }
-        statistics_.triangles = pass_.scene.triangle_count();
-        statistics_.pairs = shown_.pair_count;
-        shown_.statistics = statistics_;
-    }
-
     Counters read_counters() {
         copy(counters_.get(), pass_.counters, 1, cudaMemcpyDeviceToHost);
         return *counters_;
@@ -581,12 +461,9 @@ class CudaBackend final : public BackendBase {
         s.exact_tests += static_cast<std::int64_t>(c.undecided);
     }
 
-    /// Done when it returns, whichever side the memory is on.
     template <class T>
     void copy(T* to, const T* from, std::size_t n, cudaMemcpyKind kind) {
-        if (n == 0) return;
-        CRUMPLE_CUDA(cudaMemcpyAsync(to, from, n * sizeof(T), kind, stream_.get()));
-        CRUMPLE_CUDA(cudaStreamSynchronize(stream_.get()));
+        copy_now(stream_.get(), to, from, n, kind);
     }
 
     const Options& options_;
@@ -599,15 +476,12 @@ class CudaBackend final : public BackendBase {
     Stopwatch watch_{device_};
     Pinned<Counters> counters_;
     Input input_;
-    Block state_, work_, result_, contacts_;
+    Block state_, work_;
+    Answer answer_;
     Pass pass_;
-    Output output_{};
     Query query_;
     Statistics statistics_;
-    unsigned long long total_ = 0;
     DeviceCollisions shown_;
-    ContactArrays contact_arrays_{};
-    unsigned long long point_count_ = 0;
     bool launched_ = false, contacts_wanted_ = false;
     GraphExec graph_;
     Key key_{};

@@ -59,6 +59,14 @@ class Block {
     std::size_t capacity_ = 0;
 };
 
+/// Copies n elements; done when it returns, whichever side the memory is on.
+template <class T>
+void copy_now(cudaStream_t stream, T* to, const T* from, std::size_t n, cudaMemcpyKind kind) {
+    if (n == 0) return;
+    CRUMPLE_CUDA(cudaMemcpyAsync(to, from, n * sizeof(T), kind, stream));
+    CRUMPLE_CUDA(cudaStreamSynchronize(stream));
+}
+
 /// Cuts a block into arrays: once without memory, to learn how much it takes, then in earnest.
 class Cutter {
    public:

@@ -1,0 +1,52 @@
+#pragma once
+
+// An answer on the device, from its arrays' room to the host's copy.
+
+#include "crumple/collisions.h"
+#include "cuda/contacts.h"
+#include "cuda/memory.h"
+#include "cuda/output.h"
+#include "pipeline/cancellation.h"
+
+namespace crumple::cuda {
+
+class Answer {
+   public:
+    Answer(const Geometry& geometry, cudaStream_t stream, MemoryMeter& meter)
+        : geometry_(geometry), stream_(stream), meter_(meter), block_(meter), contact_block_(meter) {}
+
+    Output output{};
+    unsigned long long total = 0;  ///< pairs
+
+    /// Makes room for so many pairs.
+    void make_room(const Scene& scene, std::size_t pairs);
+    /// What make_room and make_contacts take.
+    static std::size_t bytes(const Scene& scene, std::size_t pairs, bool contacts);
+
+    void clear_offsets(const Scene& scene);
+    /// Turns listed hits, counted by first triangle in output.offsets, into the answer.
+    void write(const Scene& scene, const List<Hit>& hits, Counters* counters);
+    /// Computes the contacts of the answer and leaves them on the device.
+    void make_contacts(const Scene& scene, Cancellation& cancellation);
+
+    DeviceCollisions show(const Scene& scene, bool contacts) const;
+    void copy_to(const Scene& scene, bool contacts, Collisions& result);
+
+    void release();
+    void release_contacts() { contact_block_.release(); }
+    /// Where the arrays lie: changes when they move.
+    const void* place() const { return block_.data(); }
+
+   private:
+    void cut(Cutter& cutter, const Scene& scene, std::size_t pairs);
+    void decide_open(const Scene& scene, std::size_t n, std::int32_t second, Cancellation& cancellation);
+
+    const Geometry& geometry_;
+    cudaStream_t stream_;
+    MemoryMeter& meter_;
+    Block block_, contact_block_;
+    ContactArrays contacts_{};
+    unsigned long long points_ = 0;  ///< of all contacts
+};
+
+}  // namespace crumple::cuda
