@@ -1,6 +1,7 @@
 #include "cli/search.h"
 
 #include <filesystem>
+#include <utility>
 
 #ifdef CRUMPLE_WITH_TBB
 #include <tbb/global_control.h>
@@ -58,6 +59,14 @@ io::TriangleMesh read_mesh(const std::string& path, const io::ReadOptions& how) 
     }
 }
 
+enum class GroupSource { none, components, file, property };
+
+GroupSource group_source(const AnswerOptions& options) {
+    if (options.groups.empty()) return GroupSource::none;
+    if (options.groups == "components") return GroupSource::components;
+    return std::filesystem::exists(options.groups) ? GroupSource::file : GroupSource::property;
+}
+
 }  // namespace
 
 io::ReadOptions read_options(const ReadingOptions& options) {
@@ -67,17 +76,36 @@ io::ReadOptions read_options(const ReadingOptions& options) {
 
 Input read_input(const std::vector<std::string>& files, const AnswerOptions& options) {
     io::ReadOptions how = read_options(options);
-    const bool components = options.groups == "components";
-    const bool from_file = !components && std::filesystem::exists(options.groups);
-    if (!components && !from_file) how.group_property = options.groups;
+    const GroupSource source = group_source(options);
+    if (source == GroupSource::property) how.group_property = options.groups;
 
     Input input{files[0], read_mesh(files[0], how), {}};
     if (files.size() > 1) {
         input.name += ", " + files[1];
         input.second = read_mesh(files[1], how);
     }
-    if (components) group_by_components(input);
-    if (from_file) group_by_file(input, options.groups);
+    if (source == GroupSource::components) group_by_components(input);
+    if (source == GroupSource::file) group_by_file(input, options.groups);
+    return input;
+}
+
+Input made_input(const std::string& name, io::TriangleMesh mesh, const AnswerOptions& options) {
+    const GroupSource source = group_source(options);
+    if (source == GroupSource::property && (options.groups != "group" || mesh.groups.empty())) {
+        throw Error(ErrorCode::invalid_argument,
+                    "--groups " + options.groups + ": there is no such file, and " + name + " has no such groups",
+                    Element::option);
+    }
+    Input input{name, std::move(mesh), {}};
+    if (source != GroupSource::property) input.first.groups.clear();
+    const auto convert = [&](auto scalar) {
+        input.first.vertices = std::visit(
+            [&](const auto& v) { return std::vector<decltype(scalar)>(v.begin(), v.end()); }, input.first.vertices);
+    };
+    if (options.precision == io::Precision::float32) convert(float{});
+    if (options.precision == io::Precision::float64) convert(double{});
+    if (source == GroupSource::components) group_by_components(input);
+    if (source == GroupSource::file) group_by_file(input, options.groups);
     return input;
 }
 

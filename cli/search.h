@@ -27,6 +27,10 @@ io::ReadOptions read_options(const ReadingOptions& options);
 /// Reads one file or two. Throws Error that names the file and the place.
 Input read_input(const std::vector<std::string>& files, const AnswerOptions& options);
 
+/// A mesh that was made, not read, under the options that a file of it would be read with: its own groups are the
+/// property `group`. Throws as read_input does.
+Input made_input(const std::string& name, io::TriangleMesh mesh, const AnswerOptions& options);
+
 /// A detector that stays warm from one input to the next.
 class Search {
    public:

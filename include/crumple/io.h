@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <iosfwd>
+#include <memory>
 #include <string>
 #include <variant>
 #include <vector>
@@ -63,6 +64,28 @@ void write_mesh(const std::filesystem::path& path, const TriangleMesh& mesh);
 /// float64 mesh far from the origin is moved there, by its node's translation.
 void write_coloured(const std::filesystem::path& path, const TriangleMesh& mesh, const TriangleMesh* second,
                     const Collisions& collisions);
+
+/// Frames with their colliding triangles coloured, as one animated .glb that common viewers play. Frames may differ in
+/// everything, their topology as well. Holds all frames in memory: 12 bytes a vertex and 12 a triangle each.
+class ColouredAnimation {
+   public:
+    /// Throws Error (invalid_argument) unless 0 < frames_per_second <= 10^6.
+    explicit ColouredAnimation(double frames_per_second = 30);
+    ~ColouredAnimation();
+    ColouredAnimation(ColouredAnimation&&) noexcept;
+    ColouredAnimation& operator=(ColouredAnimation&&) noexcept;
+
+    /// One more frame, as for write_coloured. Throws as it does, also if the file would exceed the 4 GiB that .glb
+    /// holds; the frames before are kept.
+    void add(const TriangleMesh& mesh, const TriangleMesh* second, const Collisions& collisions);
+
+    /// Writes the frames so far; others may follow. Throws crumple::Error (file, invalid_argument).
+    void write(const std::filesystem::path& path);
+
+   private:
+    struct Implementation;
+    std::unique_ptr<Implementation> implementation_;
+};
 
 enum class PairFormat : std::uint8_t {
     automatic,  ///< by extension

@@ -46,6 +46,16 @@ void check_hits(const TriangleMesh& mesh, const Array<std::uint8_t>& hit) {
 
 }  // namespace
 
+ColouredMesh coloured_mesh(const TriangleMesh& mesh, const TriangleMesh* second, const Collisions& collisions) {
+    validate(mesh);
+    check_hits(mesh, collisions.hit);
+    if (second) {
+        validate(*second);
+        check_hits(*second, collisions.hit_second);
+    }
+    return join(mesh, second, collisions);
+}
+
 void write_coloured(const std::filesystem::path& path, const TriangleMesh& mesh, const TriangleMesh* second,
                     const Collisions& collisions) {
     const FloatEnvironment environment;
@@ -54,13 +64,7 @@ void write_coloured(const std::filesystem::path& path, const TriangleMesh& mesh,
         throw Error(ErrorCode::invalid_argument,
                     "cannot write " + path.string() + ": coloured meshes are written as .ply, .obj or .glb");
     }
-    validate(mesh);
-    check_hits(mesh, collisions.hit);
-    if (second) {
-        validate(*second);
-        check_hits(*second, collisions.hit_second);
-    }
-    const ColouredMesh coloured = join(mesh, second, collisions);
+    const ColouredMesh coloured = coloured_mesh(mesh, second, collisions);
 
     AtomicFile file(path);
     if (extension == ".ply") write_coloured_ply(file.stream(), coloured);

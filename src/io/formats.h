@@ -30,6 +30,9 @@ struct ColouredMesh {
     std::vector<std::uint8_t> hit;
 };
 
+/// Throws unless both meshes are sound and the collisions are theirs. `second` may be null.
+ColouredMesh coloured_mesh(const TriangleMesh& mesh, const TriangleMesh* second, const Collisions& collisions);
+
 struct Colour {
     std::uint8_t red, green, blue;
 };

@@ -11,6 +11,7 @@
 
 #include "io/bytes.h"
 #include "io/formats.h"
+#include "io/glb.h"
 
 namespace crumple::io {
 
@@ -78,7 +79,6 @@ int add_accessor(tinygltf::Model& model, const std::vector<T>& values, int compo
     view.byteOffset = bytes.size();
     view.byteLength = values.size() * sizeof(T);
     view.target = target;
-    bytes.reserve(bytes.size() + view.byteLength);
     for (const T value : values) {
         const auto little = std::bit_cast<std::array<unsigned char, sizeof(T)>>(little_endian(value));
         bytes.insert(bytes.end(), little.begin(), little.end());
@@ -94,8 +94,7 @@ int add_accessor(tinygltf::Model& model, const std::vector<T>& values, int compo
 }
 
 int add_positions(tinygltf::Model& model, const std::vector<float>& positions) {
-    const int index =
-        add_accessor(model, positions, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC3, TINYGLTF_TARGET_ARRAY_BUFFER);
+    const int index = add_floats(model, positions, TINYGLTF_TYPE_VEC3, TINYGLTF_TARGET_ARRAY_BUFFER);
     tinygltf::Accessor& accessor = model.accessors.back();
     accessor.minValues.assign(positions.begin(), positions.begin() + 3);
     accessor.maxValues = accessor.minValues;
@@ -130,11 +129,7 @@ tinygltf::Mesh build_mesh(tinygltf::Model& model, const ColouredMesh& coloured, 
 
 }  // namespace
 
-void write_coloured_glb(std::ostream& out, const ColouredMesh& coloured) {
-    const std::size_t bytes = 12 * (static_cast<std::size_t>(coloured.mesh.vertex_count()) + coloured.hit.size());
-    if (bytes > UINT32_MAX - (1u << 20)) {
-        throw Error(ErrorCode::invalid_argument, "the mesh is larger than the 4 GiB that .glb holds");
-    }
+tinygltf::Model empty_glb() {
     tinygltf::Model model;
     model.asset.version = "2.0";
     model.asset.generator = "Crumple";
@@ -142,21 +137,44 @@ void write_coloured_glb(std::ostream& out, const ColouredMesh& coloured) {
     model.scenes.resize(1);
     model.scenes[0].name = "collisions";
     model.defaultScene = 0;
-    if (!coloured.hit.empty()) {  // otherwise an empty scene: glTF knows no empty mesh either
-        std::visit(
-            [&](const auto& xyz) {
-                const Point origin = origin_of(xyz);
-                model.buffers.resize(1);
-                model.meshes.push_back(build_mesh(model, coloured, positions_of(xyz, origin)));
-                tinygltf::Node node;
-                node.mesh = 0;
-                if (origin != Point{}) node.translation.assign(origin.begin(), origin.end());
-                model.nodes.push_back(node);
-                model.scenes[0].nodes = {0};
-            },
-            coloured.mesh.vertices);
+    return model;
+}
+
+int add_floats(tinygltf::Model& model, const std::vector<float>& values, int type, int target) {
+    return add_accessor(model, values, TINYGLTF_COMPONENT_TYPE_FLOAT, type, target);
+}
+
+std::optional<int> add_node(tinygltf::Model& model, const ColouredMesh& coloured) {
+    if (coloured.hit.empty()) return {};  // glTF knows no empty mesh
+    if (model.buffers.empty()) model.buffers.resize(1);
+    const std::size_t bytes = 12 * (static_cast<std::size_t>(coloured.mesh.vertex_count()) + coloured.hit.size());
+    if (model.buffers[0].data.size() + bytes > UINT32_MAX - (1u << 24)) {  // what remains is for the description
+        throw Error(ErrorCode::invalid_argument, "the meshes are larger than the 4 GiB that .glb holds");
     }
-    tinygltf::TinyGLTF().WriteGltfSceneToStream(&model, out, false, true);
+    return std::visit(
+        [&](const auto& xyz) {
+            const Point origin = origin_of(xyz);
+            tinygltf::Node node;
+            node.mesh = static_cast<int>(model.meshes.size());
+            model.meshes.push_back(build_mesh(model, coloured, positions_of(xyz, origin)));
+            if (origin != Point{}) node.translation.assign(origin.begin(), origin.end());
+            model.nodes.push_back(node);
+            const int index = static_cast<int>(model.nodes.size()) - 1;
+            model.scenes[0].nodes.push_back(index);
+            return index;
+        },
+        coloured.mesh.vertices);
+}
+
+void write_glb(std::ostream& out, const tinygltf::Model& model) {
+    // It takes a pointer to what it only reads.
+    tinygltf::TinyGLTF().WriteGltfSceneToStream(const_cast<tinygltf::Model*>(&model), out, false, true);
+}
+
+void write_coloured_glb(std::ostream& out, const ColouredMesh& coloured) {
+    tinygltf::Model model = empty_glb();
+    add_node(model, coloured);
+    write_glb(out, model);
 }
 
 }  // namespace crumple::io

@@ -28,7 +28,7 @@ TEST_F(Misuse, OfTheCommandLine) {
     expect_refused("detect five.off -o", "--output needs a value: OUT");
     expect_refused("verify five.off", "FILE: at least 2 are needed, not 1");
     expect_refused("info five.off five.off", "info has no use for the argument five.off");
-    expect_refused("sequence", "FRAME");
+    expect_refused("sequence", "frames or a --scene");
     expect_refused("info", "FILE");
     expect_refused("info five.off --neighbours skip", "--neighbours");
 }

@@ -4,6 +4,7 @@
 #include <thread>
 #include <vector>
 
+#include "crumple/io.h"
 #include "run.h"
 
 namespace crumple::cli::test {
@@ -28,7 +29,7 @@ class Sequence : public Cli {
         EXPECT_EQ(crumple("make soup --triangles 5000 -o frame.ply").status, 0);
         std::string command = "exec $crumple sequence -o " + output;
         for (int i = 0; i < 5000; ++i) command += " frame.ply";
-        const std::string rows = file(output).string();
+        const std::string rows = file(output.substr(0, output.find(' '))).string();
         std::thread keyboard([&] {
             while (lines(text_of(rows)).size() < 4) std::this_thread::sleep_for(std::chrono::milliseconds(5));
             EXPECT_EQ(std::system(("kill -INT $(cat " + file("pid").string() + ")").c_str()), 0);
@@ -63,6 +64,54 @@ TEST_F(Sequence, WritesFiles) {
         EXPECT_EQ(json[0]["pairs"], 3);
         EXPECT_EQ(json[1]["frame"], "b,2.off");
         EXPECT_TRUE(json[1].contains("narrow"));
+    }
+}
+
+TEST_F(Sequence, TakesASceneInPlaceOfFiles) {
+    const auto rows = lines(crumple("sequence --scene cutting --triangles 300").out);
+    ASSERT_EQ(rows.size(), 121u);
+    EXPECT_TRUE(rows[1].starts_with("0,")) << rows[1];
+    EXPECT_TRUE(rows[120].starts_with("119,")) << rows[120];
+    // The same as its files, also with groups and in another precision.
+    EXPECT_EQ(crumple("make bodies --triangles 2000 --frame 7 -o b.ply").status, 0);
+    for (const char* options : {"", " --groups group --wanted between", " --groups components --wanted within",
+                                " --precision float64 --weld"}) {
+        const std::string pairs = lines(crumple(std::string("sequence b.ply") + options).out)[1].substr(5, 12);
+        const std::string row =
+            lines(crumple(std::string("sequence --scene bodies --triangles 2000") + options).out)[8];
+        EXPECT_EQ(row.substr(1, row.find(',', row.find(',', 2) + 1)), pairs.substr(0, pairs.find(',', 6)) + ",")
+            << options;
+    }
+}
+
+TEST_F(Sequence, WritesColouredFrames) {
+    EXPECT_EQ(crumple("sequence a.off 'b,2.off' -o c.ply -o c.obj -o c.glb -o t.csv").out, "");
+    EXPECT_EQ(lines(read("t.csv")).size(), 3u);
+    EXPECT_EQ(io::read_mesh(file("c0.ply")).triangle_count(), 5);
+    EXPECT_EQ(io::read_mesh(file("c1.ply")).triangle_count(), 2);
+    EXPECT_EQ(io::read_mesh(file("c1.obj")).triangle_count(), 2);
+    EXPECT_TRUE(contains(read("c1.obj"), "mtllib c1.mtl"));
+    EXPECT_TRUE(read("c.glb").starts_with("glTF"));
+    EXPECT_TRUE(contains(read("c.glb"), "\"animations\""));
+    EXPECT_FALSE(fs::exists(file("c2.ply")));
+}
+
+TEST_F(Sequence, LeavesTheFramesBeforeABadOne) {
+    EXPECT_EQ(crumple("sequence a.off missing.off -o c.glb").status, 2);
+    EXPECT_TRUE(read("c.glb").starts_with("glTF"));
+    EXPECT_EQ(crumple("sequence missing.off -o none.glb").status, 2);
+    EXPECT_FALSE(fs::exists(file("none.glb")));
+}
+
+TEST_F(Sequence, RefusesWhatMakesNoSense) {
+    for (const char* wrong :
+         {"sequence", "sequence a.off --scene cloth", "sequence --scene clot", "sequence a.off --triangles 5",
+          "sequence a.off --seed 2", "sequence a.off -o x.stl", "sequence a.off --json -o x.csv",
+          "sequence --scene bodies --groups part", "sequence a.off -o no/where.csv"}) {
+        const Outcome outcome = crumple(wrong);
+        EXPECT_EQ(outcome.status, 2) << wrong;
+        EXPECT_TRUE(is_error_line(outcome.err)) << wrong << ": " << outcome.err;
+        EXPECT_EQ(outcome.out.find('\n'), outcome.out.rfind('\n')) << wrong;  // at most a header
     }
 }
 
@@ -117,6 +166,11 @@ TEST_F(Sequence, SurvivesCtrlC) {
     EXPECT_LT(rows.size(), 5000u);
     EXPECT_EQ(rows.front(), header);
     EXPECT_EQ(std::count(rows.back().begin(), rows.back().end(), ','), 10) << rows.back();
+}
+
+TEST_F(Sequence, LeavesAnAnimationAfterCtrlC) {
+    EXPECT_EQ(interrupt("t.csv -o t.glb"), 130);
+    EXPECT_TRUE(contains(read("t.glb"), "\"animations\""));
 }
 
 TEST_F(Sequence, LeavesValidJsonAfterCtrlC) {

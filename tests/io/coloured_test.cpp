@@ -129,6 +129,56 @@ TEST(Coloured, GlbOfNothingIsAnEmptySceneAndOfOneColourOnePrimitive) {
     EXPECT_EQ(load_glb(folder / "free.glb").meshes[0].primitives.size(), 1u);
 }
 
+TEST(ColouredAnimation, ShowsOneFrameAtATime) {
+    const Folder folder;
+    TriangleMesh longer = sample_mesh();
+    longer.triangles.insert(longer.triangles.end(), {0, 1, 2});
+    Collisions hits = one_hit();
+    hits.hit.push_back(1);
+    ColouredAnimation animation(10);
+    animation.add(sample_mesh(), nullptr, one_hit());
+    animation.add({}, nullptr, {});
+    animation.add(longer, nullptr, hits);
+    animation.write(folder / "three.glb");
+    animation.add(sample_mesh(), nullptr, one_hit());
+    animation.write(folder / "four.glb");
+    for (const auto& [name, frames] : {std::pair("three.glb", 3), {"four.glb", 4}}) {
+        const tinygltf::Model model = load_glb(folder / name);
+        ASSERT_EQ(model.animations.size(), 1u);
+        ASSERT_EQ(model.meshes.size(), static_cast<std::size_t>(frames) - 1);  // one frame is empty
+        ASSERT_EQ(model.animations[0].channels.size(), model.meshes.size());
+        EXPECT_EQ(model.scenes[0].nodes.size(), model.meshes.size());
+        for (double time = 0.05; time < 0.1 * frames; time += 0.1) {
+            std::vector<int> shown;
+            for (const auto& channel : model.animations[0].channels) {
+                EXPECT_EQ(channel.target_path, "scale");
+                const auto& sampler = model.animations[0].samplers[static_cast<std::size_t>(channel.sampler)];
+                EXPECT_EQ(sampler.interpolation, "STEP");
+                const auto times = values<float>(model, sampler.input);
+                const auto scales = values<float>(model, sampler.output);
+                ASSERT_EQ(scales.size(), 3 * times.size());
+                ASSERT_EQ(times.front(), 0);
+                std::size_t key = 0;
+                while (key + 1 < times.size() && times[key + 1] <= time) ++key;
+                if (scales[3 * key] == 1) shown.push_back(channel.target_node);
+            }
+            const int frame = static_cast<int>(time / 0.1);
+            EXPECT_EQ(shown, frame == 1 ? std::vector<int>{} : std::vector<int>{frame == 0 ? 0 : frame - 1}) << time;
+        }
+        for (std::size_t node = 1; node < model.nodes.size(); ++node) {
+            EXPECT_EQ(model.nodes[node].scale, (std::vector<double>{0, 0, 0}));
+        }
+        EXPECT_EQ(model.meshes[1].primitives.size(), 2u);
+    }
+}
+
+TEST(ColouredAnimation, RefusesWhatItCannotWrite) {
+    const Folder folder;
+    EXPECT_EQ(error_of([&] { ColouredAnimation().write(folder / "a.ply"); }).code, ErrorCode::invalid_argument);
+    EXPECT_EQ(error_of([&] { ColouredAnimation().add(sample_mesh(), nullptr, {}); }).code, ErrorCode::invalid_argument);
+    EXPECT_EQ(error_of([&] { ColouredAnimation animation(0); }).code, ErrorCode::invalid_argument);
+}
+
 TEST(Coloured, CollisionsOfAnotherMeshAreRefused) {
     const Folder folder;
     const TriangleMesh mesh = sample_mesh();

@@ -1,0 +1,24 @@
+#include "cli/frames.h"
+
+#include <utility>
+
+#include "crumple/error.h"
+
+namespace crumple::cli {
+
+Frames::Frames(std::vector<std::string> files, const std::string& scene, const scenes::Parameters& parameters)
+    : files_(std::move(files)), scene_name_(scene) {
+    if (scene.empty() == files_.empty()) {
+        throw Error(ErrorCode::invalid_argument, "sequence needs either frames or a --scene", Element::option);
+    }
+    if (scene.empty()) return;
+    scene_.emplace(scene, parameters);
+    scene_frames_ = static_cast<std::size_t>(scene_->description().frames);
+}
+
+Input Frames::load(std::size_t i, const AnswerOptions& options) {
+    if (!scene_) return read_input({files_[i]}, options);
+    return made_input(scene_name_ + ", frame " + std::to_string(i), scene_->frame(static_cast<int>(i)), options);
+}
+
+}  // namespace crumple::cli

@@ -1,0 +1,32 @@
+#pragma once
+
+// The frames of a sequence: files, or a scene made on the way.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cli/search.h"
+#include "scenes/scenes.h"
+
+namespace crumple::cli {
+
+class Frames {
+   public:
+    /// Files, or, if `scene` is not empty, that scene. Throws Error (invalid_argument) for both or neither.
+    Frames(std::vector<std::string> files, const std::string& scene, const scenes::Parameters& parameters);
+
+    std::size_t count() const { return files_.empty() ? scene_frames_ : files_.size(); }
+    /// The file, or the scene's frame as a number.
+    std::string name(std::size_t i) const { return files_.empty() ? std::to_string(i) : files_[i]; }
+    /// In ascending order. Throws Error that names the file and the place.
+    Input load(std::size_t i, const AnswerOptions& options);
+
+   private:
+    std::vector<std::string> files_;
+    std::string scene_name_;
+    std::size_t scene_frames_ = 0;
+    std::optional<scenes::Animation> scene_;
+};
+
+}  // namespace crumple::cli

@@ -1,0 +1,90 @@
+#include "cli/sequence_output.h"
+
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "cli/numbered.h"
+#include "cli/options.h"
+#include "crumple/error.h"
+
+namespace crumple::cli {
+namespace {
+
+std::string quoted(const std::string& text) {
+    if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
+    std::string result = "\"";
+    for (const char c : text) result += c == '"' ? "\"\"" : std::string(1, c);
+    return result + '"';
+}
+
+std::string csv_header() {
+    std::string line = "frame,triangles,pairs,milliseconds";
+    for (int i = 0; i < stage_count; ++i) line += fmt::format(",{}", stage_name(static_cast<Stage>(i)));
+    return line + '\n';
+}
+
+std::string csv_row(const std::string& frame, const Statistics& s) {
+    std::string line = quoted(frame) + fmt::format(",{},{},{:.3f}", s.triangles, s.pairs, s.milliseconds);
+    for (int i = 0; i < stage_count; ++i) line += fmt::format(",{:.3f}", s[static_cast<Stage>(i)]);
+    return line + '\n';
+}
+
+/// Clocks tell no more than microseconds.
+double rounded(double milliseconds) { return std::round(milliseconds * 1000) / 1000; }
+
+std::string json_row(const std::string& frame, const Statistics& s) {
+    nlohmann::ordered_json row{
+        {"frame", frame}, {"triangles", s.triangles}, {"pairs", s.pairs}, {"milliseconds", rounded(s.milliseconds)}};
+    for (int i = 0; i < stage_count; ++i) {
+        row[std::string(stage_name(static_cast<Stage>(i)))] = rounded(s[static_cast<Stage>(i)]);
+    }
+    return row.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+}  // namespace
+
+void Table::add(const std::string& frame, const Statistics& statistics) {
+    if (!out_) {
+        file_ = std::make_unique<std::ofstream>(path_);
+        if (!*file_) throw Error(ErrorCode::file, "cannot write " + path_ + ": " + std::strerror(errno));
+        out_ = file_.get();
+    }
+    if (json_) {
+        *out_ << (count_ ? ",\n" : "[\n") << json_row(frame, statistics);
+    } else {
+        *out_ << (count_ ? "" : csv_header()) << csv_row(frame, statistics);
+    }
+    out_->flush();
+    ++count_;
+}
+
+void Table::finish() {
+    if (count_ == 0) return;
+    if (json_) *out_ << "\n]\n";
+    out_->flush();
+    if (file_ && !*file_) throw Error(ErrorCode::file, "cannot write " + path_);
+}
+
+Pictures::Pictures(const std::vector<std::string>& outputs, std::size_t frames) : frames_(frames) {
+    for (const std::string& path : outputs) (extension_of(path) == ".glb" ? animated_ : numbered_).push_back(path);
+    if (!animated_.empty()) animation_.emplace();
+}
+
+void Pictures::add(const Input& input, const Collisions& found) {
+    for (const std::string& path : numbered_) {
+        io::write_coloured(numbered(path, count_, frames_), input.first, input.second_or_null(), found);
+    }
+    if (animation_) animation_->add(input.first, input.second_or_null(), found);
+    ++count_;
+}
+
+void Pictures::finish() {
+    if (count_ == 0) return;
+    for (const std::string& path : animated_) animation_->write(path);
+}
+
+}  // namespace crumple::cli

@@ -1,0 +1,89 @@
+// Animated binary glTF: a node for each frame, of which one at a time has the scale 1, all others 0, stepwise. So
+// frames may differ in everything, their topology as well, and every viewer that plays animations plays them. Viewers
+// that do not show the first frame.
+
+#include <tiny_gltf.h>
+
+#include "io/atomic_file.h"
+#include "io/glb.h"
+#include "pipeline/float_environment.h"
+
+namespace crumple::io {
+
+struct ColouredAnimation::Implementation {
+    double frames_per_second;
+    tinygltf::Model model = empty_glb();
+    std::vector<std::optional<int>> nodes;  // one a frame; a frame without triangles has none
+
+    /// Shows the node from its frame's begin to its end; the last one stays.
+    void add_channel(tinygltf::Model& to, tinygltf::Animation& animation, std::size_t frame) const {
+        const auto time = [&](std::size_t i) { return static_cast<float>(static_cast<double>(i) / frames_per_second); };
+        std::vector<float> times, scales;
+        const auto key = [&](std::size_t i, float scale) {
+            times.push_back(time(i));
+            scales.insert(scales.end(), 3, scale);
+        };
+        if (frame > 0) key(0, 0);
+        key(frame, 1);
+        key(frame + 1, frame + 1 == nodes.size() ? 1.0f : 0.0f);
+
+        tinygltf::AnimationSampler sampler;
+        sampler.input = add_floats(to, times, TINYGLTF_TYPE_SCALAR, 0);
+        to.accessors.back().minValues = {times.front()};
+        to.accessors.back().maxValues = {times.back()};
+        sampler.output = add_floats(to, scales, TINYGLTF_TYPE_VEC3, 0);
+        sampler.interpolation = "STEP";
+        tinygltf::AnimationChannel channel;
+        channel.sampler = static_cast<int>(animation.samplers.size());
+        channel.target_node = *nodes[frame];
+        channel.target_path = "scale";
+        animation.samplers.push_back(sampler);
+        animation.channels.push_back(channel);
+    }
+};
+
+ColouredAnimation::ColouredAnimation(double frames_per_second) : implementation_(std::make_unique<Implementation>()) {
+    if (!(frames_per_second > 0 && frames_per_second <= 1e6)) {
+        throw Error(ErrorCode::invalid_argument, "frames per second must be above 0 and at most a million");
+    }
+    implementation_->frames_per_second = frames_per_second;
+}
+
+ColouredAnimation::~ColouredAnimation() = default;
+ColouredAnimation::ColouredAnimation(ColouredAnimation&&) noexcept = default;
+ColouredAnimation& ColouredAnimation::operator=(ColouredAnimation&&) noexcept = default;
+
+void ColouredAnimation::add(const TriangleMesh& mesh, const TriangleMesh* second, const Collisions& collisions) {
+    const FloatEnvironment environment;
+    const auto node = add_node(implementation_->model, coloured_mesh(mesh, second, collisions));
+    if (node && !implementation_->nodes.empty()) {
+        implementation_->model.nodes[static_cast<std::size_t>(*node)].scale = {0, 0, 0};
+    }
+    implementation_->nodes.push_back(node);
+}
+
+void ColouredAnimation::write(const std::filesystem::path& path) {
+    const FloatEnvironment environment;
+    if (extension_of(path) != ".glb") {
+        throw Error(ErrorCode::invalid_argument, "cannot write " + path.string() + ": animations are written as .glb");
+    }
+    // What is added for the animation is taken away again: frames may follow.
+    tinygltf::Model& model = implementation_->model;
+    const std::size_t bytes = model.buffers.empty() ? 0 : model.buffers[0].data.size(),
+                      views = model.bufferViews.size(), accessors = model.accessors.size();
+    tinygltf::Animation animation;
+    animation.name = "frames";
+    for (std::size_t i = 0; i < implementation_->nodes.size(); ++i) {
+        if (implementation_->nodes[i]) implementation_->add_channel(model, animation, i);
+    }
+    if (!animation.channels.empty()) model.animations = {animation};
+    AtomicFile file(path);
+    write_glb(file.stream(), model);
+    file.commit();
+    model.animations.clear();
+    model.accessors.resize(accessors);
+    model.bufferViews.resize(views);
+    if (bytes) model.buffers[0].data.resize(bytes);
+}
+
+}  // namespace crumple::io
