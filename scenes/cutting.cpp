@@ -16,7 +16,7 @@ namespace {
 
 constexpr double width = 12, rod_height = 17.5;
 constexpr double frame_time = 1.0 / 30;
-constexpr int steps = 20, contact_interval = 10;  // a frame
+constexpr int steps = 20, contact_interval = 4;  // a frame
 constexpr double cloth_share = 0.96;
 constexpr int first_cut = 5, frames_of_a_cut = 14;
 constexpr double ball_radius = 2.5;

@@ -15,6 +15,8 @@ io::TriangleMesh make_soup(const Parameters& parameters);
 io::TriangleMesh make_needles(const Parameters& parameters);
 io::TriangleMesh make_five_decades(const Parameters& parameters);
 io::TriangleMesh make_bodies(const Parameters& parameters);
+io::TriangleMesh make_knots(const Parameters& parameters);
+io::TriangleMesh make_model(const Parameters& parameters);
 io::TriangleMesh make_shells(const Parameters& parameters);
 io::TriangleMesh make_fans(const Parameters& parameters);
 io::TriangleMesh make_lattice(const Parameters& parameters);

@@ -56,8 +56,11 @@ ColouredAnimation& ColouredAnimation::operator=(ColouredAnimation&&) noexcept = 
 void ColouredAnimation::add(const TriangleMesh& mesh, const TriangleMesh* second, const Collisions& collisions) {
     const FloatEnvironment environment;
     const auto node = add_node(implementation_->model, coloured_mesh(mesh, second, collisions));
-    if (node && !implementation_->nodes.empty()) {
-        implementation_->model.nodes[static_cast<std::size_t>(*node)].scale = {0, 0, 0};
+    if (node) {
+        const std::size_t frame = implementation_->nodes.size();
+        tinygltf::Node& added = implementation_->model.nodes[static_cast<std::size_t>(*node)];
+        added.name = "frame " + std::to_string(frame);
+        if (frame > 0) added.scale = {0, 0, 0};
     }
     implementation_->nodes.push_back(node);
 }

@@ -51,6 +51,16 @@ TEST(SceneAnswers, PairsPerTriangleDoNotDependOnTheResolution) {
     }
 }
 
+TEST(SceneAnswers, BodiesMeetOthersAndKnotsThemselvesAsWell) {
+    EXPECT_EQ(pairs_per_triangle("bodies", {}, Wanted::within), 0);
+    EXPECT_GT(pairs_per_triangle("bodies", {}, Wanted::between), 0.05);
+    EXPECT_GT(pairs_per_triangle("knots", {}, Wanted::within), 0.02);
+    EXPECT_GT(pairs_per_triangle("knots", {}, Wanted::between), 0.05);
+    const double model = pairs_per_triangle("model", {});
+    EXPECT_GT(model, 0.001);
+    EXPECT_LT(model, 0.1);
+}
+
 TEST(SceneAnswers, ShellsAreClean) { EXPECT_EQ(pairs_per_triangle("shells", {.triangles = 10'000}), 0); }
 
 TEST(SceneAnswers, GroundCutsTheHem) {

@@ -112,7 +112,8 @@ TEST(Scenes, AreTheSameBitsOnEveryMachine) {
         {"cloth", 0x3a08e3aa1842f07c},         {"ground", 0x2f122dae4f6adf5d},      {"soup", 0x58bdec4a22349908},
         {"needles", 0xeab57c77bc95661f},       {"five_decades", 0x354662ce35d91b5}, {"bodies", 0x9c95738cf745f8d8},
         {"shells", 0xc911d351e28a1fb1},        {"fans", 0xf31074801d3cb54d},        {"lattice", 0xb3bf19f16299d443},
-        {"cloth_on_ball", 0xfa902c0ecda19dcf}, {"funnel", 0x618b466af92d1955},      {"cutting", 0x24fa1364a6445f59},
+        {"cloth_on_ball", 0xfa902c0ecda19dcf}, {"funnel", 0x618b466af92d1955},      {"cutting", 0xa4c37e56af00eada},
+        {"knots", 0xfd61e9b0b5d92a90},         {"model", 0x2341ca804155877c},
     };
     ASSERT_EQ(expected.size(), scenes::descriptions().size());
     for (const Description& scene : scenes::descriptions()) {
@@ -151,11 +152,11 @@ void expect_closed(std::string_view name) {
 }
 
 TEST(Scenes, OfBodiesAreClosed) {
-    for (const char* name : {"bodies", "shells", "fans"}) expect_closed(name);
+    for (const char* name : {"bodies", "shells", "fans", "knots"}) expect_closed(name);
 }
 
 TEST(Scenes, OfBodiesLookOutwards) {
-    for (const char* name : {"bodies", "shells", "fans"}) {
+    for (const char* name : {"bodies", "shells", "fans", "knots"}) {
         const io::TriangleMesh mesh = make(name, {.triangles = 5000});
         const auto xyz = coordinates(mesh);
         std::map<std::int32_t, double> volumes;  // by body: six times its signed volume

@@ -1,0 +1,32 @@
+#pragma once
+
+// Rigid bodies that drift through a cube that wraps around, turning evenly.
+
+#include <cmath>
+
+#include "scenes/arithmetic.h"
+#include "scenes/random.h"
+#include "scenes/soup.h"
+
+namespace crumple::scenes {
+
+/// Rotation by `turns` about a unit vector.
+inline std::array<Vec3d, 3> rotation(Vec3d axis, double turns) {
+    const double c = cosine(turns), s = sine(turns);
+    const auto rotate = [&](Vec3d p) { return c * p + s * cross(axis, p) + ((1 - c) * dot(axis, p)) * axis; };
+    return {rotate({1, 0, 0}), rotate({0, 1, 0}), rotate({0, 0, 1})};
+}
+
+/// Where a body of scale 0.7 to 1.3 is at a frame; its start and its motion are the next numbers of `random`.
+inline Pose tumbling(Random& random, double width, int frame) {
+    const Vec3d start = random.in_cube(0, width), velocity = random.in_cube(-0.05, 0.05), axis = random.direction();
+    const double time = frame, spin = random.uniform(-0.01, 0.01), turns = random.uniform() + spin * time;
+    Pose pose{.axes = rotation(axis, turns), .scale = random.uniform(0.7, 1.3)};
+    for (int k = 0; k < 3; ++k) {
+        const double x = start[k] + time * velocity[k];
+        pose.origin[k] = x - width * std::floor(x / width);
+    }
+    return pose;
+}
+
+}  // namespace crumple::scenes
