@@ -3,6 +3,7 @@ if(NOT DEFINED CMAKE_CUDA_ARCHITECTURES)
     set(CMAKE_CUDA_ARCHITECTURES all-major)  # machine code for each generation, PTX for those to come
 endif()
 enable_language(CUDA)
+find_package(CUDAToolkit REQUIRED)
 set(CMAKE_CUDA_STANDARD_REQUIRED OFF)
 
 # The standard by hand: CMake 3.25 turns 20 into 17 for nvcc 13. No fused operations: signs and error bounds are proven
