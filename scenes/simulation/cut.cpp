@@ -133,8 +133,9 @@ void go_on_with(ClothSolver& solver, const CutFabric& before, const CutFabric& a
     const std::vector<Vec3d> points = solver.points, velocities = solver.velocities;
     solver.set_fabric(after.fabric);
     const std::size_t uncut = after.fabric.flat.size() - after.made.size();
-    for (const auto& [key, id] : after.made) {
-        const auto to = static_cast<std::size_t>(id);
+    for (const auto& made : after.made) {
+        const auto& key = made.first;
+        const auto to = static_cast<std::size_t>(made.second);
         const auto copy = [&](const std::vector<Vec3d>& from, std::vector<Vec3d>& into) {
             auto old = before.made.find(key);
             if (old == before.made.end()) old = before.made.find({key.low, key.high, false});
