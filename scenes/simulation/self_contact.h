@@ -32,7 +32,7 @@ class SelfContactFinder {
                                       double reach);
 
    private:
-    Detector detector_;
+    Detector detector_{{.backend = Backend::cpu}};  // each step moves the points in host memory
     std::vector<Vec3d> normals_;
     std::vector<float> vertices_;
     std::vector<Fabric::Corners> soup_;

@@ -25,22 +25,28 @@ namespace {
 const tbb::global_control sixteen_threads(tbb::global_control::max_allowed_parallelism, 16);
 #endif
 
-std::vector<NamedMesh> small_scenes() {
-    std::vector<NamedMesh> scenes;
-    for (const scenes::Description& scene : scenes::descriptions()) {
-        scenes.push_back(
-            {std::string(scene.name), scenes::make(scene.name, {.triangles = 200, .frame = scene.frames - 1})});
-    }
-    return scenes;
+// Soups first, then scenes, small ones. A scene is made when a test asks for it: each test is a process of its own, and
+// some scenes are simulations.
+const std::vector<NamedMesh>& soups() {
+    static const std::vector<NamedMesh> all = hard_soups();
+    return all;
 }
 
-const std::vector<NamedMesh>& meshes() {
-    static const std::vector<NamedMesh> all = [] {
-        std::vector<NamedMesh> list = hard_soups();
-        for (NamedMesh& scene : small_scenes()) list.push_back(std::move(scene));
-        return list;
-    }();
-    return all;
+std::size_t mesh_count() { return soups().size() + scenes::descriptions().size(); }
+
+std::string mesh_name(std::size_t i) {
+    return i < soups().size() ? soups()[i].name : std::string(scenes::descriptions()[i - soups().size()].name);
+}
+
+const io::TriangleMesh& mesh_of(std::size_t i) {
+    if (i < soups().size()) return soups()[i].mesh;
+    static std::map<std::size_t, io::TriangleMesh> made;
+    auto found = made.find(i);
+    if (found == made.end()) {
+        const scenes::Description& scene = scenes::descriptions()[i - soups().size()];
+        found = made.emplace(i, scenes::make(scene.name, {.triangles = 200, .frame = scene.frames - 1})).first;
+    }
+    return found->second;
 }
 
 struct NamedQuery {
@@ -148,17 +154,18 @@ std::span<Subject> share(std::vector<Subject>& list, std::size_t turn) {
 
 class Agreement : public testing::TestWithParam<std::size_t> {
    protected:
-    const NamedMesh& scene() const { return meshes()[GetParam()]; }
-    MeshView view() const { return scene().mesh.view(); }
+    const io::TriangleMesh& scene() const { return mesh_of(GetParam()); }
+    std::string scene_name() const { return mesh_name(GetParam()); }
+    MeshView view() const { return scene().view(); }
     /// It takes 20 us for each pair of boxes that overlap.
-    bool too_large_for_brute_force() const { return scene().mesh.triangle_count() > 1'000; }
+    bool too_large_for_brute_force() const { return scene().triangle_count() > 1'000; }
     /// Every other triangle, over the same vertices, and the rest.
     std::array<MeshView, 2> halves() const {
         std::array<MeshView, 2> half{view(), view()};
         for (std::size_t side = 0; side < 2; ++side) {
             std::vector<std::int32_t>& groups = half_groups_[side];
             groups.clear();
-            for (std::size_t t = side; t < scene().mesh.groups.size(); t += 2) groups.push_back(scene().mesh.groups[t]);
+            for (std::size_t t = side; t < scene().groups.size(); t += 2) groups.push_back(scene().groups[t]);
             TriangleView& triangles = half[side].triangles;
             const auto total = triangles.rows;
             triangles.rows = (total + 1 - static_cast<std::int64_t>(side)) / 2;
@@ -178,29 +185,29 @@ class Agreement : public testing::TestWithParam<std::size_t> {
 
 // Each detector goes through several queries, so that what it keeps from one must not show in the next.
 TEST_P(Agreement, ForEveryQueryUnderEveryOption) {
-    if (too_large_for_brute_force()) GTEST_SKIP() << scene().name;
+    if (too_large_for_brute_force()) GTEST_SKIP() << scene_name();
     std::vector<Subject> list = subjects();
     std::size_t turn = 0;
-    for (const auto& [name, query] : queries(scene().mesh)) {
+    for (const auto& [name, query] : queries(scene())) {
         const Collisions& expected = reference.find_self(view(), query);
         for (auto& [options, detector] : share(list, turn++)) {
-            SCOPED_TRACE(testing::Message() << scene().name << ", " << name << ", " << describe(options));
+            SCOPED_TRACE(testing::Message() << scene_name() << ", " << name << ", " << describe(options));
             EXPECT_TRUE(same_answer(detector.find_self(view(), query), expected));
             EXPECT_EQ(detector.has_collision(view(), query), !expected.pairs.empty());
         }
-        EXPECT_EQ(reference.has_collision(view(), query), !expected.pairs.empty()) << scene().name << ", " << name;
+        EXPECT_EQ(reference.has_collision(view(), query), !expected.pairs.empty()) << scene_name() << ", " << name;
     }
 }
 
 TEST_P(Agreement, ForOneMeshAgainstAnother) {
-    if (too_large_for_brute_force()) GTEST_SKIP() << scene().name;
+    if (too_large_for_brute_force()) GTEST_SKIP() << scene_name();
     const auto [a, b] = halves();
     std::vector<Subject> list = subjects();
     std::size_t turn = 0;
-    for (const auto& [name, query] : queries(scene().mesh)) {
+    for (const auto& [name, query] : queries(scene())) {
         const Collisions& expected = reference.find_between(a, b, query);
         for (auto& [options, detector] : share(list, turn++)) {
-            SCOPED_TRACE(testing::Message() << scene().name << ", " << name << ", " << describe(options));
+            SCOPED_TRACE(testing::Message() << scene_name() << ", " << name << ", " << describe(options));
             EXPECT_TRUE(same_answer(detector.find_between(a, b, query), expected));
             EXPECT_EQ(detector.has_collision(a, b, query), !expected.pairs.empty());
         }
@@ -244,7 +251,7 @@ TEST_P(Agreement, OfTheUnionOfAnyNumberOfParts) {
     whole.add(parted.find_self(view(), query));
     whole_between.add(parted.find_between(a, b, query));
     for (const int count : part_counts) {
-        SCOPED_TRACE(testing::Message() << scene().name << ", " << count << " parts");
+        SCOPED_TRACE(testing::Message() << scene_name() << ", " << count << " parts");
         const std::vector<Part> parts = parted.partition(view(), count), between = parted.partition(a, b, count);
         ASSERT_EQ(parts.size(), static_cast<std::size_t>(count));
         Union joined, joined_between, joined_reference;
@@ -273,7 +280,7 @@ TEST_P(Agreement, UnderAnyMemoryLimit) {
     };
     const Collisions expected = Detector(unlimited).find_self(view(), query);
     for (std::int64_t limit = expected.statistics.peak_memory_bytes; limit > 3'000; limit /= limit_step) {
-        SCOPED_TRACE(testing::Message() << scene().name << ", " << limit << " bytes");
+        SCOPED_TRACE(testing::Message() << scene_name() << ", " << limit << " bytes");
         std::int64_t needed = 0;
         Detector detector = limited(limit);
         try {
@@ -290,8 +297,8 @@ TEST_P(Agreement, UnderAnyMemoryLimit) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(Scenes, Agreement, testing::Range<std::size_t>(0, meshes().size()),
-                         [](const auto& info) { return test_name(meshes()[info.param].name); });
+INSTANTIATE_TEST_SUITE_P(Scenes, Agreement, testing::Range<std::size_t>(0, mesh_count()),
+                         [](const auto& info) { return test_name(mesh_name(info.param)); });
 
 }  // namespace
 }  // namespace crumple::test
