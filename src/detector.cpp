@@ -45,12 +45,23 @@ void check_query(const MeshView& a, const MeshView* b, const Query& q) {
                    : "wanted between needs groups, and the mesh has none: nothing lies between different groups");
 }
 
-void check_part(const Part& part) {
+void check_part(const Part& part, const MeshView& a, const MeshView* b) {
     const auto count = static_cast<std::int32_t>(part.centres.size());
     check(count >= 1 && count <= max_clusters, "a part needs 1 to 64 centres");
     check(part.index >= 0 && part.index < count, "a part's index must be one of its centres");
     for (const auto& centre : part.centres)
         for (double value : centre) check(std::isfinite(value), "a part's centres must be finite");
+    const auto check_members = [](const std::vector<std::int32_t>& members, std::int64_t triangles) {
+        for (const std::int32_t t : members) {
+            if (t >= 0 && t < triangles) continue;
+            throw Error(ErrorCode::invalid_argument,
+                        "the part names triangle " + std::to_string(t) + " of " + std::to_string(triangles) +
+                            ": it belongs to other meshes",
+                        Element::triangle, t);
+        }
+    };
+    check_members(part.triangles, a.triangles.rows);
+    check_members(part.triangles_second, b ? b->triangles.rows : 0);
 }
 
 Collisions metered(MemoryMeter* meter) {
@@ -164,7 +175,7 @@ struct Detector::Implementation {
 
     const Collisions& find(const MeshView& a, const MeshView* b, const Part* part, const Query& query) {
         const auto begin = std::chrono::steady_clock::now();
-        if (part) check_part(*part);
+        if (part) check_part(*part, a, b);
         meter.peak = meter.used.load();
         result.statistics = {};
         guarded(
@@ -234,7 +245,7 @@ struct Detector::Implementation {
         check(count >= 1 && count <= max_clusters, "the number of parts must be 1 to 64");
         std::vector<Part> parts;
         guarded(
-            a, b, nullptr, {}, [&](const Scene& scene) { parts = make_parts(scene, count); },
+            a, b, nullptr, {}, [&](const Scene& scene) { parts = make_parts(scene, count, *backend); },
             [] { throw Error(ErrorCode::invalid_argument, "partition() takes meshes in host memory"); });
         return parts;
     }

@@ -15,6 +15,8 @@ namespace crumple {
 
 /// One of several independent, overlapping parts of a scene ([MZ] sec. 1.1). A plain value: send it anywhere, answer it
 /// there for the same meshes; each pair is owned by exactly one part, so the union over the parts is the whole answer.
+/// Both triangles of a pair are members of the part that owns it. The lists may be cleared before the part is sent, if
+/// the meshes are large and the way is narrow: then members are found again, by a look at every triangle.
 struct Part {
     std::int32_t index = 0;                      ///< which of `centres` this part is
     std::vector<std::array<double, 3>> centres;  ///< cluster centres of all parts, in the scene's coordinates

@@ -200,7 +200,7 @@ class CpuBackend final : public BackendBase {
         rule_.prepare(query);
         compute_bounds(scene, kernels_, workers_, *points_, balls_);
         if (part)
-            crumple::part_masks(scene, part->centres, part_masks_);
+            crumple::part_masks(scene, *part, *this, part_masks_);
         else if (scene.between)
             part_masks_.assign(static_cast<std::size_t>(scene.triangle_count()), 1);
         else

@@ -71,27 +71,26 @@ __global__ void weld_kernel(Scene scene, PositionHash hash, const unsigned* tabl
     }
 }
 
-struct PartShared {
-    Normaliser normaliser;
-    Vec3d centre[64];
-};
+__global__ void part_centres_kernel(const SceneBox* box, const Vec3d* centre, int count, PartCentres* centres) {
+    const auto k = static_cast<std::size_t>(threadIdx.x);
+    const bool exists = k < static_cast<std::size_t>(count);
+    if (k == 0) centres->count = static_cast<std::size_t>(count);
+    if (exists) centres->centre[k] = normaliser_of(*box)(centre[k]);
+    __syncthreads();
+    if (exists) centres->measure(k);
+}
 
-__global__ void part_kernel(Scene scene, const SceneBox* box, const Vec3d* centre, int count, std::uint64_t* mask) {
-    auto& shared = dynamic_shared<PartShared>();
-    if (threadIdx.x == 0) shared.normaliser = normaliser_of(*box);
-    __syncthreads();
-    for (int k = static_cast<int>(threadIdx.x); k < count; k += static_cast<int>(blockDim.x))
-        shared.centre[k] = shared.normaliser(centre[k]);
-    __syncthreads();
-    const auto n = static_cast<std::size_t>(scene.triangle_count());
+// Masks of the `n` members, or, where these are null, of triangles [0, n).
+__global__ void part_kernel(Scene scene, const SceneBox* box, const PartCentres* centres, const std::int32_t* members,
+                            std::size_t n, std::uint64_t* mask) {
+    const Normaliser normalise = normaliser_of(*box);
     const auto vertices = static_cast<std::uint32_t>(scene.vertex_count());
-    for (std::size_t t = grid_thread(); t < n; t += grid_stride()) {
+    for (std::size_t i = grid_thread(); i < n; i += grid_stride()) {
+        const auto t = members ? static_cast<std::size_t>(members[i]) : i;
         const std::int32_t* c = scene.corners + 3 * t;
         const bool exists = static_cast<std::uint32_t>(c[0]) < vertices &&
                             static_cast<std::uint32_t>(c[1]) < vertices && static_cast<std::uint32_t>(c[2]) < vertices;
-        mask[t] = exists ? crumple::part_mask(scene.triangle(static_cast<std::int64_t>(t)), shared.normaliser,
-                                              shared.centre, static_cast<std::size_t>(count))
-                         : 0;
+        mask[t] = exists ? crumple::part_mask(scene.triangle(static_cast<std::int64_t>(t)), normalise, *centres) : 0;
     }
 }
 
@@ -194,16 +193,24 @@ void Input::want(const Query& query, const Part* part) {
     parted_ = part != nullptr;
     part_ = part ? part->index : 0;
     part_count_ = part ? static_cast<int>(part->centres.size()) : 0;
+    const std::size_t first = part ? part->triangles.size() : 0, second = part ? part->triangles_second.size() : 0;
+    member_count_ = first + second;
     const std::size_t excluded = rule_.excluded().size();
     lay_out(rule_block_, [&](Cutter& c) {
         excluded_ = c.take<std::uint64_t>(excluded);
         part_centre_ = c.take<Vec3d>(static_cast<std::size_t>(part_count_));
+        part_centres_ = c.take<PartCentres>(part ? 1 : 0);
+        members_ = c.take<std::int32_t>(member_count_);
     });
     copy(stream_, excluded_, rule_.excluded().data(), excluded);
     if (part) {
         std::vector<Vec3d> centres;
         for (const auto& [x, y, z] : part->centres) centres.push_back({x, y, z});
         copy(stream_, part_centre_, centres.data(), centres.size());
+        std::vector<std::int32_t> members = part->triangles;
+        for (const std::int32_t t : part->triangles_second)
+            members.push_back(static_cast<std::int32_t>(scene_.triangles[0]) + t);
+        copy(stream_, members_, members.data(), members.size());
     }
     rules_ = {.policy = {query.neighbours == Neighbours::skip, query.intersections == Intersections::proper},
               .by_group = !rule_.trivial(),
@@ -252,9 +259,13 @@ void Input::join(const Geometry& geometry, cudaStream_t stream, Counters* counte
 void Input::enqueue(const Geometry& geometry, cudaStream_t stream, Counters* counters) {
     if (mesh_[0]) join(geometry, stream, counters);
     if (!parted_) return;
-    const std::size_t n = static_cast<std::size_t>(scene_.triangle_count());
-    Launch{stream, geometry.blocks(n), geometry.threads, sizeof(PartShared)}(part_kernel, scene_, box_, part_centre_,
-                                                                             part_count_, part_mask_);
+    const auto triangles = static_cast<std::size_t>(scene_.triangle_count());
+    const bool listed = member_count_ > 0;
+    const std::size_t n = listed ? member_count_ : triangles;
+    if (listed) CRUMPLE_CUDA(cudaMemsetAsync(part_mask_, 0, triangles * sizeof *part_mask_, stream));
+    Launch{stream, 1, 64}(part_centres_kernel, box_, part_centre_, part_count_, part_centres_);
+    Launch{stream, geometry.blocks(n), geometry.threads}(part_kernel, scene_, box_, part_centres_,
+                                                         listed ? members_ : nullptr, n, part_mask_);
 }
 
 void Input::throw_error(const Counters& counters) const {

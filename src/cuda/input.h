@@ -69,8 +69,11 @@ class Input {
     std::size_t slots_ = 0;
     bool parted_ = false;
     int part_ = 0, part_count_ = 0;
+    std::size_t member_count_ = 0;
     std::uint64_t *part_mask_ = nullptr, *excluded_ = nullptr;
     Vec3d* part_centre_ = nullptr;
+    PartCentres* part_centres_ = nullptr;  ///< the same, normalised
+    std::int32_t* members_ = nullptr;      ///< that the part lists; null: all triangles
     Rules rules_;
 };
 

@@ -9,18 +9,38 @@
 
 namespace crumple {
 
-void part_masks(const Scene& scene, const std::vector<std::array<double, 3>>& centres, Array<std::uint64_t>& masks) {
+void part_masks(const Scene& scene, const Part& part, ParallelFor& parallel, Array<std::uint64_t>& masks) {
     const Normaliser normalise(scene.low, scene.high);
-    const std::size_t count = centres.size();
-    std::array<Vec3d, max_clusters> v;
-    for (std::size_t k = 0; k < count; ++k) v[k] = normalise({centres[k][0], centres[k][1], centres[k][2]});
+    PartCentres centres;
+    centres.count = part.centres.size();
+    for (std::size_t k = 0; k < centres.count; ++k) {
+        const auto& [x, y, z] = part.centres[k];
+        centres.centre[k] = normalise({x, y, z});
+    }
+    for (std::size_t k = 0; k < centres.count; ++k) centres.measure(k);
 
-    masks.resize_discard(static_cast<std::size_t>(scene.triangle_count()));
-    for (std::int64_t t = 0; t < scene.triangle_count(); ++t)
-        masks[static_cast<std::size_t>(t)] = part_mask(scene.triangle(t), normalise, v.data(), count);
+    const auto set_masks = [&](std::size_t count, auto triangle) {
+        constexpr std::size_t batch = 1024;
+        parallel.parallel_for((count + batch - 1) / batch, [&](std::size_t b) {
+            for (std::size_t i = b * batch; i < std::min(count, (b + 1) * batch); ++i) {
+                const std::int64_t t = triangle(i);
+                masks[static_cast<std::size_t>(t)] = part_mask(scene.triangle(t), normalise, centres);
+            }
+        });
+    };
+    const auto triangles = static_cast<std::size_t>(scene.triangle_count());
+    const auto &first = part.triangles, &second = part.triangles_second;
+    if (first.empty() && second.empty()) {
+        masks.resize_discard(triangles);
+        set_masks(triangles, [](std::size_t i) { return static_cast<std::int64_t>(i); });
+    } else {
+        masks.assign(triangles, 0);
+        set_masks(first.size(), [&](std::size_t i) { return std::int64_t{first[i]}; });
+        set_masks(second.size(), [&](std::size_t i) { return scene.triangles[0] + second[i]; });
+    }
 }
 
-std::vector<Part> make_parts(const Scene& scene, int count) {
+std::vector<Part> make_parts(const Scene& scene, int count, ParallelFor& parallel) {
     // A cold start on at most 4,096 centroids, with the usual fuzziness 2: no call of pow(), whose last bit may differ.
     const Normaliser normalise(scene.low, scene.high);
     const auto triangles = static_cast<std::size_t>(scene.triangle_count());
@@ -40,18 +60,18 @@ std::vector<Part> make_parts(const Scene& scene, int count) {
     }
 
     std::vector<Part> parts(static_cast<std::size_t>(count));
-    std::vector<std::array<double, 3>> positions;
+    Part all;
     for (int k = 0; k < count; ++k) {
         const Vec3f c = centres[k];
         const Vec3d p = normalise.inverse({c.x, c.y, c.z});
-        positions.push_back({p.x, p.y, p.z});
+        all.centres.push_back({p.x, p.y, p.z});
     }
     Array<std::uint64_t> masks;
-    part_masks(scene, positions, masks);
+    part_masks(scene, all, parallel, masks);
     for (int k = 0; k < count; ++k) {
         Part& part = parts[static_cast<std::size_t>(k)];
         part.index = k;
-        part.centres = positions;
+        part.centres = all.centres;
         for (std::size_t t = 0; t < triangles; ++t) {
             if (!(masks[t] >> k & 1)) continue;
             if (scene.second(static_cast<std::int64_t>(t)))

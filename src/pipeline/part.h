@@ -11,12 +11,14 @@
 
 #include "crumple/array.h"
 #include "crumple/detector.h"
+#include "pipeline/parallel_for.h"
 #include "pipeline/scene.h"
 
 namespace crumple {
 
-/// Bit k of masks[t]: triangle t belongs to the part with centres[k].
-void part_masks(const Scene& scene, const std::vector<std::array<double, 3>>& centres, Array<std::uint64_t>& masks);
+/// Bit k of masks[t]: triangle t belongs to the part with centres[k]. 0 for triangles that `part` does not list; one
+/// without lists stands for all triangles.
+void part_masks(const Scene& scene, const Part& part, ParallelFor& parallel, Array<std::uint64_t>& masks);
 
 /// The pair is owned by the lowest part that both belong to.
 inline bool owned_by(int part, std::uint64_t mask_a, std::uint64_t mask_b) {
@@ -24,6 +26,6 @@ inline bool owned_by(int part, std::uint64_t mask_a, std::uint64_t mask_b) {
 }
 
 /// Cuts a scene into `count` parts around fuzzy C-means centres; depends only on the scene and the count.
-std::vector<Part> make_parts(const Scene& scene, int count);
+std::vector<Part> make_parts(const Scene& scene, int count, ParallelFor& parallel);
 
 }  // namespace crumple

@@ -103,7 +103,7 @@ class Reference final : public BackendBase {
         const std::int64_t triangles = scene.triangle_count();
 
         const Stopwatch subdivide;
-        if (part) part_masks(scene, part->centres, masks_);
+        if (part) part_masks(scene, *part, *this, masks_);
         statistics[Stage::subdivide] = subdivide.milliseconds();
 
         const Stopwatch bounds;

@@ -100,9 +100,17 @@ TEST(CudaDevice, compares_two_meshes_with_groups_and_parts) {
         EXPECT_TRUE(same_answer(cuda.find_between(device_a.view(), device_b.view(), query),
                                 cpu.find_between(grouped, b, query)));
     }
-    for (const Part& part : cpu.partition(grouped, b, 3))
-        EXPECT_TRUE(
-            same_answer(cuda.find_between(device_a.view(), device_b.view(), part), cpu.find_between(grouped, b, part)));
+    for (Part& part : cpu.partition(grouped, b, 3)) {
+        const auto same = [&] {
+            return same_answer(cuda.find_between(device_a.view(), device_b.view(), part),
+                               cpu.find_between(grouped, b, part));
+        };
+        EXPECT_TRUE(same());
+        part.triangles.clear();
+        EXPECT_TRUE(same());  // no triangle of the first mesh is a member
+        part.triangles_second.clear();
+        EXPECT_TRUE(same());  // members are found again
+    }
 }
 
 TEST(CudaDevice, names_what_is_wrong_on_the_device) {

@@ -14,11 +14,13 @@
 
 #include "crumple/error.h"
 #include "crumple/io.h"
+#include "error_of.h"
 #include "io/bytes.h"
 
 namespace crumple::io::test {
 
 namespace fs = std::filesystem;
+using crumple::test::error_of;
 
 /// A folder of its own, removed at the end.
 class Folder {
@@ -53,18 +55,6 @@ inline std::string bytes_of(const fs::path& path) {
 inline TriangleMesh read_bytes(std::string_view bytes, const std::string& name, const ReadOptions& options = {}) {
     const Folder folder;
     return read_mesh(folder.write(name, bytes), options);
-}
-
-/// The error that a call throws; fails the test if it throws none.
-template <class F>
-Error error_of(F&& f) {
-    try {
-        f();
-    } catch (const Error& error) {
-        return error;
-    }
-    ADD_FAILURE() << "no error";
-    return Error(ErrorCode::invalid_argument, "");
 }
 
 /// Expects an error of format at this line or byte, whose message names file and place.

@@ -6,28 +6,19 @@
 #include <cstring>
 #include <limits>
 
+#include "error_of.h"
 #include "soups.h"
 
 namespace crumple {
 namespace {
 
+using test::error_of;
 using test::pairs_of;
 
 const std::vector<std::array<float, 3>> vertices{{0, 0, 0},        {1, 0, 0},       {0, 1, 0},
                                                  {0.2f, 0.2f, -1}, {0.2f, 0.2f, 1}, {2, 2, 0}};
 const std::vector<std::array<std::int32_t, 3>> triangles{{0, 1, 2}, {3, 4, 5}};
 const std::vector<Pair> expected{{0, 1}};
-
-template <class Call>
-Error error_of(Call call) {
-    try {
-        call();
-    } catch (const Error& error) {
-        return error;
-    }
-    ADD_FAILURE() << "no error";
-    return Error(ErrorCode::file, "");
-}
 
 TEST(Input, takes_every_index_type) {
     Detector detector;

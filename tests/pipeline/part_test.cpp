@@ -4,12 +4,14 @@
 
 #include <numeric>
 
+#include "error_of.h"
 #include "soups.h"
 
 namespace crumple {
 namespace {
 
 using test::difference;
+using test::error_of;
 using test::pairs_of;
 
 TEST(Part, the_union_of_the_parts_is_the_whole_answer) {
@@ -49,6 +51,42 @@ TEST(Part, both_triangles_of_a_pair_are_members_of_the_part_that_answers_it) {
             EXPECT_TRUE(is_member(pair.b)) << pair.b << " in part " << part.index;
         }
     }
+}
+
+TEST(Part, a_part_without_its_lists_is_answered_from_its_centres) {
+    const auto soup = test::random_soup(700, 0.15), other = test::random_soup(300, 0.15, 4);
+    Detector detector;
+    for (Part& part : detector.partition(soup.view(), other.view(), 5)) {
+        const auto listed = pairs_of(detector.find_between(soup.view(), other.view(), part));
+        part.triangles.clear();
+        part.triangles_second.clear();
+        EXPECT_EQ(pairs_of(detector.find_between(soup.view(), other.view(), part)), listed);
+    }
+}
+
+TEST(Part, only_pairs_of_listed_triangles_are_found) {
+    const auto soup = test::random_soup(400, 0.3);
+    Detector detector;
+    Part part = detector.partition(soup.view(), 1)[0];
+    std::erase_if(part.triangles, [](std::int32_t t) { return t % 3 == 0; });
+    auto expected = pairs_of(detector.find_self(soup.view()));
+    std::erase_if(expected, [](const Pair& pair) { return pair.a % 3 == 0 || pair.b % 3 == 0; });
+    ASSERT_FALSE(expected.empty());
+    EXPECT_EQ(pairs_of(detector.find_self(soup.view(), part)), expected);
+    EXPECT_EQ(pairs_of(Detector({.backend = Backend::reference}).find_self(soup.view(), part)), expected);
+}
+
+TEST(Part, parts_of_other_meshes_are_refused) {
+    const auto small = test::random_soup(10, 0.3), large = test::random_soup(20, 0.3);
+    Detector detector;
+    const Part part = detector.partition(large.view(), 1)[0];
+    const Part pair = detector.partition(large.view(), large.view(), 1)[0];
+    const auto error = error_of([&] { detector.find_self(small.view(), part); });
+    EXPECT_EQ(error.code, ErrorCode::invalid_argument);
+    EXPECT_NE(std::string(error.what()).find("the part names triangle 10 of 10"), std::string::npos) << error.what();
+    EXPECT_EQ(error_of([&] { detector.find_self(large.view(), pair); }).code, ErrorCode::invalid_argument);
+    EXPECT_EQ(error_of([&] { detector.find_between(large.view(), small.view(), pair); }).code,
+              ErrorCode::invalid_argument);
 }
 
 TEST(Part, parts_overlap_little) {
