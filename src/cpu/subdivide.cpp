@@ -148,10 +148,11 @@ void place_clusters(const Array<Ball>& balls, std::int64_t n, const std::uint64_
     const int wanted = choose_clusters(members, options);
     s.mask1.resize_discard(static_cast<std::size_t>(n + padding));
     for (int count = wanted;; count /= 2) {
-        // A warm start has as many centres as wanted, or fewer where more did not pay.
-        const bool first =
-            centres.count == 0 || centres.count > count || (count == wanted && centres.count * 8 <= count);
+        // A warm start has as many centres as wanted, or fewer where more did not pay: that is tried again when the
+        // scene has grown.
+        const bool first = centres.count == 0 || centres.count > count || wanted >= 2 * warm.wanted;
         if (first) {
+            warm.wanted = wanted;
             start_centres(
                 samples ? count : 1, std::max<std::size_t>(samples, 1),
                 [&](std::size_t i) { return samples ? point(i) : Vec3f{}; }, centres);

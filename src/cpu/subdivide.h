@@ -24,6 +24,7 @@ namespace crumple::cpu {
 /// What is remembered from frame to frame: [MZ] sec. 4, incremental clustering.
 struct WarmCentres {
     Centres level1;
+    int wanted = 0;  ///< centres of the first level for the scene that level1 was started for
     std::array<Centres, max_clusters> level2;
 };
 
