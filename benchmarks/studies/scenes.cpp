@@ -1,5 +1,5 @@
-// Every scene on every backend, instruction set and number of threads: warm (a detector that has seen the scene), cold
-// (a new detector in a process that has run before), and the most memory that the detector has owned.
+// Every scene on every backend, device, instruction set and number of threads: warm (a detector that has seen the
+// scene), cold (a new detector in a process that has run before), and the most memory that the detector has owned.
 
 #include <fmt/format.h>
 
@@ -7,6 +7,7 @@
 #include <set>
 #include <thread>
 
+#include "crumple/device.h"
 #include "crumple/error.h"
 #include "report.h"
 #include "studies/studies.h"
@@ -40,6 +41,9 @@ std::vector<Way> ways_here() {
     }
     if (ways.empty())
         for (const int t : threads) ways.push_back({"cpu", "automatic", {.backend = Backend::cpu, .threads = t}});
+    // Meshes go to the device and pairs come back: what it costs whose data lie there is benchmarks/cuda.cpp's matter.
+    for (const DeviceInfo& device : list_devices().devices)
+        ways.push_back({"cuda", device.name, {.backend = Backend::cuda, .threads = 1, .device = device.number}});
     return ways;
 }
 
