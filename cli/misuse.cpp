@@ -64,7 +64,7 @@ std::string explain_value(const std::string& message) {
 }  // namespace
 
 std::string explain(const CLI::ParseError& error, const CLI::App& app) {
-    const std::string message = error.what();
+    std::string message = error.what();
     if (dynamic_cast<const CLI::ExtrasError*>(&error)) return explain_extras(app);
     if (dynamic_cast<const CLI::ArgumentMismatch*>(&error)) return explain_count(message);
     if (dynamic_cast<const CLI::ConversionError*>(&error) || dynamic_cast<const CLI::ValidationError*>(&error)) {

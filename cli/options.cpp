@@ -1,5 +1,7 @@
 #include "cli/options.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cctype>
 #include <charconv>
@@ -149,7 +151,7 @@ void check_outputs(const std::vector<std::string>& outputs, std::vector<std::str
         for (const std::string& input : inputs) {
             std::error_code missing;  // then they are not the same file
             if (!std::filesystem::equivalent(output, input, missing)) continue;
-            throw Error(ErrorCode::invalid_argument, "-o " + output + " would overwrite the input " + input,
+            throw Error(ErrorCode::invalid_argument, fmt::format("-o {} would overwrite the input {}", output, input),
                         Element::option);
         }
     }
