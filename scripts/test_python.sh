@@ -1,16 +1,18 @@
 #!/usr/bin/env bash
 # Builds the Python package as pip does, installs it into a virtual environment of its own (build-python/), and runs its
 # tests and examples:
-#   scripts/test_python.sh [--all | --sanitize] [pytest's options]
+#   scripts/test_python.sh [--all | --sanitize | --cuda] [pytest's options]
 # --all also installs the packages that it works with (PyVista, Open3D, JAX, Warp, IPC Toolkit, ...: about 3 GB), whose
 # tests are skipped otherwise; PyTorch is tested where it is installed. --sanitize builds with AddressSanitizer and runs
-# what concerns arrays, their lifetimes and threads. PYTHON names the interpreter.
+# what concerns arrays, their lifetimes and threads. --cuda builds the module alone, with the cuda backend that the CPU
+# plays (docs/cuda_on_cpu.md), and runs what concerns arrays on a device. PYTHON names the interpreter.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-all=() sanitize=
+all=() sanitize= cuda=
 case ${1-} in
     --all) all=(--python-peers); shift ;;
     --sanitize) sanitize=-sanitized; shift ;;
+    --cuda) cuda=1; shift ;;
 esac
 scripts/install_dependencies.sh --python "${all[@]}"
 
@@ -27,9 +29,22 @@ if ((${#all[@]})); then
     done
 fi
 
+if [[ $cuda ]]; then
+    package=build-python/cuda/package/crumple
+    cmake -G Ninja -S . -B build-python/cuda -DCMAKE_BUILD_TYPE=Release -DCRUMPLE_PYTHON=ON -DCRUMPLE_WERROR=ON -DCRUMPLE_EXAMPLES=OFF \
+        -DPython_EXECUTABLE="$PWD/$python" >/dev/null
+    cmake --build build-python/cuda --target crumple_python -j "$(nproc)"
+    rm -rf "$package"
+    mkdir -p "$package"
+    cp python/crumple/* build-python/cuda/python/_core*.so "$package"
+    export PYTHONPATH=${package%/*} CRUMPLE_CUDA_ON_CPU=1 PYTHONDONTWRITEBYTECODE=1
+    exec "$python" -m pytest -q python/tests/test_{device,input}.py "$@"
+fi
+
 log=build-python/build-$version$sanitize.log
 echo "Building the Python package (the first time takes some minutes)"
-settings=(--config-settings=build-dir="build-python/cmake-$version$sanitize" --config-settings=cmake.args=-GNinja)
+settings=(--config-settings=build-dir="build-python/cmake-$version$sanitize" --config-settings=cmake.args=-GNinja
+    --config-settings=cmake.define.CRUMPLE_WERROR=ON)
 if [[ $sanitize ]]; then
     # The interpreter has no AddressSanitizer of its own: tests preload it, and the build, which imports the module to
     # write its stub, goes without. Python's own allocations at its end are no leaks of ours.

@@ -87,6 +87,7 @@ struct Detector::Implementation {
     SceneBuffers buffers{&meter};
     Collisions result = metered(&meter);
     Cancellation cancellation;
+    Backend working = Backend::cpu;  ///< what `backend` is
     std::unique_ptr<BackendBase> backend;
     std::string fallback;
 
@@ -97,20 +98,22 @@ struct Detector::Implementation {
     }
 
     std::unique_ptr<BackendBase> make_backend() {
-        switch (options.backend) {
+        if (options.backend == Backend::automatic && has_cuda_backend()) {
+            try {
+                return make_backend(Backend::cuda);
+            } catch (const Error& error) {
+                fallback = error.what();
+            }
+        }
+        return make_backend(options.backend == Backend::automatic ? Backend::cpu : options.backend);
+    }
+    std::unique_ptr<BackendBase> make_backend(Backend which) {
+        working = which;
+        switch (which) {
             case Backend::reference:
                 return make_reference_backend(options, meter, cancellation);
             case Backend::cuda:
                 return make_cuda_backend(options, meter, cancellation);
-            case Backend::automatic:
-                if (has_cuda_backend()) {
-                    try {
-                        return make_cuda_backend(options, meter, cancellation);
-                    } catch (const Error& error) {
-                        fallback = error.what();
-                    }
-                }
-                [[fallthrough]];
             default:
                 return make_cpu_backend(options, meter, cancellation);
         }
@@ -290,6 +293,7 @@ Collisions Detector::take_result(Collisions spare) { return implementation_->tak
 void Detector::cancel() { implementation_->cancellation.request(); }
 void Detector::set_poll(std::function<void()> poll) { implementation_->cancellation.set_poll(std::move(poll)); }
 const Options& Detector::options() const { return implementation_->options; }
+Backend Detector::backend() const { return implementation_->working; }
 std::string_view Detector::fallback() const { return implementation_->fallback; }
 
 }  // namespace crumple

@@ -96,6 +96,9 @@ class Detector {
 
     const Options& options() const;
 
+    /// The backend that works: what Options::backend asks for, or what Backend::automatic has chosen.
+    Backend backend() const;
+
     /// Why Backend::automatic took the cpu backend although this build has the cuda backend, in one line; else empty.
     /// Valid while the detector lives.
     std::string_view fallback() const;

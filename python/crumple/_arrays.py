@@ -12,20 +12,23 @@ import numpy as np
 
 from ._errors import InvalidInput
 
-# DLPack's device types that a CPU can read, and the names of the others.
+# DLPack's device types that a CPU can read, those that the cuda backend reads in place, and the names of the others.
 _HOST = {1, 3, 11}
-_DEVICES = {2: "CUDA", 4: "OpenCL", 7: "Vulkan", 8: "Metal", 10: "ROCm", 13: "CUDA managed", 14: "oneAPI"}
+_CUDA = {2, 13}
+_DEVICES = {4: "OpenCL", 7: "Vulkan", 8: "Metal", 10: "ROCm", 14: "oneAPI"}
+_TO_HOST = "copy them to the host (PyTorch: .cpu(), CuPy: .get(), JAX: jax.device_get, Warp: .numpy())"
 
 
-def _host_array(array: Any, name: str) -> np.ndarray:
+def host_array(array: Any, name: str, in_place: str = "") -> np.ndarray:
+    """The array, which must lie in host memory. `in_place`: what the cuda backend reads where it lies."""
     device = getattr(array, "__dlpack_device__", None)
     if device is not None and not isinstance(array, np.ndarray):
         kind = int(device()[0])
+        if kind in _CUDA and in_place:
+            raise InvalidInput(f"{name} in CUDA memory must be {in_place}, for nothing is converted there")
         if kind not in _HOST:
-            raise InvalidInput(
-                f"{name} lie in {_DEVICES.get(kind, 'device')} memory, which needs the cuda backend, and this build "
-                "has none: copy them to the host (PyTorch: .cpu(), CuPy: .get(), JAX: jax.device_get, Warp: .numpy())"
-            )
+            memory = "CUDA" if kind in _CUDA else _DEVICES.get(kind, "device")
+            raise InvalidInput(f"{name} lie in {memory} memory, but are wanted in the host's: {_TO_HOST}")
     try:
         result = np.asarray(array)
     except Exception as error:
@@ -51,8 +54,8 @@ def _is_sequence(array: Any) -> bool:
     return isinstance(array, (list, tuple))
 
 
-def _integers(array: Any, name: str) -> np.ndarray:
-    result = _host_array(array, name)
+def _integers(array: Any, name: str, in_place: str = "") -> np.ndarray:
+    result = host_array(array, name, in_place)
     if result.size == 0 and _is_sequence(array):
         result = result.astype(np.int64)
     if result.dtype.kind not in "iu":
@@ -63,7 +66,7 @@ def _integers(array: Any, name: str) -> np.ndarray:
 def vertices(array: Any, which: str) -> np.ndarray:
     """(n, 3) of float32 or float64, in native byte order and without odd strides."""
     name = which + "vertices"
-    result = _rows(_host_array(array, name), 3, name)
+    result = _rows(host_array(array, name, "(n, 3) of float32 or float64"), 3, name)
     if _is_sequence(array) and result.dtype.kind in "iu":
         result = result.astype(np.float64)
     if result.dtype.kind != "f" or result.dtype.itemsize not in (4, 8):
@@ -76,7 +79,7 @@ def vertices(array: Any, which: str) -> np.ndarray:
 def faces(array: Any, which: str) -> np.ndarray:
     """(m, 3) of int64. Nothing is truncated: what int64 cannot hold names no vertex."""
     name = which + "faces"
-    result = _rows(_integers(array, name), 3, name)
+    result = _rows(_integers(array, name, "(m, 3) of int32, uint32 or int64"), 3, name)
     if result.dtype.kind == "u" and result.dtype.itemsize == 8 and result.size:
         too_large = np.argwhere(result > np.iinfo(np.int64).max)
         if len(too_large):
@@ -104,7 +107,7 @@ def _int32(array: np.ndarray, name: str) -> np.ndarray:
 def groups(array: Any, which: str) -> np.ndarray:
     """(m) of int32 without gaps."""
     name = which + "groups"
-    result = _integers(array, name)
+    result = _integers(array, name, "(m) of int32 without gaps")
     if result.ndim != 1:
         raise InvalidInput(f"{name} must have shape (faces,), not {result.shape}")
     return _int32(result, name)

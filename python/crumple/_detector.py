@@ -89,6 +89,11 @@ class Detector:
         """What the detector was made with."""
         return dict(self._options)
 
+    @property
+    def backend(self) -> str:
+        """The backend that works, "cpu", "cuda" or "reference": what was asked for, or what "automatic" has chosen."""
+        return self._core.backend
+
     def __repr__(self) -> str:
         return "crumple.Detector(" + ", ".join(f"{name}={value!r}" for name, value in self._options.items()) + ")"
 

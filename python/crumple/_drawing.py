@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from ._arrays import host_array
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -36,13 +38,9 @@ class Drawing(NamedTuple):
     points: NDArray[np.float64]
 
 
-def _host(array) -> np.ndarray:
-    return np.from_dlpack(array) if hasattr(array, "__dlpack__") else np.asarray(array)
-
-
 def _coloured(mesh: Mesh, hit: NDArray[np.bool_], side: int):
-    vertices = _host(mesh.vertices).astype(np.float64).reshape(-1, 3)
-    faces = _host(mesh.faces).astype(np.int64).reshape(-1, 3)
+    vertices = host_array(mesh.vertices, "vertices").astype(np.float64).reshape(-1, 3)
+    faces = host_array(mesh.faces, "faces").astype(np.int64).reshape(-1, 3)
     palette = np.array([CALM[side], COLLIDING[side]], np.uint8)
     return vertices, faces, palette[hit.astype(np.intp)]
 

@@ -8,7 +8,7 @@ class Error(Exception):
 
     Attributes:
         code: "invalid_argument", "not_finite", "index_out_of_range", "memory_limit", "backend_unavailable", "file",
-            "format" or "cancelled".
+            "format", "cancelled" or "device".
         element: what `index` counts: "vertex", "triangle", "group", "option", "line", "byte" or "none".
         index: the first offending element, -1 if there is none.
         bytes_needed: MemoryLimit: the limit, in bytes, that suffices; otherwise 0.

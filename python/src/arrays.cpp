@@ -1,5 +1,7 @@
 #include "arrays.h"
 
+#include "errors.h"
+
 #include <nanobind/stl/string.h>
 
 #include <bit>
@@ -57,8 +59,8 @@ bool are_groups(const BorrowedArray& a) {
 
 bool are_group_pairs(const BorrowedArray& a) {
     constexpr std::int64_t size = sizeof(std::int32_t);
-    return has_rows_of(2, a) && a.number == Number::int32 && a.strides[0] % size == 0 && a.strides[1] % size == 0 &&
-           reinterpret_cast<std::uintptr_t>(a.data) % size == 0;
+    return has_rows_of(2, a) && a.device == BorrowedArray::on_host && a.number == Number::int32 &&
+           a.strides[0] % size == 0 && a.strides[1] % size == 0 && reinterpret_cast<std::uintptr_t>(a.data) % size == 0;
 }
 
 BorrowedArray import_array(nb::handle object, bool (*accepted)(const BorrowedArray&), const char* converter,
@@ -69,6 +71,10 @@ BorrowedArray import_array(nb::handle object, bool (*accepted)(const BorrowedArr
     BorrowedArray again;
     if (again.borrow(converted) && accepted(again)) return again;
     throw std::logic_error(std::string("crumple._arrays.") + converter + " gave an array of another kind");
+}
+
+std::string place(int device) {
+    return device == BorrowedArray::on_host ? "host memory" : "the memory of CUDA device " + std::to_string(device);
 }
 
 template <class Type>
@@ -97,6 +103,7 @@ void BorrowedArray::swap(BorrowedArray& other) noexcept {
     std::swap(dimensions, other.dimensions);
     std::swap(shape, other.shape);
     std::swap(strides, other.strides);
+    std::swap(device, other.device);
     std::swap(buffer_, other.buffer_);
     std::swap(dlpack_, other.dlpack_);
 }
@@ -124,8 +131,18 @@ bool BorrowedArray::borrow_buffer(nb::handle object) {
 
 bool BorrowedArray::borrow_dlpack(nb::handle object) {
     if (!nb::try_cast(object, dlpack_)) return false;
-    const int device = dlpack_.device_type();
-    if (device != nb::device::cpu::value && device != nb::device::cuda_host::value) return false;
+    switch (dlpack_.device_type()) {
+        case nb::device::cpu::value:
+        case nb::device::cuda_host::value:
+            device = on_host;
+            break;
+        case nb::device::cuda::value:
+        case nb::device::cuda_managed::value:
+            device = dlpack_.device_id();
+            break;
+        default:
+            return false;
+    }
     data = dlpack_.data();
     number = number_of(dlpack_.dtype());
     dimensions = dlpack_.ndim() <= 2 ? static_cast<int>(dlpack_.ndim()) : 0;
@@ -141,9 +158,16 @@ BorrowedMesh::BorrowedMesh(nb::handle mesh, const std::string& which)
     : vertices_(import_array(mesh[0], are_vertices, "vertices", which)),
       faces_(import_array(mesh[1], are_faces, "faces", which)),
       view_(rows_of_three(vertices_, scalar_type(vertices_)), rows_of_three(faces_, index_type(faces_))) {
+    const auto check_place = [&](const BorrowedArray& array, const char* name) {
+        if (array.device != device())
+            refuse(which + name + " lie in " + place(array.device) + ", but vertices in " + place(device()));
+    };
+    check_place(faces_, "faces");
+    if (device() != BorrowedArray::on_host) view_.memory = MemorySpace::cuda;
     const nb::object groups = mesh[2];
     if (groups.is_none()) return;
     groups_ = import_array(groups, are_groups, "groups", which);
+    check_place(groups_, "groups");
     view_.groups = {static_cast<const std::int32_t*>(groups_.data), static_cast<std::size_t>(groups_.shape[0])};
 }
 

@@ -2,9 +2,10 @@
 
 // Arrays on their way in: views of what Python holds, without a copy wherever the library can read it in place.
 //
-// Accepted as they are: host arrays that speak the buffer protocol or DLPack; vertices (n, 3) of float32 or float64,
-// faces (m, 3) of int32, uint32 or int64, groups (m) of int32 without gaps; any strides. Everything else goes through
-// crumple/_arrays.py, which converts what can be converted without loss and refuses the rest by name.
+// Accepted as they are: arrays in host memory that speak the buffer protocol or DLPack, and arrays in CUDA memory that
+// speak DLPack; vertices (n, 3) of float32 or float64, faces (m, 3) of int32, uint32 or int64, groups (m) of int32
+// without gaps; any strides. Everything else goes through crumple/_arrays.py, which converts what can be converted
+// without loss and refuses the rest by name.
 //
 // The buffer protocol comes first, for it is the cheaper: a search sweeps the caches, so that each line of code and
 // data that is touched around it comes from memory.
@@ -35,13 +36,16 @@ class BorrowedArray {
     }
     ~BorrowedArray();
 
-    /// Looks at an object; false if it is no host array of one or two dimensions.
+    /// Looks at an object; false if it is no array of one or two dimensions, in memory of the host or of CUDA. In
+    /// CUDA's, it is ready for what is given to the legacy default stream (DLPack's rule for whoever names no stream).
     bool borrow(nanobind::handle object);
 
     const void* data = nullptr;
     Number number = Number::other;
     int dimensions = 0;
     std::array<std::int64_t, 2> shape{}, strides{};  ///< of two dimensions; strides in bytes
+    int device = on_host;                            ///< number of the CUDA device that it lies on
+    static constexpr int on_host = -1;
 
    private:
     bool borrow_buffer(nanobind::handle object);
@@ -59,6 +63,8 @@ class BorrowedMesh {
     /// `which` leads every message: "first mesh: " or nothing.
     BorrowedMesh(nanobind::handle mesh, const std::string& which);
     const MeshView& view() const { return view_; }
+    /// The CUDA device that all of it lies on, or BorrowedArray::on_host.
+    int device() const { return vertices_.device; }
 
    private:
     BorrowedArray vertices_, faces_, groups_;

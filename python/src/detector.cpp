@@ -8,6 +8,7 @@
 
 #include "arguments.h"
 #include "arrays.h"
+#include "crumple/device.h"
 #include "names.h"
 
 namespace nb = nanobind;
@@ -72,6 +73,19 @@ std::vector<Part> SharedDetector::partition(const MeshView& first, const MeshVie
 
 namespace {
 
+// Arrays on a device must lie on the one that the detector works on.
+void check_device(const SharedDetector& detector, int device) {
+    if (device == BorrowedArray::on_host) return;
+    if (detector.backend() != Backend::cuda) {
+        const std::string reason = list_devices().reason;
+        refuse("the arrays lie in CUDA memory, which needs the cuda backend" + (reason.empty() ? "" : "; " + reason) +
+               ": copy them to the host (PyTorch: .cpu(), CuPy: .get(), JAX: jax.device_get, Warp: .numpy())");
+    }
+    if (device != detector.options().device)
+        refuse("the arrays lie in the memory of CUDA device " + std::to_string(device) +
+               ", but the detector works on device " + std::to_string(detector.options().device));
+}
+
 /// What Python says of one call; holds what the views point to.
 struct Call {
     BorrowedMesh first;
@@ -79,12 +93,15 @@ struct Call {
     std::vector<GroupPair> excluded;
     Query query;
 
-    Call(nb::handle a, nb::handle b) : first(a, b.is_none() ? "" : "first mesh: ") {
-        if (!b.is_none()) second.emplace(b, "second mesh: ");
+    Call(const SharedDetector& detector, nb::handle a, nb::handle b) : first(a, b.is_none() ? "" : "first mesh: ") {
+        check_device(detector, first.device());
+        if (b.is_none()) return;
+        second.emplace(b, "second mesh: ");
+        check_device(detector, second->device());
     }
-    Call(nb::handle a, nb::handle b, nb::handle neighbours, nb::handle intersections, nb::handle weld,
-         nb::handle contacts, nb::handle wanted, nb::handle excluded_groups)
-        : Call(a, b) {
+    Call(const SharedDetector& detector, nb::handle a, nb::handle b, nb::handle neighbours, nb::handle intersections,
+         nb::handle weld, nb::handle contacts, nb::handle wanted, nb::handle excluded_groups)
+        : Call(detector, a, b) {
         excluded = group_pairs(excluded_groups);
         query = {named(neighbours_names, "neighbours", neighbours),
                  named(intersections_names, "intersections", intersections),
@@ -177,12 +194,14 @@ void bind_detector(nb::module_& module) {
                      .device = integer<int>("device", options["device"]),
                  });
              })
+        .def_prop_ro("backend", [](const SharedDetector& self) { return name_of(backend_names, self.backend()); })
         .def(
             "find",
             [](SharedDetector& self, nb::handle first, nb::handle second, nb::handle part, nb::handle neighbours,
                nb::handle intersections, nb::handle weld, nb::handle contacts, nb::handle wanted,
                nb::handle excluded_groups, nb::handle copy) {
-                const Call call(first, second, neighbours, intersections, weld, contacts, wanted, excluded_groups);
+                const Call call(self, first, second, neighbours, intersections, weld, contacts, wanted,
+                                excluded_groups);
                 const Part* const of = part_or_null(part);
                 Result result{nullptr, nb::borrow(first), nb::borrow(second), call.query.contacts, flag("copy", copy)};
                 result.storage =
@@ -195,7 +214,7 @@ void bind_detector(nb::module_& module) {
             "any",
             [](SharedDetector& self, nb::handle first, nb::handle second, nb::handle neighbours,
                nb::handle intersections, nb::handle weld, nb::handle wanted, nb::handle excluded_groups) {
-                const Call call(first, second, neighbours, intersections, weld, nb::bool_(false), wanted,
+                const Call call(self, first, second, neighbours, intersections, weld, nb::bool_(false), wanted,
                                 excluded_groups);
                 return without_gil([&] { return self.any(call.first.view(), call.second_or_null(), call.query); });
             },
@@ -204,7 +223,7 @@ void bind_detector(nb::module_& module) {
         .def(
             "partition",
             [](SharedDetector& self, nb::handle first, nb::handle second, nb::handle count) {
-                const Call call(first, second);
+                const Call call(self, first, second);
                 const int parts = integer<int>("count", count);
                 return without_gil([&] { return self.partition(call.first.view(), call.second_or_null(), parts); });
             },

@@ -31,6 +31,7 @@ class SharedDetector {
     bool any(const MeshView& first, const MeshView* second, const Query& query);
     std::vector<Part> partition(const MeshView& first, const MeshView* second, int count);
     const Options& options() const { return detector_.options(); }
+    Backend backend() const { return detector_.backend(); }
 
    private:
     const Collisions& search(const MeshView& first, const MeshView* second, const Part* part, const Query& query);

@@ -11,9 +11,9 @@ namespace crumple::python {
 namespace {
 
 const char* name_of(ErrorCode code) {
-    constexpr std::array names{
-        "invalid_argument", "not_finite", "index_out_of_range", "memory_limit", "backend_unavailable", "file",
-        "format",           "cancelled"};
+    constexpr std::array names{"invalid_argument", "not_finite",          "index_out_of_range",
+                               "memory_limit",     "backend_unavailable", "file",
+                               "format",           "cancelled",           "device"};
     return names[static_cast<std::size_t>(code)];
 }
 
@@ -32,6 +32,7 @@ const char* class_of(const Error& error) {
         case ErrorCode::file:
             return "FileError";
         case ErrorCode::cancelled:
+        case ErrorCode::device:
             return "Error";
         case ErrorCode::invalid_argument:
         case ErrorCode::not_finite:

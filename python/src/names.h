@@ -38,6 +38,13 @@ inline constexpr Names<io::Precision, 3> precision_names{{{"automatic", io::Prec
 inline constexpr Names<io::Weld, 3> weld_names{
     {{"automatic", io::Weld::automatic}, {"yes", io::Weld::yes}, {"no", io::Weld::no}}};
 
+template <class Enum, std::size_t count>
+std::string_view name_of(const Names<Enum, count>& names, Enum value) {
+    for (const auto& [name, enumerator] : names)
+        if (enumerator == value) return name;
+    return {};
+}
+
 /// The enumerator that is called so; else an Error that names the argument and what it may be.
 template <class Enum, std::size_t count>
 Enum named(const Names<Enum, count>& names, std::string_view argument, nanobind::handle value) {

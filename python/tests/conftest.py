@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import importlib
 
 import numpy as np
@@ -28,6 +29,25 @@ def soup(triangles: int, size: float = 0.2, seed: int = 1, dtype=np.float32) -> 
 
 def as_set(pairs) -> set[tuple[int, int]]:
     return set(map(tuple, np.asarray(pairs).tolist()))
+
+
+class OnDevice:
+    """An array that says it lies on a device, of CUDA (kind 2) unless told otherwise."""
+
+    def __init__(self, array, device=0, kind=2):
+        self.array, self.place = array, (kind, device)
+
+    def __dlpack_device__(self):
+        return self.place
+
+    def __dlpack__(self, **_):
+        """NumPy's own capsule with another device written into it: after the data pointer of a DLTensor."""
+        capsule = self.array.__dlpack__()
+        address = ctypes.pythonapi.PyCapsule_GetPointer
+        address.restype, address.argtypes = ctypes.c_void_p, [ctypes.py_object, ctypes.c_char_p]
+        tensor = address(capsule, b"dltensor")
+        (ctypes.c_int32 * 2).from_address(tensor + 8)[:] = self.place
+        return capsule
 
 
 @pytest.fixture

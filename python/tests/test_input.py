@@ -1,13 +1,12 @@
 """What comes in: every layout is read for what it is, nothing is written to, and what is wrong is named."""
 
-import ctypes
 import re
 
 import numpy as np
 import pytest
 
 import crumple
-from conftest import peer, soup
+from conftest import OnDevice, peer, soup
 
 MESH = soup(60, size=0.8)
 EXPECTED = crumple.find_self_intersections(MESH).tolist()
@@ -311,7 +310,9 @@ def test_wrong_options_are_named(options, message):
         crumple.Detector(**options)
 
 
-def test_a_missing_instruction_set_is_an_error():
+def test_a_missing_instruction_set_is_an_error(detector):
+    if detector.backend == "cuda":
+        pytest.skip("instruction sets are the cpu backend's")
     missing = []
     for simd in ("sse4", "avx2", "avx512", "neon"):
         try:
@@ -344,29 +345,38 @@ def test_a_memory_limit_names_the_limit_that_suffices():
         np.testing.assert_array_equal(pairs, crumple.find_self_intersections(mesh))
 
 
-class OnDevice:
-    """An array that says it lies on a GPU."""
-
-    def __init__(self, array):
-        self.array = array
-
-    def __dlpack_device__(self):
-        return 2, 0
-
-    def __dlpack__(self, **_):
-        """NumPy's own capsule with another device written into it: after the data pointer of a DLTensor."""
-        capsule = self.array.__dlpack__()
-        address = ctypes.pythonapi.PyCapsule_GetPointer
-        address.restype, address.argtypes = ctypes.c_void_p, [ctypes.py_object, ctypes.c_char_p]
-        tensor = address(capsule, b"dltensor")
-        ctypes.c_int32.from_address(tensor + 8).value = 2
-        return capsule
-
-
 def test_device_arrays_are_told_what_to_do(detector):
-    for mesh in [(OnDevice(MESH.vertices), MESH.faces), (MESH.vertices, OnDevice(MESH.faces))]:
-        with pytest.raises(crumple.InvalidInput, match=r"lie in CUDA memory, which needs the cuda backend.*\.cpu\(\)"):
-            detector.find_self(*mesh)
+    if detector.backend == "cuda":
+        pytest.skip("this detector takes them")
+    mesh = OnDevice(MESH.vertices), OnDevice(MESH.faces)
+    with pytest.raises(crumple.InvalidInput, match=r"lie in CUDA memory, which needs the cuda backend.*\.cpu\(\)"):
+        detector.find_self(*mesh)
+    with pytest.raises(crumple.InvalidInput, match=r"lie in CUDA memory, which needs the cuda backend.*\.cpu\(\)"):
+        detector.find_between((MESH.vertices, MESH.faces), mesh)
+
+
+def test_a_mesh_lies_in_one_place(detector):
+    with pytest.raises(crumple.InvalidInput, match="faces lie in host memory, but vertices in the memory of CUDA device 0"):
+        detector.find_self(OnDevice(MESH.vertices), MESH.faces)
+    with pytest.raises(crumple.InvalidInput, match="faces lie in the memory of CUDA device 3, but vertices in host memory"):
+        detector.find_self(MESH.vertices, OnDevice(MESH.faces, 3))
+    with pytest.raises(crumple.InvalidInput, match="groups lie in the memory of CUDA device 0, but vertices in host"):
+        detector.find_self(*MESH[:2], groups=OnDevice(np.zeros(len(MESH.faces), np.int32)))
+
+
+def test_nothing_is_converted_on_a_device(detector):
+    faces = OnDevice(MESH.faces)
+    with pytest.raises(crumple.InvalidInput, match=r"vertices in CUDA memory must be \(n, 3\) of float32 or float64"):
+        detector.find_self(OnDevice(MESH.vertices.astype(np.float16)), faces)
+    with pytest.raises(crumple.InvalidInput, match=r"faces in CUDA memory must be \(m, 3\) of int32, uint32 or int64"):
+        detector.find_self(OnDevice(MESH.vertices), OnDevice(MESH.faces.astype(np.int16)))
+    with pytest.raises(crumple.InvalidInput, match="excluded_groups lie in CUDA memory, but are wanted in the host's"):
+        detector.find_self(MESH, excluded_groups=OnDevice(np.zeros((1, 2), np.int32)))
+
+
+def test_a_device_of_another_kind_is_named(detector):
+    with pytest.raises(crumple.InvalidInput, match="vertices lie in Metal memory.*copy them to the host"):
+        detector.find_self(OnDevice(MESH.vertices, kind=8), MESH.faces)
 
 
 @pytest.mark.parametrize("package", ["torch", "jax", "warp"])

@@ -1,0 +1,111 @@
+"""Arrays in CUDA memory: the cuda backend reads them where they lie and gives the bytes of every other backend.
+
+On a machine without a device `scripts/test_python.sh --cuda` builds the module with the backend that the CPU plays, whose
+device memory is the host's.
+"""
+
+import ctypes
+import os
+
+import numpy as np
+import pytest
+
+import crumple
+from conftest import OnDevice, soup
+
+
+ON_CPU = "CRUMPLE_CUDA_ON_CPU" in os.environ
+
+
+def on_device(array):
+    """A contiguous copy in device memory."""
+    if ON_CPU:
+        allocate = ctypes.CDLL(crumple._core.__file__).crumple_test_device_memory
+        allocate.restype, allocate.argtypes = ctypes.c_void_p, [ctypes.c_size_t]
+        memory = (ctypes.c_byte * max(array.nbytes, 1)).from_address(allocate(max(array.nbytes, 1)))
+        copy = np.frombuffer(memory, array.dtype, array.size).reshape(array.shape)
+        copy[...] = array
+        return OnDevice(copy)
+    torch = pytest.importorskip("torch", reason="arrays on a device are PyTorch's")
+    return torch.from_numpy(np.ascontiguousarray(array)).cuda()
+
+
+def mesh_on_device(mesh):
+    return crumple.Mesh(*(None if array is None else on_device(array) for array in mesh))
+
+
+@pytest.fixture(scope="module")
+def cuda():
+    try:
+        return crumple.Detector(backend="cuda")
+    except crumple.BackendUnavailable as error:
+        pytest.skip(str(error))
+
+
+MESH = soup(300, size=0.4)._replace(groups=np.arange(300, dtype=np.int32) % 4)
+OTHER = soup(200, size=0.4, seed=2)
+
+
+def assert_same(found, expected):
+    np.testing.assert_array_equal(found.pairs, expected.pairs)
+    np.testing.assert_array_equal(found.offsets, expected.offsets)
+    np.testing.assert_array_equal(found.hit, expected.hit)
+    if expected.contacts is not None:
+        assert found.contacts.points.tobytes() == expected.contacts.points.tobytes()
+
+
+@pytest.mark.parametrize("scalar", [np.float32, np.float64])
+@pytest.mark.parametrize("index", [np.int32, np.uint32, np.int64])
+def test_every_type(cuda, detector, scalar, index):
+    mesh = MESH.vertices.astype(scalar), MESH.faces.astype(index)
+    expected = detector.find_self(*mesh, contacts=True)
+    assert len(expected.pairs) > 100
+    assert_same(cuda.find_self(mesh_on_device(crumple.Mesh(*mesh)), contacts=True), expected)
+
+
+def test_strides(cuda, detector):
+    columns, rows = on_device(MESH.vertices.T), on_device(np.repeat(MESH.faces, 2, axis=0))
+    mesh = (OnDevice(columns.array.T), OnDevice(rows.array[::2])) if ON_CPU else (columns.T, rows[::2])
+    assert_same(cuda.find_self(*mesh), detector.find_self(*MESH[:2]))
+
+
+@pytest.mark.parametrize("query", [{}, {"wanted": "between"}, {"weld": True}, {"excluded_groups": [(0, 1)]}])
+def test_queries(cuda, detector, query):
+    device = mesh_on_device(MESH)
+    assert_same(cuda.find_self(device, **query), detector.find_self(MESH, **query))
+    assert_same(
+        cuda.find_between(device, mesh_on_device(OTHER), **query), detector.find_between(MESH, OTHER, **query)
+    )
+    assert cuda.has_intersections(device, **query) == detector.has_intersections(MESH, **query)
+
+
+def test_parts(cuda, detector):
+    pairs = [cuda.find_self(mesh_on_device(MESH), part=part).pairs for part in detector.partition(MESH, count=5)]
+    joined = np.concatenate(pairs)
+    np.testing.assert_array_equal(joined[np.lexsort(joined.T[::-1])], detector.find_self(MESH).pairs)
+
+
+def test_errors_name_the_place(cuda):
+    vertices, faces = MESH.vertices.copy(), MESH.faces.copy()
+    vertices[17, 1] = np.nan
+    with pytest.raises(crumple.InvalidInput, match="vertex 17 is not finite"):
+        cuda.find_self(on_device(vertices), on_device(faces))
+    faces[4, 2] = 90_000
+    with pytest.raises(crumple.InvalidInput, match="triangle 4 names vertex 90000 of 900"):
+        cuda.find_self(on_device(MESH.vertices), on_device(faces))
+
+
+def test_another_device_is_refused(cuda):
+    mesh = OnDevice(MESH.vertices, 7), OnDevice(MESH.faces, 7)
+    with pytest.raises(crumple.InvalidInput, match="in the memory of CUDA device 7, but the detector works on device 0"):
+        cuda.find_self(*mesh)
+
+
+def test_both_meshes_lie_in_one_place(cuda):
+    with pytest.raises(crumple.InvalidInput, match="the second mesh lies in host memory, the other one in device"):
+        cuda.find_between(mesh_on_device(MESH), OTHER)
+
+
+def test_arrays_in_host_memory_are_brought_there(cuda, detector):
+    assert cuda.backend == "cuda" and detector.backend in ("cpu", "cuda")
+    assert_same(cuda.find_self(MESH), detector.find_self(MESH))
