@@ -44,7 +44,7 @@ TEST(Options, clusters_leaves_and_threads_do_not_change_the_answer) {
 TEST(Options, a_warm_detector_splits_a_scene_as_a_new_one_does) {
     const auto small = test::wavy_sheet(20), large = test::wavy_sheet(60);
     const Options options{.leaf_size = 1200};  // 1 and 6 leaves
-    const std::int32_t clusters = Detector(options).find_self(large.view()).statistics.clusters;
+    const auto clusters = Detector(options).find_self(large.view()).statistics.clusters;
     ASSERT_GT(clusters, 1);
     Detector detector(options);
     EXPECT_EQ(detector.find_self(small.view()).statistics.clusters, 1);
