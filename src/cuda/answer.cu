@@ -17,8 +17,8 @@ void Answer::cut(Cutter& c, const Scene& scene, std::size_t pairs) {
                second = static_cast<std::size_t>(scene.triangles[1]);
     output.offsets = c.take<unsigned long long>(first + 1);
     output.next = c.take<unsigned long long>(first + 1);
-    output.hit = c.take<std::uint8_t>((first + 3) / 4 * 4);
-    output.hit_second = c.take<std::uint8_t>((second + 3) / 4 * 4);
+    output.hit = c.take<std::uint8_t>(whole_words(first));
+    output.hit_second = c.take<std::uint8_t>(whole_words(second));
     output.capacity = pairs;
     output.pairs = c.take<Pair>(pairs);
     output.second = c.take<std::int32_t>(pairs);

@@ -5,7 +5,13 @@
 namespace crumple::cuda {
 namespace {
 
+/// A box of each warp of a block, axis by axis.
+struct BoxShared {
+    unsigned long long low[3][32], high[3][32];
+};
+
 __global__ void check_kernel(Scene scene, SceneBox* box, Counters* counters) {
+    auto& shared = dynamic_shared<BoxShared>();
     constexpr double most = 1.7976931348623157e308;
     Vec3d low{most, most, most}, high{-most, -most, -most};
     const auto n = static_cast<std::size_t>(scene.vertex_count());
@@ -28,9 +34,19 @@ __global__ void check_kernel(Scene scene, SceneBox* box, Counters* counters) {
             greatest = max(greatest, __shfl_xor_sync(whole_warp, greatest, lanes));
         }
         if (threadIdx.x % 32 != 0) continue;
-        atomicMin(&box->low[axis], least);
-        atomicMax(&box->high[axis], greatest);
+        shared.low[axis][threadIdx.x / 32] = least;
+        shared.high[axis][threadIdx.x / 32] = greatest;
     }
+    __syncthreads();
+    if (threadIdx.x >= 3) return;
+    const unsigned axis = threadIdx.x;
+    unsigned long long least = shared.low[axis][0], greatest = shared.high[axis][0];
+    for (unsigned warp = 1; warp < blockDim.x / 32; ++warp) {
+        least = min(least, shared.low[axis][warp]);
+        greatest = max(greatest, shared.high[axis][warp]);
+    }
+    atomicMin(&box->low[axis], least);
+    atomicMax(&box->high[axis], greatest);
 }
 
 template <class T>
@@ -75,7 +91,7 @@ __global__ void balls_kernel(Scene scene, const Row<T>* rows, Ball* balls, Count
 void check_vertices(const Geometry& geometry, cudaStream_t stream, const Scene& scene, SceneBox* box,
                     Counters* counters) {
     const auto n = static_cast<std::size_t>(scene.vertex_count());
-    Launch{stream, geometry.blocks(n), geometry.threads}(check_kernel, scene, box, counters);
+    Launch{stream, geometry.blocks(n), geometry.threads, sizeof(BoxShared)}(check_kernel, scene, box, counters);
 }
 
 void compute_bounds(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const SceneBox* box,

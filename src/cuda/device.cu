@@ -53,10 +53,13 @@ Geometry Device::geometry() const {
     int multiprocessors = 0, resident = 0;
     CRUMPLE_CUDA(cudaDeviceGetAttribute(&multiprocessors, cudaDevAttrMultiProcessorCount, index_));
     CRUMPLE_CUDA(cudaDeviceGetAttribute(&resident, cudaDevAttrMaxThreadsPerMultiProcessor, index_));
-    return {block_threads, static_cast<unsigned>(multiprocessors * resident) / block_threads};
+    return {block_threads, static_cast<unsigned>(multiprocessors * resident) / block_threads,
+            static_cast<unsigned>(multiprocessors)};
 }
 
 Device::Current::Current(const Device& device) {
+    // What the caller's thread has left behind, say cudaErrorNotReady, would look like a failure of the next launch.
+    cudaGetLastError();
     CRUMPLE_CUDA(cudaGetDevice(&before_));
     if (before_ == device.index_) return;
     CRUMPLE_CUDA(cudaSetDevice(device.index_));

@@ -89,6 +89,8 @@ std::size_t output_scratch_bytes(std::int64_t first_triangles) {
     return bytes;
 }
 
+std::size_t whole_words(std::size_t flags) { return (flags + 3) / 4 * 4; }
+
 std::size_t long_row_capacity(std::size_t pairs) { return pairs / short_row + 1; }
 
 void make_offsets(cudaStream_t stream, const Scene& scene, const Output& output) {
@@ -106,14 +108,16 @@ void fill_buckets(const Geometry& geometry, cudaStream_t stream, const Scene& sc
 void order_buckets(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Output& output,
                    Counters* counters) {
     const auto n = static_cast<std::size_t>(scene.triangles[0]);
-    CRUMPLE_CUDA(cudaMemsetAsync(output.hit, 0, n, stream));
+    CRUMPLE_CUDA(cudaMemsetAsync(output.hit, 0, whole_words(n), stream));
     if (scene.between)
-        CRUMPLE_CUDA(cudaMemsetAsync(output.hit_second, 0, static_cast<std::size_t>(scene.triangles[1]), stream));
+        CRUMPLE_CUDA(
+            cudaMemsetAsync(output.hit_second, 0, whole_words(static_cast<std::size_t>(scene.triangles[1])), stream));
     CRUMPLE_CUDA(cudaMemsetAsync(&counters->long_rows, 0, sizeof counters->long_rows, stream));
     Launch{stream, geometry.blocks(output.capacity), geometry.threads}(order_kernel, n, scene.between, output,
                                                                        counters);
-    Launch{stream, geometry.blocks(32 * long_row_capacity(output.capacity)), geometry.threads}(long_row_kernel, output,
-                                                                                               counters);
+    // A row is one block's, so that a large block helps.
+    Launch{stream, geometry.blocks(32 * long_row_capacity(output.capacity)), 4 * geometry.threads}(long_row_kernel,
+                                                                                                   output, counters);
 }
 
 }  // namespace crumple::cuda

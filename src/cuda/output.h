@@ -29,6 +29,9 @@ struct Output {
 std::size_t output_scratch_bytes(std::int64_t first_triangles);
 std::size_t long_row_capacity(std::size_t pairs);
 
+/// Bytes for so many flags: they are set by atomics on words.
+std::size_t whole_words(std::size_t flags);
+
 /// Turns numbers by first triangle into offsets.
 void make_offsets(cudaStream_t stream, const Scene& scene, const Output& output);
 /// Writes the list's hits to their buckets.

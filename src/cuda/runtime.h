@@ -49,7 +49,8 @@ inline constexpr unsigned whole_warp = 0xffffffffu;
 /// How kernels are launched. Tests choose fewer threads, so that blocks and warps meet in other ways.
 struct Geometry {
     unsigned threads = 256;  ///< of a block: 64 or 256
-    unsigned resident = 0;   ///< blocks that fill the device a few times over
+    unsigned resident = 0;   ///< blocks that fill the device
+    unsigned multiprocessors = 0;
 
     /// Blocks for one thread an element, no more than fill the device: kernels stride on.
     unsigned blocks(std::size_t elements) const {

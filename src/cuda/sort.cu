@@ -63,7 +63,8 @@ __global__ void place_kernel(Scene scene, const Row<T>* rows, const unsigned lon
         sorted.leaf[row] = static_cast<std::uint16_t>(leaf);
         tests += end - row - 1;
     }
-    if (tests) atomicAdd(&counters->interval_tests, tests);
+    for (int lanes = 16; lanes > 0; lanes /= 2) tests += __shfl_xor_sync(whole_warp, tests, lanes);
+    if (tests && threadIdx.x % 32 == 0) atomicAdd(&counters->interval_tests, tests);
 }
 
 // Units of each group of 32 rows; a group is a warp's.

@@ -204,10 +204,11 @@ __global__ void offsets_kernel(Level level, unsigned long long capacity, unsigne
 
 struct ScatterShared {
     unsigned count[max_fan_out];
-    unsigned long long next[max_fan_out];
+    unsigned long long first[max_fan_out];
 };
 
-// Lists the members. A block counts its own first, so that it asks for places once a child, not once a member.
+// Lists the members. A block counts its own first, so that it asks for places once a child, not once a member. It
+// counts in 32 bits, for shared memory adds no more at once.
 __global__ void scatter_kernel(Level level, std::uint64_t listed, Members members) {
     auto& shared = dynamic_shared<ScatterShared>();
     const unsigned parent = blockIdx.y, fan_out = static_cast<unsigned>(level.fan_out);
@@ -219,14 +220,15 @@ __global__ void scatter_kernel(Level level, std::uint64_t listed, Members member
             atomicAdd(&shared.count[__ffsll(static_cast<long long>(left)) - 1], 1u);
     __syncthreads();
     for (unsigned k = threadIdx.x; k < fan_out; k += blockDim.x)
-        if (shared.count[k])
-            shared.next[k] =
-                atomicAdd(&level.cursor[parent * fan_out + k], static_cast<unsigned long long>(shared.count[k]));
+        if (const unsigned count = shared.count[k]) {
+            shared.first[k] = atomicAdd(&level.cursor[parent * fan_out + k], static_cast<unsigned long long>(count));
+            shared.count[k] = 0;
+        }
     __syncthreads();
     for (unsigned long long i = items.begin + grid_thread(); i < items.end; i += grid_stride()) {
         for (std::uint64_t left = level.mask[i] & listed; left; left &= left - 1) {
             const int k = __ffsll(static_cast<long long>(left)) - 1;
-            const unsigned long long place = atomicAdd(&shared.next[k], 1ull);
+            const unsigned long long place = shared.first[k] + atomicAdd(&shared.count[k], 1u);
             if (place >= members.capacity) continue;
             members.triangle[place] = triangle_of(level, i);
             members.item[place] = static_cast<std::uint32_t>(i);
