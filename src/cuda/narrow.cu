@@ -1,5 +1,7 @@
 #include "cuda/narrow.h"
 
+#include <algorithm>
+
 #include "geometry/decision.h"
 #include "geometry/filters.h"
 
@@ -100,8 +102,10 @@ void narrow(const Geometry& geometry, cudaStream_t stream, const Scene& scene, c
     const Intersections intersections = rules.policy.proper ? Intersections::proper : Intersections::all;
     Launch{stream, geometry.blocks(survivors.capacity), geometry.threads}(
         filter_kernel, scene, sorted, points.rows(), frames, rules.policy, survivors, undecided, hits, doubles);
-    Launch{stream, geometry.blocks(undecided.capacity), geometry.threads}(exact_kernel, scene, sorted, neighbours,
-                                                                          intersections, undecided, beyond, hits);
+    // Its registers let one block in at a time.
+    const unsigned blocks = std::min(geometry.blocks(undecided.capacity), std::max(1u, geometry.multiprocessors));
+    Launch{stream, blocks, geometry.threads}(exact_kernel, scene, sorted, neighbours, intersections, undecided, beyond,
+                                             hits);
 }
 
 void append_hits(const Geometry& geometry, cudaStream_t stream, const Pair* pairs, std::size_t count,

@@ -92,11 +92,21 @@ CRUMPLE_HD_COLD inline int orient2d_exact(const Vec3d& a, const Vec3d& b, const 
         .sign();
 }
 
+/// ((b - a) x (c - a)) (d - a) along one axis; y and z are the other two. A function of its own, so that the three
+/// terms of a determinant share the stack that their intermediate expansions take: threads of a device have little.
+CRUMPLE_HD_COLD inline void orient3d_term(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d, int x, int y,
+                                          int z, Expansion<64>& term) {
+    const auto uy = exact_difference(b[y], a[y]), uz = exact_difference(b[z], a[z]);
+    const auto vy = exact_difference(c[y], a[y]), vz = exact_difference(c[z], a[z]);
+    term = (uy * vz - uz * vy) * exact_difference(d[x], a[x]);
+}
+
 CRUMPLE_HD_COLD inline int orient3d_exact(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
-    const auto ux = exact_difference(b.x, a.x), uy = exact_difference(b.y, a.y), uz = exact_difference(b.z, a.z);
-    const auto vx = exact_difference(c.x, a.x), vy = exact_difference(c.y, a.y), vz = exact_difference(c.z, a.z);
-    const auto wx = exact_difference(d.x, a.x), wy = exact_difference(d.y, a.y), wz = exact_difference(d.z, a.z);
-    return ((uy * vz - uz * vy) * wx + (uz * vx - ux * vz) * wy + (ux * vy - uy * vx) * wz).sign();
+    Expansion<64> x, y, z;
+    orient3d_term(a, b, c, d, 0, 1, 2, x);
+    orient3d_term(a, b, c, d, 1, 2, 0, y);
+    orient3d_term(a, b, c, d, 2, 0, 1, z);
+    return (x + y + z).sign();
 }
 
 /// The exact signs, by the filter where that decides, which takes about 10 ns.

@@ -9,7 +9,7 @@ import tempfile
 
 # Bytes of a thread's stack, spills included, by the beginning of the kernel's name. Expansions need room; few pairs
 # reach them. The sweep spills nothing but convergence barriers.
-BUDGET = {"exact_kernel": 16384, "contact_kernel": 16384, "filter_kernel": 512, "frame_kernel": 256, "sweep_kernel": 32}
+BUDGET = {"exact_kernel": 8192, "contact_kernel": 8192, "filter_kernel": 512, "frame_kernel": 256, "sweep_kernel": 32}
 OTHERS = 16
 
 
