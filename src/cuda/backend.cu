@@ -40,6 +40,9 @@ class CudaBackend final : public BackendBase {
           work_(meter),
           answer_(geometry_, stream_.get(), meter),
           pass_(geometry_, stream_.get(), options_) {}
+    ~CudaBackend() override {
+        if (launched_) cudaEventSynchronize(done_.get());  // it writes to what is freed now
+    }
 
     void find(const Scene& scene, const Query& query, const Part* part, Collisions& result) override {
         on_device([&] {
@@ -107,7 +110,7 @@ class CudaBackend final : public BackendBase {
         on_device([&] {
             finish();
             statistics_ = {};
-            if (pass_.scene.triangle_count() >= too_many_ || !accept(*counters_)) answer();
+            if (!was_complete()) answer();
             if (contacts_wanted_) answer_.make_contacts(pass_.scene, cancellation_);
             statistics_.triangles = pass_.scene.triangle_count();
             statistics_.pairs = static_cast<std::int64_t>(answer_.total);
@@ -130,7 +133,7 @@ class CudaBackend final : public BackendBase {
         input_.release();
         answer_.release();
         for (Block* block : {&state_, &work_}) block->release();
-        graph_ = {};
+        for (Recorded& recorded : recorded_) recorded.graph = {};
         planned_for_ = -1;
         too_many_ = std::numeric_limits<std::int64_t>::max();
     }
@@ -282,6 +285,18 @@ class CudaBackend final : public BackendBase {
         return true;
     }
 
+    // Whether the launched pass has left the whole answer.
+    bool was_complete() {
+        if (pass_.scene.triangle_count() >= too_many_) return false;
+        try {
+            return accept(*counters_);
+        } catch (const MemoryMeter::Exceeded&) {
+        } catch (const OutOfDeviceMemory&) {
+        }
+        too_many_ = pass_.scene.triangle_count();
+        return false;
+    }
+
     void answer_in_chunks() {
         work_.release();
         answer_.release();
@@ -388,11 +403,11 @@ class CudaBackend final : public BackendBase {
     void launch_graph(cudaStream_t stream) {
         const Key key{pass_.scene,  pass_.rules,     pass_.plan,   input_.work(),
                       work_.data(), answer_.place(), state_.data()};
-        if (!graph_ || !(key == key_)) {
-            graph_ = capture();
-            key_ = key;
+        if (!(recorded_[0].graph && recorded_[0].key == key)) {
+            std::swap(recorded_[0], recorded_[1]);
+            if (!(recorded_[0].graph && recorded_[0].key == key)) recorded_[0] = {key, capture()};
         }
-        CRUMPLE_CUDA(cudaGraphLaunch(graph_.get(), stream));
+        CRUMPLE_CUDA(cudaGraphLaunch(recorded_[0].graph.get(), stream));
     }
 
     GraphExec capture() {
@@ -474,7 +489,7 @@ class CudaBackend final : public BackendBase {
     Stream stream_ = make_stream(device_);
     Event before_ = make_event(device_), done_ = make_event(device_);
     Stopwatch watch_{device_};
-    Pinned<Counters> counters_;
+    Pinned<Counters> counters_{device_};
     Input input_;
     Block state_, work_;
     Answer answer_;
@@ -483,8 +498,11 @@ class CudaBackend final : public BackendBase {
     Statistics statistics_;
     DeviceCollisions shown_;
     bool launched_ = false, contacts_wanted_ = false;
-    GraphExec graph_;
-    Key key_{};
+    /// The latest first; two, for simulations that write their frames to two buffers in turn.
+    struct Recorded {
+        Key key{};
+        GraphExec graph;
+    } recorded_[2];
     std::int64_t planned_for_ = -1;  ///< triangles of the scene that the plan was made for
     std::int64_t too_many_ = std::numeric_limits<std::int64_t>::max();  ///< triangles that did not fit at once
 };

@@ -46,6 +46,7 @@ __global__ void fill_table_kernel(Scene scene, PositionHash hash, unsigned* tabl
     for (std::size_t v = grid_thread(); v < n; v += grid_stride()) {
         const auto vertex = static_cast<unsigned>(v);
         const Vec3d p = scene.position(vertex);
+        if (!(p == p)) continue;  // NaN equals nothing, so each would look at all that came before
         std::size_t slot = hash(p) & (slots - 1);
         for (;; slot = (slot + 1) & (slots - 1)) {
             const unsigned holder = atomicCAS(&table[slot], empty_slot, vertex);

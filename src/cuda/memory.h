@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "crumple/array.h"
+#include "cuda/device.h"
 #include "cuda/runtime.h"
 
 namespace crumple::cuda {
@@ -101,7 +102,8 @@ class Pinned {
     static_assert(std::is_trivially_copyable_v<T>);
 
    public:
-    Pinned() {
+    explicit Pinned(const Device& device) {
+        const Device::Current current(device);
         void* memory = nullptr;
         CRUMPLE_CUDA(cudaMallocHost(&memory, sizeof(T)));
         value_ = new (memory) T();

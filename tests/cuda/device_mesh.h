@@ -34,6 +34,7 @@ class DeviceBytes {
     ~DeviceBytes() { cudaFree(data_); }
     void set(const std::vector<std::byte>& bytes) {
         if (!bytes.empty()) check(cudaMemcpy(data_, bytes.data(), bytes.size(), cudaMemcpyHostToDevice));
+        check(cudaDeviceSynchronize());  // the copy may return before its end, and not all streams wait for it
     }
     void* data() const { return data_; }
 

@@ -133,6 +133,17 @@ TEST(CudaDevice, names_what_is_wrong_on_the_device) {
     EXPECT_EQ(message(mesh.view()), "triangle 4 names vertex " + vertices + " of " + vertices);
     std::visit([](auto& xyz) { xyz[3 * 17 + 2] = std::numeric_limits<float>::infinity(); }, mesh.vertices);
     EXPECT_EQ(message(mesh.view()), "vertex 17 is not finite");
+
+    // A simulation that has blown up: each NaN differs from all others, which must not make welding slow.
+    const std::vector<std::array<float, 3>> all_nan(100'000, {NAN, 0, 0});
+    const std::vector<std::array<std::int32_t, 3>> one{{0, 1, 2}};
+    const DeviceMesh blown_up(MeshView(all_nan, one));
+    try {
+        Detector({.backend = Backend::cuda}).find_self(blown_up.view(), Query{.weld = true});
+        ADD_FAILURE() << "no error";
+    } catch (const Error& error) {
+        EXPECT_STREQ(error.what(), "vertex 0 is not finite");
+    }
 }
 
 TEST(CudaDevice, launches_frames_of_a_simulation) {
@@ -162,6 +173,24 @@ TEST(CudaDevice, launches_frames_of_a_simulation) {
     }
     EXPECT_GT(pairs, 100);
     check(cudaStreamDestroy(stream));
+}
+
+TEST(CudaDevice, launches_from_two_buffers_in_turn) {
+    const io::TriangleMesh meshes[2] = {cloth(600, 80), cloth(600, 93)};
+    const DeviceMesh buffers[2] = {DeviceMesh(meshes[0].view()), DeviceMesh(meshes[1].view())};
+    Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
+    for (int frame = 0; frame < 6; ++frame) {
+        cuda.launch_self(buffers[frame % 2].view());
+        const MeshView mesh = meshes[frame % 2].view();
+        EXPECT_TRUE(shows(cuda.wait(), mesh, nullptr, cpu.find_self(mesh))) << "frame " << frame;
+    }
+}
+
+TEST(CudaDevice, is_not_blamed_for_errors_of_others) {
+    const io::TriangleMesh mesh = cloth(300);
+    Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
+    ASSERT_NE(cudaSetDevice(1000), cudaSuccess);  // and nobody asks for the last error
+    EXPECT_TRUE(same_answer(cuda.find_self(mesh.view()), cpu.find_self(mesh.view())));
 }
 
 TEST(CudaDevice, launches_between_two_meshes) {
