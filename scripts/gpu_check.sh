@@ -4,8 +4,8 @@
 #   scripts/gpu_check.sh [--out FOLDER] [--seconds N]     where the device is; it may be offline
 # There nvcc, g++, CMake and Ninja are needed. Libraries and scenes come from the pack, if build-gpu/ was brought along,
 # else from the system and from $CRUMPLE_DATA. Steps, each with a budget of seconds: build; tests on the device, in which
-# brute force, the cpu backend and answers from outside are the yardsticks; the same bytes in 100 runs; benchmark;
-# compute-sanitizer; ncu on the three kernels that take longest. What is missing or runs out of time is said in a line.
+# brute force, the cpu backend and answers from outside are the yardsticks; the same bytes in 100 runs; compute-sanitizer;
+# benchmark; ncu on the three kernels that take longest. What is missing or runs out of time is said in a line.
 # FOLDER ($OUT, else benchmarks/results) gets check.json, cuda.json, ncu.txt and check.log. Exit status 1 if a step failed.
 set -euo pipefail
 top=$(cd "$(dirname "$0")/.." && pwd)
@@ -99,9 +99,22 @@ step() {
     case $status in
         0) note "$name" ok "$seconds" ;;
         124 | 137) note "$name" "out of time" "$seconds" "after its budget of $budget s" ;;
-        *) note "$name" failed "$seconds" "status $status; $remark" ;;
+        *)
+            # Machines that lend a device do not always lend its counters.
+            if grep -qaE 'ERR_NVGPUCTRPERM|LibraryNotLoaded|Device not supported' "$work/logs/$name"; then
+                note "$name" "left out" "$seconds" "the machine does not let it: $remark"
+                return $not_allowed
+            fi
+            note "$name" failed "$seconds" "status $status; $remark" ;;
     esac
     return "$status"
+}
+not_allowed=77
+# The same for steps that a machine may forbid.
+step_if_allowed() {
+    local status=0
+    step "$@" || status=$?
+    ((status == 0 || status == not_allowed))
 }
 
 device=none
@@ -148,7 +161,7 @@ for tool in nvcc g++ cmake ninja; do
     command -v "$tool" >/dev/null || { note build failed 0 "$tool is not here"; give_up; }
 done
 architecture=$(nvidia-smi --query-gpu=compute_cap --format=csv,noheader 2>/dev/null | head -1 | tr -d .) || true
-targets=(device_test device_portable_test device_truth_test device_agreement_test crumple_cuda_benchmark crumple_cli)
+targets=(device_test device_truth_test device_agreement_test crumple_cuda_benchmark crumple_cli)
 step configure 60 cmake -G Ninja -S "$top" -B "$build" -DCMAKE_BUILD_TYPE=Release -DCRUMPLE_CUDA=ON \
     "-DCMAKE_CUDA_ARCHITECTURES=${architecture:-90}" -DCRUMPLE_DEVICE_TESTS=ON -DCRUMPLE_BENCHMARKS=ON \
     -DCRUMPLE_TESTS=OFF -DCRUMPLE_EXAMPLES=OFF "${settings[@]}" || give_up
@@ -163,7 +176,11 @@ if grep -q '^none' "$work/logs/device" 2>/dev/null; then
 fi
 
 # The tests that take seconds.
-step portable 60 "$tests/device_portable_test" --gtest_brief=1 || failed=1
+if step build_portable 60 ninja -C "$build" device_portable_test; then
+    step portable 60 "$tests/device_portable_test" --gtest_brief=1 || failed=1
+else
+    failed=1
+fi
 step device_test 60 "$tests/device_test" --gtest_brief=1 || failed=1
 if [[ -f ${CRUMPLE_DATA:-$top/../shared/data}/gt/cloth_ball92.txt ]]; then
     step truth 60 "$tests/device_truth_test" --gtest_brief=1 \
@@ -174,36 +191,13 @@ fi
 CRUMPLE_REPEATS=100 step same_bytes_100_times 40 "$tests/device_test" --gtest_brief=1 \
     --gtest_filter='*same_bytes*' || failed=1
 
-# The benchmark, with the machine to itself.
-step benchmark 120 "$benchmark" --commit "$version" --json "$out/cuda.json" || failed=1
-[[ ! -s $work/logs/benchmark ]] || cat "$work/logs/benchmark"
-
-# The profiler: every kernel's time first, then what holds back the three that take longest.
-scene=cloth_ball92
-[[ -f ${CRUMPLE_DATA:-$top/../shared/data}/${frames[0]} ]] || scene=cloth:100000
-if command -v ncu >/dev/null; then
-    play=("$benchmark" --profile --scene "$scene")
-    if step ncu_times 40 ncu --csv --print-kernel-base function --clock-control none \
-        --metrics gpu__time_duration.sum "${play[@]}" --frames 3; then
-        python3 "$top/scripts/hottest_kernels.py" "$work/logs/ncu_times" >"$work/hottest" || failed=1
-        cat "$work/hottest"
-        names=$(head -3 "$work/hottest" | awk '{print $1}' | paste -sd'|')
-        step ncu 60 ncu --kernel-name-base function -k "regex:^($names)\$" --launch-count 9 --clock-control none \
-            --section SpeedOfLight --section LaunchStats --section Occupancy --section MemoryWorkloadAnalysis \
-            --section WarpStateStats "${play[@]}" --frames 3 || failed=1
-        cat "$work/hottest" "$work/logs/ncu" >"$out/ncu.txt" 2>/dev/null || true
-        rm -f "$work/logs/ncu"
-    else
-        failed=1
-    fi
-else
-    note ncu "left out" 0 "ncu is not here"
-fi
-
 # Side by side what takes longest: brute force against every scene, which keeps the processors busy, and the sanitizers, on
 # small scenes.
 jobs=()
 shards=$(($(nproc) < 8 ? $(nproc) : 8))
+# Each process keeps stacks for all threads of the device (docs/cuda.md) and its scenes there.
+free=$(nvidia-smi --query-gpu=memory.free --format=csv,noheader,nounits 2>/dev/null | head -1) || true
+[[ ! $free =~ ^[0-9]+$ ]] || ((shards * 4096 <= free / 2)) || shards=$((free / 8192 > 0 ? free / 8192 : 1))
 for ((shard = 0; shard < shards; ++shard)); do
     GTEST_TOTAL_SHARDS=$shards GTEST_SHARD_INDEX=$shard \
         step "agreement_$shard" 240 "$tests/device_agreement_test" --gtest_brief=1 &
@@ -212,7 +206,7 @@ done
 if command -v compute-sanitizer >/dev/null; then
     few='*takes_meshes_of_every_layout:*launches_between_two_meshes:*puts_long_rows_in_order:*forgets_a_launch*'
     for tool in memcheck racecheck initcheck synccheck; do
-        step "$tool" 240 compute-sanitizer --tool "$tool" --error-exitcode 9 "$tests/device_test" --gtest_brief=1 \
+        step_if_allowed "$tool" 240 compute-sanitizer --tool "$tool" --error-exitcode 9 "$tests/device_test" --gtest_brief=1 \
             --gtest_filter="$few" &
         jobs+=($!)
     done
@@ -220,6 +214,34 @@ else
     note sanitizers "left out" 0 "compute-sanitizer is not here"
 fi
 for job in "${jobs[@]}"; do wait "$job" || failed=1; done
+
+# The benchmark, with the machine to itself.
+step benchmark 120 "$benchmark" --commit "$version" --json "$out/cuda.json" || failed=1
+[[ ! -s $work/logs/benchmark ]] || cat "$work/logs/benchmark"
+
+# The profiler: every kernel's time first, then what holds back the three that take longest.
+scene=cloth_ball92
+[[ -f ${CRUMPLE_DATA:-$top/../shared/data}/${frames[0]} ]] || scene=cloth:100000
+if command -v ncu >/dev/null && command -v python3 >/dev/null; then
+    play=("$benchmark" --profile --scene "$scene")
+    status=0
+    step ncu_times 40 ncu --csv --print-kernel-base function --clock-control none \
+        --metrics gpu__time_duration.sum "${play[@]}" --frames 3 || status=$?
+    if ((status == 0)); then
+        python3 "$top/scripts/hottest_kernels.py" "$work/logs/ncu_times" >"$work/hottest" || failed=1
+        cat "$work/hottest"
+        names=$(head -3 "$work/hottest" | awk '{print $1}' | paste -sd'|')
+        step ncu 60 ncu --kernel-name-base function -k "regex:^($names)\$" --launch-count 9 --clock-control none \
+            --section SpeedOfLight --section LaunchStats --section Occupancy --section MemoryWorkloadAnalysis \
+            --section WarpStateStats "${play[@]}" --frames 3 || failed=1
+        cat "$work/hottest" "$work/logs/ncu" >"$out/ncu.txt" 2>/dev/null || true
+        rm -f "$work/logs/ncu"
+    elif ((status != not_allowed)); then
+        failed=1
+    fi
+else
+    note ncu "left out" 0 "ncu or python3 is not here"
+fi
 
 if ((failed)); then give_up; fi
 finish ok

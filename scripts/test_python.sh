@@ -8,7 +8,7 @@
 # plays (docs/cuda_on_cpu.md), and runs what concerns arrays on a device. PYTHON names the interpreter.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-all=() sanitize= cuda=
+all=() sanitize='' cuda=''
 case ${1-} in
     --all) all=(--python-peers); shift ;;
     --sanitize) sanitize=-sanitized; shift ;;

@@ -100,16 +100,16 @@ TEST_F(Barrier, every_thread_of_a_grid_in_three_dimensions_runs_once) {
 }
 
 struct Large {
-    float first[8 << 10];
-    float last[16 << 10];
+    float first[4 << 10];
+    float last[10 << 10];
 };
 
 __global__ void fill_large(float* out) {
     Large& s = portable::dynamic_shared<Large>();
     s.first[threadIdx.x] = static_cast<float>(threadIdx.x);
-    s.last[(16 << 10) - 1 - threadIdx.x] = 1.0f;
+    s.last[(10 << 10) - 1 - threadIdx.x] = 1.0f;
     __syncthreads();
-    out[threadIdx.x] = s.first[blockDim.x - 1 - threadIdx.x] + s.last[(16 << 10) - blockDim.x + threadIdx.x];
+    out[threadIdx.x] = s.first[blockDim.x - 1 - threadIdx.x] + s.last[(10 << 10) - blockDim.x + threadIdx.x];
 }
 
 TEST_F(Barrier, more_than_48_KiB_of_shared_memory_must_be_asked_for) {
