@@ -88,7 +88,8 @@ TEST(CudaDevice, takes_int64_indices_and_strided_vertices) {
 
 TEST(CudaDevice, compares_two_meshes_with_groups_and_parts) {
     const io::TriangleMesh mesh = cloth(800);
-    const auto [a, b] = halves(mesh.view());
+    const auto half = halves(mesh.view());
+    const MeshView &a = half[0], &b = half[1];
     std::vector<std::int32_t> groups(static_cast<std::size_t>(a.triangles.rows));
     for (std::size_t i = 0; i < groups.size(); ++i) groups[i] = static_cast<std::int32_t>(i % 3);
     MeshView grouped = a;
