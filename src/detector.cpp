@@ -249,7 +249,7 @@ struct Detector::Implementation {
         std::vector<Part> parts;
         guarded(
             a, b, nullptr, {}, [&](const Scene& scene) { parts = make_parts(scene, count, *backend); },
-            [] { throw Error(ErrorCode::invalid_argument, "partition() takes meshes in host memory"); });
+            [&] { parts = backend->partition(a, b, count); });
         return parts;
     }
 };

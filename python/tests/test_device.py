@@ -80,7 +80,8 @@ def test_queries(cuda, detector, query):
 
 
 def test_parts(cuda, detector):
-    pairs = [cuda.find_self(mesh_on_device(MESH), part=part).pairs for part in detector.partition(MESH, count=5)]
+    mesh = mesh_on_device(MESH)
+    pairs = [cuda.find_self(mesh, part=part).pairs for part in cuda.partition(mesh, count=5)]
     joined = np.concatenate(pairs)
     np.testing.assert_array_equal(joined[np.lexsort(joined.T[::-1])], detector.find_self(MESH).pairs)
 

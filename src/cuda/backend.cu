@@ -19,6 +19,7 @@
 #include "cuda/device.h"
 #include "cuda/gather.h"
 #include "cuda/input.h"
+#include "cuda/part.h"
 #include "cuda/pass.h"
 #include "geometry/decide.h"
 #include "pipeline/output.h"
@@ -67,6 +68,13 @@ class CudaBackend final : public BackendBase {
         return on_device([&] {
             view(a, b, query);
             return any(query);
+        });
+    }
+
+    std::vector<Part> partition(const MeshView& a, const MeshView* b, int count) override {
+        return on_device([&] {
+            view(a, b, {});
+            return make_parts(geometry_, stream_.get(), input_, meter_, count);
         });
     }
 

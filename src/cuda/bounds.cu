@@ -88,6 +88,12 @@ __global__ void balls_kernel(Scene scene, const Row<T>* rows, Ball* balls, Count
 
 }  // namespace
 
+void clear_counters(cudaStream_t stream, Counters* counters) {
+    CRUMPLE_CUDA(cudaMemsetAsync(counters, 0, sizeof *counters, stream));
+    // Where the lowest wrong element is noted, nothing is all bits set.
+    CRUMPLE_CUDA(cudaMemsetAsync(counters, 0xff, sizeof counters->bad_vertex + sizeof counters->bad_triangle, stream));
+}
+
 void check_vertices(const Geometry& geometry, cudaStream_t stream, const Scene& scene, SceneBox* box,
                     Counters* counters) {
     const auto n = static_cast<std::size_t>(scene.vertex_count());

@@ -34,6 +34,8 @@ CRUMPLE_HD inline Normaliser normaliser_of(const SceneBox& box) {
     return low.x <= high.x ? Normaliser(low, high) : Normaliser();
 }
 
+void clear_counters(cudaStream_t stream, Counters* counters);
+
 /// Widens the box by the scene's vertices and notes the first that is not finite. For scenes that lie on the device;
 /// others were checked by the host.
 void check_vertices(const Geometry& geometry, cudaStream_t stream, const Scene& scene, SceneBox* box,

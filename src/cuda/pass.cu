@@ -87,11 +87,7 @@ Ownership Pass::ownership() const {
     return {part_mask, part, mask_[0], mask_[1], plan.fan_out[1]};
 }
 
-void Pass::clear_counters() {
-    CRUMPLE_CUDA(cudaMemsetAsync(counters, 0, sizeof *counters, stream_));
-    // Where the lowest wrong element is noted, nothing is all bits set.
-    CRUMPLE_CUDA(cudaMemsetAsync(counters, 0xff, sizeof counters->bad_vertex + sizeof counters->bad_triangle, stream_));
-}
+void Pass::clear_counters() { cuda::clear_counters(stream_, counters); }
 
 void Pass::bounds() { compute_bounds(geometry_, stream_, scene, box, points_, balls_, counters); }
 

@@ -3,6 +3,7 @@
 // The seam that a backend fills in. The detector checks the input, prepares the scene, and asks.
 
 #include <memory>
+#include <vector>
 
 #include "crumple/array.h"
 #include "crumple/collisions.h"
@@ -32,6 +33,7 @@ class BackendBase : public ParallelFor {
     virtual void find(const MeshView& a, const MeshView* b, const Query& query, const Part* part, Collisions& result);
     virtual std::int64_t bytes_needed(const MeshView& a, const MeshView* b, const Query& query, const Part* part);
     virtual bool any(const MeshView& a, const MeshView* b, const Query& query);
+    virtual std::vector<Part> partition(const MeshView& a, const MeshView* b, int count);
     /// Detector::launch_self and those that belong to it.
     virtual void launch(const MeshView& a, const MeshView* b, const Query& query);
     virtual const DeviceCollisions& wait();

@@ -40,48 +40,53 @@ void part_masks(const Scene& scene, const Part& part, ParallelFor& parallel, Arr
     }
 }
 
-std::vector<Part> make_parts(const Scene& scene, int count, ParallelFor& parallel) {
-    // A cold start on at most 4,096 centroids, with the usual fuzziness 2: no call of pow(), whose last bit may differ.
-    const Normaliser normalise(scene.low, scene.high);
-    const auto triangles = static_cast<std::size_t>(scene.triangle_count());
-    const std::size_t samples = std::min<std::size_t>(triangles, 4096);
-    std::vector<Vec3f> points(samples);
-    for (std::size_t i = 0; i < samples; ++i) {
-        const Triangle t = scene.triangle(static_cast<std::int64_t>(i * triangles / samples));
-        const Vec3d c = (1.0 / 3.0) * (normalise(t.point[0]) + normalise(t.point[1]) + normalise(t.point[2]));
-        points[i] = {static_cast<float>(c.x), static_cast<float>(c.y), static_cast<float>(c.z)};
-    }
-    Centres centres;
-    centres.count = count;
-    const auto point = [&](std::size_t i) { return points[i]; };
-    if (samples > 0) {
-        start_centres(count, samples, point, centres);
-        fuzzy_c_means(samples, point, {.fuzziness = 2, .iterations = 30, .stop = 1e-4}, centres);
-    }
+void PartSample::set(std::size_t i, const Triangle& t, const Normaliser& normalise) {
+    const Vec3d c = (1.0 / 3.0) * (normalise(t.point[0]) + normalise(t.point[1]) + normalise(t.point[2]));
+    centroids_[i] = {static_cast<float>(c.x), static_cast<float>(c.y), static_cast<float>(c.z)};
+}
 
-    std::vector<Part> parts(static_cast<std::size_t>(count));
-    Part all;
-    for (int k = 0; k < count; ++k) {
-        const Vec3f c = centres[k];
-        const Vec3d p = normalise.inverse({c.x, c.y, c.z});
-        all.centres.push_back({p.x, p.y, p.z});
+Part PartSample::centres(int count, const Normaliser& normalise) const {
+    // A cold start with the usual fuzziness 2: no call of pow(), whose last bit may differ.
+    Centres placed;
+    placed.count = count;
+    const auto point = [&](std::size_t i) { return centroids_[i]; };
+    if (size() > 0) {
+        start_centres(count, size(), point, placed);
+        fuzzy_c_means(size(), point, {.fuzziness = 2, .iterations = 30, .stop = 1e-4}, placed);
     }
-    Array<std::uint64_t> masks;
-    part_masks(scene, all, parallel, masks);
+    Part part;
     for (int k = 0; k < count; ++k) {
-        Part& part = parts[static_cast<std::size_t>(k)];
-        part.index = k;
-        part.centres = all.centres;
-        for (std::size_t t = 0; t < triangles; ++t) {
-            if (!(masks[t] >> k & 1)) continue;
-            if (scene.second(static_cast<std::int64_t>(t)))
-                part.triangles_second.push_back(
-                    static_cast<std::int32_t>(t - static_cast<std::size_t>(scene.triangles[0])));
+        const Vec3f c = placed[k];
+        const Vec3d p = normalise.inverse({c.x, c.y, c.z});
+        part.centres.push_back({p.x, p.y, p.z});
+    }
+    return part;
+}
+
+std::vector<Part> list_members(const Part& centres, std::span<const std::uint64_t> masks, std::int64_t first_mesh) {
+    std::vector<Part> parts(centres.centres.size(), centres);
+    for (std::size_t k = 0; k < parts.size(); ++k) {
+        parts[k].index = static_cast<std::int32_t>(k);
+        for (std::size_t i = 0; i < masks.size(); ++i) {
+            if (!(masks[i] >> k & 1)) continue;
+            const auto t = static_cast<std::int64_t>(i);
+            if (t < first_mesh)
+                parts[k].triangles.push_back(static_cast<std::int32_t>(t));
             else
-                part.triangles.push_back(static_cast<std::int32_t>(t));
+                parts[k].triangles_second.push_back(static_cast<std::int32_t>(t - first_mesh));
         }
     }
     return parts;
+}
+
+std::vector<Part> make_parts(const Scene& scene, int count, ParallelFor& parallel) {
+    const Normaliser normalise(scene.low, scene.high);
+    PartSample sample(scene.triangle_count());
+    for (std::size_t i = 0; i < sample.size(); ++i) sample.set(i, scene.triangle(sample.triangle(i)), normalise);
+    const Part all = sample.centres(count, normalise);
+    Array<std::uint64_t> masks;
+    part_masks(scene, all, parallel, masks);
+    return list_members(all, masks.span(), scene.triangles[0]);
 }
 
 }  // namespace crumple
