@@ -112,20 +112,19 @@ def published(results, theme):
     for ax, (name, theirs), frame, simulated in zip(
             axes, PUBLISHED.items(), ("cloth_ball92", "227"), ("cloth_on_ball", "funnel")):
         rows = [(label, value, "published") for label, value in theirs.items()]
-        title = f"{name}; published: average over the sequence; here: "
+        title = f"{name}: averages over a sequence, published and here"
         sequence = results.sequences().get(simulated)
         if sequence:
             kinds = sequence["kinds"]
             rows.append(("Crumple", float(np.mean(kinds["warm, all threads"]["milliseconds"])), "ours"))
             rows += [(peer["name"], float(np.mean(peer["milliseconds"])), kind_of(peer)) for peer in sequence["peers"]]
-            title += "average over our simulation"
         else:
             for peer in ("crumple", "CGAL", "Embree"):
                 found = results.fastest("self", peer).get(frame)
                 if found:
                     rows.append(("Crumple" if peer == "crumple" else peer, found[1]["milliseconds"]["median"],
                                  "ours" if peer == "crumple" else kind_of(found[1])))
-            title += f"frame {'92' if frame == 'cloth_ball92' else frame} alone"
+            title += f" (frame {'92' if frame == 'cloth_ball92' else frame} alone)"
         bars(ax, rows, theme)
         ax.set_title(title)
     axes[-1].set_xlabel("ms (log); hatched: published, on other machines")
