@@ -36,7 +36,7 @@ if [[ $cuda ]]; then
     cmake --build build-python/cuda --target crumple_python -j "$(nproc)"
     rm -rf "$package"
     mkdir -p "$package"
-    cp python/crumple/* build-python/cuda/python/_core*.so "$package"
+    cp -r python/crumple/. build-python/cuda/python/_core*.so "$package"
     export PYTHONPATH=${package%/*} CRUMPLE_CUDA_ON_CPU=1 PYTHONDONTWRITEBYTECODE=1
     exec "$python" -m pytest -q python/tests/test_{device,input}.py "$@"
 fi
