@@ -20,31 +20,33 @@ bool contiguous(const ArrayView<Type>& view) {
     return view.column_stride == size && view.row_stride == 3 * size;
 }
 
-// Least and largest of each coordinate of contiguous rows, and whether all are finite. Twelve lanes, four rows at once,
-// are a multiple of every vector's width, and compare-and-select in lanes keeps its meaning without -ffast-math.
-template <class T, class Bits, Bits exponent>
+// Least and largest of each coordinate of contiguous rows, and whether all are finite. Sixteen rows at once are lanes
+// of every vector's width, and more of them than a compiler unrolls instead of vectorising; compare-and-select in lanes
+// keeps its meaning without -ffast-math. The difference of a finite value and itself is 0, of others NaN, which stays.
+template <class T>
 ChunkCheck check_rows(const T* data, std::int64_t rows) {
     constexpr double most = std::numeric_limits<double>::max();
-    std::array<T, 12> lo, hi;
+    constexpr std::int64_t rows_at_once = 16;
+    std::array<T, 3 * rows_at_once> lo, hi, spoiled{};
     lo.fill(std::numeric_limits<T>::max());
     hi.fill(std::numeric_limits<T>::lowest());
-    std::array<Bits, 12> bad{};
-    const auto visit = [&](const T* row, int lanes) {
-        for (int l = 0; l < lanes; ++l) {
+    const auto visit = [&](const T* row, std::int64_t lanes) {
+        for (std::int64_t l = 0; l < lanes; ++l) {
             const T value = row[l];
             lo[l] = value < lo[l] ? value : lo[l];
             hi[l] = value > hi[l] ? value : hi[l];
-            bad[l] |= static_cast<Bits>((std::bit_cast<Bits>(value) & exponent) == exponent);
+            spoiled[l] += value - value;
         }
     };
     std::int64_t i = 0;
-    for (; i + 4 <= rows; i += 4) visit(data + 3 * i, 12);
-    for (; i < rows; ++i) visit(data + 3 * i, 3);
+    for (; i + rows_at_once <= rows; i += rows_at_once) visit(data + 3 * i, 3 * rows_at_once);
+    visit(data + 3 * i, 3 * (rows - i));
     ChunkCheck check{{most, most, most}, {-most, -most, -most}, true};
-    for (int l = 0; l < 12; ++l) {
-        check.good = check.good && !bad[l];
-        check.low[l % 3] = min(check.low[l % 3], static_cast<double>(lo[l]));
-        check.high[l % 3] = max(check.high[l % 3], static_cast<double>(hi[l]));
+    for (std::size_t l = 0; l < lo.size(); ++l) {
+        check.good = check.good && spoiled[l] == 0;
+        double &low = check.low[static_cast<int>(l % 3)], &high = check.high[static_cast<int>(l % 3)];
+        low = min(low, static_cast<double>(lo[l]));
+        high = max(high, static_cast<double>(hi[l]));
     }
     return check;
 }
@@ -53,10 +55,8 @@ ChunkCheck check_rows(const T* data, std::int64_t rows) {
 ChunkCheck check_vertices(const VertexView& view, const VertexReader& reader, std::int64_t begin, std::int64_t end) {
     if (contiguous(view) && reinterpret_cast<std::uintptr_t>(view.data) % size_of(view.type) == 0) {
         if (view.type == ScalarType::float32)
-            return check_rows<float, std::uint32_t, 0x7f800000u>(static_cast<const float*>(view.data) + 3 * begin,
-                                                                 end - begin);
-        return check_rows<double, std::uint64_t, 0x7ff0000000000000u>(static_cast<const double*>(view.data) + 3 * begin,
-                                                                      end - begin);
+            return check_rows(static_cast<const float*>(view.data) + 3 * begin, end - begin);
+        return check_rows(static_cast<const double*>(view.data) + 3 * begin, end - begin);
     }
     constexpr double most = std::numeric_limits<double>::max();
     ChunkCheck check{{most, most, most}, {-most, -most, -most}, true};
@@ -93,22 +93,26 @@ struct IndexReader {
     }
 };
 
-// Whether all indices of triangles [begin, end) are in range. Negative values become large ones, so that a single
-// comparison finds both.
+// Whether all indices of triangles [begin, end) are in range. An index that is not is negative, or `limit` - 1 less
+// than it is: either way a highest bit is set.
 template <class Index>
 bool check_corners(const TriangleView& view, std::int64_t vertex_count, std::int64_t begin, std::int64_t end) {
-    bool bad = false;
     using Unsigned = std::make_unsigned_t<Index>;
-    const auto limit = static_cast<Unsigned>(vertex_count);
+    const Unsigned last = static_cast<Unsigned>(vertex_count) - 1;
+    Unsigned outside = 0;
+    const auto visit = [&](Index index) {
+        const auto i = static_cast<Unsigned>(index);
+        outside |= i | (last - i);
+    };
     if (contiguous(view) && reinterpret_cast<std::uintptr_t>(view.data) % sizeof(Index) == 0) {
         const auto* values = static_cast<const Index*>(view.data);
-        for (std::int64_t i = 3 * begin; i < 3 * end; ++i) bad |= static_cast<Unsigned>(values[i]) >= limit;
+        for (std::int64_t i = 3 * begin; i < 3 * end; ++i) visit(values[i]);
     } else {
         const IndexReader<Index> read(view);
         for (std::int64_t t = begin; t < end; ++t)
-            for (int corner = 0; corner < 3; ++corner) bad |= static_cast<Unsigned>(read(t, corner)) >= limit;
+            for (int corner = 0; corner < 3; ++corner) visit(read(t, corner));
     }
-    return !bad;
+    return outside >> (8 * sizeof(Index) - 1) == 0;
 }
 
 template <class Index>
@@ -150,7 +154,7 @@ void with_index_type(IndexType type, Function function) {
 // Checks vertices and triangles in chunks, all at once; widens the box [low, high] by the vertices.
 void check_content(const MeshView& mesh, const VertexReader& reader, const std::string& which, ParallelFor& workers,
                    Array<ChunkCheck>& checks, Vec3d& low, Vec3d& high) {
-    constexpr std::int64_t chunk = 16384;
+    constexpr std::int64_t chunk = 8192;
     const auto chunks = [](std::int64_t rows) { return static_cast<std::size_t>((rows + chunk - 1) / chunk); };
     const std::size_t vertex_chunks = chunks(mesh.vertices.rows), all = vertex_chunks + chunks(mesh.triangles.rows);
     checks.resize_discard(all);

@@ -77,6 +77,49 @@ TEST(Input, a_vertex_that_is_not_finite_is_named_even_if_no_triangle_uses_it) {
     EXPECT_EQ(pairs_of(detector.find_self({vertices, triangles})), expected) << "still usable";
 }
 
+// Sixteen rows are checked at once, and chunks by several threads.
+template <class Scalar>
+void expect_bad_values_named_anywhere() {
+    Detector detector;
+    std::vector<std::array<Scalar, 3>> points(8192 + 37);
+    for (std::size_t v = 0; v < points.size(); ++v) points[v] = {static_cast<Scalar>(v), 1, -static_cast<Scalar>(v)};
+    for (std::size_t v = 0; v < points.size(); v = v < 40 || v > 8180 ? v + 1 : 8181) {
+        auto broken = points;
+        broken[v][v % 3] = v % 2 ? std::numeric_limits<Scalar>::quiet_NaN() : std::numeric_limits<Scalar>::infinity();
+        const std::vector<std::array<std::int32_t, 3>> triangle{{0, 1, 2}};
+        const Error error = error_of([&] { detector.find_self({broken, triangle}); });
+        EXPECT_EQ(std::string(error.what()), "vertex " + std::to_string(v) + " is not finite");
+    }
+}
+
+TEST(Input, a_bad_value_is_named_wherever_it_stands) {
+    expect_bad_values_named_anywhere<float>();
+    expect_bad_values_named_anywhere<double>();
+}
+
+template <class Index>
+void expect_bad_indices_named_anywhere(Index bad) {
+    Detector detector;
+    const std::vector<std::array<Index, 3>> faces(8192 + 37, {0, 1, 2});
+    for (std::size_t t = 0; t < faces.size(); t = t < 20 || t > 8180 ? t + 1 : 8181) {
+        auto broken = faces;
+        broken[t][t % 3] = bad;
+        const Error error = error_of([&] { detector.find_self({vertices, broken}); });
+        EXPECT_EQ(std::string(error.what()),
+                  "triangle " + std::to_string(t) + " names vertex " + std::to_string(bad) + " of 6");
+    }
+}
+
+TEST(Input, a_bad_index_is_named_wherever_it_stands) {
+    expect_bad_indices_named_anywhere<std::int32_t>(6);
+    expect_bad_indices_named_anywhere<std::int32_t>(-1);
+    expect_bad_indices_named_anywhere<std::uint32_t>(6);
+    expect_bad_indices_named_anywhere<std::uint32_t>(0xffffffffu);
+    expect_bad_indices_named_anywhere<std::int64_t>(6);
+    expect_bad_indices_named_anywhere<std::int64_t>(std::int64_t{1} << 32);
+    expect_bad_indices_named_anywhere<std::int64_t>(std::numeric_limits<std::int64_t>::min());
+}
+
 TEST(Input, an_index_out_of_range_is_named) {
     Detector detector;
     for (const std::int32_t bad : {-1, 6, 90, std::numeric_limits<std::int32_t>::min()}) {
