@@ -6,23 +6,24 @@
 
 namespace crumple::cpu {
 
-LeafFrame leaf_frame(const Subdivision& s, const LeafMembers& members) {
+LeafFrame leaf_frame(const Array<Ball>& balls, const LeafMembers& members) {
     const std::int64_t samples = std::min<std::int64_t>(members.size(), 128);
-    const auto member = [&](std::int64_t i) { return members.member[i * members.size() / samples]; };
-    const auto centroid = [&](std::int32_t m) { return Vec3d{s.ball[m].x, s.ball[m].y, s.ball[m].z}; };
+    const auto ball = [&](std::int64_t i) -> const Ball& {
+        return balls[members.triangle[i * members.size() / samples]];
+    };
+    const auto centroid = [&](std::int64_t i) { return Vec3d{ball(i).x, ball(i).y, ball(i).z}; };
 
     const double share = 1.0 / static_cast<double>(samples);
     Vec3d mean;
     double radius = 0;
     for (std::int64_t i = 0; i < samples; ++i) {
-        const std::int32_t m = member(i);
-        mean = mean + share * centroid(m);
-        radius += share * s.ball[m].r;
+        mean = mean + share * centroid(i);
+        radius += share * ball(i).r;
     }
     SymmetricMatrix covariance;
     double spread = 0;
     for (std::int64_t i = 0; i < samples; ++i) {
-        const Vec3d d = centroid(member(i)) - mean;
+        const Vec3d d = centroid(i) - mean;
         covariance.xx += share * d.x * d.x;
         covariance.xy += share * d.x * d.y;
         covariance.xz += share * d.x * d.z;

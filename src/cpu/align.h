@@ -10,6 +10,6 @@
 
 namespace crumple::cpu {
 
-LeafFrame leaf_frame(const Subdivision& subdivision, const LeafMembers& members);
+LeafFrame leaf_frame(const Array<Ball>& balls, const LeafMembers& members);
 
 }  // namespace crumple::cpu

@@ -258,13 +258,13 @@ class CpuBackend final : public BackendBase {
         Statistics& statistics = scratch.narrow.statistics;
         Stopwatch watch;
         LeafMembers& members = scratch.members;
-        members.gather(scene, *subdivision_, leaf);
+        members.gather(scene, *subdivision_, leaf, kernels_);
         if (members.size() < 2) return false;
         ownership.bits(members.triangle.data(), members.member.data(), members.size(), rule_.groups_apart(),
                        members.lower.data());
         members.keep_members = !ownership.complete();
         const RecordInput input{point_rows(scene),       scene.corners,  scene.triangle_count(),
-                                members.triangle.data(), members.size(), leaf_frame(*subdivision_, members)};
+                                members.triangle.data(), members.size(), leaf_frame(balls_, members)};
         kernels_.build(input, members.record.data(), members.boxes, members.bounds);
         statistics[Stage::align] += watch.lap();
         sort_leaf(members, kernels_, scratch.sort, scratch.leaf);

@@ -36,6 +36,15 @@ void assign(const Ball* ball, std::int64_t n, const Centres& centres, std::uint6
     }
 }
 
+void list_members(const std::uint64_t* mask, const std::int32_t* id, std::int64_t begin, std::int64_t end, int child,
+                  std::int32_t* member, std::int32_t* triangle) {
+    for (std::int64_t m = begin; m < end; ++m) {
+        if (!(mask[m] >> child & 1)) continue;
+        *member++ = static_cast<std::int32_t>(m);
+        *triangle++ = id[m];
+    }
+}
+
 void build(const RecordInput& in, Record* record, Boxes& boxes, LeafBounds& bounds) {
     constexpr float most = std::numeric_limits<float>::max();
     bounds = {{most, most, most}, {-most, -most, -most}, 0, 0};
@@ -140,6 +149,7 @@ void name_pairs(const std::uint32_t* packed, std::size_t count, const RowLink* r
 
 }  // namespace
 
-const Kernels scalar_kernels{"scalar", balls, assign, build, quantise, split_boxes, scatter, sweep, filter, name_pairs};
+const Kernels scalar_kernels{"scalar",    balls,   assign, list_members, build,     quantise,
+                             split_boxes, scatter, sweep,  filter,       name_pairs};
 
 }  // namespace crumple::cpu

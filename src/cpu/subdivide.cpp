@@ -33,7 +33,7 @@ FuzzyOptions fuzzy(const Options& options, bool first) {
 
 // Writes the members of clusters [begin, end), cluster by cluster, in the order of triangles: prefix sums of the counts
 // give each chunk of triangles its places.
-void scatter_members(const Array<Ball>& balls, std::int64_t n, int begin, int end, Workers& workers, Subdivision& s) {
+void scatter_members(std::int64_t n, int begin, int end, Workers& workers, Subdivision& s) {
     const auto chunks = static_cast<std::size_t>((n + chunk - 1) / chunk);
     s.place.resize_discard(chunks * max_clusters);
     std::int64_t total = 0;
@@ -48,18 +48,14 @@ void scatter_members(const Array<Ball>& balls, std::int64_t n, int begin, int en
         }
     }
     s.first[static_cast<std::size_t>(end)] = total;
-    s.ball.resize_discard(static_cast<std::size_t>(total + padding));
-    s.id.resize_discard(static_cast<std::size_t>(total));
-    s.mask2.resize_discard(static_cast<std::size_t>(total));
+    s.id.resize_discard(static_cast<std::size_t>(total + padding));
+    s.mask2.resize_discard(static_cast<std::size_t>(total + padding));
     workers.parallel_for(chunks, [&](std::size_t c, std::size_t) {
         std::int64_t* next = s.place.data() + c * max_clusters;
         const std::int64_t first = static_cast<std::int64_t>(c) * chunk, last = std::min(n, first + chunk);
         for (std::int64_t t = first; t < last; ++t) {
-            for (std::uint64_t mask = s.mask1[t] & wanted; mask; mask &= mask - 1) {
-                const std::int64_t m = next[std::countr_zero(mask)]++;
-                s.ball[m] = balls[t];
-                s.id[m] = static_cast<std::int32_t>(t);
-            }
+            for (std::uint64_t mask = s.mask1[t] & wanted; mask; mask &= mask - 1)
+                s.id[next[std::countr_zero(mask)]++] = static_cast<std::int32_t>(t);
         }
     });
 }
@@ -85,10 +81,10 @@ std::int64_t assign_all(const Array<Ball>& balls, std::int64_t n, const std::uin
     return total;
 }
 
-// Splits cluster k if it is large and that pays; appends nothing, leaves the lists in members2[k] and `sizes`.
-// Returns the number of children, 0 if it stays whole.
-int split_cluster(int cluster, const Options& options, const Kernels& kernels, Centres& centres, Subdivision& s,
-                  std::array<std::int64_t, max_clusters>& sizes) {
+// Splits cluster k if it is large and that pays: writes its members' masks and the children's sizes. Returns the number
+// of children, 0 if it stays whole.
+int split_cluster(int cluster, const Array<Ball>& balls, const Options& options, const Kernels& kernels,
+                  Centres& centres, Subdivision& s, std::array<std::int64_t, max_clusters>& sizes) {
     const auto k = static_cast<std::size_t>(cluster);
     const std::int64_t begin = s.first[k], members = s.first[k + 1] - begin;
     if (2 * members <= 3 * static_cast<std::int64_t>(options.leaf_size)) return 0;
@@ -97,26 +93,22 @@ int split_cluster(int cluster, const Options& options, const Kernels& kernels, C
     const std::size_t samples = static_cast<std::size_t>(
         std::min<std::int64_t>(members, static_cast<std::int64_t>(samples2_per_cluster) * count));
     const auto point = [&](std::size_t i) {
-        const auto m = static_cast<std::size_t>(begin) + i * static_cast<std::size_t>(members) / samples;
-        return Vec3f{s.ball[m].x, s.ball[m].y, s.ball[m].z};
+        const Ball& ball =
+            balls[s.id[static_cast<std::size_t>(begin) + i * static_cast<std::size_t>(members) / samples]];
+        return Vec3f{ball.x, ball.y, ball.z};
     };
     const bool first = centres.count != count;
     if (first) start_centres(count, samples, point, centres);
     fuzzy_c_means(samples, point, fuzzy(options, first), centres);
     sizes.fill(0);
-    kernels.assign(s.ball.data() + begin, members, centres, s.mask2.data() + begin, sizes.data());
+    std::array<Ball, chunk> gathered;
+    for (std::int64_t m = begin; m < begin + members; m += chunk) {
+        const std::int64_t n = std::min(chunk, begin + members - m);
+        for (std::int64_t i = 0; i < n; ++i) gathered[i] = balls[s.id[m + i]];
+        kernels.assign(gathered.data(), n, centres, s.mask2.data() + m, sizes.data());
+    }
     const std::int64_t total = std::accumulate(sizes.begin(), sizes.end(), std::int64_t{0});
-    if (!pays(total, members, count)) return 0;
-
-    std::array<std::int64_t, max_clusters> next;
-    std::int64_t sum = 0;
-    for (std::size_t c = 0; c < static_cast<std::size_t>(count); ++c) next[c] = sum, sum += sizes[c];
-    auto& list = s.members2[k];
-    list.resize_discard(static_cast<std::size_t>(total));
-    for (std::int64_t m = begin; m < begin + members; ++m)
-        for (std::uint64_t mask = s.mask2[m]; mask; mask &= mask - 1)
-            list[next[std::countr_zero(mask)]++] = static_cast<std::int32_t>(m);
-    return count;
+    return pays(total, members, count) ? count : 0;
 }
 
 }  // namespace
@@ -167,28 +159,21 @@ void place_clusters(const Array<Ball>& balls, std::int64_t n, const std::uint64_
 
 void gather_leaves(const Array<Ball>& balls, std::int64_t n, int begin, int end, const Options& options,
                    const Kernels& kernels, Workers& workers, WarmCentres& warm, Subdivision& s) {
-    scatter_members(balls, n, begin, end, workers, s);
+    scatter_members(n, begin, end, workers, s);
 
     std::array<std::array<std::int64_t, max_clusters>, max_clusters> sizes;
     std::array<int, max_clusters> children{};
     workers.parallel_for(static_cast<std::size_t>(end - begin), [&](std::size_t i, std::size_t) {
         const std::size_t k = static_cast<std::size_t>(begin) + i;
-        children[k] = split_cluster(static_cast<int>(k), options, kernels, warm.level2[k], s, sizes[k]);
+        children[k] = split_cluster(static_cast<int>(k), balls, options, kernels, warm.level2[k], s, sizes[k]);
     });
 
     s.leaves.clear();
     for (int cluster = begin; cluster < end; ++cluster) {
         const auto k = static_cast<std::size_t>(cluster);
-        if (children[k] == 0) {
-            s.leaves.push_back({cluster, -1, s.first[k], s.first[k + 1] - s.first[k]});
-            continue;
-        }
-        std::int64_t first = 0;
-        for (std::int32_t child = 0; child < children[k]; ++child) {
-            const std::int64_t size = sizes[k][static_cast<std::size_t>(child)];
-            s.leaves.push_back({cluster, child, first, size});
-            first += size;
-        }
+        if (children[k] == 0) s.leaves.push_back({cluster, -1, s.first[k + 1] - s.first[k]});
+        for (std::int32_t child = 0; child < children[k]; ++child)
+            s.leaves.push_back({cluster, child, sizes[k][static_cast<std::size_t>(child)]});
     }
     // Largest first, so that the last tasks of a parallel loop are short ones.
     std::sort(s.leaves.begin(), s.leaves.end(), [](const Leaf& a, const Leaf& b) {

@@ -70,6 +70,45 @@ TEST(Assign, a_cluster_whose_centre_is_nearest_to_a_point_of_the_ball_has_it_as_
     }
 }
 
+TEST(Assign, lists_the_members_of_a_child_and_writes_no_mask_beyond_the_last) {
+    std::mt19937 engine(7);
+    const auto random_mask = [&] { return std::uint64_t{engine()} << 32 | engine(); };
+    for (const Kernels* kernels : test::kernel_tables()) {
+        for (const std::size_t n :
+             {std::size_t{0}, std::size_t{1}, std::size_t{15}, std::size_t{16}, std::size_t{333}}) {
+            std::vector<std::uint64_t> mask(n + 5 + padding);
+            std::vector<std::int32_t> id(mask.size());
+            for (std::uint64_t& m : mask) m = random_mask();
+            for (std::int32_t& i : id) i = static_cast<std::int32_t>(engine() >> 1);
+            for (const int child : {0, 1, 31, 32, 63}) {
+                std::vector<std::int32_t> expected, ids;
+                for (std::size_t m = 5; m < 5 + n; ++m) {
+                    if (!(mask[m] >> child & 1)) continue;
+                    expected.push_back(static_cast<std::int32_t>(m));
+                    ids.push_back(id[m]);
+                }
+                std::vector<std::int32_t> member(expected.size() + padding), triangle(member.size());
+                kernels->list_members(mask.data(), id.data(), 5, 5 + static_cast<std::int64_t>(n), child, member.data(),
+                                      triangle.data());
+                member.resize(expected.size());
+                triangle.resize(expected.size());
+                EXPECT_EQ(member, expected) << kernels->name;
+                EXPECT_EQ(triangle, ids) << kernels->name;
+            }
+            Centres centres;
+            centres.count = 3;
+            for (int k = 0; k < 3; ++k) centres.set(k, {0.1f * static_cast<float>(k), 0, 0});
+            const Array<Ball> balls = make_balls(centres, static_cast<int>(n), engine);
+            constexpr std::uint64_t untouched = 0x123456789abcdef;
+            std::vector<std::uint64_t> written(n + padding, untouched);
+            std::array<std::int64_t, max_clusters> counts{};
+            kernels->assign(balls.data(), static_cast<std::int64_t>(n), centres, written.data(), counts.data());
+            for (std::size_t i = 0; i < written.size(); ++i)
+                EXPECT_EQ(written[i] == untouched, i >= n) << kernels->name << ": a neighbouring cluster's mask";
+        }
+    }
+}
+
 TEST(Assign, small_balls_have_few_clusters) {
     std::mt19937 engine(5);
     const auto number = [&] { return static_cast<float>(static_cast<double>(engine()) * 0x1p-31 - 1); };

@@ -37,7 +37,7 @@ inline void assign(const Ball* ball, std::int64_t n, const Centres& centres, std
             const Vec3f between = centres[k] - centres[j];
             reach[k][j] = 2.00001f * std::sqrt(dot(between, between)) + 1e-22f;
         }
-    const bool few = centres.count <= std::min<std::int64_t>(lanes, 8);
+    const bool few = centres.count <= lanes;
     HWY_ALIGN float d2[max_clusters * hn::MaxLanes(d)];
     for (std::int64_t i = 0; i < n; i += lanes) {
         V px, py, pz, pr;
@@ -82,9 +82,35 @@ inline void assign(const Ball* ball, std::int64_t n, const Centres& centres, std
                 join(k, hn::GatherIndex(d, reach[k], nearest));
             }
         }
-        HWY_ALIGN std::uint32_t halves[2 * hn::MaxLanes(d)];
-        hn::StoreInterleaved2(low, high, du, halves);
-        std::memcpy(mask + i, halves, sizeof(std::uint64_t) * static_cast<std::size_t>(std::min(lanes, n - i)));
+        if (i + lanes <= n) {
+            hn::StoreInterleaved2(low, high, du, reinterpret_cast<std::uint32_t*>(mask + i));
+        } else {
+            HWY_ALIGN std::uint32_t halves[2 * hn::MaxLanes(d)];
+            hn::StoreInterleaved2(low, high, du, halves);
+            std::memcpy(mask + i, halves, sizeof(std::uint64_t) * static_cast<std::size_t>(n - i));
+        }
+    }
+}
+
+inline void list_members(const std::uint64_t* mask, const std::int32_t* id, std::int64_t begin, std::int64_t end,
+                         int child, std::int32_t* HWY_RESTRICT member, std::int32_t* HWY_RESTRICT triangle) {
+    const hn::ScalableTag<std::int32_t> d;
+    const hn::RebindToUnsigned<decltype(d)> du;
+    const auto lanes = static_cast<std::int64_t>(hn::Lanes(d));
+    const std::uint64_t bit = std::uint64_t{1} << child;
+    const auto low_bit = hn::Set(du, static_cast<std::uint32_t>(bit)),
+               high_bit = hn::Set(du, static_cast<std::uint32_t>(bit >> 32)), none = hn::Zero(du);
+    const auto iota = hn::Iota(d, 0);
+    for (std::int64_t m = begin; m < end; m += lanes) {
+        hn::Vec<decltype(du)> low, high;
+        hn::LoadInterleaved2(du, reinterpret_cast<const std::uint32_t*>(mask + m), low, high);
+        const auto has_bit = hn::Ne(hn::Or(hn::And(low, low_bit), hn::And(high, high_bit)), none);
+        const auto listed = hn::And(hn::RebindMask(d, has_bit), hn::FirstN(d, static_cast<std::size_t>(end - m)));
+        compress_to(d, hn::LoadU(d, id + m), listed, triangle);
+        const std::size_t count =
+            compress_to(d, hn::Add(iota, hn::Set(d, static_cast<std::int32_t>(m))), listed, member);
+        triangle += count;
+        member += count;
     }
 }
 

@@ -39,8 +39,17 @@ inline void filter(const SortedLeaf& leaf, const Candidates& candidates, const P
     separation_test_double(leaf, candidates, points, verdicts);
 }
 
-const Kernels table{
-    hwy::TargetName(HWY_TARGET), balls, assign, build, quantise, split_boxes, scatter, sweep, filter, name_pairs};
+const Kernels table{hwy::TargetName(HWY_TARGET),
+                    balls,
+                    assign,
+                    list_members,
+                    build,
+                    quantise,
+                    split_boxes,
+                    scatter,
+                    sweep,
+                    filter,
+                    name_pairs};
 
 }  // namespace HWY_NAMESPACE
 }  // namespace crumple::cpu
