@@ -23,7 +23,7 @@ HWY_INLINE void store_records(D d, V X, V Y, V Z, V I, Record* HWY_RESTRICT reco
     constexpr std::size_t lanes = hn::MaxLanes(d);
     if constexpr (blocks == 4) transpose_blocks(d, X, Y, Z, I);
     if constexpr (blocks == 2) {
-        // Rows to columns is the inverse of transpose_halves.
+        // Columns of two blocks to two rows of four.
         const V a = hn::ConcatLowerLower(d, Y, X), a2 = hn::ConcatLowerLower(d, I, Z);
         const V b = hn::ConcatUpperUpper(d, Y, X), b2 = hn::ConcatUpperUpper(d, I, Z);
         X = a, Y = a2, Z = b, I = b2;

@@ -78,6 +78,18 @@ HWY_INLINE void repeat_last(Array<std::uint32_t>& list, std::size_t lanes) {
 /// Blocks of 128 bits in a vector: rows of four that are handled at once.
 constexpr int blocks = static_cast<int>(hn::MaxLanes(hn::ScalableTag<float>())) / 4;
 
+/// Blocks 0 and 2, or 1 and 3, of two vectors of four.
+#if HWY_TARGET <= HWY_AVX3
+template <class V>
+HWY_INLINE V even_blocks(V low, V high) {
+    return V{_mm512_shuffle_f32x4(low.raw, high.raw, 0x88)};
+}
+template <class V>
+HWY_INLINE V odd_blocks(V low, V high) {
+    return V{_mm512_shuffle_f32x4(low.raw, high.raw, 0xdd)};
+}
+#endif
+
 /// Four vectors of four blocks, transposed; its own inverse.
 template <class D, class V>
 HWY_INLINE void transpose_blocks(D d, V& a, V& b, V& c, V& e) {
@@ -88,14 +100,6 @@ HWY_INLINE void transpose_blocks(D d, V& a, V& b, V& c, V& e) {
     b = hn::OddEvenBlocks(odd, hn::SwapAdjacentBlocks(even));
     c = hn::OddEvenBlocks(hn::SwapAdjacentBlocks(odd2), even2);
     e = hn::OddEvenBlocks(odd2, hn::SwapAdjacentBlocks(even2));
-}
-
-/// Two rows of four blocks, in four vectors of two, to four columns of two blocks.
-template <class D, class V>
-HWY_INLINE void transpose_halves(D d, V& a, V& a2, V& b, V& b2) {
-    const V x = hn::ConcatLowerLower(d, b, a), y = hn::ConcatUpperUpper(d, b, a);
-    const V z = hn::ConcatLowerLower(d, b2, a2), w = hn::ConcatUpperUpper(d, b2, a2);
-    a = x, a2 = y, b = z, b2 = w;
 }
 
 }  // namespace HWY_NAMESPACE

@@ -19,18 +19,24 @@ HWY_BEFORE_NAMESPACE();
 namespace crumple::cpu {
 namespace HWY_NAMESPACE {
 
-/// Record columns[j[b]] in block b, transposed: X = x0 x1 x2 nx | ..., I = id0 id1 id2 c | ...
+/// Record columns[j[b]] in block b, transposed: X = x0 x1 x2 nx | ..., I = id0 id1 id2 c | ... Shuffles are what this
+/// filter would wait for, so halves of vectors are joined in loading, which is none.
 template <class D, class V>
 HWY_INLINE void load_records(D d, const Record* columns, const std::uint16_t* j, V& X, V& Y, V& Z, V& I) {
     const auto at = [&](int b) { return reinterpret_cast<const float*>(columns + j[b]); };
     if constexpr (blocks == 1) {
         X = hn::Load(d, at(0)), Y = hn::Load(d, at(0) + 4), Z = hn::Load(d, at(0) + 8), I = hn::Load(d, at(0) + 12);
-    } else if constexpr (blocks == 2) {
-        X = hn::Load(d, at(0)), Y = hn::Load(d, at(0) + 8), Z = hn::Load(d, at(1)), I = hn::Load(d, at(1) + 8);
-        transpose_halves(d, X, Y, Z, I);
     } else {
-        X = hn::Load(d, at(0)), Y = hn::Load(d, at(1)), Z = hn::Load(d, at(2)), I = hn::Load(d, at(3));
-        transpose_blocks(d, X, Y, Z, I);
+        const hn::Half<D> half;
+        const auto join = [&](int b, int lane) HWY_ATTR {
+            return hn::Combine(d, hn::Load(half, at(b + 1) + lane), hn::Load(half, at(b) + lane));
+        };
+        if constexpr (blocks == 2) {
+            X = join(0, 0), Y = join(0, 4), Z = join(0, 8), I = join(0, 12);
+        } else {
+            const V xy0 = join(0, 0), xy2 = join(2, 0), zi0 = join(0, 8), zi2 = join(2, 8);
+            X = even_blocks(xy0, xy2), Y = odd_blocks(xy0, xy2), Z = even_blocks(zi0, zi2), I = odd_blocks(zi0, zi2);
+        }
     }
 }
 
