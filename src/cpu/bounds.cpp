@@ -7,7 +7,7 @@
 namespace crumple::cpu {
 namespace {
 
-constexpr std::int64_t chunk = 8192;
+constexpr std::int64_t chunk = 2048;
 
 std::size_t chunks(std::int64_t n) { return static_cast<std::size_t>((n + chunk - 1) / chunk); }
 

@@ -8,7 +8,7 @@
 namespace crumple::cpu {
 namespace {
 
-constexpr int bucket_bits = 12, bucket_size = 1 << bucket_bits;
+constexpr int bucket_bits = 10, bucket_size = 1 << bucket_bits;
 constexpr int most_digit_bits = 11;
 
 // One stable pass of a counting sort by `bits` bits of the second triangle, from bit `shift` on.

@@ -9,7 +9,7 @@ namespace crumple::cpu {
 namespace {
 
 constexpr std::int64_t chunk = 4096;
-constexpr std::size_t samples1 = 2048;            // points that place the first level's centres
+constexpr std::size_t samples1 = 1024;            // points that place the first level's centres
 constexpr std::size_t samples2_per_cluster = 32;  // points for each centre of the second level
 
 // Splitting k ways pays while each triangle joins fewer than about k^(1/3) clusters: a sweep costs members^2 times the
