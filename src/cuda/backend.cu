@@ -142,7 +142,7 @@ class CudaBackend final : public BackendBase {
         answer_.release();
         for (Block* block : {&state_, &work_}) block->release();
         for (Recorded& recorded : recorded_) recorded.graph = {};
-        planned_for_ = -1;
+        planned_for_ = {};
         too_many_ = std::numeric_limits<std::int64_t>::max();
     }
 
@@ -200,9 +200,9 @@ class CudaBackend final : public BackendBase {
     }
 
     void plan() {
-        const std::int64_t n = pass_.scene.triangle_count();
-        if (planned_for_ != n) pass_.plan.choose(n, options_);
-        planned_for_ = n;
+        const SceneKind kind{pass_.scene.triangle_count(), pass_.scene.between};
+        if (planned_for_ != kind) pass_.plan.choose(kind.triangles, kind.between, options_);
+        planned_for_ = kind;
     }
 
     void lay_out_lists() {
@@ -324,12 +324,12 @@ class CudaBackend final : public BackendBase {
         pass_over_chunks({Hits::Mode::fill, {}, output.next, output.second});
         order_buckets(geometry_, stream_.get(), pass_.scene, output, pass_.counters);
         CRUMPLE_CUDA(cudaStreamSynchronize(stream_.get()));
-        planned_for_ = -1;
+        planned_for_ = {};
     }
 
     unsigned long long count_in_chunks() {
-        planned_for_ = -1;
-        pass_.plan.choose_chunks(pass_.scene.triangle_count(), options_);
+        planned_for_ = {};
+        pass_.plan.choose_chunks(pass_.scene.triangle_count(), pass_.scene.between, options_);
         answer_.make_room(pass_.scene, 0);
         answer_.clear_offsets(pass_.scene);
         const Output& output = answer_.output;
@@ -511,7 +511,12 @@ class CudaBackend final : public BackendBase {
         Key key{};
         GraphExec graph;
     } recorded_[2];
-    std::int64_t planned_for_ = -1;  ///< triangles of the scene that the plan was made for
+    struct SceneKind {
+        std::int64_t triangles = -1;
+        bool between = false;
+        friend bool operator==(const SceneKind&, const SceneKind&) = default;
+    };
+    SceneKind planned_for_;                                             ///< what the plan was made for
     std::int64_t too_many_ = std::numeric_limits<std::int64_t>::max();  ///< triangles that did not fit at once
 };
 

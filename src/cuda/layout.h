@@ -24,8 +24,10 @@
 
 namespace crumple::cuda {
 
-inline constexpr int max_fan_out = 62;  ///< children of a cluster: bits of a mask, two of which say the side
-inline constexpr int bins = 1024;       ///< of a leaf's sweep axis
+inline constexpr int max_fan_out = 64;  ///< children of a cluster: bits of a mask
+/// The same between two meshes: a row's conflicts are lower children, of 63 at most 62, and in two bits its side.
+inline constexpr int max_fan_out_between = 63;
+inline constexpr int bins = 1024;  ///< of a leaf's sweep axis
 
 /// A row of normalised coordinates; exact in the scene's precision.
 template <class T>

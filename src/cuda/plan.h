@@ -24,11 +24,11 @@ struct Plan {
     int leaves() const { return fan_out[0] * std::max(1, fan_out[1]); }
     unsigned long long last_members() const { return members[levels() - 1]; }
 
-    /// Clusters and room for a scene of n triangles that is unlike the last one.
-    void choose(std::int64_t n, const Options& options) {
+    /// Clusters and room for a scene of n triangles, of one mesh or between two, that is unlike the last one.
+    void choose(std::int64_t n, bool between, const Options& options) {
         *this = {};
         const std::int64_t leaves = std::max<std::int64_t>(1, (n + options.leaf_size - 1) / options.leaf_size);
-        const auto most = static_cast<std::int64_t>(max_fan_out);
+        const std::int64_t most = between ? max_fan_out_between : max_fan_out;
         fan_out[0] = static_cast<int>(options.clusters > 0 ? std::min<std::int64_t>(options.clusters, most)
                                                            : std::min(leaves, most));
         if (leaves > fan_out[0]) fan_out[1] = static_cast<int>(std::min((leaves + fan_out[0] - 1) / fan_out[0], most));
@@ -41,9 +41,9 @@ struct Plan {
     }
 
     /// Lists of a few candidates: work is then done in slices.
-    void choose_chunks(std::int64_t n, const Options& options) {
+    void choose_chunks(std::int64_t n, bool between, const Options& options) {
         constexpr unsigned long long candidates = 32ull * unit_columns;  // what one unit has at most
-        choose(n, options);
+        choose(n, between, options);
         members[0] = members[1] = 1024;
         survivors = undecided = beyond = candidates;
         hits = 0;

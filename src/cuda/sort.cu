@@ -53,7 +53,7 @@ __global__ void place_kernel(Scene scene, const Row<T>* rows, const unsigned lon
         const auto item = members.item[m];
         const auto child = leaf % static_cast<std::uint32_t>(ownership.last_fan_out);
         const std::uint64_t lower = ownership.last_mask[item] & ((std::uint64_t{1} << child) - 1);
-        const std::uint64_t side = scene.between ? std::uint64_t{1} << (max_fan_out + scene.second(t)) : 0;
+        const std::uint64_t side = scene.between ? std::uint64_t{1} << (max_fan_out_between - 1 + scene.second(t)) : 0;
         sorted.box[row] = {member.low.y - frame.margin, member.high.y + frame.margin, member.low.z - frame.margin,
                            member.high.z + frame.margin};
         sorted.record[row] = member.record;

@@ -114,6 +114,25 @@ TEST(CudaDevice, compares_two_meshes_with_groups_and_parts) {
     }
 }
 
+TEST(CudaDevice, splits_a_scene_64_ways_and_the_same_triangles_63_ways_between_two_meshes) {
+    const io::TriangleMesh mesh = cloth(800);
+    const MeshView host = mesh.view();
+    const auto half = halves(host);
+    const DeviceMesh whole(host), a(half[0]), b(half[1]);
+    Detector cpu({.backend = Backend::cpu});
+    for (const int leaf_size : {3000, 3}) {  // one level and two
+        Detector cuda({.backend = Backend::cuda, .clusters = 64, .leaf_size = leaf_size});
+        for (int turn = 0; turn < 2; ++turn) {
+            const Collisions& self = cuda.find_self(whole.view());
+            EXPECT_EQ(self.statistics.clusters, 64);
+            EXPECT_TRUE(same_answer(self, cpu.find_self(host)));
+            const Collisions& between = cuda.find_between(a.view(), b.view());
+            EXPECT_EQ(between.statistics.clusters, 63);
+            EXPECT_TRUE(same_answer(between, cpu.find_between(half[0], half[1])));
+        }
+    }
+}
+
 TEST(CudaDevice, cuts_a_scene_into_the_parts_of_the_host) {
     const io::TriangleMesh mesh = cloth(1501);
     const auto half = halves(mesh.view());
