@@ -132,7 +132,6 @@ struct Detector::Implementation {
                  OnDevice on_device) {
         const FloatEnvironment environment;
         cancellation.begin();
-        check_query(a, b, query);
         const auto attempt = [&] {
             if (a.memory == MemorySpace::host)
                 work(prepare_scene(a, b, query.weld, *backend, buffers));
@@ -140,6 +139,8 @@ struct Detector::Implementation {
                 on_device();
         };
         try {
+            check_query(a, b, query);
+            if (part) check_part(*part, a, b);
             try {
                 try {
                     attempt();
@@ -178,7 +179,6 @@ struct Detector::Implementation {
 
     const Collisions& find(const MeshView& a, const MeshView* b, const Part* part, const Query& query) {
         const auto begin = std::chrono::steady_clock::now();
-        if (part) check_part(*part, a, b);
         meter.peak = meter.used.load();
         result.statistics = {};
         guarded(
@@ -213,10 +213,12 @@ struct Detector::Implementation {
 
     void launch(const MeshView& a, const MeshView* b, const Query& query) {
         cancellation.begin();
-        check_query(a, b, query);
-        if (a.memory == MemorySpace::host)
-            throw Error(ErrorCode::invalid_argument, "launch_self and launch_between take meshes in device memory");
-        on_the_device([&] { backend->launch(a, b, query); });
+        on_the_device([&] {
+            check_query(a, b, query);
+            if (a.memory == MemorySpace::host)
+                throw Error(ErrorCode::invalid_argument, "launch_self and launch_between take meshes in device memory");
+            backend->launch(a, b, query);
+        });
     }
     const DeviceCollisions& wait() {
         const DeviceCollisions* answer = nullptr;
@@ -245,11 +247,20 @@ struct Detector::Implementation {
     }
 
     std::vector<Part> partition(const MeshView& a, const MeshView* b, int count) {
-        check(count >= 1 && count <= max_clusters, "the number of parts must be 1 to 64");
+        const auto check_count = [&] {
+            check(count >= 1 && count <= max_clusters, "the number of parts must be 1 to 64");
+        };
         std::vector<Part> parts;
         guarded(
-            a, b, nullptr, {}, [&](const Scene& scene) { parts = make_parts(scene, count, *backend); },
-            [&] { parts = backend->partition(a, b, count); });
+            a, b, nullptr, {},
+            [&](const Scene& scene) {
+                check_count();
+                parts = make_parts(scene, count, *backend);
+            },
+            [&] {
+                check_count();
+                parts = backend->partition(a, b, count);
+            });
         return parts;
     }
 };

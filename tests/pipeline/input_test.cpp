@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
+#include <functional>
 #include <limits>
 
 #include "error_of.h"
@@ -166,6 +167,28 @@ TEST(Input, wrong_shapes_and_options_are_errors) {
     EXPECT_EQ(error_of([&] { detector.partition({vertices, triangles}, 0); }).code, ErrorCode::invalid_argument);
     EXPECT_EQ(error_of([&] { detector.partition({vertices, triangles}, 65); }).code, ErrorCode::invalid_argument);
     EXPECT_EQ(error_of([&] { detector.find_self({vertices, triangles}, Part{}); }).code, ErrorCode::invalid_argument);
+}
+
+TEST(Input, after_an_error_the_result_is_empty) {
+    Detector detector;
+    const MeshView mesh(vertices, triangles);
+    const std::vector<std::function<void()>> wrong_calls{
+        [&] { detector.find_self(mesh, Query{.wanted = Wanted::between}); },
+        [&] { detector.find_self(mesh, Part{}); },
+        [&] { detector.launch_self(mesh); },
+        [&] { detector.partition(mesh, 0); },
+        [&] {
+            detector.find_self({vertices, std::vector<std::array<std::int32_t, 3>>{{0, 1, 6}}});
+        },
+    };
+    for (const auto& call : wrong_calls) {
+        const Collisions& result = detector.find_self(mesh);
+        ASSERT_EQ(pairs_of(result), expected);
+        error_of(call);
+        EXPECT_TRUE(result.pairs.empty());
+        EXPECT_TRUE(result.offsets.empty());
+        EXPECT_TRUE(result.hit.empty());
+    }
 }
 
 TEST(Input, a_wrong_shape_names_the_mesh) {
