@@ -1,5 +1,6 @@
 // crumple make: a procedural or simulated scene as a mesh file, or as one for each frame.
 
+#include <limits>
 #include <memory>
 #include <optional>
 
@@ -80,7 +81,8 @@ Command add_make(CLI::App& app) {
     command.add_flag("--all-frames", make->all_frames,
                      "Write every frame; FILE gets the frame's number before its extension");
     command.add_option("--seed", make->parameters.seed, "Other numbers give other scenes of the same kind")
-        ->type_name("N");
+        ->type_name("N")
+        ->check(CLI::Range(std::int64_t{0}, std::numeric_limits<std::int64_t>::max()).description(""));
     command.add_option("-o,--output", make->output, "Mesh file: .ply, .obj, .stl or .off")->type_name("FILE");
     command.footer(
         "A simulated scene takes seconds to minutes; its frames are kept under $XDG_CACHE_HOME/crumple or\n"

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <csignal>
 #include <filesystem>
+#include <limits>
 #include <memory>
 
 #include <fmt/format.h>
@@ -137,7 +138,9 @@ Command add_sequence(CLI::App& app) {
     command.add_option("--triangles", sequence->parameters.triangles, "Of the scene: about how many")
         ->type_name("N")
         ->check(CLI::Range(1, 500'000'000).description(""));
-    command.add_option("--seed", sequence->parameters.seed, "Of the scene")->type_name("N");
+    command.add_option("--seed", sequence->parameters.seed, "Of the scene")
+        ->type_name("N")
+        ->check(CLI::Range(std::int64_t{0}, std::numeric_limits<std::int64_t>::max()).description(""));
     command
         .add_option("-o,--output", sequence->outputs,
                     "Table of triangles, pairs, time and stages, a row a frame, as .csv or .json; or coloured meshes, "
