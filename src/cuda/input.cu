@@ -118,21 +118,6 @@ const std::byte* pack(const Scene& scene, int side, Array<std::byte>& packed) {
     return packed.data();
 }
 
-template <class Function>
-void with_index_type(IndexType type, Function function) {
-    switch (type) {
-        case IndexType::int32:
-            function(std::int32_t{});
-            break;
-        case IndexType::uint32:
-            function(std::uint32_t{});
-            break;
-        case IndexType::int64:
-            function(std::int64_t{});
-            break;
-    }
-}
-
 bool is_int32_rows(const TriangleView& view) {
     return view.type != IndexType::int64 && view.column_stride == 4 && view.row_stride == 12 &&
            reinterpret_cast<std::uintptr_t>(view.data) % 4 == 0;

@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "geometry/triangle.h"
+#include "pipeline/fuzzy_c_means.h"
 #include "pipeline/normaliser.h"
 
 namespace crumple {
@@ -13,8 +14,8 @@ namespace crumple {
 /// The centres of a scene's parts, normalised, and how far they are apart.
 struct PartCentres {
     std::size_t count = 0;
-    Vec3d centre[64];
-    double apart[64][64];
+    Vec3d centre[max_clusters];
+    double apart[max_clusters][max_clusters];
 
     CRUMPLE_HD void measure(std::size_t k) {
         for (std::size_t j = 0; j < count; ++j)

@@ -136,21 +136,6 @@ void copy_corners(const TriangleView& view, std::int32_t offset, std::int32_t* o
             out[3 * t + corner] = static_cast<std::int32_t>(read(t, corner)) + offset;
 }
 
-template <class Function>
-void with_index_type(IndexType type, Function function) {
-    switch (type) {
-        case IndexType::int32:
-            function(std::int32_t{});
-            break;
-        case IndexType::uint32:
-            function(std::uint32_t{});
-            break;
-        case IndexType::int64:
-            function(std::int64_t{});
-            break;
-    }
-}
-
 // Checks vertices and triangles in chunks, all at once; widens the box [low, high] by the vertices.
 void check_content(const MeshView& mesh, const VertexReader& reader, const std::string& which, ParallelFor& workers,
                    Array<ChunkCheck>& checks, Vec3d& low, Vec3d& high) {
