@@ -36,7 +36,7 @@ nanobind::object any_integer(std::string_view argument, nanobind::handle value);
 template <class Integer>
 Integer integer(std::string_view argument, nanobind::handle value) {
     const nanobind::object number = any_integer(argument, value);
-    Integer result;
+    Integer result = 0;
     if (nanobind::try_cast(number, result)) return result;
     refuse(std::string(argument) + " must be from " + std::to_string(std::numeric_limits<Integer>::min()) + " to " +
            std::to_string(std::numeric_limits<Integer>::max()) + ", not " + nanobind::repr(number).c_str());
