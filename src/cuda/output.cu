@@ -16,18 +16,6 @@ __global__ void bucket_kernel(List<Hit> hits, std::int32_t second, Output out) {
     }
 }
 
-__device__ std::size_t row_of(const unsigned long long* offsets, std::size_t n, unsigned long long place) {
-    std::size_t begin = 0, end = n;
-    while (end - begin > 1) {
-        const std::size_t middle = (begin + end) / 2;
-        if (offsets[middle] <= place)
-            begin = middle;
-        else
-            end = middle;
-    }
-    return begin;
-}
-
 // Sets one byte. Many threads may set the same one at once, so it is done by an atomic on its word.
 __device__ void flag(std::uint8_t* flags, std::size_t i) {
     atomicOr(reinterpret_cast<unsigned*>(flags) + i / 4, 1u << 8 * (i % 4));
@@ -36,7 +24,7 @@ __device__ void flag(std::uint8_t* flags, std::size_t i) {
 __global__ void order_kernel(std::size_t n, bool between, Output out, Counters* counters) {
     const unsigned long long total = out.total(n);
     for (unsigned long long i = grid_thread(); i < total; i += grid_stride()) {
-        const std::size_t a = row_of(out.offsets, n, i);
+        const std::size_t a = segment_of(i, out.offsets, n);
         const unsigned long long begin = out.offsets[a], end = out.offsets[a + 1];
         const std::int32_t b = out.second[i];
         flag(out.hit, a);

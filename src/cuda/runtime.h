@@ -63,6 +63,20 @@ struct Geometry {
 __device__ inline std::size_t grid_thread() { return std::size_t{blockIdx.x} * blockDim.x + threadIdx.x; }
 __device__ inline std::size_t grid_stride() { return std::size_t{gridDim.x} * blockDim.x; }
 
+/// The segment that holds an item, by prefix sums: the last whose first item is not behind it.
+__device__ inline std::size_t segment_of(unsigned long long item, const unsigned long long* first,
+                                         std::size_t segments) {
+    std::size_t begin = 0, end = segments;
+    while (end - begin > 1) {
+        const std::size_t middle = (begin + end) / 2;
+        if (first[middle] <= item)
+            begin = middle;
+        else
+            end = middle;
+    }
+    return begin;
+}
+
 /// Gives each lane that wants one a place of its own behind *counter; all lanes of the warp call it together. The
 /// counter counts on when places run out, so that the host learns how many were wanted.
 __device__ inline unsigned long long append(bool wants, unsigned long long* counter) {

@@ -94,19 +94,6 @@ struct Sweep {
     }
 };
 
-// The group that holds a unit: the last whose first unit is not behind it.
-__device__ std::size_t group_of(const unsigned long long* unit_first, std::size_t groups, unsigned long long unit) {
-    std::size_t begin = 0, end = groups;
-    while (end - begin > 1) {
-        const std::size_t middle = (begin + end) / 2;
-        if (unit_first[middle] <= unit)
-            begin = middle;
-        else
-            end = middle;
-    }
-    return begin;
-}
-
 template <int threads>
 __global__ void __launch_bounds__(threads)
     sweep_kernel(Scene scene, Sorted sorted, const unsigned long long* members, Ownership ownership, Rules rules,
@@ -122,7 +109,7 @@ __global__ void __launch_bounds__(threads)
     std::size_t group = 0;
     for (unsigned long long unit = begin_unit + units * warp / warps; unit < last; ++unit) {
         if (unit < sorted.unit_first[group] || unit >= sorted.unit_first[group + 1])
-            group = group_of(sorted.unit_first, groups, unit);
+            group = segment_of(unit, sorted.unit_first, groups);
         const auto row = static_cast<std::uint32_t>(32 * group) + lane;
         const bool valid = row < rows;
         const CrossBox box = valid ? sorted.box[row] : CrossBox{};
