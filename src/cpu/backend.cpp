@@ -258,7 +258,7 @@ class CpuBackend final : public BackendBase {
         Statistics& statistics = scratch.narrow.statistics;
         Stopwatch watch;
         LeafMembers& members = scratch.members;
-        members.gather(scene, *subdivision_, leaf, kernels_);
+        members.gather(scene, *subdivision_, leaf);
         if (members.size() < 2) return false;
         ownership.bits(members.triangle.data(), members.member.data(), members.size(), rule_.groups_apart(),
                        members.lower.data());

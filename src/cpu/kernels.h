@@ -34,10 +34,10 @@ struct Kernels {
     /// such balls to count[k].
     void (*assign)(const Ball* ball, std::int64_t n, const Centres& centres, std::uint64_t* mask, std::int64_t* count);
 
-    /// Lists the members in [begin, end) that have bit `child` in `mask`: their positions, and their `id`s. Reads and
-    /// writes up to `padding` more.
-    void (*list_members)(const std::uint64_t* mask, const std::int32_t* id, std::int64_t begin, std::int64_t end,
-                         int child, std::int32_t* member, std::int32_t* triangle);
+    /// Lists the positions in [begin, end) whose `mask` has bit `child`; returns their number. Reads and writes up to
+    /// `padding` more.
+    std::int64_t (*list_members)(const std::uint64_t* mask, std::int64_t begin, std::int64_t end, int child,
+                                 std::int32_t* member);
 
     /// Records (plane not yet scaled) and boxes of a leaf's members.
     void (*build)(const RecordInput& input, Record* record, Boxes& boxes, LeafBounds& bounds);

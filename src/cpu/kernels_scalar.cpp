@@ -36,13 +36,12 @@ void assign(const Ball* ball, std::int64_t n, const Centres& centres, std::uint6
     }
 }
 
-void list_members(const std::uint64_t* mask, const std::int32_t* id, std::int64_t begin, std::int64_t end, int child,
-                  std::int32_t* member, std::int32_t* triangle) {
-    for (std::int64_t m = begin; m < end; ++m) {
-        if (!(mask[m] >> child & 1)) continue;
-        *member++ = static_cast<std::int32_t>(m);
-        *triangle++ = id[m];
-    }
+std::int64_t list_members(const std::uint64_t* mask, std::int64_t begin, std::int64_t end, int child,
+                          std::int32_t* member) {
+    std::int32_t* next = member;
+    for (std::int64_t m = begin; m < end; ++m)
+        if (mask[m] >> child & 1) *next++ = static_cast<std::int32_t>(m);
+    return next - member;
 }
 
 void build(const RecordInput& in, Record* record, Boxes& boxes, LeafBounds& bounds) {

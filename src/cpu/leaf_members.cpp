@@ -5,17 +5,15 @@
 
 namespace crumple::cpu {
 
-void LeafMembers::gather(const Scene& scene, const Subdivision& s, const Leaf& leaf, const Kernels& kernels) {
-    const auto n = static_cast<std::size_t>(leaf.size), k = static_cast<std::size_t>(leaf.cluster);
+void LeafMembers::gather(const Scene& scene, const Subdivision& s, const Leaf& leaf) {
+    const auto n = static_cast<std::size_t>(leaf.size);
     triangle.resize_discard(n + padding);
-    member.resize_discard(n + padding);
-    if (leaf.child < 0) {
-        std::copy_n(s.id.begin() + s.first[k], n, triangle.begin());
-        std::iota(member.begin(), member.begin() + n, static_cast<std::int32_t>(s.first[k]));
-    } else {
-        kernels.list_members(s.mask2.data(), s.id.data(), s.first[k], s.first[k + 1], leaf.child, member.data(),
-                             triangle.data());
-    }
+    member.resize_discard(n);
+    if (leaf.child < 0)
+        std::iota(member.begin(), member.end(), static_cast<std::int32_t>(leaf.begin));
+    else
+        std::copy_n(s.members2[static_cast<std::size_t>(leaf.cluster)].begin() + leaf.begin, n, member.begin());
+    for (std::size_t i = 0; i < n; ++i) triangle[i] = s.id[member[i]];
     std::fill_n(triangle.begin() + n, padding, n > 0 ? triangle[n - 1] : 0);
     between = scene.between;
     first_side =

@@ -2,7 +2,6 @@
 
 // The members of a leaf, on their way from `subdivide` to `sort`.
 
-#include "cpu/kernels.h"
 #include "cpu/layout.h"
 #include "cpu/subdivide.h"
 #include "pipeline/scene.h"
@@ -14,17 +13,17 @@ struct LeafMembers {
     Array<Record> record;
     Boxes boxes;
     Array<std::int32_t> triangle;  ///< id in the scene; the last one is repeated `padding` times
-    Array<std::int32_t> member;    ///< position in the subdivision's member arrays; `padding` more of no meaning
+    Array<std::int32_t> member;    ///< position in the subdivision's member arrays
     Array<std::uint16_t> lower;    ///< ownership bits
     bool keep_members = true;      ///< those bits do not say all: `narrow` will ask for members
     LeafBounds bounds;
     bool between = false;         ///< two meshes: pairs across only
     std::int64_t first_side = 0;  ///< members of the first mesh; they come first
 
-    std::int64_t size() const { return static_cast<std::int64_t>(lower.size()); }
+    std::int64_t size() const { return static_cast<std::int64_t>(member.size()); }
 
     /// Lists the leaf's members, by id, and makes room for what the next stages write.
-    void gather(const Scene& scene, const Subdivision& subdivision, const Leaf& leaf, const Kernels& kernels);
+    void gather(const Scene& scene, const Subdivision& subdivision, const Leaf& leaf);
 };
 
 }  // namespace crumple::cpu

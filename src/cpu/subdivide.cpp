@@ -81,8 +81,26 @@ std::int64_t assign_all(const Array<Ball>& balls, std::int64_t n, const std::uin
     return total;
 }
 
-// Splits cluster k if it is large and that pays: writes its members' masks and the children's sizes. Returns the number
-// of children, 0 if it stays whole.
+// Lists the members [begin, end) of each child, one child behind the other. Chunk by chunk, while a chunk's masks are
+// in the cache, and by comparing lanes: a loop over a mask's bits would end where nobody can foresee it.
+void list_children(std::int64_t begin, std::int64_t end, int children, const std::int64_t* sizes,
+                   const Kernels& kernels, const Array<std::uint64_t>& mask, Array<std::int32_t>& list) {
+    std::array<std::int64_t, max_clusters> next;
+    std::exclusive_scan(sizes, sizes + children, next.begin(), std::int64_t{0});
+    list.resize_discard(static_cast<std::size_t>(std::accumulate(sizes, sizes + children, std::int64_t{0})));
+    std::array<std::int32_t, chunk + padding> some;
+    for (std::int64_t m = begin; m < end; m += chunk) {
+        for (int child = 0; child < children; ++child) {
+            const std::int64_t count =
+                kernels.list_members(mask.data(), m, std::min(end, m + chunk), child, some.data());
+            std::copy_n(some.begin(), count, list.begin() + next[child]);
+            next[child] += count;
+        }
+    }
+}
+
+// Splits cluster k if it is large and that pays: writes its members' masks and the children's sizes and lists. Returns
+// the number of children, 0 if it stays whole.
 int split_cluster(int cluster, const Array<Ball>& balls, const Options& options, const Kernels& kernels,
                   Centres& centres, Subdivision& s, std::array<std::int64_t, max_clusters>& sizes) {
     const auto k = static_cast<std::size_t>(cluster);
@@ -108,7 +126,9 @@ int split_cluster(int cluster, const Array<Ball>& balls, const Options& options,
         kernels.assign(gathered.data(), n, centres, s.mask2.data() + m, sizes.data());
     }
     const std::int64_t total = std::accumulate(sizes.begin(), sizes.end(), std::int64_t{0});
-    return pays(total, members, count) ? count : 0;
+    if (!pays(total, members, count)) return 0;
+    list_children(begin, begin + members, count, sizes.data(), kernels, s.mask2, s.members2[k]);
+    return count;
 }
 
 }  // namespace
@@ -171,9 +191,13 @@ void gather_leaves(const Array<Ball>& balls, std::int64_t n, int begin, int end,
     s.leaves.clear();
     for (int cluster = begin; cluster < end; ++cluster) {
         const auto k = static_cast<std::size_t>(cluster);
-        if (children[k] == 0) s.leaves.push_back({cluster, -1, s.first[k + 1] - s.first[k]});
-        for (std::int32_t child = 0; child < children[k]; ++child)
-            s.leaves.push_back({cluster, child, sizes[k][static_cast<std::size_t>(child)]});
+        if (children[k] == 0) s.leaves.push_back({cluster, -1, s.first[k], s.first[k + 1] - s.first[k]});
+        std::int64_t first = 0;
+        for (std::int32_t child = 0; child < children[k]; ++child) {
+            const std::int64_t size = sizes[k][static_cast<std::size_t>(child)];
+            s.leaves.push_back({cluster, child, first, size});
+            first += size;
+        }
     }
     // Largest first, so that the last tasks of a parallel loop are short ones.
     std::sort(s.leaves.begin(), s.leaves.end(), [](const Leaf& a, const Leaf& b) {

@@ -9,7 +9,7 @@
 // the first level, and none below k2 in the second. Masks decide that, by integers alone.
 //
 // Layout: the members of all first-level clusters lie in flat arrays, cluster k at [first[k], first[k + 1]). A leaf is
-// all of a cluster's members, or those that have its bit in mask2.
+// a list of positions in these arrays, or (cluster not split) a range of them.
 
 #include <array>
 #include <cstdint>
@@ -31,21 +31,25 @@ struct WarmCentres {
 struct Leaf {
     std::int32_t cluster = 0;  ///< k1
     std::int32_t child = -1;   ///< k2, or -1 if the cluster was not split
+    std::int64_t begin = 0;    ///< into members2[cluster], or into the flat arrays if child < 0
     std::int64_t size = 0;
 };
 
 struct Subdivision {
     explicit Subdivision(MemoryMeter* m)
-        : mask1(m), mask2(m), id(m), histogram(m), place(m), leaves(m), sample(m), included(m) {}
-    Array<std::uint64_t> mask1;                          ///< by triangle
-    Array<std::uint64_t> mask2;                          ///< by member, of clusters that are split
-    Array<std::int32_t> id;                              ///< triangle, by member
-    std::array<std::int64_t, max_clusters + 1> first{};  ///< first member of each cluster
-    Array<std::int64_t> histogram;                       ///< memberships by chunk of triangles and cluster
-    Array<std::int64_t> place;                           ///< scratch: where a chunk writes its next member
-    Array<Leaf> leaves;                                  ///< largest first
-    Array<Vec3f> sample;                                 ///< scratch
-    Array<std::int32_t> included;                        ///< triangles of the part that is answered, if any
+        : mask1(m), mask2(m), id(m), histogram(m), place(m), leaves(m), sample(m), included(m) {
+        for (auto& list : members2) list = Array<std::int32_t>(m);
+    }
+    Array<std::uint64_t> mask1;                              ///< by triangle
+    Array<std::uint64_t> mask2;                              ///< by member, of clusters that are split
+    Array<std::int32_t> id;                                  ///< triangle, by member
+    std::array<std::int64_t, max_clusters + 1> first{};      ///< first member of each cluster
+    std::array<Array<std::int32_t>, max_clusters> members2;  ///< member positions, leaf by leaf
+    Array<std::int64_t> histogram;                           ///< memberships by chunk of triangles and cluster
+    Array<std::int64_t> place;                               ///< scratch: where a chunk writes its next member
+    Array<Leaf> leaves;                                      ///< largest first
+    Array<Vec3f> sample;                                     ///< scratch
+    Array<std::int32_t> included;                            ///< triangles of the part that is answered, if any
     int clusters = 0;
 };
 

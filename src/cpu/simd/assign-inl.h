@@ -92,8 +92,8 @@ inline void assign(const Ball* ball, std::int64_t n, const Centres& centres, std
     }
 }
 
-inline void list_members(const std::uint64_t* mask, const std::int32_t* id, std::int64_t begin, std::int64_t end,
-                         int child, std::int32_t* HWY_RESTRICT member, std::int32_t* HWY_RESTRICT triangle) {
+inline std::int64_t list_members(const std::uint64_t* mask, std::int64_t begin, std::int64_t end, int child,
+                                 std::int32_t* HWY_RESTRICT member) {
     const hn::ScalableTag<std::int32_t> d;
     const hn::RebindToUnsigned<decltype(d)> du;
     const auto lanes = static_cast<std::int64_t>(hn::Lanes(d));
@@ -101,17 +101,15 @@ inline void list_members(const std::uint64_t* mask, const std::int32_t* id, std:
     const auto low_bit = hn::Set(du, static_cast<std::uint32_t>(bit)),
                high_bit = hn::Set(du, static_cast<std::uint32_t>(bit >> 32)), none = hn::Zero(du);
     const auto iota = hn::Iota(d, 0);
+    std::size_t count = 0;
     for (std::int64_t m = begin; m < end; m += lanes) {
         hn::Vec<decltype(du)> low, high;
         hn::LoadInterleaved2(du, reinterpret_cast<const std::uint32_t*>(mask + m), low, high);
         const auto has_bit = hn::Ne(hn::Or(hn::And(low, low_bit), hn::And(high, high_bit)), none);
         const auto listed = hn::And(hn::RebindMask(d, has_bit), hn::FirstN(d, static_cast<std::size_t>(end - m)));
-        compress_to(d, hn::LoadU(d, id + m), listed, triangle);
-        const std::size_t count =
-            compress_to(d, hn::Add(iota, hn::Set(d, static_cast<std::int32_t>(m))), listed, member);
-        triangle += count;
-        member += count;
+        count += compress_to(d, hn::Add(iota, hn::Set(d, static_cast<std::int32_t>(m))), listed, member + count);
     }
+    return static_cast<std::int64_t>(count);
 }
 
 }  // namespace HWY_NAMESPACE
