@@ -34,7 +34,7 @@ struct Kernels {
     /// such balls to count[k].
     void (*assign)(const Ball* ball, std::int64_t n, const Centres& centres, std::uint64_t* mask, std::int64_t* count);
 
-    /// Lists the positions in [begin, end) whose `mask` has bit `child`; returns their number. Reads and writes up to
+    /// Lists the positions in [begin, end) whose `mask` has bit `child`; returns their number. Writes up to
     /// `padding` more.
     std::int64_t (*list_members)(const std::uint64_t* mask, std::int64_t begin, std::int64_t end, int child,
                                  std::int32_t* member);

@@ -101,12 +101,16 @@ inline std::int64_t list_members(const std::uint64_t* mask, std::int64_t begin, 
     const auto low_bit = hn::Set(du, static_cast<std::uint32_t>(bit)),
                high_bit = hn::Set(du, static_cast<std::uint32_t>(bit >> 32)), none = hn::Zero(du);
     const auto iota = hn::Iota(d, 0);
+    // What lies behind `end` is another thread's, who may be writing it.
+    HWY_ALIGN std::uint64_t rest[hn::MaxLanes(d)] = {};
+    const std::int64_t whole = end - (end - begin) % lanes;
+    std::copy(mask + whole, mask + end, rest);
     std::size_t count = 0;
     for (std::int64_t m = begin; m < end; m += lanes) {
         hn::Vec<decltype(du)> low, high;
-        hn::LoadInterleaved2(du, reinterpret_cast<const std::uint32_t*>(mask + m), low, high);
+        hn::LoadInterleaved2(du, reinterpret_cast<const std::uint32_t*>(m < whole ? mask + m : rest), low, high);
         const auto has_bit = hn::Ne(hn::Or(hn::And(low, low_bit), hn::And(high, high_bit)), none);
-        const auto listed = hn::And(hn::RebindMask(d, has_bit), hn::FirstN(d, static_cast<std::size_t>(end - m)));
+        const auto listed = hn::RebindMask(d, has_bit);
         count += compress_to(d, hn::Add(iota, hn::Set(d, static_cast<std::int32_t>(m))), listed, member + count);
     }
     return static_cast<std::int64_t>(count);
