@@ -48,8 +48,8 @@ void scatter_members(std::int64_t n, int begin, int end, Workers& workers, Subdi
         }
     }
     s.first[static_cast<std::size_t>(end)] = total;
-    s.id.resize_discard(static_cast<std::size_t>(total + padding));
-    s.mask2.resize_discard(static_cast<std::size_t>(total + padding));
+    s.id.resize_discard(static_cast<std::size_t>(total));
+    s.mask2.resize_discard(static_cast<std::size_t>(total));
     workers.parallel_for(chunks, [&](std::size_t c, std::size_t) {
         std::int64_t* next = s.place.data() + c * max_clusters;
         const std::int64_t first = static_cast<std::int64_t>(c) * chunk, last = std::min(n, first + chunk);

@@ -93,8 +93,8 @@ struct IndexReader {
     }
 };
 
-// Whether all indices of triangles [begin, end) are in range. An index that is not is negative, or `limit` - 1 less
-// than it is: either way a highest bit is set.
+// Whether all indices of triangles [begin, end) are in range. An index that is not is negative, or the last one less it
+// is: either way a highest bit is set.
 template <class Index>
 bool check_corners(const TriangleView& view, std::int64_t vertex_count, std::int64_t begin, std::int64_t end) {
     using Unsigned = std::make_unsigned_t<Index>;

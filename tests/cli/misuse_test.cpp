@@ -46,7 +46,8 @@ TEST_F(Misuse, OfNumbers) {
         expect_refused(std::string("detect five.off --threads ") + threads,
                        std::string("--threads: ") + threads + " is no integer from 1 to 1024");
     }
-    expect_refused("make cloth --seed -1 -o out.ply", "--seed: -1 is no integer from 0 to");
+    for (const char* command : {"make cloth -o out.ply", "sequence --scene cloth"})
+        expect_refused(std::string(command) + " --seed -1", "--seed: -1 is no integer from 0 to");
     for (const char* clusters : {"0", "65", "x"}) {
         expect_refused(std::string("detect five.off --clusters ") + clusters, "--clusters");
     }

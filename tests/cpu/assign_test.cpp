@@ -76,7 +76,7 @@ TEST(Assign, lists_the_members_of_a_child_and_writes_no_mask_beyond_the_last) {
     for (const Kernels* kernels : test::kernel_tables()) {
         for (const std::size_t n :
              {std::size_t{0}, std::size_t{1}, std::size_t{15}, std::size_t{16}, std::size_t{333}}) {
-            std::vector<std::uint64_t> mask(n + 5 + padding);
+            std::vector<std::uint64_t> mask(n + 5);
             for (std::uint64_t& m : mask) m = random_mask();
             for (const int child : {0, 1, 31, 32, 63}) {
                 std::vector<std::int32_t> expected;
