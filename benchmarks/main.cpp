@@ -77,7 +77,8 @@ int run(const Settings& settings) {
     } else if (settings.serving) {
         serve(load(settings.scenes.at(0)));
     } else if (settings.first) {
-        fmt::print("{}\n", first_call(load(settings.scenes.at(0))));
+        const FirstCall time = first_call(load(settings.scenes.at(0)));
+        fmt::print("{} {}\n", time.detector, time.call);
     } else {
         nlohmann::json result;
         if (settings.study_names.empty())
@@ -112,7 +113,8 @@ int main(int argc, char** argv) {
     app.add_flag("--list", settings.list, "list scenes, peers and studies");
     app.add_flag("--compiler", settings.compiler, "print what compiled this program");
     app.add_flag("--serve", settings.serving, "take turns with another process (see requests.h)")->needs("--scene");
-    app.add_flag("--first-call", settings.first, "print the milliseconds of this process's first call")
+    app.add_flag("--first-call", settings.first,
+                 "print the milliseconds of making this process's first detector, and of its call")
         ->needs("--scene");
     CLI11_PARSE(app, argc, argv);
     try {

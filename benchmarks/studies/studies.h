@@ -55,8 +55,11 @@ nlohmann::json study_fuzziness(const StudySettings& settings);
 nlohmann::json study_iterations(const StudySettings& settings);
 nlohmann::json study_first_iterations(const StudySettings& settings);
 
-/// Milliseconds of a new detector's call; printed by `crumple_benchmark --first-call`, which study_first_call starts to
-/// see what a new process pays.
-double first_call(const Workload& workload);
+/// Milliseconds of making a detector, which starts its threads, and of its first call; printed by
+/// `crumple_benchmark --first-call`, which study_first_call starts to see what a new process pays.
+struct FirstCall {
+    double detector = 0, call = 0;
+};
+FirstCall first_call(const Workload& workload);
 
 }  // namespace crumple::benchmark

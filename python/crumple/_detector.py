@@ -46,7 +46,7 @@ class Detector:
     Args:
         backend: "automatic", "cpu", "cuda", or "reference", brute force in rational arithmetic to compare with.
             "automatic" is "cuda" where it was built and a device is there, else "cpu".
-        threads: 0: as many as the machine has.
+        threads: 0: as many as the machine has; they start when the detector is made.
         memory_limit: bytes that the detector may own, 0: no limit. Results in Python's hands are not counted.
             Work that exceeds the limit is cut into chunks, on one thread.
         clusters: parts of the first level of subdivision, 1 to 64; 0: chosen from the number of triangles.
