@@ -125,17 +125,29 @@ def sequences(results):
     if not figures:
         return ""
     rows = []
+    ratios = {"CGAL": [], "Embree": []}
     for s in figures:
+        ours = dict(zip(s["frames"], s["kinds"]["warm, all threads"]["milliseconds"]))
+        ours = mean([ours[frame] for frame in s["peer_frames"]])
         first = f"**{scene(s['sequence'])}** ({len(s['frames'])} frames, {max(s['triangles']):,} triangles, up to {max(s['pairs']):,} pairs)"
         for kind, label in (("warm, all threads", "Crumple, all threads"), ("warm", "Crumple, 1 thread"),
                             ("new, all threads", "Crumple, a new detector in each frame")):
             run = s["kinds"][kind]
             rows.append([first, label, "exact pairs, sorted", digits(mean(run["milliseconds"])), spread(run["summary"]),
-                         digits(run["summary"]["percentile_99"])])
+                         digits(run["summary"]["percentile_99"]), ""])
             first = ""
-        rows += [["", f"{p['name']}, {p['way']}", p["computes"], digits(mean(p["milliseconds"])), spread(p["summary"]),
-                  digits(p["summary"]["percentile_99"])] for p in s["peers"]]
-    return table(["sequence", "", "computes", "mean, ms", "median (quartiles), ms", "99th percentile, ms"], rows)
+        for p in s["peers"]:
+            ratio = mean(p["milliseconds"]) / ours
+            ratios.get(p["name"], []).append(ratio)
+            rows.append(["", f"{p['name']}, {p['way']}", p["computes"], digits(mean(p["milliseconds"])),
+                         spread(p["summary"]), digits(p["summary"]["percentile_99"]), f"{ratio:.1f}x"])
+    text = table(["sequence", "", "computes", "mean, ms", "median (quartiles), ms", "99th percentile, ms",
+                  "same frames"], rows)
+    text += "\n\n*Same frames*: a peer's mean over that of Crumple on all threads, in the frames that the peer answers."
+    for name, of_sequences in ratios.items():
+        if of_sequences:
+            text += f" {name} takes {span(of_sequences)} times as long, {mean(of_sequences):.1f} times on average."
+    return text
 
 
 @finding
