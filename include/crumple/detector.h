@@ -91,7 +91,7 @@ class Detector {
     /// next call of any other member but download().
     const DeviceCollisions& wait();
 
-    /// Copies the answer of the last wait() to the host. Valid as any result.
+    /// Copies the answer of wait() to the host; an error once another call has come after that. Valid as any result.
     const Collisions& download();
 
     const Options& options() const;

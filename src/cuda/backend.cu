@@ -125,10 +125,12 @@ class CudaBackend final : public BackendBase {
             shown_ = answer_.show(pass_.scene, contacts_wanted_);
             shown_.statistics = statistics_;
         });
+        answered_ = true;
         return shown_;
     }
 
     void download(Collisions& result) override {
+        if (!answered_) throw Error(ErrorCode::invalid_argument, "download() needs a wait() before it");
         on_device([&] {
             answer_.copy_to(pass_.scene, contacts_wanted_, result);
             result.statistics = statistics_;
@@ -460,10 +462,10 @@ class CudaBackend final : public BackendBase {
         CRUMPLE_CUDA(cudaEventRecord(before_.get(), first));
         CRUMPLE_CUDA(cudaStreamWaitEvent(then, before_.get(), 0));
     }
-    // A launch that nobody waited for is over before its memory is used again.
+    // A launch that nobody waited for is over before its memory is used again; an answer that wait() gave is gone.
     void finish() {
         if (launched_) CRUMPLE_CUDA(cudaEventSynchronize(done_.get()));
-        launched_ = false;
+        launched_ = answered_ = false;
     }
 
     Counters read_counters() {
@@ -505,7 +507,7 @@ class CudaBackend final : public BackendBase {
     Query query_;
     Statistics statistics_;
     DeviceCollisions shown_;
-    bool launched_ = false, contacts_wanted_ = false;
+    bool launched_ = false, answered_ = false, contacts_wanted_ = false;  // answered_: by wait(), and still there
     /// The latest first; two, for simulations that write their frames to two buffers in turn.
     struct Recorded {
         Key key{};

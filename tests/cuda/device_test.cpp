@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <functional>
+#include <vector>
 
 #include "agreement/compare.h"
 #include "agreement/hard_soups.h"
@@ -230,6 +232,29 @@ TEST(CudaDevice, launches_from_two_buffers_in_turn) {
         cuda.launch_self(buffers[frame % 2].view());
         const MeshView mesh = meshes[frame % 2].view();
         EXPECT_TRUE(shows(cuda.wait(), mesh, nullptr, cpu.find_self(mesh))) << "frame " << frame;
+    }
+}
+
+TEST(CudaDevice, downloads_only_what_wait_has_found) {
+    const io::TriangleMesh mesh = cloth(300, 93);
+    const DeviceMesh device(mesh.view());
+    Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
+    const std::vector<std::function<void()>> later_calls{
+        [&] { cuda.find_self(mesh.view()); },
+        [&] { cuda.has_collision(device.view()); },
+        [&] { cuda.launch_self(device.view()); },
+        [&] { EXPECT_THROW(cuda.launch_self(mesh.view()), Error); },
+        [&] { EXPECT_THROW(cuda.find_self(device.view(), Part{}), Error); },
+        [&] { EXPECT_THROW(cuda.partition(mesh.view(), 0), Error); },
+    };
+    EXPECT_THROW(cuda.download(), Error);
+    for (const auto& call : later_calls) {
+        cuda.launch_self(device.view());
+        cuda.wait();
+        EXPECT_TRUE(same_answer(cuda.download(), cpu.find_self(mesh.view())));
+        EXPECT_TRUE(same_answer(cuda.download(), cpu.find_self(mesh.view())));
+        call();
+        EXPECT_THROW(cuda.download(), Error);
     }
 }
 
