@@ -247,20 +247,14 @@ struct Detector::Implementation {
     }
 
     std::vector<Part> partition(const MeshView& a, const MeshView* b, int count) {
-        const auto check_count = [&] {
-            check(count >= 1 && count <= max_clusters, "the number of parts must be 1 to 64");
-        };
+        if (count < 1 || count > max_clusters) {
+            forget();
+            throw Error(ErrorCode::invalid_argument, "the number of parts must be 1 to 64");
+        }
         std::vector<Part> parts;
         guarded(
-            a, b, nullptr, {},
-            [&](const Scene& scene) {
-                check_count();
-                parts = make_parts(scene, count, *backend);
-            },
-            [&] {
-                check_count();
-                parts = backend->partition(a, b, count);
-            });
+            a, b, nullptr, {}, [&](const Scene& scene) { parts = make_parts(scene, count, *backend); },
+            [&] { parts = backend->partition(a, b, count); });
         return parts;
     }
 };
