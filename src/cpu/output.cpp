@@ -8,8 +8,14 @@
 namespace crumple::cpu {
 namespace {
 
-constexpr int bucket_bits = 10, bucket_size = 1 << bucket_bits;
-constexpr int most_digit_bits = 11;
+constexpr int most_bucket_bits = 12, most_digit_bits = 11;
+
+// Of the size of a bucket: small ones share the work evenly, but a histogram of many for each piece is long.
+int bucket_bits_for(std::int32_t triangles) {
+    int bits = 10;
+    while (bits < most_bucket_bits && triangles >> bits > 2048) ++bits;
+    return bits;
+}
 
 // One stable pass of a counting sort by `bits` bits of the second triangle, from bit `shift` on.
 void sort_by_digit(const Pair* in, std::int64_t count, int shift, int bits, Pair* out) {
@@ -26,13 +32,18 @@ void sort_by_digit(const Pair* in, std::int64_t count, int shift, int bits, Pair
 // the second triangle first, an even number of passes to and fro, then by the first one: all passes are stable.
 void sort_bucket(Pair* pairs, std::int64_t count, std::int32_t first, std::int32_t last, int second_bits,
                  std::int64_t begin, Collisions& result) {
+    if (count == 0) {
+        std::fill_n(result.offsets.begin() + first, last - first, begin);
+        return;
+    }
     Pair* out = result.pairs.data() + begin;
     const int passes = second_bits <= 2 * most_digit_bits ? 2 : 4, bits = (second_bits + passes - 1) / passes;
     for (int shift = 0; shift < passes * bits; shift += 2 * bits) {
         sort_by_digit(pairs, count, shift, bits, out);
         sort_by_digit(out, count, shift + bits, bits, pairs);
     }
-    std::array<std::int64_t, bucket_size + 1> next{};
+    std::array<std::int64_t, (1 << most_bucket_bits) + 1> next;
+    std::fill_n(next.begin(), last - first + 1, 0);
     for (std::int64_t i = 0; i < count; ++i) ++next[pairs[i].a - first + 1];
     for (std::int32_t k = 0; k < last - first; ++k) {
         result.offsets[first + k] = begin + next[k];
@@ -54,7 +65,9 @@ void write_output(const Scene& scene, Workers& workers, std::span<const Array<Pa
                   OutputScratch& scratch, Collisions& result) {
     const auto n = static_cast<std::int32_t>(scene.triangles[0]);
     const auto second = static_cast<std::int32_t>(scene.between ? scene.triangles[0] : 0);
-    const std::size_t buckets = (static_cast<std::size_t>(n) + bucket_size - 1) / bucket_size;
+    const int bucket_bits = bucket_bits_for(n);
+    const std::int64_t bucket_size = std::int64_t{1} << bucket_bits;
+    const auto buckets = static_cast<std::size_t>((n + bucket_size - 1) / bucket_size);
 
     // The workers' lists are of any length, so they are cut into pieces.
     std::size_t all = 0;
@@ -104,7 +117,7 @@ void write_output(const Scene& scene, Workers& workers, std::span<const Array<Pa
         }
         const std::size_t b = task - 1;
         const auto first = static_cast<std::int32_t>(b << bucket_bits);
-        const auto last = static_cast<std::int32_t>(std::min<std::int64_t>(n, std::int64_t{first} + bucket_size));
+        const auto last = static_cast<std::int32_t>(std::min<std::int64_t>(n, first + bucket_size));
         sort_bucket(scratch.bucketed.data() + begin[b], begin[b + 1] - begin[b], first, last, second_bits, begin[b],
                     result);
     });

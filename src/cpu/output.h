@@ -2,9 +2,9 @@
 
 // Stage `output`: the pairs that the workers found, in any order, become the sorted result.
 //
-// First triangles are cut into buckets of 4,096; pairs go to their bucket, and each bucket is sorted alone, in a few
-// stable counting passes: by the digits of the second triangle, then by the first one, which yields the offsets as
-// well. Parallel over pieces of the workers' lists, then over buckets.
+// First triangles are cut into buckets of 1,024 to 4,096; pairs go to their bucket, and each bucket is sorted alone, in
+// a few stable counting passes: by the digits of the second triangle, then by the first one, which yields the offsets
+// as well. Parallel over pieces of the workers' lists, then over buckets.
 
 #include <span>
 
