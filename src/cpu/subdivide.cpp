@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 namespace crumple::cpu {
@@ -48,6 +49,8 @@ void scatter_members(std::int64_t n, int begin, int end, Workers& workers, Subdi
         }
     }
     s.first[static_cast<std::size_t>(end)] = total;
+    // Positions of memberships are int32. One cluster alone has no more members than there are triangles.
+    if (total > std::numeric_limits<std::int32_t>::max()) throw MemoryMeter::Exceeded{};
     s.id.resize_discard(static_cast<std::size_t>(total));
     s.mask2.resize_discard(static_cast<std::size_t>(total));
     workers.parallel_for(chunks, [&](std::size_t c, std::size_t) {
