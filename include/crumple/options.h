@@ -23,7 +23,9 @@ struct Options {
     /// the pairs, with records beyond the limit if need be, but without storing any.
     std::int64_t memory_limit = 0;
 
-    int clusters = 0;          ///< parts of the first level of subdivision, 1 to 64; 0: chosen from the triangle count
+    /// Parts of the first level of subdivision, 1 to 64 (the cuda backend makes at most 63 between two meshes); 0:
+    /// chosen from the triangle count.
+    int clusters = 0;
     int leaf_size = 3000;      ///< triangles that a leaf should have; larger clusters are subdivided again
     double fuzziness = 2.0;    ///< t of [MZ] eq. 2, above 1
     int max_iterations = 2;    ///< cap on fuzzy C-means iterations, warm

@@ -7,7 +7,7 @@
 namespace crumple::cuda {
 namespace {
 
-constexpr int samples_of_scene = 2048, samples_per_child = 32;  // points that place centres, as on the CPU
+constexpr int samples_of_scene = 2048, samples_per_child = 32;  // points that place centres
 
 __global__ void first_kernel(unsigned long long* first, unsigned long long n) {
     if (threadIdx.x < 2) first[threadIdx.x] = threadIdx.x * n;
