@@ -249,7 +249,7 @@ struct Detector::Implementation {
     std::vector<Part> partition(const MeshView& a, const MeshView* b, int count) {
         if (count < 1 || count > max_clusters) {
             forget();
-            throw Error(ErrorCode::invalid_argument, "the number of parts must be 1 to 64");
+            throw Error(ErrorCode::invalid_argument, "the number of parts must be 1 to 64", Element::option);
         }
         std::vector<Part> parts;
         guarded(
