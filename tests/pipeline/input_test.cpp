@@ -191,6 +191,15 @@ TEST(Input, after_an_error_the_result_is_empty) {
     }
 }
 
+TEST(Input, a_wrong_number_of_parts_is_found_before_the_mesh_is_read) {
+    Detector detector;
+    const std::vector<std::array<std::int32_t, 3>> out_of_range{{0, 1, 6}};
+    const MeshView wrong(vertices, out_of_range);
+    const Error error = error_of([&] { detector.partition(wrong, 65); });
+    EXPECT_EQ(error.what(), std::string("the number of parts must be 1 to 64"));
+    EXPECT_EQ(error.element, Element::option);
+}
+
 TEST(Input, a_wrong_shape_names_the_mesh) {
     Detector detector;
     const std::vector<std::int32_t> groups{1, 2, 3};
