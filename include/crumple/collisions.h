@@ -49,6 +49,9 @@ struct Statistics {
     std::int64_t double_tests = 0;    ///< pairs that float32 filters left undecided
     std::int64_t exact_tests = 0;     ///< pairs that float64 filters left undecided: exact arithmetic
     std::int64_t rational_tests = 0;  ///< of these, beyond the range of expansions
+    /// Contacts that took rational arithmetic, which cuda leaves to the host: of triangles in one plane, of degenerate
+    /// ones, and points that double words could not round.
+    std::int64_t rational_contacts = 0;
     std::int64_t pairs = 0;
     std::int64_t peak_memory_bytes = 0;  ///< most that the detector has owned
     int threads = 1;

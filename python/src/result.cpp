@@ -44,11 +44,12 @@ void bind_statistics(nb::module_& module) {
         .def_ro("edge_tests", &S::edge_tests, "Pairs that no plane separated.")
         .def_ro("double_tests", &S::double_tests, "Pairs that float32 filters left undecided.")
         .def_ro("exact_tests", &S::exact_tests, "Pairs that float64 filters left undecided: exact arithmetic.")
-        .def_ro("rational_tests", &S::rational_tests, "Of these, beyond the range of expansions or degenerate.")
+        .def_ro("rational_tests", &S::rational_tests, "Of these, beyond the range of expansions.")
+        .def_ro("rational_contacts", &S::rational_contacts, "Contacts that took rational arithmetic.")
         .def_ro("pairs", &S::pairs, "Colliding pairs.")
         .def_ro("peak_memory_bytes", &S::peak_memory_bytes, "Most that the detector has owned, this result included.")
         .def_ro("threads", &S::threads, "Threads of the detector.")
-        .def_ro("backend", &S::backend, "\"cpu\" or \"reference\".")
+        .def_ro("backend", &S::backend, "\"cpu\", \"cuda\" or \"reference\".")
         .def_ro("simd", &S::simd, "Instruction set that was used; empty for the reference backend.")
         .def("__repr__", [](const S& s) {
             return nb::str(

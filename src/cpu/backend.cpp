@@ -246,7 +246,7 @@ class CpuBackend final : public BackendBase {
         result.contacts.points.clear();
         if (!query.contacts) return;
         constexpr std::size_t batch = 256;
-        contacts_of_pairs(scene, result, [&](std::size_t n, auto task) {
+        statistics_.rational_contacts = contacts_of_pairs(scene, result, [&](std::size_t n, auto task) {
             workers_.parallel_for((n + batch - 1) / batch, [&](std::size_t b, std::size_t) {
                 for (std::size_t i = b * batch; i < std::min(n, (b + 1) * batch); ++i) task(i);
             });

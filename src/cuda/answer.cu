@@ -56,7 +56,7 @@ void Answer::write(const Scene& scene, const List<Hit>& hits, Counters* counters
     order_buckets(geometry_, stream_, scene, output, counters);
 }
 
-void Answer::make_contacts(const Scene& scene, Cancellation& cancellation) {
+std::int64_t Answer::make_contacts(const Scene& scene, Cancellation& cancellation) {
     const auto n = static_cast<std::size_t>(total);
     lay_out(contact_block_, [&](Cutter& c) { contacts_.cut(c, n); });
     find_contacts(geometry_, stream_, scene, output.pairs, n, second_of(scene), contacts_);
@@ -65,6 +65,7 @@ void Answer::make_contacts(const Scene& scene, Cancellation& cancellation) {
     if (open > 0) decide_open(scene, static_cast<std::size_t>(open), second_of(scene), cancellation);
     pack_contacts(geometry_, stream_, n, contacts_);
     copy_now(stream_, &points_, contacts_.offsets + n, 1, cudaMemcpyDeviceToHost);
+    return static_cast<std::int64_t>(open);
 }
 
 // Contacts that only the host can round.

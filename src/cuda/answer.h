@@ -26,8 +26,8 @@ class Answer {
     void clear_offsets(const Scene& scene);
     /// Turns listed hits, counted by first triangle in output.offsets, into the answer.
     void write(const Scene& scene, const List<Hit>& hits, Counters* counters);
-    /// Computes the contacts of the answer and leaves them on the device.
-    void make_contacts(const Scene& scene, Cancellation& cancellation);
+    /// Computes the contacts of the answer and leaves them on the device. Returns how many the host had to round.
+    std::int64_t make_contacts(const Scene& scene, Cancellation& cancellation);
 
     DeviceCollisions show(const Scene& scene, bool contacts) const;
     void copy_to(const Scene& scene, bool contacts, Collisions& result);

@@ -119,7 +119,7 @@ class CudaBackend final : public BackendBase {
             finish();
             statistics_ = {};
             if (!was_complete()) answer();
-            if (contacts_wanted_) answer_.make_contacts(pass_.scene, cancellation_);
+            if (contacts_wanted_) statistics_.rational_contacts = answer_.make_contacts(pass_.scene, cancellation_);
             statistics_.triangles = pass_.scene.triangle_count();
             statistics_.pairs = static_cast<std::int64_t>(answer_.total);
             shown_ = answer_.show(pass_.scene, contacts_wanted_);
@@ -168,7 +168,7 @@ class CudaBackend final : public BackendBase {
 
     void deliver(const Query& query, Collisions& result) {
         if (meter_.limit > 0) work_.release();
-        if (query.contacts) answer_.make_contacts(pass_.scene, cancellation_);
+        if (query.contacts) statistics_.rational_contacts = answer_.make_contacts(pass_.scene, cancellation_);
         answer_.copy_to(pass_.scene, query.contacts, result);
         result.statistics = statistics_;
     }

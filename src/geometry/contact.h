@@ -12,6 +12,7 @@ namespace crumple {
 struct Contact {
     int count = 0;                ///< 0: they do not intersect; otherwise 1, 2 or 3 to 6
     std::array<Vec3d, 6> points;  ///< ordered as crumple::Contacts says
+    bool rational = false;        ///< it took rational arithmetic
 
     CRUMPLE_HD ContactKind kind() const { return static_cast<ContactKind>(count < 3 ? count : 3); }
 };

@@ -35,6 +35,7 @@ nlohmann::ordered_json document(const Statistics& statistics) {
         {"double_tests", statistics.double_tests},
         {"exact_tests", statistics.exact_tests},
         {"rational_tests", statistics.rational_tests},
+        {"rational_contacts", statistics.rational_contacts},
         {"pairs", statistics.pairs},
         {"peak_memory_bytes", statistics.peak_memory_bytes},
         {"threads", statistics.threads},

@@ -2,6 +2,8 @@
 
 // What follows from the sorted pairs: offsets, hit flags, contacts.
 
+#include <atomic>
+
 #include "crumple/collisions.h"
 #include "geometry/contact.h"
 #include "pipeline/scene.h"
@@ -18,17 +20,20 @@ inline std::int64_t result_bytes(const Scene& scene, const Query& query, std::in
 }
 
 /// The exact contacts of result.pairs. `for_each(n, task)` calls task(i) for i in [0, n), in any order or in parallel.
+/// Returns how many took rational arithmetic.
 template <class ForEach>
-void contacts_of_pairs(const Scene& scene, Collisions& result, ForEach for_each) {
+std::int64_t contacts_of_pairs(const Scene& scene, Collisions& result, ForEach for_each) {
     const std::size_t n = result.pairs.size();
     const std::int64_t second = scene.between ? scene.triangles[0] : 0;
     Contacts& contacts = result.contacts;
     contacts.kinds.resize_discard(n);
     contacts.offsets.resize_discard(n + 1);
     contacts.points.resize_discard(6 * n);
+    std::atomic<std::int64_t> rational{0};
     for_each(n, [&](std::size_t i) {
         const Pair pair = result.pairs[i];
         const Contact c = contact(scene.triangle(pair.a), scene.triangle(second + pair.b));
+        if (c.rational) rational.fetch_add(1, std::memory_order_relaxed);
         contacts.kinds[i] = c.kind();
         contacts.offsets[i + 1] = c.count;
         for (std::size_t k = 0; k < static_cast<std::size_t>(c.count); ++k)
@@ -43,13 +48,7 @@ void contacts_of_pairs(const Scene& scene, Collisions& result, ForEach for_each)
         contacts.offsets[i + 1] = begin + count;
     }
     contacts.points.resize(static_cast<std::size_t>(contacts.offsets[n]));
-}
-
-/// The same, one after the other.
-inline void contacts_of_pairs(const Scene& scene, Collisions& result) {
-    contacts_of_pairs(scene, result, [](std::size_t n, auto task) {
-        for (std::size_t i = 0; i < n; ++i) task(i);
-    });
+    return rational;
 }
 
 }  // namespace crumple

@@ -65,7 +65,7 @@ class Reference final : public BackendBase {
         result.contacts.offsets.clear();
         result.contacts.points.clear();
         if (query.contacts)
-            contacts_of_pairs(scene, result, [&](std::size_t n, auto task) {
+            statistics.rational_contacts = contacts_of_pairs(scene, result, [&](std::size_t n, auto task) {
                 for (std::size_t i = 0; i < n; ++i) {
                     cancellation_.check();
                     task(i);

@@ -57,6 +57,26 @@ TEST(Contact, KindFollowsTheNumberOfPoints) {
     }
 }
 
+TEST(Contact, TakesRationalsForOnePlaneAndNotForTwo) {
+    for (const NamedPair& named : named_pairs()) {
+        const Contact found = contact(named.pair.a, named.pair.b);
+        if (found.kind() == ContactKind::area) {
+            EXPECT_TRUE(found.rational) << named.claim;
+        }
+    }
+    RandomPairs random(Kind::random, 47);
+    int lines = 0;
+    for (int i = 0; i < 1'000; ++i) {
+        const auto triangle = [&](std::array<std::int32_t, 3> names) {
+            return Triangle{{random.point(), random.point(), random.point()}, names};
+        };
+        const Contact found = contact(triangle({0, 1, 2}), triangle({3, 4, 5}));
+        EXPECT_FALSE(found.rational);
+        lines += found.count == 2;
+    }
+    EXPECT_GT(lines, 20);
+}
+
 // Extruded shapes: the common line runs along an axis, so two coordinates of its ends are exactly equal, and only the
 // third one orders them.
 TEST(Contact, OrdersTheEndsOfLinesAlongAnAxis) {
