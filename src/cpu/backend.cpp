@@ -18,6 +18,7 @@
 #include "cpu/sort.h"
 #include "cpu/stopwatch.h"
 #include "cpu/subdivide.h"
+#include "pipeline/float_environment.h"
 #include "pipeline/output.h"
 #include "pipeline/part.h"
 #include "pipeline/wanted.h"
@@ -265,6 +266,7 @@ class CpuBackend final : public BackendBase {
         members.keep_members = !ownership.complete();
         const RecordInput input{point_rows(scene),       scene.corners,  scene.triangle_count(),
                                 members.triangle.data(), members.size(), leaf_frame(balls_, members)};
+        const FlushToZero mode;
         kernels_.build(input, members.record.data(), members.boxes, members.bounds);
         statistics[Stage::align] += watch.lap();
         sort_leaf(members, kernels_, scratch.sort, scratch.leaf);

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "cpu/stopwatch.h"
+#include "pipeline/float_environment.h"
 
 namespace crumple::cpu {
 namespace {
@@ -77,7 +78,10 @@ void sweep_and_narrow(const NarrowContext& context, const SortedLeaf& leaf, cons
             statistics[Stage::sweep] += watch.lap();
             if (candidates.pairs == 0) continue;
             statistics.box_overlaps += candidates.pairs;
-            context.kernels.filter(leaf, candidates, context.points, policy, reach, scratch.verdicts);
+            {
+                const FlushToZero mode;
+                context.kernels.filter(leaf, candidates, context.points, policy, reach, scratch.verdicts);
+            }
             statistics.edge_tests += scratch.verdicts.edge_tests;
             statistics.double_tests += scratch.verdicts.double_tests;
             decide(context, leaf, ownership, scratch);

@@ -28,7 +28,7 @@ CRUMPLE_HD inline int determinant_sign(const Vec3f& a, const Vec3f& b, const Vec
     const auto norm1 = [](const Vec3f& p) { return std::abs(p.x) + std::abs(p.y) + std::abs(p.z); };
     const float A = norm1(a), B = norm1(b), C = norm1(c);
     const float input = A * B + B * C + A * C + 3 * delta * (A + B + C) + 6 * delta * delta;
-    const float error = 10 * unit_roundoff * permanent + delta * input + 1e-36f;
+    const float error = 10 * unit_roundoff * permanent + delta * input + determinant_slack;
     return value > error ? 1 : value < -error ? -1 : 0;
 }
 

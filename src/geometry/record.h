@@ -26,6 +26,11 @@ namespace crumple {
 inline constexpr float plane_bound = 28;
 inline constexpr float unit_roundoff = 0x1p-24f;  ///< u
 
+/// What covers underflow, and subnormal numbers that are taken for zero, in the filters (docs/narrow.md): in the sum
+/// that a plane is divided by, in a determinant, in a turn; in float64, where rows are of float32 or of float64.
+inline constexpr float plane_slack = 1e-28f, determinant_slack = 1e-34f, turn_slack = 1e-35f;
+inline constexpr double float32_rows_slack = 1e-35, float64_rows_slack = 1e-290;
+
 struct alignas(64) Record {
     float x[4], y[4], z[4];
     std::int32_t id[3];
@@ -51,7 +56,7 @@ CRUMPLE_HD inline Vec3f to_float(const Vec3d& p) {
 template <class T>
 CRUMPLE_HD Vec3<T> plane_normal(const Vec3<T>& a, const Vec3<T>& b) {
     const T sum = (std::abs(a.y * b.z) + std::abs(a.z * b.y)) + (std::abs(a.z * b.x) + std::abs(a.x * b.z)) +
-                  (std::abs(a.x * b.y) + std::abs(a.y * b.x)) + static_cast<T>(1e-30);
+                  (std::abs(a.x * b.y) + std::abs(a.y * b.x)) + static_cast<T>(plane_slack);
     const Vec3<T> n = cross(a, b);
     return {n.x / sum, n.y / sum, n.z / sum};
 }

@@ -77,7 +77,7 @@ CRUMPLE_HD inline bool separated_in_float(const Record& a, const Record& b, unsi
         return Vec3f{row[0], row[1], row[2]};
     };
     const Vec3f p[3] = {corner(a, 0), corner(a, 1), corner(a, 2)}, q[3] = {corner(b, 0), corner(b, 1), corner(b, 2)};
-    const FlatError<float> error{points.f ? 0.0f : 2.1f * unit_roundoff * reach, 1e-36f};
+    const FlatError<float> error{points.f ? 0.0f : 2.1f * unit_roundoff * reach, turn_slack};
     return edge_lines_separate(p, shared_a, q, shared_b, {a.x[3], a.y[3], a.z[3]}, error);
 }
 
@@ -101,7 +101,7 @@ CRUMPLE_HD inline bool plane_separates(const Vec3d t[3], const Vec3d other[3], u
 /// Whether a plane or an edge line separates a pair in float64, straight from the normalised vertices.
 CRUMPLE_HD inline bool separated_in_double(const Record& a, const Record& b, unsigned shared_a, unsigned shared_b,
                                            const PointRows& points) {
-    const double tiny = points.f ? 1e-42 : 1e-290;  // float32 rows may have become subnormal
+    const double tiny = points.f ? float32_rows_slack : float64_rows_slack;
     const Vec3d p[3] = {points[a.id[0]], points[a.id[1]], points[a.id[2]]};
     const Vec3d q[3] = {points[b.id[0]], points[b.id[1]], points[b.id[2]]};
     Vec3d normal, unused;

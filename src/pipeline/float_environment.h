@@ -1,58 +1,79 @@
 #pragma once
 
-// Round-to-nearest without flush-to-zero while it lives, whatever the caller had. Every public call and every task
-// holds one: proofs of the filters and of the expansions assume that mode, and oneTBB's workers keep the mode in force
-// when their arena was made.
+// The mode of floating-point arithmetic while an object lives: round-to-nearest, whatever the caller had.
+//
+// FloatEnvironment keeps subnormal numbers. Every public call and every task holds one: the exact decision needs that
+// mode, and oneTBB's workers keep the mode in force when their arena was made.
+//
+// FlushToZero takes them for zero, as operands and as results. The filters hold one: an operation on a subnormal number
+// may take 150 cycles, and cloth at rest is full of them. The filters' bounds allow for it (docs/narrow.md).
 
 #include <cstdint>
 
 #if defined(__SSE2__) || defined(_M_X64)
 #include <xmmintrin.h>
-#else
+#elif !defined(__aarch64__)
 #include <cfenv>
 #endif
 
 namespace crumple {
 
-class FloatEnvironment {
+#if defined(__SSE2__) || defined(_M_X64) || defined(__aarch64__)
+
+template <bool flush>
+class FloatMode {
    public:
-#if defined(__SSE2__) || defined(_M_X64)
-    FloatEnvironment() : saved_(_mm_getcsr()) {
-        if (saved_ & mode_bits) _mm_setcsr(saved_ & ~mode_bits);
+    FloatMode() : saved_(get()) {
+        if ((saved_ & mode) != wanted) set((saved_ & ~mode) | wanted);
     }
-    ~FloatEnvironment() {
-        if (saved_ & mode_bits) _mm_setcsr(saved_);
+    ~FloatMode() {
+        if ((saved_ & mode) != wanted) set(saved_);
     }
+    FloatMode(const FloatMode&) = delete;
+    FloatMode& operator=(const FloatMode&) = delete;
 
    private:
-    static constexpr std::uint32_t mode_bits =
-        0x8000u | 0x6000u | 0x0040u;  // flush to zero, rounding, denormals are zero
-    std::uint32_t saved_;
-#elif defined(__aarch64__)
-    FloatEnvironment() {
-        asm volatile("mrs %0, fpcr" : "=r"(saved_));
-        if (saved_ & mode_bits) asm volatile("msr fpcr, %0" ::"r"(saved_ & ~mode_bits));
+#if defined(__aarch64__)
+    using Register = std::uint64_t;
+    static constexpr Register rounding = 3ull << 22, flushing = 1ull << 24;
+    static Register get() {
+        Register value;
+        asm volatile("mrs %0, fpcr" : "=r"(value));
+        return value;
     }
-    ~FloatEnvironment() {
-        if (saved_ & mode_bits) asm volatile("msr fpcr, %0" ::"r"(saved_));
-    }
-
-   private:
-    static constexpr std::uint64_t mode_bits = (1ull << 24) | (3ull << 22);  // FZ, RMode
-    std::uint64_t saved_;
+    static void set(Register value) { asm volatile("msr fpcr, %0" ::"r"(value)); }
 #else
-    FloatEnvironment() {
+    using Register = std::uint32_t;
+    static constexpr Register rounding = 0x6000u, flushing = 0x8000u | 0x0040u;  // results, operands
+    static Register get() { return _mm_getcsr(); }
+    static void set(Register value) { _mm_setcsr(value); }
+#endif
+    static constexpr Register mode = rounding | flushing, wanted = flush ? flushing : 0;
+
+    Register saved_;
+};
+
+#else
+
+// Nothing portable flushes, nor is it needed.
+template <bool>
+class FloatMode {
+   public:
+    FloatMode() {
         std::fegetenv(&saved_);
         std::fesetenv(FE_DFL_ENV);
     }
-    ~FloatEnvironment() { std::fesetenv(&saved_); }
+    ~FloatMode() { std::fesetenv(&saved_); }
+    FloatMode(const FloatMode&) = delete;
+    FloatMode& operator=(const FloatMode&) = delete;
 
    private:
     std::fenv_t saved_;
-#endif
-   public:
-    FloatEnvironment(const FloatEnvironment&) = delete;
-    FloatEnvironment& operator=(const FloatEnvironment&) = delete;
 };
+
+#endif
+
+using FloatEnvironment = FloatMode<false>;
+using FlushToZero = FloatMode<true>;
 
 }  // namespace crumple

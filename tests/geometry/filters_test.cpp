@@ -108,7 +108,7 @@ INSTANTIATE_TEST_SUITE_P(All, Filters,
                          testing::Values(Case{Kind::random, false, 0.12}, Case{Kind::random_float, true, 0.12},
                                          Case{Kind::lattice, true, 0.3}, Case{Kind::lattice, false, 0.3},
                                          Case{Kind::flat, false, 0.45}, Case{Kind::nudged, false, 0.25},
-                                         Case{Kind::wide, true, 0.4}, Case{Kind::wide, false, 0.25},
+                                         Case{Kind::wide, true, 0.45}, Case{Kind::wide, false, 0.25},
                                          Case{Kind::collapsed_lattice, true, 0.6}, Case{Kind::collapsed, false, 0.55},
                                          Case{Kind::threaded, true, 0.65}));
 

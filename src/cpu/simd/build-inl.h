@@ -78,7 +78,7 @@ HWY_INLINE void build_from(const RecordInput& in, const Points& points, Record* 
         return hn::LoadDup128(d, lanes);
     };
     const V column_x = axis(0), column_y = axis(1), column_z = axis(2);
-    const V big = hn::Set(d, in.frame.big), tiny = hn::Set(d, 1e-30f);
+    const V big = hn::Set(d, in.frame.big), tiny = hn::Set(d, plane_slack);
     const auto turn = [&](V p) HWY_ATTR {
         return hn::MulAdd(column_x, hn::Broadcast<0>(p),
                           hn::MulAdd(column_y, hn::Broadcast<1>(p), hn::Mul(column_z, hn::Broadcast<2>(p))));
@@ -190,7 +190,7 @@ inline void scatter(const Record* record, std::int64_t n, const std::int32_t* po
         hn::Store(hn::Mul(hn::Load(d, in.x), factor), d, out.x);
         hn::Store(hn::Mul(hn::Load(d, in.y), factor), d, out.y);
         hn::Store(hn::Mul(hn::Load(d, in.z), factor), d, out.z);
-        // Ids are no numbers: as floats most would be subnormal, and slow.
+        // Ids are no numbers: as floats most would be subnormal, and flushed to zero.
         out.id[0] = in.id[0];
         out.id[1] = in.id[1];
         out.id[2] = in.id[2];

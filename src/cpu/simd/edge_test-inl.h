@@ -35,7 +35,7 @@ inline void edge_test(const SortedLeaf& leaf, const Candidates& candidates, floa
     const std::size_t count = out.edges.size();
     repeat_last(out.edges, lanes);
     repeat_last(out.edge_signs, lanes);
-    const V relative = hn::Set(d, 10 * unit_roundoff), tiny = hn::Set(d, 1e-36f);
+    const V relative = hn::Set(d, 10 * unit_roundoff), tiny = hn::Set(d, determinant_slack);
     // Each difference of two corners carries the rounding of both relative coordinates.
     const V delta = hn::Set(d, 2.1f * unit_roundoff * reach), delta3 = hn::Mul(delta, hn::Set(d, 3.0f));
     const V delta6 = hn::Mul(hn::Mul(delta, delta), hn::Set(d, 6.0f));

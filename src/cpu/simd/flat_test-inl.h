@@ -41,7 +41,8 @@ inline void flat_test(const SortedLeaf& leaf, const Candidates& candidates, cons
     const V relative = hn::Set(d, 6 * unit_roundoff);
     const bool exact = points.f != nullptr;
     const float difference_error = exact ? 0.0f : 2.1f * unit_roundoff * reach;
-    const V delta = hn::Set(d, difference_error), tiny = hn::Set(d, 2 * difference_error * difference_error + 1e-36f);
+    const V delta = hn::Set(d, difference_error),
+            tiny = hn::Set(d, 2 * difference_error * difference_error + turn_slack);
 
     std::size_t undecided = out.undecided.size();
     for (std::size_t k = 0; k < count; k += lanes) {

@@ -162,7 +162,7 @@ inline void separation_test_float(const SortedLeaf& leaf, const Candidates& cand
             normal[c] = hn::GatherIndex(d, rows + 4 * c + 3, pair.row);
         }
         const auto same = compare_ids(d, id_a, id_b, a, b);
-        return hn::And(hn::Not(same), separated_by_edges(d, a, b, normal, delta, 1e-36f));
+        return hn::And(hn::Not(same), separated_by_edges(d, a, b, normal, delta, turn_slack));
     });
 }
 
@@ -213,7 +213,7 @@ inline void separation_test_double(const SortedLeaf& leaf, const Candidates& can
     const Doubles d;
     const hn::Rebind<std::int32_t, Doubles> ids;
     const hn::RebindToSigned<Doubles> wide;
-    const double tiny = points.f ? 1e-42 : 1e-290;  // float32 rows may have become subnormal
+    const double tiny = points.f ? float32_rows_slack : float64_rows_slack;
     const auto* rows = reinterpret_cast<const std::int32_t*>(leaf.record.data() + candidates.rows) + 12;
     const auto* columns = reinterpret_cast<const std::int32_t*>(leaf.record.data() + candidates.columns) + 12;
     drop_undecided(d, out, [&](const std::uint32_t* packed) {
