@@ -150,11 +150,7 @@ struct Detector::Implementation {
                     attempt();
                 }
             } catch (const MemoryMeter::Exceeded&) {
-                const std::int64_t needed = bytes_needed(a, b, part, query);
-                throw Error(ErrorCode::memory_limit,
-                            "the memory limit of " + std::to_string(options.memory_limit) + " bytes is too small; " +
-                                std::to_string(needed) + " bytes suffice",
-                            Element::option, -1, needed);
+                throw limit_error(bytes_needed(a, b, part, query));
             }
         } catch (...) {
             forget();
@@ -162,17 +158,26 @@ struct Detector::Implementation {
         }
     }
 
+    struct Lifted {
+        MemoryMeter& meter;
+        std::int64_t limit;
+        explicit Lifted(MemoryMeter& m) : meter(m), limit(m.limit) {
+            meter.limit = std::numeric_limits<std::int64_t>::max();
+        }
+        ~Lifted() { meter.limit = limit; }
+    };
+
+    Error limit_error(std::int64_t needed) const {
+        return Error(ErrorCode::memory_limit,
+                     "the memory limit of " + std::to_string(options.memory_limit) + " bytes is too small; " +
+                         std::to_string(needed) + " bytes suffice",
+                     Element::option, -1, needed);
+    }
+
     // The limit that suffices, counted with records beyond the limit but without storing pairs.
     std::int64_t bytes_needed(const MeshView& a, const MeshView* b, const Part* part, const Query& query) {
         forget();
-        struct Lifted {
-            MemoryMeter& meter;
-            std::int64_t limit;
-            explicit Lifted(MemoryMeter& m) : meter(m), limit(m.limit) {
-                meter.limit = std::numeric_limits<std::int64_t>::max();
-            }
-            ~Lifted() { meter.limit = limit; }
-        } lifted(meter);
+        const Lifted lifted(meter);
         if (a.memory != MemorySpace::host) return backend->bytes_needed(a, b, query, part);
         return backend->bytes_needed(prepare_scene(a, b, query.weld, *backend, buffers), query, part);
     }
@@ -213,33 +218,39 @@ struct Detector::Implementation {
 
     void launch(const MeshView& a, const MeshView* b, const Query& query) {
         cancellation.begin();
-        on_the_device([&] {
-            check_query(a, b, query);
-            if (a.memory == MemorySpace::host)
-                throw Error(ErrorCode::invalid_argument, "launch_self and launch_between take meshes in device memory");
-            backend->launch(a, b, query);
-        });
+        on_the_device(
+            [&] {
+                check_query(a, b, query);
+                if (a.memory == MemorySpace::host)
+                    throw Error(ErrorCode::invalid_argument,
+                                "launch_self and launch_between take meshes in device memory");
+                backend->launch(a, b, query);
+            },
+            [&] { return bytes_needed(a, b, nullptr, query); });
     }
     const DeviceCollisions& wait() {
         const DeviceCollisions* answer = nullptr;
-        on_the_device([&] { answer = &backend->wait(); });
+        on_the_device([&] { answer = &backend->wait(); }, [&] { return bytes_needed_for_launched(); });
         return *answer;
     }
     const Collisions& download() {
-        on_the_device([&] { backend->download(result); });
+        on_the_device([&] { backend->download(result); }, [&] { return bytes_needed_for_launched(); });
         return result;
     }
+    std::int64_t bytes_needed_for_launched() {
+        const Lifted lifted(meter);
+        return backend->bytes_needed_for_launched();
+    }
     // A detector that throws holds an empty result and no kept memory.
-    template <class Work>
-    void on_the_device(Work work) {
+    template <class Work, class Needed>
+    void on_the_device(Work work, Needed bytes) {
         const FloatEnvironment environment;
         try {
-            work();
-        } catch (const MemoryMeter::Exceeded&) {
-            forget();
-            throw Error(ErrorCode::memory_limit,
-                        "the memory limit of " + std::to_string(options.memory_limit) + " bytes is too small",
-                        Element::option);
+            try {
+                work();
+            } catch (const MemoryMeter::Exceeded&) {
+                throw limit_error(bytes());
+            }
         } catch (...) {
             forget();
             throw;

@@ -99,15 +99,11 @@ class CudaBackend final : public BackendBase {
             adopt(query, nullptr);
             const auto stream = static_cast<cudaStream_t>(a.stream);
             if (b && b->stream != a.stream) order(static_cast<cudaStream_t>(b->stream), stream);
-            try {
+            enqueued_ = fits_at_once([&] {
                 plan();
                 lay_out_lists();
                 launch_graph(stream);
-            } catch (const MemoryMeter::Exceeded&) {
-                too_many_ = pass_.scene.triangle_count();  // wait() does it in chunks
-            } catch (const OutOfDeviceMemory&) {
-                too_many_ = pass_.scene.triangle_count();
-            }
+            });
             CRUMPLE_CUDA(cudaEventRecord(done_.get(), stream));
             launched_ = true;
         });
@@ -119,7 +115,7 @@ class CudaBackend final : public BackendBase {
             finish();
             statistics_ = {};
             if (!was_complete()) answer();
-            if (contacts_wanted_) statistics_.rational_contacts = answer_.make_contacts(pass_.scene, cancellation_);
+            with_room_for([&] { make_contacts(contacts_wanted_); }, [] {});
             statistics_.triangles = pass_.scene.triangle_count();
             statistics_.pairs = static_cast<std::int64_t>(answer_.total);
             shown_ = answer_.show(pass_.scene, contacts_wanted_);
@@ -148,29 +144,53 @@ class CudaBackend final : public BackendBase {
         too_many_ = std::numeric_limits<std::int64_t>::max();
     }
 
+    std::int64_t bytes_needed_for_launched() override {
+        return on_device([&] {
+            answer_.release();
+            work_.release();
+            return bytes_needed();
+        });
+    }
+
    private:
     void find(const Query& query, const Part* part, Collisions& result) {
         adopt(query, part);
         answer();
-        try {
-            deliver(query, result);
-        } catch (const MemoryMeter::Exceeded&) {
-            // An answer that was found at once has lists with room to spare.
-            if (pass_.scene.triangle_count() >= too_many_) throw;
-            too_many_ = pass_.scene.triangle_count();
-            result.pairs.release();
-            result.contacts.points.release();
-            answer_.release_contacts();
-            answer();
-            deliver(query, result);
-        }
+        with_room_for(
+            [&] {
+                make_contacts(query.contacts);
+                answer_.copy_to(pass_.scene, query.contacts, result);
+            },
+            [&] {
+                result.pairs.release();
+                result.contacts.points.release();
+            });
+        result.statistics = statistics_;
     }
 
-    void deliver(const Query& query, Collisions& result) {
-        if (meter_.limit > 0) work_.release();
-        if (query.contacts) statistics_.rational_contacts = answer_.make_contacts(pass_.scene, cancellation_);
-        answer_.copy_to(pass_.scene, query.contacts, result);
-        result.statistics = statistics_;
+    void make_contacts(bool wanted) {
+        if (wanted) statistics_.rational_contacts = answer_.make_contacts(pass_.scene, cancellation_);
+    }
+
+    // What is made of the answer. If there is no room for it, the lists go; if there is none then, the answer is found
+    // again in chunks, for one that was found at once has room to spare. `undo` releases what was made.
+    template <class Make, class Undo>
+    void with_room_for(Make make, Undo undo) {
+        if (fits(make)) return;
+        const auto clear = [&] {
+            undo();
+            answer_.release_contacts();
+            work_.release();
+        };
+        clear();
+        if (fits(make)) return;
+        if (pass_.scene.triangle_count() < too_many_) {
+            too_many_ = pass_.scene.triangle_count();
+            clear();
+            answer();
+        }
+        clear();
+        make();
     }
 
     bool any(const Query& query) {
@@ -181,10 +201,14 @@ class CudaBackend final : public BackendBase {
 
     std::int64_t bytes_needed(const Query& query, const Part* part) {
         adopt(query, part);
+        return bytes_needed();
+    }
+
+    std::int64_t bytes_needed() {
         meter_.peak = meter_.used.load();
         const auto pairs = static_cast<std::int64_t>(count_in_chunks());
-        const std::size_t room = Answer::bytes(pass_.scene, static_cast<std::size_t>(pairs), query.contacts);
-        return meter_.peak + static_cast<std::int64_t>(room) + result_bytes(pass_.scene, query, pairs);
+        const std::size_t room = Answer::bytes(pass_.scene, static_cast<std::size_t>(pairs), query_.contacts);
+        return meter_.peak + static_cast<std::int64_t>(room) + result_bytes(pass_.scene, query_, pairs);
     }
 
     // What follows works on the input, whichever way it came.
@@ -215,21 +239,28 @@ class CudaBackend final : public BackendBase {
     // Leaves the answer in answer_.
     void answer() {
         statistics_ = {};
-        const auto in_chunks = [&] {
-            too_many_ = pass_.scene.triangle_count();
-            answer_in_chunks();
-        };
-        if (pass_.scene.triangle_count() >= too_many_) {
-            in_chunks();
-            return;
-        }
+        if (!fits_at_once([&] { answer_at_once(); })) answer_in_chunks();
+    }
+
+    // Whether there was memory for the work.
+    template <class Work>
+    static bool fits(Work work) {
         try {
-            answer_at_once();
+            work();
+            return true;
         } catch (const MemoryMeter::Exceeded&) {
-            in_chunks();
         } catch (const OutOfDeviceMemory&) {
-            in_chunks();
         }
+        return false;
+    }
+
+    // The same for a pass over the whole scene, which is not tried again for scenes of that size.
+    template <class Work>
+    bool fits_at_once(Work work) {
+        if (pass_.scene.triangle_count() >= too_many_) return false;
+        if (fits(work)) return true;
+        too_many_ = pass_.scene.triangle_count();
+        return false;
     }
 
     void answer_at_once() {
@@ -297,14 +328,8 @@ class CudaBackend final : public BackendBase {
 
     // Whether the launched pass has left the whole answer.
     bool was_complete() {
-        if (pass_.scene.triangle_count() >= too_many_) return false;
-        try {
-            return accept(*counters_);
-        } catch (const MemoryMeter::Exceeded&) {
-        } catch (const OutOfDeviceMemory&) {
-        }
-        too_many_ = pass_.scene.triangle_count();
-        return false;
+        bool complete = false;
+        return enqueued_ && fits_at_once([&] { complete = accept(*counters_); }) && complete;
     }
 
     void answer_in_chunks() {
@@ -395,7 +420,6 @@ class CudaBackend final : public BackendBase {
             DecisionCounts counts;
             if (collide(a, b, query_.neighbours, query_.intersections, counts)) hits.push_back(pairs[i]);
         });
-        statistics_.rational_tests += static_cast<std::int64_t>(n);
         copy(pass_.beyond(), hits.data(), hits.size(), cudaMemcpyHostToDevice);
         return hits.size();
     }
@@ -484,6 +508,7 @@ class CudaBackend final : public BackendBase {
         s.edge_tests += static_cast<std::int64_t>(c.survivors);
         s.double_tests += static_cast<std::int64_t>(c.doubles);
         s.exact_tests += static_cast<std::int64_t>(c.undecided);
+        s.rational_tests += static_cast<std::int64_t>(c.beyond);
     }
 
     template <class T>
@@ -507,7 +532,9 @@ class CudaBackend final : public BackendBase {
     Query query_;
     Statistics statistics_;
     DeviceCollisions shown_;
-    bool launched_ = false, answered_ = false, contacts_wanted_ = false;  // answered_: by wait(), and still there
+    bool launched_ = false, contacts_wanted_ = false;
+    bool enqueued_ = false;  ///< the launch gave its work to the stream; if there was no room, wait() does it
+    bool answered_ = false;  ///< by wait(), and still there
     /// The latest first; two, for simulations that write their frames to two buffers in turn.
     struct Recorded {
         Key key{};

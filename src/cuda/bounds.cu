@@ -69,21 +69,17 @@ __device__ Vec3f in_float(const Row<T>& row) {
 template <class T>
 __global__ void balls_kernel(Scene scene, const Row<T>* rows, Ball* balls, Counters* counters) {
     const auto n = static_cast<std::size_t>(scene.triangle_count());
-    const auto vertices = static_cast<std::uint32_t>(scene.vertex_count());
     for (std::size_t t = grid_thread(); t < n; t += grid_stride()) {
         const std::int32_t* corner = scene.corners + 3 * t;
-        const std::int32_t i = corner[0], j = corner[1], k = corner[2];
-        if (static_cast<std::uint32_t>(i) >= vertices || static_cast<std::uint32_t>(j) >= vertices ||
-            static_cast<std::uint32_t>(k) >= vertices) {
-            const int side = scene.second(static_cast<std::int64_t>(t));
-            atomicMin(
-                &counters->bad_triangle[side],
-                static_cast<unsigned long long>(t) - static_cast<unsigned long long>(side ? scene.triangles[0] : 0));
-            balls[t] = {0, 0, 0, NAN};
-            continue;
-        }
-        balls[t] = ball_of(in_float(rows[i]), in_float(rows[j]), in_float(rows[k]));
+        balls[t] = corners_exist(scene, t, counters)
+                       ? ball_of(in_float(rows[corner[0]]), in_float(rows[corner[1]]), in_float(rows[corner[2]]))
+                       : Ball{0, 0, 0, NAN};
     }
+}
+
+__global__ void check_triangles_kernel(Scene scene, Counters* counters) {
+    const auto n = static_cast<std::size_t>(scene.triangle_count());
+    for (std::size_t t = grid_thread(); t < n; t += grid_stride()) corners_exist(scene, t, counters);
 }
 
 }  // namespace
@@ -98,6 +94,12 @@ void check_vertices(const Geometry& geometry, cudaStream_t stream, const Scene& 
                     Counters* counters) {
     const auto n = static_cast<std::size_t>(scene.vertex_count());
     Launch{stream, geometry.blocks(n), geometry.threads, sizeof(BoxShared)}(check_kernel, scene, box, counters);
+}
+
+void check_triangles(const Geometry& geometry, cudaStream_t stream, const Scene& scene, Counters* counters) {
+    const Launch over_triangles{stream, geometry.blocks(static_cast<std::size_t>(scene.triangle_count())),
+                                geometry.threads};
+    over_triangles(check_triangles_kernel, scene, counters);
 }
 
 void compute_bounds(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const SceneBox* box,

@@ -41,6 +41,22 @@ void clear_counters(cudaStream_t stream, Counters* counters);
 void check_vertices(const Geometry& geometry, cudaStream_t stream, const Scene& scene, SceneBox* box,
                     Counters* counters);
 
+/// Whether the triangle's corners exist; if not, notes it if it is the first.
+__device__ inline bool corners_exist(const Scene& scene, std::size_t t, Counters* counters) {
+    const std::int32_t* corner = scene.corners + 3 * t;
+    const auto vertices = static_cast<std::uint32_t>(scene.vertex_count());
+    if (static_cast<std::uint32_t>(corner[0]) < vertices && static_cast<std::uint32_t>(corner[1]) < vertices &&
+        static_cast<std::uint32_t>(corner[2]) < vertices)
+        return true;
+    const int side = scene.second(static_cast<std::int64_t>(t));
+    atomicMin(&counters->bad_triangle[side],
+              static_cast<unsigned long long>(t) - static_cast<unsigned long long>(side ? scene.triangles[0] : 0));
+    return false;
+}
+
+/// Notes the first triangle that names no vertex; compute_bounds does so as well.
+void check_triangles(const Geometry& geometry, cudaStream_t stream, const Scene& scene, Counters* counters);
+
 void compute_bounds(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const SceneBox* box,
                     const Points& points, Ball* balls, Counters* counters);
 

@@ -83,15 +83,13 @@ __global__ void part_centres_kernel(const SceneBox* box, const Vec3d* centre, in
 
 // Masks of the `n` members, or, where these are null, of triangles [0, n).
 __global__ void part_kernel(Scene scene, const SceneBox* box, const PartCentres* centres, const std::int32_t* members,
-                            std::size_t n, std::uint64_t* mask) {
+                            std::size_t n, std::uint64_t* mask, Counters* counters) {
     const Normaliser normalise = normaliser_of(*box);
-    const auto vertices = static_cast<std::uint32_t>(scene.vertex_count());
     for (std::size_t i = grid_thread(); i < n; i += grid_stride()) {
         const auto t = members ? static_cast<std::size_t>(members[i]) : i;
-        const std::int32_t* c = scene.corners + 3 * t;
-        const bool exists = static_cast<std::uint32_t>(c[0]) < vertices &&
-                            static_cast<std::uint32_t>(c[1]) < vertices && static_cast<std::uint32_t>(c[2]) < vertices;
-        mask[t] = exists ? crumple::part_mask(scene.triangle(static_cast<std::int64_t>(t)), normalise, *centres) : 0;
+        mask[t] = corners_exist(scene, t, counters)
+                      ? crumple::part_mask(scene.triangle(static_cast<std::int64_t>(t)), normalise, *centres)
+                      : 0;
     }
 }
 
@@ -182,13 +180,17 @@ void Input::want(const Query& query, const Part* part) {
     const std::size_t first = part ? part->triangles.size() : 0, second = part ? part->triangles_second.size() : 0;
     member_count_ = first + second;
     const std::size_t excluded = rule_.excluded().size();
+    const void* const before = rule_block_.data();
     lay_out(rule_block_, [&](Cutter& c) {
         excluded_ = c.take<std::uint64_t>(excluded);
         part_centre_ = c.take<Vec3d>(static_cast<std::size_t>(part_count_));
         part_centres_ = c.take<PartCentres>(part ? 1 : 0);
         members_ = c.take<std::int32_t>(member_count_);
     });
-    copy(stream_, excluded_, rule_.excluded().data(), excluded);
+    // Frames of a simulation have the same rule, and no time to wait for a copy.
+    const bool known = rule_block_.data() == before && std::ranges::equal(uploaded_, rule_.excluded());
+    if (!known) copy(stream_, excluded_, rule_.excluded().data(), excluded);
+    std::ranges::copy(rule_.excluded(), uploaded_.resize_discard(excluded));
     if (part) {
         std::vector<Vec3d> centres;
         for (const auto& [x, y, z] : part->centres) centres.push_back({x, y, z});
@@ -251,7 +253,7 @@ void Input::enqueue(const Geometry& geometry, cudaStream_t stream, Counters* cou
     if (listed) CRUMPLE_CUDA(cudaMemsetAsync(part_mask_, 0, triangles * sizeof *part_mask_, stream));
     Launch{stream, 1, 64}(part_centres_kernel, box_, part_centre_, part_count_, part_centres_);
     Launch{stream, geometry.blocks(n), geometry.threads}(part_kernel, scene_, box_, part_centres_,
-                                                         listed ? members_ : nullptr, n, part_mask_);
+                                                         listed ? members_ : nullptr, n, part_mask_, counters);
 }
 
 void Input::throw_error(const Counters& counters) const {
@@ -293,6 +295,7 @@ void Input::release() {
     block_.release();
     rule_block_.release();
     rule_.release();
+    uploaded_.release();
     packed_.release();
 }
 

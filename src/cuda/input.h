@@ -19,7 +19,7 @@ namespace crumple::cuda {
 class Input {
    public:
     Input(cudaStream_t stream, MemoryMeter& meter)
-        : stream_(stream), block_(meter), rule_block_(meter), rule_(&meter), packed_(&meter) {}
+        : stream_(stream), block_(meter), rule_block_(meter), rule_(&meter), uploaded_(&meter), packed_(&meter) {}
 
     /// A scene in host memory; done when it returns.
     void bring(const Scene& host);
@@ -58,6 +58,7 @@ class Input {
     cudaStream_t stream_;
     Block block_, rule_block_;
     GroupRule rule_;
+    Array<std::uint64_t> uploaded_;  ///< the excluded pairs of groups that lie at the front of rule_block_
     Array<std::byte> packed_;
     Scene scene_;
     std::optional<MeshView> mesh_[2];  ///< on the device; none: the host has checked and joined

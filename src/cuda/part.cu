@@ -26,6 +26,7 @@ std::vector<Part> make_parts(const Geometry& geometry, cudaStream_t stream, Inpu
     const auto look = [&] {
         clear_counters(stream, counters);
         input.enqueue(geometry, stream, counters);
+        check_triangles(geometry, stream, scene, counters);
         Counters found;
         copy_now(stream, &found, counters, 1, cudaMemcpyDeviceToHost);
         input.throw_error(found);

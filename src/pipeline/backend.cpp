@@ -19,5 +19,6 @@ std::vector<Part> BackendBase::partition(const MeshView&, const MeshView*, int) 
 void BackendBase::launch(const MeshView&, const MeshView*, const Query&) { refuse(); }
 const DeviceCollisions& BackendBase::wait() { refuse(); }
 void BackendBase::download(Collisions&) { refuse(); }
+std::int64_t BackendBase::bytes_needed_for_launched() { refuse(); }
 
 }  // namespace crumple

@@ -38,6 +38,7 @@ class BackendBase : public ParallelFor {
     virtual void launch(const MeshView& a, const MeshView* b, const Query& query);
     virtual const DeviceCollisions& wait();
     virtual void download(Collisions& result);
+    virtual std::int64_t bytes_needed_for_launched();
 
     /// Drops what is kept between calls, memory and centres alike.
     virtual void release() = 0;

@@ -302,6 +302,60 @@ TEST(CudaDevice, reports_bad_input_when_waited_for) {
     EXPECT_EQ(cuda.wait().pair_count, static_cast<std::int64_t>(Detector().find_self(good.view()).pairs.size()));
 }
 
+TEST(CudaDevice, launches_under_any_memory_limit_or_names_one_that_suffices) {
+    const io::TriangleMesh mesh = cloth(600);
+    const DeviceMesh device(mesh.view());
+    const Query query{.contacts = true};
+    Detector cpu({.backend = Backend::cpu});
+    const Collisions& expected = cpu.find_self(mesh.view(), query);
+    const auto shows_all = [&](Detector& cuda) {
+        cuda.launch_self(device.view(), query);
+        EXPECT_TRUE(shows(cuda.wait(), mesh.view(), nullptr, expected));
+        EXPECT_TRUE(same_answer(cuda.download(), expected));
+    };
+    Detector unlimited({.backend = Backend::cuda});
+    shows_all(unlimited);
+    int failures = 0;
+    for (std::int64_t limit = unlimited.find_self(device.view(), query).statistics.peak_memory_bytes; limit > 1'000;
+         limit -= limit / 5) {
+        SCOPED_TRACE(testing::Message() << limit << " bytes");
+        Detector limited({.backend = Backend::cuda, .memory_limit = limit});
+        try {
+            shows_all(limited);
+            shows_all(limited);
+        } catch (const Error& error) {
+            ++failures;
+            ASSERT_EQ(error.code, ErrorCode::memory_limit) << error.what();
+            ASSERT_GT(error.bytes_needed, limit);
+            Detector enough({.backend = Backend::cuda, .memory_limit = error.bytes_needed});
+            EXPECT_NO_THROW(shows_all(enough)) << error.bytes_needed << " bytes do not suffice";
+        }
+    }
+    EXPECT_GT(failures, 2);
+}
+
+TEST(CudaDevice, names_the_triangle_that_names_no_vertex_in_every_call) {
+    for (const std::int32_t wrong : {-5, 1'000'000, 2'000'000'000}) {
+        io::TriangleMesh mesh = cloth(300);
+        mesh.triangles[22] = wrong;
+        const DeviceMesh bad(mesh.view());
+        Detector cuda({.backend = Backend::cuda}), cpu({.backend = Backend::cpu});
+        const auto says = [](auto call) -> std::string {
+            try {
+                call();
+            } catch (const Error& error) {
+                EXPECT_EQ(error.index, 7);
+                return error.what();
+            }
+            return "nothing";
+        };
+        const std::string expected = says([&] { cpu.find_self(mesh.view()); });
+        EXPECT_EQ(says([&] { cuda.find_self(bad.view()); }), expected);
+        EXPECT_EQ(says([&] { cuda.has_collision(bad.view()); }), expected);
+        EXPECT_EQ(says([&] { cuda.partition(bad.view(), 4); }), expected);
+    }
+}
+
 TEST(CudaDevice, puts_long_rows_in_order) {
     // One long triangle through a stack of small ones: more pairs of one first triangle than threads look at.
     std::vector<std::array<float, 3>> vertices{{0, 0, -1}, {0, 0.25f, -1}, {0, 0, 1001}};
