@@ -29,7 +29,9 @@ int run(int argc, char** argv) {
     try {
         app.parse(argc, argv);
     } catch (const CLI::Success& success) {
-        return app.exit(success);  // prints help or version
+        int status = done;
+        to_standard_output([&](std::ostream& out) { status = app.exit(success, out, out); });  // help or version
+        return status;
     } catch (const CLI::ParseError& error) {
         print_error(explain(error, app));
         return failed;

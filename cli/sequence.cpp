@@ -150,6 +150,8 @@ Command add_sequence(CLI::App& app) {
         ->allow_extra_args(false);
     command.add_flag("--json", sequence->json, "JSON instead of CSV on standard output");
     add_answer_options(command, sequence->answer);
+    command.add_flag("--contacts", sequence->answer.contacts,
+                     "Also compute where each pair meets; the time is a part of the stage output");
     command.add_flag("--check", sequence->check, "Exit with status 1 if anything collides in any frame");
     command.add_flag("--stats", sequence->stats, "Print times and counts, summed over all frames, to standard error");
     add_cost_options(command, sequence->options);

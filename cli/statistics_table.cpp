@@ -12,7 +12,7 @@ namespace crumple::cli {
 namespace {
 
 void row(std::string_view name, std::int64_t count, const std::string& remark = {}) {
-    fmt::print(stderr, "{:<18}{:>15}{}{}\n", name, grouped(count), remark.empty() ? "" : "  ", remark);
+    say("{:<18}{:>15}{}{}\n", name, grouped(count), remark.empty() ? "" : "  ", remark);
 }
 
 double ratio(std::int64_t part, std::int64_t whole) {
@@ -28,19 +28,18 @@ std::int64_t count_hits(const Collisions& collisions) {
 
 void print_statistics(const Statistics& s, std::int64_t hits) {
     const double sum = std::accumulate(s.stage_milliseconds.begin(), s.stage_milliseconds.end(), 0.0);
-    fmt::print(stderr, on_terminal(2, fmt::emphasis::bold), "{:<18}{:>12}{:>9}\n", "stage", "time", "share");
+    say(on_terminal(2, fmt::emphasis::bold), "{:<18}{:>12}{:>9}\n", "stage", "time", "share");
     for (int i = 0; i < stage_count; ++i) {
         const auto stage = static_cast<Stage>(i);
-        fmt::print(stderr, "{:<18}{:>9.2f} ms{:>7.0f} %\n", stage_name(stage), s[stage],
-                   sum > 0 ? 100 * s[stage] / sum : 0);
+        say("{:<18}{:>9.2f} ms{:>7.0f} %\n", stage_name(stage), s[stage], sum > 0 ? 100 * s[stage] / sum : 0);
     }
-    fmt::print(stderr, "{:<18}{:>9.2f} ms\n", s.backend == "cuda" ? "on the device" : "all threads", sum);
-    fmt::print(stderr, on_terminal(2, fmt::emphasis::bold), "{:<18}{:>9.2f} ms", "wall clock", s.milliseconds);
+    say("{:<18}{:>9.2f} ms\n", s.backend == "cuda" ? "on the device" : "all threads", sum);
+    say(on_terminal(2, fmt::emphasis::bold), "{:<18}{:>9.2f} ms", "wall clock", s.milliseconds);
     if (s.backend == "cuda") {
-        fmt::print(stderr, "  cuda backend\n\n");
+        say("  cuda backend\n\n");
     } else {
-        fmt::print(stderr, "  {} thread{}, {} backend, {}\n\n", s.threads, s.threads == 1 ? "" : "s", s.backend,
-                   s.simd.empty() ? "scalar" : s.simd);
+        say("  {} thread{}, {} backend, {}\n\n", s.threads, s.threads == 1 ? "" : "s", s.backend,
+            s.simd.empty() ? "scalar" : s.simd);
     }
     row("triangles", s.triangles);
     row("clusters", s.clusters, fmt::format("{} leaves swept", grouped(s.leaves)));
@@ -52,7 +51,7 @@ void print_statistics(const Statistics& s, std::int64_t hits) {
     row("exact tests", s.exact_tests, fmt::format("{} in rational numbers", grouped(s.rational_tests)));
     if (s.rational_contacts > 0) row("rational contacts", s.rational_contacts);
     row("pairs", s.pairs, fmt::format("{} triangles collide", grouped(hits)));
-    fmt::print(stderr, "{:<18}{:>15}\n", "peak memory", readable_bytes(s.peak_memory_bytes));
+    say("{:<18}{:>15}\n", "peak memory", readable_bytes(s.peak_memory_bytes));
 }
 
 void add(Statistics& sum, const Statistics& more) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <streambuf>
@@ -64,12 +65,17 @@ void to_standard_output(const std::function<void(std::ostream&)>& write) {
     }
 }
 
+void say(std::string_view text) {
+    std::fwrite(text.data(), 1, text.size(), stderr);
+    std::fflush(stderr);
+}
+
 void print_error(std::string_view message) {
     std::string line(message);
     while (!line.empty() && line.back() == '\n') line.pop_back();
     std::replace(line.begin(), line.end(), '\n', ' ');
-    fmt::print(stderr, on_terminal(2, fmt::fg(fmt::terminal_color::red) | fmt::emphasis::bold), "crumple:");
-    fmt::print(stderr, " {}\n", line);
+    say(on_terminal(2, fmt::fg(fmt::terminal_color::red) | fmt::emphasis::bold), "crumple:");
+    say(" {}\n", line);
 }
 
 fmt::text_style on_terminal(int stream, fmt::text_style style) {
@@ -104,14 +110,12 @@ void Progress::show(std::size_t step, std::string_view text) {
     if (!shown_) return;
     constexpr std::size_t width = 30;
     const std::size_t filled = width * step / steps_;
-    fmt::print(stderr, "\r\x1b[K[{:#<{}}{: <{}}] {}/{} {}", "", filled, "", width - filled, step, steps_, text);
-    std::fflush(stderr);
+    say("\r\x1b[K[{:#<{}}{: <{}}] {}/{} {}", "", filled, "", width - filled, step, steps_, text);
 }
 
 void Progress::clear() {
     if (!shown_) return;
-    fmt::print(stderr, "\r\x1b[K");
-    std::fflush(stderr);
+    say("\r\x1b[K");
 }
 
 }  // namespace crumple::cli

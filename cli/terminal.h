@@ -7,14 +7,27 @@
 #include <ostream>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include <fmt/color.h>
+#include <fmt/format.h>
 
 namespace crumple::cli {
 
 /// Calls write(out) and sees that everything arrives. That whoever reads has left (`crumple ... | head`) is no error.
 /// Throws Error (file).
 void to_standard_output(const std::function<void(std::ostream&)>& write);
+
+/// To standard error, as fmt::print, but that nobody may be there to read it, or no room, which changes nothing.
+void say(std::string_view text);
+template <class... Args>
+void say(fmt::format_string<Args...> format, Args&&... args) {
+    say(std::string_view(fmt::format(format, std::forward<Args>(args)...)));
+}
+template <class... Args>
+void say(fmt::text_style style, fmt::format_string<Args...> format, Args&&... args) {
+    say(std::string_view(fmt::format(style, fmt::string_view(format), std::forward<Args>(args)...)));
+}
 
 /// `crumple: message` in one line on standard error.
 void print_error(std::string_view message);

@@ -25,11 +25,23 @@ TEST_F(Pipe, ReaderThatLeavesEarlyIsNoError) {
 }
 
 TEST_F(Pipe, FullDiskIsAnError) {
-    for (const char* command : {"detect five.off", "sequence five.off", "info five.off", "make --list"}) {
+    for (const char* command : {"detect five.off", "sequence five.off", "info five.off", "make --list", "--help",
+                                "--version", "detect --help"}) {
         const Outcome outcome = shell(std::string("$crumple ") + command + " >/dev/full");
         EXPECT_EQ(outcome.status, 2) << command;
         EXPECT_TRUE(is_error_line(outcome.err)) << command << ": " << outcome.err;
         EXPECT_TRUE(contains(outcome.err, "No space left")) << command << ": " << outcome.err;
+    }
+}
+
+// What is told on standard error may be lost; the work and the status may not.
+TEST_F(Pipe, NobodyNeedsToReadStandardError) {
+    for (const std::string nowhere : {"2>/dev/full", "2>&-", "2> >(true)"}) {
+        EXPECT_EQ(shell("$crumple detect missing.off " + nowhere).status, 2) << nowhere;
+        EXPECT_EQ(shell("$crumple detect five.off --threads nine " + nowhere).status, 2) << nowhere;
+        EXPECT_EQ(shell("$crumple detect five.off --stats -o pairs.txt " + nowhere).status, 0) << nowhere;
+        EXPECT_EQ(shell("cat pairs.txt; rm pairs.txt").out, five_pairs) << nowhere;
+        EXPECT_EQ(shell("$crumple sequence five.off five.off --stats " + nowhere).status, 0) << nowhere;
     }
 }
 

@@ -41,6 +41,14 @@ class Sequence : public Cli {
     }
 };
 
+TEST_F(Sequence, ComputesContactsAsWell) {
+    write("flat.off", "OFF\n6 2 0\n0 0 0\n2 0 0\n0 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n3 3 4 5\n");
+    const Outcome outcome = crumple("sequence flat.off flat.off --contacts --stats");
+    EXPECT_EQ(outcome.status, 0);
+    EXPECT_EQ(lines(outcome.out).size(), 3u);
+    EXPECT_TRUE(contains(outcome.err, "rational contacts               2")) << outcome.err;
+}
+
 TEST_F(Sequence, WritesARowAFrame) {
     const Outcome outcome = crumple("sequence a.off 'b,2.off' a.off");
     EXPECT_EQ(outcome.status, 0);
