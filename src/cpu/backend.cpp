@@ -108,6 +108,7 @@ class CpuBackend final : public BackendBase {
         part_masks_ = Array<std::uint64_t>(&meter_);
         output_ = OutputScratch(&meter_);
         warm_ = {};
+        pairs_before_ = 0;
         scratch_.clear();
         found_.clear();
         for (int w = 0; w < workers_.workers(); ++w) {
@@ -126,6 +127,7 @@ class CpuBackend final : public BackendBase {
         sweep_leaves(narrow_context(scene, query));
         watch.lap();
         write_output(scene, workers_, found_, output_, result);
+        pairs_before_ = result.pairs.size();
         write_contacts(scene, query, result);
         statistics_[Stage::output] += watch.lap();
     }
@@ -217,6 +219,7 @@ class CpuBackend final : public BackendBase {
 
     // Leaves the pairs in scratch_[...]->narrow.pairs.
     void sweep_leaves(const NarrowContext& context) {
+        make_room_for_workers(context.scene.between);
         workers_.parallel_for(subdivision_->leaves.size(), [&](std::size_t l, std::size_t worker) {
             const Leaf& leaf = subdivision_->leaves[l];
             if (leaf.size < 2 || context.stop()) return;
@@ -226,6 +229,23 @@ class CpuBackend final : public BackendBase {
         });
         for (const auto& scratch : scratch_) add_counts(scratch->narrow.statistics);
         for (const Leaf& leaf : subdivision_->leaves) count_leaf(leaf);
+    }
+
+    // Whoever gets the largest leaf, and more than their share of the pairs, finds room for them, so that warm calls
+    // allocate nothing. Leaves far larger than others are usual are left to those who get them.
+    void make_room_for_workers(bool between) {
+        if (meter_.limit > 0 || workers_.workers() == 1) return;
+        std::int64_t largest = 0, most = 0;
+        for (const Leaf& leaf : subdivision_->leaves) largest = std::max(largest, leaf.size);
+        for (const auto& scratch : scratch_) most = std::max(most, scratch->narrow.most_candidates);
+        largest = std::min<std::int64_t>(largest, 4 * options_.leaf_size);
+        const std::size_t share = 2 * pairs_before_ / static_cast<std::size_t>(workers_.workers());
+        for (const auto& scratch : scratch_) {
+            scratch->members.make_room(static_cast<std::size_t>(largest));
+            make_room(largest, between, scratch->sort, scratch->leaf);
+            scratch->narrow.make_room(scratch->leaf.rows, most);
+            scratch->narrow.pairs.reserve(share);
+        }
     }
 
     NarrowContext narrow_context(const Scene& scene, const Query& query) const {
@@ -325,6 +345,7 @@ class CpuBackend final : public BackendBase {
     int part_index_ = 0;
     OutputScratch output_{nullptr};
     WarmCentres warm_;
+    std::size_t pairs_before_ = 0;                   ///< pairs of the call before
     std::vector<std::unique_ptr<Scratch>> scratch_;  ///< one a worker
     std::vector<const Array<Pair>*> found_;          ///< the pairs of each
     Statistics statistics_;

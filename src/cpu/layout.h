@@ -142,6 +142,13 @@ struct Verdicts {
           edge_signs(m),
           flat(m),
           flat_shared(m) {}
+    void make_room(std::int64_t candidates) {
+        const auto n = static_cast<std::size_t>(candidates + 2 * padding);
+        signs.resize(candidates);
+        code.reserve(n);
+        for (auto* list : {&hit, &undecided, &survivor, &survivor_code, &edges, &edge_signs, &flat, &flat_shared})
+            list->reserve(n);
+    }
 };
 
 /// Corner orders for the edge test, by below_a | below_b << 3.

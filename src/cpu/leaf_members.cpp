@@ -5,10 +5,17 @@
 
 namespace crumple::cpu {
 
-void LeafMembers::gather(const Scene& scene, const Subdivision& s, const Leaf& leaf) {
-    const auto n = static_cast<std::size_t>(leaf.size);
+void LeafMembers::make_room(std::size_t n) {
     triangle.resize_discard(n + padding);
     member.resize_discard(n);
+    lower.resize_discard(n);
+    record.resize_discard(n + padding);
+    boxes.resize(n);
+}
+
+void LeafMembers::gather(const Scene& scene, const Subdivision& s, const Leaf& leaf) {
+    const auto n = static_cast<std::size_t>(leaf.size);
+    make_room(n);
     if (leaf.child < 0)
         std::iota(member.begin(), member.end(), static_cast<std::int32_t>(leaf.begin));
     else
@@ -19,9 +26,6 @@ void LeafMembers::gather(const Scene& scene, const Subdivision& s, const Leaf& l
     first_side =
         std::partition_point(triangle.begin(), triangle.begin() + n, [&](auto t) { return !scene.second(t); }) -
         triangle.begin();
-    lower.resize_discard(n);
-    record.resize_discard(n + padding);
-    boxes.resize(n);
 }
 
 }  // namespace crumple::cpu

@@ -22,6 +22,8 @@ struct LeafMembers {
 
     std::int64_t size() const { return static_cast<std::int64_t>(member.size()); }
 
+    void make_room(std::size_t n);
+
     /// Lists the leaf's members, by id, and makes room for what the next stages write.
     void gather(const Scene& scene, const Subdivision& subdivision, const Leaf& leaf);
 };

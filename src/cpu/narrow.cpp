@@ -52,16 +52,20 @@ void decide(const NarrowContext& context, const SortedLeaf& leaf, const Ownershi
 
 }  // namespace
 
+void NarrowScratch::make_room(std::int64_t rows, std::int64_t most) {
+    const auto longest_row = static_cast<std::size_t>(std::min<std::int64_t>(rows, block_stride));
+    candidates.column.resize_discard(static_cast<std::size_t>(chunk_columns) + longest_row + 4 * padding);
+    candidates.row.resize_discard(candidates.column.size());
+    verdicts.make_room(most);
+}
+
 void sweep_and_narrow(const NarrowContext& context, const SortedLeaf& leaf, const Ownership& ownership, float reach,
                       std::int64_t first, std::int64_t last, NarrowScratch& scratch) {
     const NarrowPolicy policy{context.query.neighbours == Neighbours::skip,
                               context.query.intersections == Intersections::proper};
     Statistics& statistics = scratch.statistics;
     Candidates& candidates = scratch.candidates;
-    const auto longest_row = static_cast<std::size_t>(std::min<std::int64_t>(leaf.rows, block_stride));
-    candidates.column.resize_discard(static_cast<std::size_t>(chunk_columns) + longest_row + 4 * padding);
-    candidates.row.resize_discard(candidates.column.size());
-
+    scratch.make_room(leaf.rows, 0);
     for (std::int64_t block = 0; block < leaf.rows; block += block_stride) {
         const std::int64_t block_end = std::min(block + block_stride, leaf.rows) - 1;  // without the dummy
         const auto dummy = static_cast<std::uint16_t>(block_end - block);
@@ -78,6 +82,7 @@ void sweep_and_narrow(const NarrowContext& context, const SortedLeaf& leaf, cons
             statistics[Stage::sweep] += watch.lap();
             if (candidates.pairs == 0) continue;
             statistics.box_overlaps += candidates.pairs;
+            scratch.most_candidates = std::max(scratch.most_candidates, candidates.count);
             {
                 const FlushToZero mode;
                 context.kernels.filter(leaf, candidates, context.points, policy, reach, scratch.verdicts);

@@ -44,6 +44,11 @@ struct NarrowScratch {
     Verdicts verdicts;
     Array<Pair> pairs;      ///< joint numbering, lower id first
     Statistics statistics;  ///< counts and times of sweep and narrow
+
+    std::int64_t most_candidates = 0;  ///< of all chunks so far
+
+    /// Makes room for a leaf with so many rows, and chunks of so many candidates.
+    void make_room(std::int64_t rows, std::int64_t most);
 };
 
 /// Sweeps rows [first, last) of a leaf and appends the colliding pairs that the leaf owns.

@@ -73,7 +73,10 @@ void write_output(const Scene& scene, Workers& workers, std::span<const Array<Pa
     std::size_t all = 0;
     for (const auto* list : found) all += list->size();
     const std::size_t piece_size = std::max<std::size_t>(8192, all / (8 * found.size()) + 1);
+    const std::size_t most_pieces = all / piece_size + found.size();  // room for any distribution among workers
     scratch.pieces.clear();
+    scratch.pieces.reserve(most_pieces);
+    scratch.histogram.reserve(most_pieces * buckets);
     for (const auto* list : found)
         for (std::size_t i = 0; i < list->size(); i += piece_size)
             scratch.pieces.push_back({list->data() + i, std::min(piece_size, list->size() - i)});

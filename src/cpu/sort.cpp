@@ -8,6 +8,10 @@
 namespace crumple::cpu {
 namespace {
 
+std::int64_t blocks_of(std::int64_t members) {
+    return std::max<std::int64_t>(1, (members + block_members - 1) / block_members);
+}
+
 constexpr int bin_bits = 10, bins = 1 << bin_bits, bin_shift = 16 - bin_bits;
 
 // A record that no filter can mistake for a triangle; its box overlaps nothing either.
@@ -75,6 +79,22 @@ std::int64_t place(const LeafMembers& in, SortScratch& scratch, SortedLeaf& s) {
 
 }  // namespace
 
+void make_room(std::int64_t members, bool between, SortScratch& scratch, SortedLeaf& s) {
+    const auto n = static_cast<std::size_t>(members);
+    scratch.low.resize_discard(n + padding);
+    scratch.high.resize_discard(n + padding);
+    scratch.position.resize_discard(n + padding);
+    s.members = members;
+    s.rows = members + blocks_of(members);
+    const auto length = static_cast<std::size_t>(s.rows + padding);
+    s.record.resize_discard(length);
+    for (auto* array : {&s.low_y, &s.high_y, &s.low_z, &s.high_z, &s.lower}) array->resize_discard(length);
+    scratch.box.resize_discard(length);
+    s.link.resize_discard(length);
+    s.begin.resize_discard(between ? length : 0);
+    s.member.resize_discard(length);
+}
+
 void sort_leaf(const LeafMembers& in, const Kernels& kernels, SortScratch& scratch, SortedLeaf& s) {
     const LeafBounds& bounds = in.bounds;
     const auto members = in.size();
@@ -90,30 +110,17 @@ void sort_leaf(const LeafMembers& in, const Kernels& kernels, SortScratch& scrat
         base_high[axis] = base - margin;
         scale[axis] = 65530.0f / (high - low + 4 * margin);
     }
-    const auto n = static_cast<std::size_t>(members);
-    scratch.low.resize_discard(n + padding);
-    scratch.high.resize_discard(n + padding);
-    scratch.position.resize_discard(n + padding);
+    make_room(members, in.between, scratch, s);
     kernels.quantise(in.boxes.low.data(), members, base_low, scale, scratch.low.data());
     kernels.quantise(in.boxes.high.data(), members, base_high, scale, scratch.high.data());
 
-    const std::int64_t blocks = std::max<std::int64_t>(1, (members + block_members - 1) / block_members);
-    s.members = members;
-    s.rows = members + blocks;
-    const auto length = static_cast<std::size_t>(s.rows + padding);
-    s.record.resize_discard(length);
-    for (auto* array : {&s.low_y, &s.high_y, &s.low_z, &s.high_z, &s.lower}) array->resize_discard(length);
-    scratch.box.resize_discard(length);
-    s.link.resize_discard(length);
-    s.begin.resize_discard(in.between ? length : 0);
-    s.member.resize_discard(length);
-    for (std::int64_t block = 0; block < blocks; ++block)
+    for (std::int64_t block = 0; block < blocks_of(members); ++block)
         write_dummy(scratch, s, std::min<std::int64_t>(block * block_stride + block_members, s.rows - 1));
     for (std::int64_t row = s.rows; row < s.rows + padding; ++row) write_dummy(scratch, s, row);
 
     s.work = members <= block_members ? place<true>(in, scratch, s) : place<false>(in, scratch, s);
     if (in.keep_members)
-        for (std::size_t i = 0; i < n; ++i) s.member[scratch.position[i]] = in.member[i];
+        for (std::int64_t i = 0; i < members; ++i) s.member[scratch.position[i]] = in.member[i];
     kernels.split_boxes(scratch.box.data(), s.rows, s);
     kernels.scatter(in.record.data(), members, scratch.position.data(), plane_scale(bounds.reach), s.record.data());
 }

@@ -20,6 +20,9 @@ struct SortScratch {
     Array<std::int32_t> position;
 };
 
+/// Makes room for a leaf of so many members.
+void make_room(std::int64_t members, bool between, SortScratch& scratch, SortedLeaf& sorted);
+
 void sort_leaf(const LeafMembers& members, const Kernels& kernels, SortScratch& scratch, SortedLeaf& sorted);
 
 }  // namespace crumple::cpu

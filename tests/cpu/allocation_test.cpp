@@ -3,9 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <atomic>
 #include <cstdlib>
+#include <functional>
 #include <new>
+#include <vector>
 
 #include "soups.h"
 
@@ -42,16 +45,48 @@ void operator delete[](void* memory, std::size_t, std::align_val_t) noexcept { s
 namespace crumple {
 namespace {
 
+struct Call {
+    const char* name;
+    std::function<void(Detector&)> find;
+};
+
+std::vector<Call> calls() {
+    static const test::Soup<float> sheet = [] {
+        test::Soup<float> soup = test::wavy_sheet(100);
+        for (std::size_t t = 0; t < soup.triangles.size(); ++t) soup.groups.push_back(static_cast<std::int32_t>(t % 5));
+        return soup;
+    }();
+    static const MeshView mesh = sheet.view();
+    static const std::vector<GroupPair> excluded{{0, 1}, {2, 2}};
+    static const std::array<MeshView, 2> halves = [] {
+        std::array<MeshView, 2> half{mesh, mesh};
+        const std::int64_t first = mesh.triangles.rows / 2;
+        half[0].triangles.rows = first;
+        half[1].triangles.rows -= first;
+        half[1].triangles.data =
+            static_cast<const char*>(mesh.triangles.data) + static_cast<std::size_t>(first * mesh.triangles.row_stride);
+        half[0].groups = mesh.groups.first(static_cast<std::size_t>(first));
+        half[1].groups = mesh.groups.subspan(static_cast<std::size_t>(first));
+        return half;
+    }();
+    return {
+        {"self", [](Detector& d) { d.find_self(mesh); }},
+        {"contacts", [](Detector& d) { d.find_self(mesh, {.contacts = true}); }},
+        {"welded", [](Detector& d) { d.find_self(mesh, {.weld = true}); }},
+        {"groups", [](Detector& d) { d.find_self(mesh, {.excluded_groups = excluded}); }},
+        {"between", [](Detector& d) { d.find_between(halves[0], halves[1]); }},
+        {"any", [](Detector& d) { d.has_collision(mesh, {.wanted = Wanted::within, .excluded_groups = excluded}); }}};
+}
+
 TEST(Allocation, warm_calls_allocate_nothing) {
-    const auto sheet = test::wavy_sheet(100);
-    for (const bool contacts : {false, true}) {
-        Query query;
-        query.contacts = contacts;
-        Detector detector({.threads = 1});
-        for (int frame = 0; frame < 20; ++frame) detector.find_self(sheet.view(), query);
-        const std::int64_t before = allocations;
-        for (int frame = 0; frame < 5; ++frame) detector.find_self(sheet.view(), query);
-        EXPECT_EQ(allocations - before, 0) << (contacts ? "with contacts" : "without contacts");
+    for (const int threads : {1, 2}) {
+        for (const auto& [name, find] : calls()) {
+            Detector detector({.threads = threads});
+            for (int frame = 0; frame < 20; ++frame) find(detector);
+            const std::int64_t before = allocations;
+            for (int frame = 0; frame < 5; ++frame) find(detector);
+            EXPECT_EQ(allocations - before, 0) << name << ", " << threads << " threads";
+        }
     }
 }
 
