@@ -119,6 +119,8 @@ std::vector<Precision> precisions(const SelfCase& scene) {
     return {Precision::float32, Precision::float64};
 }
 
+std::vector<int> part_counts(const SelfCase& scene);
+
 class SelfTruth : public DataTest, public testing::WithParamInterface<SelfCase> {};
 
 TEST_P(SelfTruth, IsFoundByEveryBackend) {
@@ -133,6 +135,34 @@ TEST_P(SelfTruth, IsFoundByEveryBackend) {
             expect_truth(detector, mesh.view(), expected);
             expect_contacts(detector, mesh.view(), expected);
         }
+    }
+}
+
+// In rational arithmetic, 20 us for each pair of boxes that overlap; larger scenes have answers from outside only.
+TEST_P(SelfTruth, IsFoundByBruteForce) {
+    const SelfCase scene = GetParam();
+    const io::TriangleMesh mesh = io::read_mesh(*folder / scene.mesh, {.precision = scene.precision});
+    if (mesh.triangle_count() > 20'000) GTEST_SKIP() << "too large";
+    Detector detector = detector_of(tested), reference = detector_of(Backend::reference);
+    const Collisions& found = detector.find_self(mesh.view());
+    if (found.statistics.box_overlaps > 1'000'000) GTEST_SKIP() << "too many boxes overlap";
+    EXPECT_TRUE(same_pairs(reference.find_self(mesh.view()).pairs.span(), found.pairs.span()));
+}
+
+// Another number of parts for each scene, so that all together have nearly all numbers up to 64.
+TEST_P(SelfTruth, IsTheUnionOfItsParts) {
+    const SelfCase scene = GetParam();
+    const io::TriangleMesh mesh = io::read_mesh(*folder / scene.mesh, {.precision = scene.precision});
+    Detector detector = detector_of(tested);
+    const std::vector<Pair> whole = test::pairs_of(detector.find_self(mesh.view()));
+    for (const int count : part_counts(scene)) {
+        std::vector<Pair> joined;
+        for (const Part& part : detector.partition(mesh.view(), count)) {
+            const Collisions& found = detector.find_self(mesh.view(), part);
+            joined.insert(joined.end(), found.pairs.begin(), found.pairs.end());
+        }
+        std::sort(joined.begin(), joined.end());
+        EXPECT_TRUE(joined == whole) << count << " parts, " << joined.size() << " pairs instead of " << whole.size();
     }
 }
 
@@ -176,6 +206,12 @@ const SelfCase self_cases[] = {
     {"scalable-ccd/n-body-simulation/frames/balls16_18.ply", "balls16_18.txt"},
     {"scalable-ccd/n-body-simulation/frames/balls16_19.ply", "balls16_19.txt"},
 };
+
+std::vector<int> part_counts(const SelfCase& scene) {
+    const auto same = [&](const SelfCase& c) { return std::string_view(c.answer) == scene.answer; };
+    const auto number = static_cast<int>(std::find_if(std::begin(self_cases), std::end(self_cases), same) - self_cases);
+    return {1 + number, 64 - number};
+}
 
 INSTANTIATE_TEST_SUITE_P(GroundTruth, SelfTruth, testing::ValuesIn(self_cases), name_of);
 

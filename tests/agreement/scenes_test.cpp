@@ -103,8 +103,8 @@ std::string describe(const Options& o) {
 #define CRUMPLE_TESTED_BACKEND cpu
 #endif
 constexpr Backend tested = Backend::CRUMPLE_TESTED_BACKEND;
-#ifdef __SANITIZE_ADDRESS__
-constexpr std::size_t cpu_options = 8;  // what else they cover is no matter of memory
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr std::size_t cpu_options = 8;  // what else they cover is no matter of memory or of threads
 #else
 constexpr std::size_t cpu_options = 24;
 #endif

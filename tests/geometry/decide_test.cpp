@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "geometry/callers_mode.h"
 #include "geometry/decision.h"
 #include "geometry/named_pairs.h"
 #include "geometry/rational_intersection.h"
@@ -50,7 +51,10 @@ class DecideOfEachKind : public testing::TestWithParam<Kind> {
 
 TEST_P(DecideOfEachKind, DecidesAsRationalArithmeticDoes) {
     for (int i = 0; i < rounds(); ++i) {
-        ASSERT_NO_FATAL_FAILURE(expect_rational_answer(random(), i));
+        const TrianglePair pair = random();
+        const CallersMode caller(i);
+        const FloatEnvironment ours;
+        ASSERT_NO_FATAL_FAILURE(expect_rational_answer(pair, i));
     }
 }
 

@@ -4,8 +4,10 @@
 
 #include <limits>
 
+#include "geometry/callers_mode.h"
 #include "geometry/exact.h"
 #include "geometry/random_pairs.h"
+#include "pipeline/float_environment.h"
 
 namespace crumple {
 namespace {
@@ -29,7 +31,7 @@ class PredicatesOfEachKind : public testing::TestWithParam<Kind> {
    protected:
     int rounds() const {
         const bool far = GetParam() == Kind::mixed || GetParam() == Kind::huge || GetParam() == Kind::tiny;
-        return far ? 300 : 5'000;
+        return more_or_less(far ? 300 : 5'000);
     }
     RandomPairs random{GetParam(), 11};
 };
@@ -37,6 +39,8 @@ class PredicatesOfEachKind : public testing::TestWithParam<Kind> {
 TEST_P(PredicatesOfEachKind, FiltersAreRightOrUndecided) {
     for (int i = 0; i < rounds(); ++i) {
         const auto [s, t] = random();
+        const CallersMode caller(i);
+        const FloatEnvironment ours;
         const auto& [a, b, c] = s.point;
         const Vec3d d = t.point[0];
         const int sign = orient3d_filtered(a, b, c, d);
@@ -56,6 +60,8 @@ TEST_P(PredicatesOfEachKind, ExpansionsAreExactInTheirRange) {
     int in_range = 0;
     for (int i = 0; i < rounds(); ++i) {
         const auto [s, t] = random();
+        const CallersMode caller(i);
+        const FloatEnvironment ours;
         const auto& [a, b, c] = s.point;
         const Vec3d d = t.point[0];
         if (!in_expansion_range(a) || !in_expansion_range(b) || !in_expansion_range(c) || !in_expansion_range(d))

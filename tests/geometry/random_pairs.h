@@ -2,9 +2,11 @@
 
 // Pairs of triangles that are hard to decide, from a seed: what the tests of this folder draw from.
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <cstdlib>
 #include <ostream>
 #include <random>
 
@@ -45,9 +47,20 @@ enum class Kind {
     threaded,           ///< small integers, a degenerate triangle through a point at which it may touch the other
 };
 
+/// Some times the usual number of rounds, by CRUMPLE_ROUNDS; a fifth under sanitizers, which are slow.
+inline int more_or_less(int usual) {
+    static const char* const times = std::getenv("CRUMPLE_ROUNDS");
+    if (times) return usual * std::max(1, std::atoi(times));
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+    return usual / 5;
+#else
+    return usual;
+#endif
+}
+
 /// How many pairs a test draws: fewer where rational arithmetic, the yardstick, is slow.
 inline int rounds_of(Kind kind, int usual) {
-    return kind == Kind::mixed ? 100 : kind == Kind::huge || kind == Kind::tiny ? 5'000 : usual;
+    return more_or_less(kind == Kind::mixed ? 100 : kind == Kind::huge || kind == Kind::tiny ? usual / 4 : usual);
 }
 inline constexpr std::array all_kinds{Kind::random,
                                       Kind::random_float,
