@@ -2,22 +2,31 @@
 //
 // A detector is warmed up, then answers the same frame again and again by launch_self and wait: the time of a frame is
 // the device's, between events around the graph on the caller's stream. Beside it: the same by the host's clock, with
-// what wait() does; with the mesh on the host, so that it is brought in and the answer out; and the cpu backend on all
-// threads. Each answer is compared with the cpu backend's; one that differs ends the program with status 1.
+// what wait() does; with the mesh on the host, so that it is brought in and the answer out; the cpu backend on all
+// threads; and, stage by stage, what bandwidth and launches allow. Each answer is compared with the cpu backend's; one
+// that differs ends the program with status 1.
+//
+// With --serve it takes turns with peers on the same device: peers_python.py --on-device.
 
 #include <cuda_runtime.h>
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cstring>
 #include <exception>
 #include <fstream>
+#include <iostream>
 #include <nlohmann/json.hpp>
+#include <span>
+#include <sstream>
 #include <stdexcept>
 
 #include "crumple/crumple.h"
+#include "device_limits.h"
+#include "least_work.h"
 #include "race.h"
 #include "report.h"
 #include "workload.h"
@@ -29,15 +38,12 @@ struct Settings {
     std::vector<std::string> scenes;
     std::string json, commit = "unknown";
     int frames = 200, device = 0, largest = 2'000'000;
-    bool profile = false;
+    bool profile = false, serving = false;
+    DeviceLimits limits;
 
     Options options() const { return {.backend = Backend::cuda, .device = device}; }
     int host_frames() const { return std::max(1, frames / 10); }
 };
-
-void check(cudaError_t error) {
-    if (error != cudaSuccess) throw std::runtime_error(cudaGetErrorString(error));
-}
 
 class DeviceArray {
    public:
@@ -118,17 +124,45 @@ void expect_same(const std::string& scene, const Collisions& cuda, const Collisi
         throw std::runtime_error(scene + ": the answers of cuda and cpu differ");
 }
 
-/// Medians of the stages' times over frames that are not launched as a graph, so that there are events between them.
-nlohmann::json stages(const Settings& settings, Detector& detector, const MeshView& view) {
-    std::vector<std::vector<double>> times(stage_count);
+/// Times of the stages over frames that are not launched as a graph, so that there are events between them.
+std::array<Summary, stage_count> stages(const Settings& settings, Detector& detector, const MeshView& view) {
+    std::array<std::vector<double>, stage_count> times;
     for (int i = 0; i < settings.frames; ++i) {
         const Statistics& s = detector.find_self(view).statistics;
         for (std::size_t k = 0; k < times.size(); ++k) times[k].push_back(s.stage_milliseconds[k]);
     }
-    nlohmann::json result;
-    for (std::size_t k = 0; k < times.size(); ++k)
-        result[std::string(stage_name(static_cast<Stage>(k)))] = to_json(summarise(std::move(times[k])));
+    std::array<Summary, stage_count> result;
+    for (std::size_t k = 0; k < times.size(); ++k) result[k] = summarise(std::move(times[k]));
     return result;
+}
+
+/// Time by stage beside what bandwidth and launches allow (docs/cuda.md): printed, and returned as rows. The frame is
+/// the graph; the stages are not, so that together they take longer.
+nlohmann::json bounds(const DeviceLimits& limits, const std::string& scene, const LeastWork& least,
+                      const std::array<Summary, stage_count>& stages, const Summary& frame) {
+    Table table(fmt::format("{}: microseconds beside what {} GB/s and {} us a node of a graph allow", scene,
+                            number(limits.bandwidth() / 1e9), number(1e3 * limits.node)),
+                {"stage", "measured", "MB", "by bandwidth", "nodes", "by launches", "ratio"});
+    nlohmann::json rows = nlohmann::json::array();
+    const auto row = [&](const std::string& name, double measured, const Work& work, double by_launches) {
+        const double by_bandwidth = 1e3 * work.bytes / limits.bandwidth();
+        const double ratio = measured / (by_bandwidth + by_launches);
+        table.row({name, number(1e3 * measured), number(work.bytes / 1e6), number(1e3 * by_bandwidth),
+                   std::to_string(work.nodes), number(1e3 * by_launches), number(ratio)});
+        rows.push_back({{"stage", name},
+                        {"milliseconds", measured},
+                        {"bytes", work.bytes},
+                        {"by_bandwidth_milliseconds", by_bandwidth},
+                        {"nodes", work.nodes},
+                        {"by_launches_milliseconds", by_launches},
+                        {"ratio", ratio}});
+    };
+    for (std::size_t k = 0; k < stages.size(); ++k)
+        row(std::string(stage_name(static_cast<Stage>(k))), stages[k].median, least.stage[k],
+            least.stage[k].nodes * limits.node);
+    row("frame", frame.median, least.frame, limits.graph + (least.frame.nodes - 1) * limits.node);
+    table.print();
+    return rows;
 }
 
 nlohmann::json counts(const Statistics& s) {
@@ -161,14 +195,19 @@ nlohmann::json measure(const Settings& settings, const std::string& scene, Table
         clock.push_back(milliseconds_of([&] { device.push_back(simulation.frame(detector, answer)); }));
     expect_same(scene, detector.download(), cpu.find_self(host));
 
-    const nlohmann::json of_stages = stages(settings, other, simulation.view());
-    const nlohmann::json counted = counts(other.find_self(simulation.view()).statistics);
+    const std::array<Summary, stage_count> by_stage = stages(settings, other, simulation.view());
+    nlohmann::json of_stages;
+    for (std::size_t k = 0; k < by_stage.size(); ++k)
+        of_stages[std::string(stage_name(static_cast<Stage>(k)))] = to_json(by_stage[k]);
+    const Statistics statistics = other.find_self(simulation.view()).statistics;
+    const nlohmann::json counted = counts(statistics);
     expect_same(scene, other.find_self(host), cpu.find_self(host));
     const Summary brought = repeated(settings.host_frames(), [&] { other.find_self(host); });
     const Summary on_cpu = repeated(settings.host_frames(), [&] { cpu.find_self(host); });
     const Summary graph = summarise(std::move(device)), waited = summarise(std::move(clock));
     table.row({scene, std::to_string(workload.triangle_count()), counted["pairs"].dump(), number(graph.median),
                range(graph), number(waited.median), number(brought.median), number(on_cpu.median), number(first)});
+    const LeastWork least = least_work(host.vertices.rows, workload.scalar() == "float32", statistics);
     return {{"scene", scene},
             {"triangles", workload.triangle_count()},
             {"scalar", workload.scalar()},
@@ -178,22 +217,30 @@ nlohmann::json measure(const Settings& settings, const std::string& scene, Table
             {"cpu_all_threads", to_json(on_cpu)},
             {"first_milliseconds", first},
             {"stages", of_stages},
+            {"bounds", bounds(settings.limits, scene, least, by_stage, graph)},
             {"counts", counted}};
 }
 
-/// From 10,000 triangles on, in steps of about 2.
+/// From 10,000 triangles on. The exponent is that of the large sizes: below, a frame is mostly launches, which do not
+/// grow and so would flatter it.
 nlohmann::json growth(const Settings& settings, Table& table) {
+    constexpr double large = 200'000 * 0.99;  // a cloth has about as many triangles as were asked for
     nlohmann::json rows = nlohmann::json::array();
     std::vector<double> triangles, times;
     for (const int size :
-         {10'000, 20'000, 50'000, 100'000, 200'000, 500'000, 1'000'000, 2'000'000, 5'000'000, 10'000'000}) {
+         {10'000, 20'000, 50'000, 100'000, 200'000, 400'000, 800'000, 1'200'000, 2'000'000, 5'000'000, 10'000'000}) {
         if (size > settings.largest) break;
         rows.push_back(measure(settings, fmt::format("cloth:{}", size), table));
         triangles.push_back(rows.back()["triangles"].get<double>());
         times.push_back(rows.back()["device"]["median"].get<double>());
     }
     nlohmann::json result{{"sizes", rows}};
-    if (rows.size() > 1) result["exponent"] = exponent(triangles, times);
+    const auto fit = [&](const char* name, std::size_t first) {
+        if (times.size() >= first + 2)
+            result[name] = exponent(std::span(triangles).subspan(first), std::span(times).subspan(first));
+    };
+    fit("exponent_of_all_sizes", 0);
+    fit("exponent", static_cast<std::size_t>(std::ranges::lower_bound(triangles, large) - triangles.begin()));
     return result;
 }
 
@@ -207,21 +254,68 @@ void play(const Settings& settings) {
     }
 }
 
+template <class T>
+void write(const std::string& path, std::span<const T> values) {
+    std::ofstream file(path, std::ios::binary);
+    file.write(reinterpret_cast<const char*>(values.data()), static_cast<std::streamsize>(values.size_bytes()));
+    if (!file.flush()) throw std::runtime_error("cannot write " + path);
+}
+
+/// The mesh and crumple's pairs, for peers.
+nlohmann::json dump(const Workload& workload, const Collisions& found, const std::string& folder) {
+    std::visit([&](const auto& values) { write(folder + "/vertices", std::span(values)); }, workload.a.vertices);
+    write(folder + "/triangles", std::span(workload.a.triangles));
+    write(folder + "/pairs", std::span(found.pairs.begin(), found.pairs.end()));
+    return {{"workload", workload.name},
+            {"question", name_of(workload.question)},
+            {"scalar", workload.scalar()},
+            {"triangles", workload.triangle_count()},
+            {"pairs", found.pairs.size()}};
+}
+
+/// Answers requests as crumple_benchmark --serve does (requests.h). A turn is frames on the device, by the host's clock
+/// and with wait(): what a peer's call is, too. How many threads is no matter.
+void serve(const Settings& settings) {
+    const Workload workload = load(settings.scenes.at(0));
+    Simulation simulation(workload.a);
+    Detector detector(settings.options());
+    const DeviceCollisions* answer = nullptr;
+    const Contestant contestant{"crumple", "", "", [&] { simulation.frame(detector, answer); }, nullptr};
+    for (std::string line; std::getline(std::cin, line);) {
+        std::istringstream words(line);
+        std::string request, folder;
+        int threads = 0;
+        double seconds = 0;
+        words >> request;
+        nlohmann::json reply;
+        if (request == "dump" && words >> folder)
+            reply = dump(workload, detector.find_self(simulation.view()), folder);
+        else if (request == "processors")
+            reply = processors_at_hand();
+        else if (request == "run" && words >> threads >> seconds)
+            reply = time_slice(contestant, seconds);
+        else
+            throw std::runtime_error("no such request: " + line);
+        std::cout << reply.dump() << std::endl;
+    }
+}
+
 void write(const Settings& settings, const nlohmann::json& result) {
     if (settings.json.empty()) return;
     std::ofstream file(settings.json);
     if (!(file << result.dump(1) << '\n').flush()) throw std::runtime_error("cannot write " + settings.json);
 }
 
-int run(const Settings& settings) {
+int run(Settings settings) {
     const DeviceList list = list_devices();
     if (list.devices.empty()) throw std::runtime_error(list.reason);
-    if (settings.profile) {
-        play(settings);
-        return 0;
-    }
     const DeviceInfo device = list.devices.at(static_cast<std::size_t>(settings.device));
     check(cudaSetDevice(settings.device));
+    if (settings.profile || settings.serving) {
+        settings.serving ? serve(settings) : play(settings);
+        return 0;
+    }
+    settings.limits = measure_limits(settings.device);
     int runtime = 0, driver = 0;
     check(cudaRuntimeGetVersion(&runtime));
     check(cudaDriverGetVersion(&driver));
@@ -230,6 +324,7 @@ int run(const Settings& settings) {
                            {{"name", device.name},
                             {"compute_capability", fmt::format("{}.{}", device.major, device.minor)},
                             {"memory_bytes", device.memory_bytes}}},
+                          {"limits", to_json(settings.limits)},
                           {"cuda_runtime", runtime},
                           {"cuda_driver", driver},
                           {"frames", settings.frames},
@@ -246,7 +341,8 @@ int run(const Settings& settings) {
     write(settings, result);
     table.print();
     if (result.contains("growth") && result["growth"].contains("exponent"))
-        fmt::print("  time ~ triangles^{:.3f} on the device\n", result["growth"]["exponent"].get<double>());
+        fmt::print("  time ~ triangles^{:.3f} on the device from 200,000 triangles on, ^{:.3f} over all sizes\n",
+                   result["growth"]["exponent"].get<double>(), result["growth"]["exponent_of_all_sizes"].get<double>());
     return 0;
 }
 
@@ -266,6 +362,7 @@ int main(int argc, char** argv) {
     app.add_option("--json", settings.json, "File to write the figures to");
     app.add_option("--commit", settings.commit, "What the figures say they were made from");
     app.add_flag("--profile", settings.profile, "Only play the scenes' frames, for a profiler");
+    app.add_flag("--serve", settings.serving, "Take turns with another process (requests.h)")->needs("--scene");
     CLI11_PARSE(app, argc, argv);
     try {
         if (settings.scenes.empty() && !real_scenes().empty()) settings.scenes = {"cloth_ball92", "227", "balls16_18"};

@@ -1,0 +1,127 @@
+#include "device_limits.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <vector>
+
+namespace crumple::benchmark {
+
+void check(cudaError_t error) {
+    if (error != cudaSuccess) throw std::runtime_error(cudaGetErrorString(error));
+}
+
+namespace {
+
+// By number, for the CPU that plays a device in tests has no such memory and no names for it.
+constexpr auto memory_clock_kilohertz = static_cast<cudaDeviceAttr>(36);
+constexpr auto bus_width_bits = static_cast<cudaDeviceAttr>(37);
+
+/// 0 if the device does not tell.
+double attribute(cudaDeviceAttr which, int device) {
+    int value = 0;
+    if (cudaDeviceGetAttribute(&value, which, device) == cudaSuccess) return value;
+    cudaGetLastError();  // or the next check would meet it
+    return 0;
+}
+
+__global__ void do_nothing() {}
+
+class Meter {
+   public:
+    Meter() {
+        check(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking));
+        for (cudaEvent_t* event : {&begin_, &end_}) check(cudaEventCreate(event));
+    }
+    Meter(const Meter&) = delete;
+    Meter& operator=(const Meter&) = delete;
+    ~Meter() {
+        for (cudaEvent_t event : {begin_, end_}) cudaEventDestroy(event);
+        cudaStreamDestroy(stream_);
+    }
+
+    /// Median milliseconds between events around what `work` gives to the stream.
+    template <class Work>
+    double median(int times, Work work) {
+        std::vector<double> values;
+        for (int i = 0; i <= times; ++i) {  // the first is a warm-up
+            check(cudaEventRecord(begin_, stream_));
+            work(stream_);
+            check(cudaEventRecord(end_, stream_));
+            check(cudaEventSynchronize(end_));
+            float milliseconds = 0;
+            check(cudaEventElapsedTime(&milliseconds, begin_, end_));
+            if (i > 0) values.push_back(static_cast<double>(milliseconds));
+        }
+        std::nth_element(values.begin(), values.begin() + times / 2, values.end());
+        return values[static_cast<std::size_t>(times) / 2];
+    }
+
+    double of_launches(int kernels) {
+        return median(100, [&](cudaStream_t stream) { launch(kernels, stream); });
+    }
+
+    double of_graph(int kernels) {
+        check(cudaStreamBeginCapture(stream_, cudaStreamCaptureModeThreadLocal));
+        launch(kernels, stream_);
+        cudaGraph_t graph = nullptr;
+        check(cudaStreamEndCapture(stream_, &graph));
+        cudaGraphExec_t executable = nullptr;
+        check(cudaGraphInstantiate(&executable, graph, 0));
+        const double time = median(100, [&](cudaStream_t stream) { check(cudaGraphLaunch(executable, stream)); });
+        check(cudaGraphExecDestroy(executable));
+        check(cudaGraphDestroy(graph));
+        return time;
+    }
+
+    double of_copy(std::size_t bytes) {
+        void *from = nullptr, *to = nullptr;
+        check(cudaMalloc(&from, bytes));
+        check(cudaMalloc(&to, bytes));
+        check(cudaMemsetAsync(from, 0, bytes, stream_));
+        const double time = median(10, [&](cudaStream_t stream) {
+            check(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDeviceToDevice, stream));
+        });
+        check(cudaFree(from));
+        check(cudaFree(to));
+        return time;
+    }
+
+   private:
+    static void launch(int kernels, cudaStream_t stream) {
+        cudaLaunchConfig_t config{};
+        config.gridDim = dim3(1);
+        config.blockDim = dim3(32);
+        config.stream = stream;
+        for (int i = 0; i < kernels; ++i) check(cudaLaunchKernelEx(&config, do_nothing));
+    }
+
+    cudaStream_t stream_ = nullptr;
+    cudaEvent_t begin_ = nullptr, end_ = nullptr;
+};
+
+}  // namespace
+
+DeviceLimits measure_limits(int device) {
+    constexpr int further = 100;
+    DeviceLimits limits;
+    // Two transfers a clock.
+    limits.peak_bandwidth = 2e3 * attribute(memory_clock_kilohertz, device) * attribute(bus_width_bits, device) / 8;
+    Meter meter;
+    const auto bytes = static_cast<std::size_t>(4 * std::max(attribute(cudaDevAttrL2CacheSize, device), 4e6));
+    limits.copy_bandwidth = 2e3 * static_cast<double>(bytes) / meter.of_copy(bytes);
+    limits.graph = meter.of_graph(1);
+    limits.node = std::max(0.0, (meter.of_graph(1 + further) - limits.graph) / further);
+    limits.launch = std::max(0.0, (meter.of_launches(1 + further) - meter.of_launches(1)) / further);
+    return limits;
+}
+
+nlohmann::json to_json(const DeviceLimits& limits) {
+    return {{"peak_bytes_a_second", limits.peak_bandwidth},
+            {"copied_bytes_a_second", limits.copy_bandwidth},
+            {"graph_milliseconds", limits.graph},
+            {"node_milliseconds", limits.node},
+            {"launch_milliseconds", limits.launch}};
+}
+
+}  // namespace crumple::benchmark

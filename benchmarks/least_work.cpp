@@ -1,0 +1,85 @@
+#include "least_work.h"
+
+#include <algorithm>
+
+#include "crumple/options.h"
+#include "cuda/layout.h"
+
+namespace crumple::benchmark {
+namespace {
+
+template <class T>
+constexpr double size = sizeof(T);
+
+constexpr double index = size<std::int32_t>, corners = 3 * index, ball = size<Ball>, mask = size<std::uint64_t>;
+constexpr double offset = size<unsigned long long>, bin_counter = size<std::uint32_t>;
+constexpr double member = size<std::int32_t> + size<std::uint32_t> + size<std::uint16_t>;  // triangle, item, child
+constexpr double span_of_bins = size<std::uint32_t>, rank = size<std::uint32_t>, end = size<std::uint32_t>;
+// What the sweep streams of a row, and what it gathers for a candidate.
+constexpr double streamed = size<cuda::CrossBox> + mask + end;
+constexpr double gathered = size<Record> + index + size<std::uint16_t>;
+constexpr int scan_nodes = 2;  // of CUB's DeviceScan: it prepares its tiles, then scans
+
+}  // namespace
+
+LeastWork least_work(std::int64_t vertices, bool float32, const Statistics& counted) {
+    const auto number = [](std::int64_t n) { return static_cast<double>(n); };
+    const double n = number(counted.triangles), v = number(vertices), members = number(counted.members);
+    const double pairs = number(counted.pairs), survivors = number(counted.edge_tests);
+    const double bins = cuda::bins * number(counted.leaves), groups = members / 32;
+    const double vertex = 3 * (float32 ? size<float> : size<double>);
+    const double row = float32 ? size<cuda::Row<float>> : size<cuda::Row<double>>;
+    const bool two_levels = counted.leaves > counted.clusters;
+    // Rows that are gathered: two for each pair, but no row twice.
+    const double swept_rows = std::min(members, 2 * number(counted.box_overlaps));
+    const double narrowed_rows = std::min(members, 2 * survivors), first_triangles = std::min(n, pairs);
+
+    LeastWork work;
+    const auto at = [&](Stage stage) -> Work& { return work.stage[static_cast<std::size_t>(stage)]; };
+
+    // The box cleared, twice; vertices checked, normalised; balls.
+    at(Stage::bounds) = {v * vertex + v * (vertex + row) + v * row + n * (corners + ball), 5};
+
+    // A level: start, iterations of two kernels, counters cleared, children assigned, prefix sums, members listed. How
+    // many members the first of two levels has is not counted: one a triangle at least.
+    const auto level = [&](bool first, double items, double joined, std::int64_t fan_out) {
+        const int iterations = fan_out > 1 ? Options().max_iterations : 0;
+        const double triangles = first ? 0 : 2 * items * index;  // both kernels look them up
+        return Work{triangles + n * ball + items * mask + items * mask + joined * member, 5 + 2 * iterations};
+    };
+    at(Stage::subdivide) = {0, 1};
+    at(Stage::subdivide) += level(true, n, two_levels ? n : members, counted.clusters);
+    if (two_levels) at(Stage::subdivide) += level(false, n, members, counted.leaves / counted.clusters);
+
+    at(Stage::align) = {members * index + n * ball, 1};
+
+    // Bins cleared, counted, summed up; members put in their places; units counted, summed up.
+    const double corners_of_members = n * corners + v * row;
+    const double counting =
+        bins * 3 * bin_counter + corners_of_members + members * (index + size<std::uint16_t> + span_of_bins + rank);
+    const double placing = bins * bin_counter + corners_of_members + n * mask +
+                           members * (member + span_of_bins + rank + streamed + gathered);
+    at(Stage::sort) = {counting + bins * 2 * bin_counter + placing + members * end + groups * (end + 3 * offset),
+                       4 + 2 * scan_nodes};
+
+    at(Stage::sweep) = {members * streamed + groups * (end + offset) + swept_rows * gathered +
+                            (two_levels ? n * mask : 0) + survivors * size<cuda::Candidate>,
+                        1};
+
+    // Filters, and the exact decision of what they leave. Each pair is counted by its first triangle.
+    at(Stage::narrow) = {survivors * size<cuda::Candidate> + narrowed_rows * gathered + pairs * size<cuda::Hit> +
+                             first_triangles * 2 * offset,
+                         2};
+
+    // Prefix sums; buckets filled; flags and a counter cleared; buckets put in order, the long ones by a kernel of
+    // their own.
+    at(Stage::output) = {n * 2 * offset + pairs * (size<cuda::Hit> + index) + first_triangles * offset + n +
+                             (n + 1) * offset + pairs * (index + size<Pair>)+2 * n,
+                         5 + scan_nodes};
+
+    work.frame = {(n + 1) * offset, 4};  // numbers by triangle cleared, counters cleared, in two steps, and read
+    for (const Work& stage : work.stage) work.frame += stage;
+    return work;
+}
+
+}  // namespace crumple::benchmark
