@@ -7,6 +7,10 @@ race is that of race.h: median over all calls, ratios formed round by round, hop
 warm-up.
 
     python peers_python.py --benchmark build/benchmarks/crumple_benchmark --json out.json
+    python peers_python.py --on-device --benchmark build/benchmarks/crumple_cuda_benchmark --scene cloth:100000
+
+On a device, crumple's cuda backend races with those peers that work there. Mesh and pairs of all stay on the device; the
+host's clock is read when the answer is known to be complete.
 """
 
 import argparse
@@ -23,6 +27,7 @@ from statistics import median, quantiles
 
 sys.dont_write_bytecode = True
 PEERS = ["peers.ipc_toolkit", "peers.mesh_lib", "peers.libigl", "peers.true_form", "peers.coal", "peers.warp_boxes"]
+ON_DEVICE = ["peers.warp_boxes"]
 SCENES = ["cloth_ball92", "balls16_18", "227", "ember_016", "ember_260", "ember_406", "bunny_69k", "armadillo_86k"]
 PROCEDURAL = ["cloth", "bodies", "between:bodies", "any:shells"]
 QUICK, QUICK_PROCEDURAL = ["227", "ember_406", "bunny_69k"], ["cloth:20000", "between:bodies:20000", "any:shells"]
@@ -54,9 +59,9 @@ class Process:
 class Crumple:
     name, pairs, size = "crumple", None, None
 
-    def __init__(self, process, threads, computes):
+    def __init__(self, process, threads, computes, way=""):
         self.process, self.threads, self.computes = process, threads, computes
-        self.way = "1 thread" if threads == 1 else "all threads"
+        self.way = way or ("1 thread" if threads == 1 else "all threads")
 
     def turn(self, seconds):
         return self.process.ask(f"run {self.threads} {seconds}")
@@ -80,10 +85,10 @@ class Peer:
 
 
 @functools.cache
-def peers_here():
+def peers_here(on_device):
     """Classes by module, of those that are installed; and who is not, with the reason."""
     here, left_out = {}, {}
-    for module in PEERS:
+    for module in ON_DEVICE if on_device else PEERS:
         try:
             here[module] = importlib.import_module(module).WORKERS
         except ImportError as error:
@@ -92,8 +97,8 @@ def peers_here():
     return here, left_out
 
 
-def describe_peers():
-    here, left_out = peers_here()
+def describe_peers(on_device):
+    here, left_out = peers_here(on_device)
     peers = {}
     for kind in sum(here.values(), []):
         every = {threads for _, threads in kind.ways}
@@ -107,14 +112,17 @@ def describe_peers():
     return [*peers.values(), *({"name": name, "left_out": reason} for name, reason in left_out.items())]
 
 
-def enter(workload, benchmark, folder, quick):
+def enter(workload, benchmark, folder, quick, on_device):
     """The contestants for a workload, crumple first, and the workload's description."""
     ours = Process(benchmark, "--scene", workload, "--serve")
     description = ours.ask(f"dump {folder}")
     (folder / "description").write_text(json.dumps(description))
     computes = "exact yes or no" if description["question"] == "any" else "exact pairs, sorted"
-    contestants = [Crumple(ours, threads, computes) for threads in (1, 0)]
-    for module, kinds in peers_here()[0].items():
+    if on_device:
+        contestants = [Crumple(ours, 0, computes, "cuda")]
+    else:
+        contestants = [Crumple(ours, threads, computes) for threads in (1, 0)]
+    for module, kinds in peers_here(on_device)[0].items():
         for kind in kinds:
             if kind.question != description["question"]:
                 continue
@@ -195,9 +203,9 @@ def show(description, entries):
     print(f"  {at_hand:.1f} of {every} processors at hand{busy}", flush=True)
 
 
-def contest(workload, benchmark, quick, rounds, seconds, budget):
+def contest(workload, benchmark, quick, on_device, rounds, seconds, budget):
     with tempfile.TemporaryDirectory() as folder:
-        contestants, description = enter(workload, benchmark, Path(folder), quick)
+        contestants, description = enter(workload, benchmark, Path(folder), quick, on_device)
         before = contestants[0].process.ask("processors")
         race(contestants, rounds, seconds, budget)
         description["processors_at_hand"] = min(before, contestants[0].process.ask("processors"))
@@ -211,6 +219,8 @@ def contest(workload, benchmark, quick, rounds, seconds, budget):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--benchmark", help="the program crumple_benchmark")
+    parser.add_argument("--on-device", action="store_true",
+                        help="the program is crumple_cuda_benchmark: race on its device; needs --scene")
     parser.add_argument("--scene", action="append", help="workload, as for crumple_benchmark; may be repeated")
     parser.add_argument("--repetitions", type=int, help="rounds of a race")
     parser.add_argument("--json", help="file for the figures")
@@ -224,13 +234,18 @@ def main():
         return work(module, name, way, int(threads), Path(folder))
     if not arguments.benchmark:
         parser.error("--benchmark is needed")
-    listed = subprocess.run([arguments.benchmark, "--list"], capture_output=True, text=True, check=True).stdout
-    real, procedural = (QUICK, QUICK_PROCEDURAL) if arguments.quick else (SCENES, PROCEDURAL)
-    scenes = arguments.scene or (real if "cloth_ball92" in listed else procedural)
+    scenes = arguments.scene
+    if arguments.on_device and not scenes:
+        parser.error("--on-device needs --scene")
+    if not scenes:
+        listed = subprocess.run([arguments.benchmark, "--list"], capture_output=True, text=True, check=True).stdout
+        real, procedural = (QUICK, QUICK_PROCEDURAL) if arguments.quick else (SCENES, PROCEDURAL)
+        scenes = real if "cloth_ball92" in listed else procedural
     rounds, seconds, budget = (5, 0.02, 3) if arguments.quick else (15, 0.03, 40)
-    rows = [contest(s, arguments.benchmark, arguments.quick, arguments.repetitions or rounds, seconds, budget) for s in scenes]
+    rows = [contest(s, arguments.benchmark, arguments.quick, arguments.on_device, arguments.repetitions or rounds, seconds, budget)
+            for s in scenes]
     if arguments.json:
-        Path(arguments.json).write_text(json.dumps({"peers": describe_peers(), "contests": rows}, indent=1) + "\n")
+        Path(arguments.json).write_text(json.dumps({"peers": describe_peers(arguments.on_device), "contests": rows}, indent=1) + "\n")
 
 
 if __name__ == "__main__":

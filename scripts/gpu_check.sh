@@ -1,12 +1,14 @@
 #!/usr/bin/env bash
 # Shows on a machine with a CUDA device that the cuda backend is right, and how fast it is, in under ten minutes:
-#   scripts/gpu_check.sh --pack                           where packages can be installed: build-gpu/pack.tar.gz
+#   scripts/gpu_check.sh --pack [--warp]                  where packages can be installed: build-gpu/pack.tar.gz
 #   scripts/gpu_check.sh [--out FOLDER] [--seconds N]     where the device is; it may be offline
 # There nvcc, g++, CMake and Ninja are needed. Libraries and scenes come from the pack, if build-gpu/ was brought along,
 # else from the system and from $CRUMPLE_DATA. Steps, each with a budget of seconds: build; tests on the device, in which
 # brute force, the cpu backend and answers from outside are the yardsticks; the same bytes in 100 runs; compute-sanitizer;
-# benchmark; ncu on the three kernels that take longest. What is missing or runs out of time is said in a line.
-# FOLDER ($OUT, else benchmarks/results) gets check.json, cuda.json, ncu.txt and check.log. Exit status 1 if a step failed.
+# benchmark; NVIDIA Warp's boxes in turn with it, if python3 has numpy and Warp or --warp has left its wheel beside the
+# pack; ncu on the three kernels that take longest. What is missing or runs out of time is said in a line.
+# FOLDER ($OUT, else benchmarks/results) gets check.json, cuda.json, cuda_peers.json, ncu.txt and check.log. Exit status 1
+# if a step failed.
 set -euo pipefail
 top=$(cd "$(dirname "$0")/.." && pwd)
 pack=$top/build-gpu/pack.tar.gz
@@ -15,7 +17,7 @@ limit=570
 frames=(scalable-ccd/cloth-ball/frames/cloth_ball92.ply scalable-ccd/cloth-funnel/frames/227.ply
     scalable-ccd/n-body-simulation/frames/balls16_18.ply gt/cloth_ball92.txt gt/cloth_funnel227.txt gt/balls16_18.txt)
 
-usage() { echo "usage: $0 --pack | [--out FOLDER] [--seconds N]" >&2; exit 2; }
+usage() { echo "usage: $0 --pack [--warp] | [--out FOLDER] [--seconds N]" >&2; exit 2; }
 
 make_pack() {
     "$top/scripts/install_dependencies.sh" --tests
@@ -56,6 +58,17 @@ make_pack() {
     echo "$pack: $(($(stat -c %s "$pack") >> 20)) MiB"
 }
 
+# Beside the pack, not in it: the wheel is many times as large, and not everybody can carry it.
+download_warp() {
+    rm -f "$top"/build-gpu/warp_lang-*.whl
+    if python3 -m pip download --quiet --disable-pip-version-check --no-deps --only-binary=:all: \
+        --platform "manylinux_2_34_$(uname -m)" --platform "manylinux_2_28_$(uname -m)" --dest "$top/build-gpu" warp-lang; then
+        du -m "$top"/build-gpu/warp_lang-*.whl | awk '{print $2 ": " $1 " MiB"}'
+    else
+        echo "Without Warp: pip could not download warp-lang" >&2
+    fi
+}
+
 commit() {
     git -C "$top" rev-parse HEAD 2>/dev/null || { echo unknown; return; }
     [[ -z $(git -C "$top" status --porcelain --untracked-files=no) ]] || echo "with changes"
@@ -63,7 +76,11 @@ commit() {
 
 while (($#)); do
     case $1 in
-        --pack) make_pack; exit 0 ;;
+        --pack)
+            [[ ${2-} == --warp || $# -eq 1 ]] || usage
+            make_pack
+            [[ ${2-} != --warp ]] || download_warp
+            exit 0 ;;
         --out) out=${2-}; [[ $out ]] || usage; shift 2 ;;
         --seconds) limit=${2-}; [[ $limit =~ ^[0-9]+$ ]] || usage; shift 2 ;;
         *) usage ;;
@@ -216,8 +233,27 @@ fi
 for job in "${jobs[@]}"; do wait "$job" || failed=1; done
 
 # The benchmark, with the machine to itself.
-step benchmark 120 "$benchmark" --commit "$version" --json "$out/cuda.json" || failed=1
+step benchmark 150 "$benchmark" --commit "$version" --json "$out/cuda.json" || failed=1
 [[ ! -s $work/logs/benchmark ]] || cat "$work/logs/benchmark"
+
+# The peer on the same device, boxes only.
+scenes=()
+for file in "${frames[@]:0:3}"; do
+    name=$(basename "$file" .ply)
+    [[ ! -f ${CRUMPLE_DATA:-$top/../shared/data}/$file ]] || scenes+=(--scene "$name")
+done
+wheel=("$top"/build-gpu/warp_lang-*.whl)
+if [[ -f ${wheel[0]} ]] && step install_warp 60 python3 -m pip install --quiet --disable-pip-version-check --no-index \
+    --no-deps --no-compile --target "$build/warp" --upgrade "${wheel[0]}"; then
+    export PYTHONPATH=$build/warp
+fi
+if python3 -c 'import numpy, warp; warp.Bvh' 2>/dev/null; then
+    step warp 80 python3 "$top/benchmarks/peers_python.py" --on-device --benchmark "$benchmark" "${scenes[@]}" \
+        --scene cloth:500000 --json "$out/cuda_peers.json" || failed=1
+    [[ ! -s $work/logs/warp ]] || cat "$work/logs/warp"
+else
+    note warp "left out" 0 "python3 has not both numpy and warp"
+fi
 
 # The profiler: every kernel's time first, then what holds back the three that take longest.
 scene=cloth_ball92
