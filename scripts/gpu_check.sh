@@ -245,7 +245,7 @@ done
 wheel=("$top"/build-gpu/warp_lang-*.whl)
 if [[ -f ${wheel[0]} ]] && step install_warp 60 python3 -m pip install --quiet --disable-pip-version-check --no-index \
     --no-deps --no-compile --target "$build/warp" --upgrade "${wheel[0]}"; then
-    export PYTHONPATH=$build/warp
+    export PYTHONPATH=$build/warp${PYTHONPATH:+:$PYTHONPATH}
 fi
 if python3 -c 'import numpy, warp; warp.Bvh' 2>/dev/null; then
     step warp 80 python3 "$top/benchmarks/peers_python.py" --on-device --benchmark "$benchmark" "${scenes[@]}" \

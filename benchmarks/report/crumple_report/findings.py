@@ -98,6 +98,60 @@ for _question in ("self", "between", "any"):
     FINDINGS[_question] = lambda results, question=_question: contest_table(results, question)
 
 
+def cuda_frames(cuda):
+    measured = cuda["scenes"] + cuda.get("growth", {}).get("sizes", [])
+    rows = [[scene(row["scene"]), f"{row['triangles']:,}", f"{row['counts']['pairs']:,}", spread(row["device"]),
+             ms(row["device_and_wait"]), ms(row["from_and_to_host"]), ms(row["cpu_all_threads"]),
+             f"{row['counts']['double_tests']:,}"] for row in measured]
+    device, growth = cuda["device"], cuda.get("growth", {})
+    text = (f"{device['name']}, CUDA {cuda['cuda_runtime'] // 1000}, commit `{cuda['commit'][:12]}`, "
+            f"medians of {cuda['frames']} frames.\n\n" +
+            table(["scene", "triangles", "pairs", "device to device, ms", "with `wait`", "host to host", "cpu backend",
+                   "pairs that reach float64"], rows))
+    if "exponent" in growth:
+        text += f"\n\nFrom 200,000 triangles on, time grows as triangles^{growth['exponent']:.3f}."
+    return text
+
+
+def cuda_bounds(cuda):
+    """Microseconds of each stage beside what bandwidth and launches allow: of each scene, and of the largest cloth."""
+    limits, rows = cuda["limits"], []
+    for figure in cuda["scenes"] + cuda.get("growth", {}).get("sizes", [])[-1:]:
+        for i, row in enumerate(figure["bounds"]):
+            rows.append([f"**{scene(figure['scene'])}**" if i == 0 else "", row["stage"],
+                         digits(1e3 * row["milliseconds"]), digits(row["bytes"] / 1e6),
+                         digits(1e3 * row["by_bandwidth_milliseconds"]), row["nodes"],
+                         digits(1e3 * row["by_launches_milliseconds"]), digits(row["ratio"])])
+    bandwidth = limits["peak_bytes_a_second"] or limits["copied_bytes_a_second"]
+    return (table(["scene", "stage", "µs", "MB", "µs by bandwidth", "nodes", "µs by launches", "ratio"], rows) +
+            f"\n\nBounds ([cuda](cuda.md) says how they are made) at {digits(bandwidth / 1e9)} GB/s and "
+            f"{digits(1e3 * limits['node_milliseconds'])} µs a node of a graph. A stage is measured without the graph, where a "
+            f"launch takes {digits(1e3 * limits['launch_milliseconds'])} µs; `frame` is the graph.")
+
+
+def cuda_race(contests):
+    rows = []
+    for contest in contests:
+        for way in contest["contestants"]:
+            if way["fastest_way"]:
+                ratio = f"{way['ratio']['median']:.1f}x" if "ratio" in way else ""
+                rows.append([scene(contest["workload"]), way["name"], way["computes"], spread(way["milliseconds"]),
+                             ratio, *(f"{way[key]:,}" if key in way else "" for key in ("missing", "extra"))])
+    return table(["scene", "", "computes", "ms", "times Crumple", "missing", "extra"], rows)
+
+
+@finding
+def cuda(results):
+    if not results.cuda:
+        return ""
+    parts = [cuda_frames(results.cuda)]
+    if results.cuda.get("limits") and results.cuda["scenes"]:
+        parts.append(cuda_bounds(results.cuda))
+    if results.cuda_peers:
+        parts += ["On the same device, taking turns, by the host's clock:", cuda_race(results.cuda_peers["contests"])]
+    return "\n\n".join(parts)
+
+
 @finding
 def scenes(results):
     figures = results.study("scenes")

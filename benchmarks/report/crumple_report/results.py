@@ -55,6 +55,13 @@ class Results:
         self.path = Path(path)
         self.data = json.loads(self.path.read_text())
         self.studies = {name: study["figures"] for name, study in self.data["studies"].items()}
+        # What scripts/gpu_check.sh leaves beside them, where there was a device.
+        self.cuda, self.cuda_peers = (self.beside(name) for name in ("cuda.json", "cuda_peers.json"))
+
+    def beside(self, name):
+        """The figures of another file in the same folder, or None."""
+        path = self.path.with_name(name)
+        return json.loads(path.read_text()) if path.exists() else None
 
     def study(self, name):
         """A study's figures, an empty list if it was not run."""
