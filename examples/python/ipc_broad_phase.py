@@ -5,6 +5,9 @@ intersect, instead of those whose boxes overlap, so the narrow phase has next to
 about one moment, such as ipctk.has_intersections. Continuous collision detection asks for whatever comes near between
 two moments; that is another question, and it is refused.
 
+Edges of no triangle, as of rods, are tested against faces, too. A triangle's edge that is not among `edges`, which
+ipctk.CollisionMesh would refuse, has no number to hand out: it is left out.
+
     python ipc_broad_phase.py
 """
 
@@ -32,14 +35,27 @@ class CrumpleBroadPhase(ipctk.BroadPhase):
         def key(ends):  # one number for an edge, whichever way round
             return ends.min(axis=-1) * np.int64(len(vertices)) + ends.max(axis=-1)
 
+        self.clear()
+        if not len(edges) or not len(faces):
+            return
+        edge_keys, sides = key(edges), faces[:, [[0, 1], [1, 2], [2, 0]]]
+
         # If two triangles intersect, an edge of one meets the other: each edge of each, with the other's face.
         pairs = self.detector.find_self(vertices, faces).pairs
         both = np.concatenate([pairs, pairs[:, ::-1]])
-        ends = faces[both[:, 0]][:, [[0, 1], [1, 2], [2, 0]]]
-        order = np.argsort(key(edges))
-        edge = order[np.searchsorted(key(edges), key(ends), sorter=order)]
+        wanted = key(sides[both[:, 0]])
+        order = np.argsort(edge_keys)
+        edge = order[np.searchsorted(edge_keys, wanted, sorter=order).clip(max=len(edges) - 1)]
         face = np.broadcast_to(both[:, 1:], edge.shape)
-        candidates = np.unique(np.stack([edge.ravel(), face.ravel()], axis=1), axis=0)
+        listed = edge_keys[edge] == wanted
+        candidates = np.unique(np.stack([edge[listed], face[listed]], axis=1), axis=0)
+
+        # Edges of no triangle are searched as triangles without area.
+        loose = np.flatnonzero(~np.isin(edge_keys, key(sides)))
+        if len(loose):
+            pairs = self.detector.find_between((vertices, edges[loose][:, [0, 1, 1]]), (vertices, faces)).pairs
+            candidates = np.concatenate([candidates, np.stack([loose[pairs[:, 0]], pairs[:, 1]], axis=1)])
+
         # An edge that shares a vertex with the face always touches it.
         touching = (edges[candidates[:, 0]][:, :, None] == faces[candidates[:, 1]][:, None, :]).any(axis=(1, 2))
         self.edge_face = candidates[~touching]
