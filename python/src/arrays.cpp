@@ -168,6 +168,10 @@ BorrowedMesh::BorrowedMesh(nb::handle mesh, const std::string& which)
     if (groups.is_none()) return;
     groups_ = import_array(groups, are_groups, "groups", which);
     check_place(groups_, "groups");
+    // No groups at all are None. An empty array would be taken for that.
+    if (groups_.shape[0] != faces_.shape[0])
+        refuse(which + "groups must be one for each of the " + std::to_string(faces_.shape[0]) + " faces, not " +
+               std::to_string(groups_.shape[0]));
     view_.groups = {static_cast<const std::int32_t*>(groups_.data), static_cast<std::size_t>(groups_.shape[0])};
 }
 

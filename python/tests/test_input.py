@@ -162,7 +162,10 @@ def test_an_error_knows_the_place(detector):
 
 
 OPTIONS = [
-    ({"groups": [0] * 59}, r"^the mesh has 59 group ids for 60 triangles$"),
+    ({"groups": [0] * 59}, r"^groups must be one for each of the 60 faces, not 59$"),
+    ({"groups": []}, r"^groups must be one for each of the 60 faces, not 0$"),
+    ({"groups": np.zeros(0, np.int32)}, r"^groups must be one for each of the 60 faces, not 0$"),
+    ({"groups": np.zeros(61, np.int32)}, r"^groups must be one for each of the 60 faces, not 61$"),
     ({"groups": [[0] * 60]}, r"groups must have shape \(faces,\), not \(1, 60\)"),
     ({"groups": [0.5] * 60}, r"groups must be integers, not float64"),
     ({"groups": [0] * 59 + [2**31]}, r"groups: group id 2147483648 at 59 does not fit int32"),
@@ -275,6 +278,8 @@ def test_between_groups_needs_groups(detector):
             call(MESH, MESH, wanted="between")
     assert len(detector.find_between(MESH, MESH._replace(groups=[1] * 60), wanted="between")) > 60
     assert not detector.find_self((np.zeros((0, 3)), []), groups=[], wanted="between")
+    with pytest.raises(crumple.InvalidInput, match="^second mesh: groups must be one for each of the 60 faces, not 0$"):
+        detector.find_between(MESH, MESH._replace(groups=[]))
 
 
 def test_groups_of_every_integer_type(detector):
