@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ._errors import InvalidInput
+from ._errors import InvalidInput, InvalidType
 
 # DLPack's device types that a CPU can read, those that the cuda backend reads in place, and the names of the others.
 _HOST = {1, 3, 11}
@@ -19,18 +19,27 @@ _DEVICES = {4: "OpenCL", 7: "Vulkan", 8: "Metal", 10: "ROCm", 14: "oneAPI"}
 _TO_HOST = "copy them to the host (PyTorch: .cpu(), CuPy: .get(), JAX: jax.device_get, Warp: .numpy())"
 
 
+def _kind_of_device(device: Any, name: str) -> int:
+    try:
+        kind = device()[0]
+        return int(getattr(kind, "value", kind))  # Open3D's enumerators are no integers
+    except Exception as error:
+        raise InvalidType(f"{name} do not tell where they lie, by __dlpack_device__: {error}") from error
+
+
 def host_array(array: Any, name: str, in_place: str = "") -> np.ndarray:
     """The array, which must lie in host memory. `in_place`: what the cuda backend reads where it lies."""
     device = getattr(array, "__dlpack_device__", None)
     if device is not None and not isinstance(array, np.ndarray):
-        kind = int(device()[0])
+        kind = _kind_of_device(device, name)
         if kind in _CUDA and in_place:
             raise InvalidInput(f"{name} in CUDA memory must be {in_place}, for nothing is converted there")
         if kind not in _HOST:
             memory = "CUDA" if kind in _CUDA else _DEVICES.get(kind, "device")
             raise InvalidInput(f"{name} lie in {memory} memory, but are wanted in the host's: {_TO_HOST}")
     try:
-        result = np.asarray(array)
+        speaks_dlpack_only = device is not None and not hasattr(array, "__array__")
+        result = np.from_dlpack(array) if speaks_dlpack_only else np.asarray(array)
     except Exception as error:
         raise InvalidInput(f"{name} cannot be read as an array: {error}") from error
     if result.dtype == object:

@@ -384,6 +384,52 @@ def test_a_device_of_another_kind_is_named(detector):
         detector.find_self(OnDevice(MESH.vertices, kind=8), MESH.faces)
 
 
+class Enumerator:
+    """As Open3D's: a value, and no way to int."""
+
+    def __init__(self, value):
+        self.value = value
+
+
+def test_a_device_may_be_an_enumerator(detector):
+    narrow = MESH.faces.astype(np.int16)
+    for kind, memory in (Enumerator(2), "CUDA"), (Enumerator(8), "Metal"):
+        with pytest.raises(crumple.InvalidInput, match=f"faces (lie )?in {memory} memory"):
+            detector.find_self(MESH.vertices, OnlyPlace(narrow, (kind, 0)))
+    assert detector.find_self(MESH.vertices, OnlyPlace(narrow, (Enumerator(1), 0))).pairs.tolist() == EXPECTED
+
+
+@pytest.mark.parametrize("place", [None, (), ("cpu", 0), (Enumerator(None), 0), ZeroDivisionError])
+def test_a_device_that_makes_no_sense_is_refused(place, detector):
+    with pytest.raises(crumple.InvalidType, match="^faces do not tell where they lie, by __dlpack_device__: "):
+        detector.find_self(MESH.vertices, OnlyPlace(MESH.faces, place))
+
+
+class OnlyPlace:
+    """Says where it lies, but is read as NumPy reads it."""
+
+    def __init__(self, array, place):
+        self.array, self.place = array, place
+
+    def __dlpack_device__(self):
+        if self.place is ZeroDivisionError:
+            raise self.place
+        return self.place
+
+    def __array__(self, dtype=None, copy=None):
+        return self.array
+
+
+def test_tensors_of_open3d(detector):
+    core = peer("open3d").core
+    for index in (np.int16, np.int32, np.uint8):
+        faces = MESH.faces[:40].astype(index)
+        result = detector.find_self(core.Tensor(MESH.vertices), core.Tensor(faces))
+        assert result.pairs.tolist() == [pair for pair in EXPECTED if max(pair) < 40]
+    with pytest.raises(crumple.InvalidInput, match="^faces must be integers, not float64$"):
+        detector.find_self(core.Tensor(MESH.vertices), core.Tensor(MESH.faces.astype(float)))
+
+
 @pytest.mark.parametrize("package", ["torch", "jax", "warp"])
 def test_arrays_of_other_packages(package, detector):
     module = peer("jax.numpy" if package == "jax" else package)
