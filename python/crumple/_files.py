@@ -36,7 +36,7 @@ def read_mesh(
 
 
 def write_mesh(path: str | os.PathLike[str], mesh: Any) -> None:
-    """Writes .ply, .obj, .stl or .off by extension. `mesh` is what as_mesh takes.
+    """Writes .ply, .obj, .stl or .off by extension. `mesh` is what as_mesh takes, with arrays on the host.
 
     Coordinates keep every bit, but for .stl, which holds float32; groups are kept by .ply, as the face property
     `group`. Raises FileError, InvalidInput; the file then stays as it was.

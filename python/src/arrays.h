@@ -56,6 +56,10 @@ class BorrowedArray {
     nanobind::ndarray<nanobind::ro> dlpack_;
 };
 
+/// What to do with arrays that nobody reads where they lie.
+inline constexpr const char* copy_to_host =
+    "copy them to the host (PyTorch: .cpu(), CuPy: .get(), JAX: jax.device_get, Warp: .numpy())";
+
 /// A mesh that Python holds, a tuple (vertices, faces, groups or None). Keeps its arrays alive; needs the GIL to come
 /// and go, not to be read.
 class BorrowedMesh {

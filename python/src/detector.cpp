@@ -79,7 +79,7 @@ void check_device(const SharedDetector& detector, int device) {
     if (detector.backend() != Backend::cuda) {
         const std::string reason = list_devices().reason;
         refuse("the arrays lie in CUDA memory, which needs the cuda backend" + (reason.empty() ? "" : "; " + reason) +
-               ": copy them to the host (PyTorch: .cpu(), CuPy: .get(), JAX: jax.device_get, Warp: .numpy())");
+               ": " + copy_to_host);
     }
     if (device != detector.options().device)
         refuse("the arrays lie in the memory of CUDA device " + std::to_string(device) +

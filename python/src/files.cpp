@@ -64,6 +64,8 @@ std::vector<To> rows(const ArrayView<Type>& view) {
 
 // What the writers take: a copy, once a file.
 io::TriangleMesh copy_of(const MeshView& view) {
+    if (view.memory != MemorySpace::host)
+        refuse(std::string("vertices lie in CUDA memory, but are wanted in the host's: ") + copy_to_host);
     io::TriangleMesh mesh;
     if (view.vertices.type == ScalarType::float32) {
         mesh.vertices = rows<float, float>(view.vertices);

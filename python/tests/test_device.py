@@ -113,6 +113,17 @@ def test_both_meshes_lie_in_one_place(cuda):
         cuda.find_between(mesh_on_device(MESH), OTHER)
 
 
+def test_files_and_pictures_want_the_host(cuda, tmp_path):
+    result = cuda.find_self(mesh_on_device(MESH))
+    for name in ("mesh.ply", "mesh.obj", "mesh.glb", "mesh.html"):
+        with pytest.raises(crumple.InvalidInput, match="vertices lie in CUDA memory, but are wanted in the host's"):
+            result.save(tmp_path / name)
+    with pytest.raises(crumple.InvalidInput, match="vertices lie in CUDA memory, but are wanted in the host's"):
+        crumple.write_mesh(tmp_path / "mesh.ply", mesh_on_device(MESH))
+    result.save(tmp_path / "pairs.csv")
+    assert len(crumple.read_pairs(tmp_path / "pairs.csv")) == len(result)
+
+
 def test_arrays_in_host_memory_are_brought_there(cuda, cpu):
     assert cuda.backend == "cuda" and cpu.backend == "cpu"
     assert_same(cuda.find_self(MESH), cpu.find_self(MESH))

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import crumple
-from conftest import soup
+from conftest import OnDevice, soup
 
 
 @pytest.mark.parametrize("extension", ["ply", "obj", "off"])
@@ -88,6 +88,25 @@ def test_results_are_saved_by_extension(tmp_path, crossing, detector):
     assert (tmp_path / "bytes.txt").read_bytes() == (tmp_path / "pairs.txt").read_bytes()
     with pytest.raises(crumple.InvalidInput, match="a result is saved as .txt"):
         result.save(tmp_path / "pairs.xlsx")
+
+
+def test_files_are_written_from_host_memory_only(tmp_path, crossing, detector):
+    """Addresses of another memory would be read as the host's."""
+    arrays = OnDevice(crossing.vertices, kind=1), OnDevice(crossing.faces, kind=1)
+    results = [detector.find_self(*arrays), detector.find_between(crossing, arrays)]
+    results[0].save(tmp_path / "mesh.html")
+    (tmp_path / "mesh.html").unlink()
+    for array in arrays:
+        array.place = (2, 0)
+    wanted = "vertices lie in CUDA memory, but are wanted in the host's: copy them to the host"
+    with pytest.raises(crumple.InvalidInput, match=wanted):
+        crumple.write_mesh(tmp_path / "mesh.ply", arrays)
+    for result in results:
+        for name in ("mesh.ply", "mesh.obj", "mesh.glb", "mesh.html"):
+            with pytest.raises(crumple.InvalidInput, match=wanted):
+                result.save(tmp_path / name)
+        result.save(tmp_path / "pairs.csv")
+    assert [path.name for path in tmp_path.iterdir()] == ["pairs.csv"]
 
 
 def test_scenes_are_the_same_everywhere():
