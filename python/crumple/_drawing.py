@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ._arrays import host_array
+from ._errors import InvalidInput
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -38,9 +39,18 @@ class Drawing(NamedTuple):
     points: NDArray[np.float64]
 
 
+def _arrays_of(mesh: Mesh, triangles: int):
+    """Vertices and faces as they are now; what was changed after the search may not fit its answer any more."""
+    vertices, faces = host_array(mesh.vertices, "vertices"), host_array(mesh.faces, "faces")
+    if vertices.size % 3 == 0 and faces.size == 3 * triangles:
+        vertices, faces = vertices.astype(np.float64).reshape(-1, 3), faces.astype(np.int64).reshape(-1, 3)
+        if not triangles or 0 <= faces.min() <= faces.max() < len(vertices):
+            return vertices, faces
+    raise InvalidInput("the mesh was changed after the search: the result does not fit it any more")
+
+
 def _coloured(mesh: Mesh, hit: NDArray[np.bool_], side: int):
-    vertices = host_array(mesh.vertices, "vertices").astype(np.float64).reshape(-1, 3)
-    faces = host_array(mesh.faces, "faces").astype(np.int64).reshape(-1, 3)
+    vertices, faces = _arrays_of(mesh, len(hit))
     palette = np.array([CALM[side], COLLIDING[side]], np.uint8)
     return vertices, faces, palette[hit.astype(np.intp)]
 

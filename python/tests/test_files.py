@@ -109,6 +109,25 @@ def test_files_are_written_from_host_memory_only(tmp_path, crossing, detector):
     assert [path.name for path in tmp_path.iterdir()] == ["pairs.csv"]
 
 
+@pytest.mark.parametrize("extension", ["ply", "obj", "glb", "html"])
+def test_lists_that_were_changed_after_the_search_are_refused(extension, tmp_path, crossing, detector):
+    def changed(change):
+        vertices, faces = crossing.vertices.tolist(), crossing.faces.tolist()
+        result = detector.find_self(vertices, faces)
+        result.save(tmp_path / f"mesh.{extension}")
+        change(vertices, faces)
+        with pytest.raises(crumple.InvalidInput):
+            result.save(tmp_path / f"mesh.{extension}")
+
+    changed(lambda vertices, faces: vertices.pop())
+    changed(lambda vertices, faces: vertices.clear())
+    changed(lambda vertices, faces: vertices[0].pop())
+    changed(lambda vertices, faces: faces.pop())
+    changed(lambda vertices, faces: faces.append([0, 1, 2]))
+    changed(lambda vertices, faces: faces[1].reverse() or faces[1].__setitem__(0, -1))
+    changed(lambda vertices, faces: faces[1].__setitem__(0, 9))
+
+
 def test_scenes_are_the_same_everywhere():
     names = [scene.name for scene in crumple.scenes()]
     assert {"cloth", "soup", "shells"} <= set(names)
