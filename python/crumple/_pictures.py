@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -44,10 +43,13 @@ def plotter(result: Result, off_screen: bool | None) -> Any:
     return scene
 
 
-def save(result: Result, path: str | os.PathLike[str], **options: Any) -> None:
-    """Writes a picture without opening a window."""
+def image(result: Result, **options: Any) -> Any:
+    """A PIL.Image, without opening a window."""
     scene = plotter(result, off_screen=True)
     try:
-        scene.screenshot(os.fspath(path), **options)
+        pixels = scene.screenshot(**{**options, "filename": None, "return_img": True})
     finally:
         scene.close()
+    from PIL import Image  # which PyVista needs, too
+
+    return Image.fromarray(pixels)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from enum import IntEnum
 from functools import cached_property
 from pathlib import Path
@@ -18,6 +20,29 @@ if TYPE_CHECKING:
 
 _PAIR_FILES = {".txt", ".csv", ".json", ".npz"}
 _MESH_FILES = {".ply", ".obj", ".glb"}
+_PICTURES = {".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff"}
+
+
+def _file_name(path: Any) -> str:
+    try:
+        name = os.fsdecode(path)
+        if b"\0" not in os.fsencode(name):
+            return name
+    except TypeError:
+        kind = "None" if path is None else type(path).__name__
+        raise InvalidType(f"path must be a str, bytes or os.PathLike, not {kind}") from None
+    except UnicodeError:
+        pass
+    raise InvalidInput("path cannot be the name of a file")
+
+
+@contextmanager
+def _writing(name: str) -> Iterator[None]:
+    try:
+        yield
+    except OSError as error:
+        shown = os.fsencode(name).decode("utf-8", "backslashreplace")
+        raise FileError(f"cannot write {shown}: {error.strerror or error}", code="file", errno=error.errno) from error
 
 
 class ContactKind(IntEnum):
@@ -135,16 +160,16 @@ class Result(Collisions):
         - .ply, .obj, .glb: the meshes with colliding triangles coloured
         - .png, .jpg, .jpeg, .bmp, .tif, .tiff: a picture, as show paints it; needs PyVista. `options`, for instance
           window_size=(1600, 1200), go to pyvista.Plotter.screenshot
-        - .html: a page to turn and zoom, as to_html makes it
+        - .html: a page to turn and zoom, as to_html makes it; `options`: height
 
         Raises InvalidInput for other extensions, FileError, and ModuleNotFoundError without PyVista.
         """
-        try:
-            name = os.fsdecode(path)
-        except TypeError:
-            kind = "None" if path is None else type(path).__name__
-            raise InvalidType(f"path must be a str, bytes or os.PathLike, not {kind}") from None
+        name = _file_name(path)
         extension = Path(name).suffix.lower()
+        data = extension in _PAIR_FILES | _MESH_FILES
+        for option in options:
+            if data or (extension == ".html" and option != "height"):
+                raise InvalidType(f"{option} is no option of {extension} files")
         if extension in _PAIR_FILES:
             from ._core import write_pairs
 
@@ -155,14 +180,14 @@ class Result(Collisions):
             write_coloured(path, *self._meshes, self)
         elif extension == ".html":
             page = self.to_html(**options)
-            try:
+            with _writing(name):
                 Path(name).write_text(page, encoding="utf-8")
-            except OSError as error:
-                raise FileError(f"cannot write {name}: {error.strerror}", code="file", errno=error.errno) from error
-        elif extension in {".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff"}:
-            from ._pictures import save
+        elif extension in _PICTURES:
+            from ._pictures import image
 
-            save(self, name, **options)
+            picture = image(self, **options)
+            with _writing(name):
+                picture.save(name)
         else:
             raise InvalidInput(
                 f"{name}: a result is saved as .txt, .csv, .json, .npz (pairs), .ply, .obj, .glb (coloured "

@@ -1,6 +1,7 @@
 #include "errors.h"
 
 #include <array>
+#include <string_view>
 #include <system_error>
 
 #include <nanobind/stl/string.h>
@@ -48,8 +49,12 @@ void translate(const std::exception_ptr& pointer, void*) {
         std::rethrow_exception(pointer);
     } catch (const Error& error) {
         const nb::object type = nb::module_::import_("crumple._errors").attr(class_of(error));
+        // The name of a file need not be UTF-8: its other bytes are written as \x80.
+        const std::string_view what = error.what();
+        const nb::object message =
+            nb::steal(PyUnicode_DecodeUTF8(what.data(), static_cast<Py_ssize_t>(what.size()), "backslashreplace"));
         const nb::object exception =
-            type(error.what(), nb::arg("code") = name_of(error.code), nb::arg("element") = name_of(error.element),
+            type(message, nb::arg("code") = name_of(error.code), nb::arg("element") = name_of(error.element),
                  nb::arg("index") = error.index, nb::arg("bytes_needed") = error.bytes_needed);
         if (error.system_error) {
             exception.attr("errno") = error.system_error;

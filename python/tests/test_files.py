@@ -128,6 +128,45 @@ def test_lists_that_were_changed_after_the_search_are_refused(extension, tmp_pat
     changed(lambda vertices, faces: faces[1].__setitem__(0, 9))
 
 
+@pytest.mark.parametrize("name", ["mesh.PLY", "mesh.GLB", "pairs.CSV", "pairs.Npz", "page.HTML"])
+def test_extensions_may_be_upper_case(name, tmp_path, crossing, detector):
+    detector.find_self(crossing).save(tmp_path / name)
+    assert (tmp_path / name).stat().st_size > 0
+
+
+@pytest.mark.parametrize("extension", ["txt", "csv", "json", "npz", "ply", "obj", "glb", "html", "png"])
+def test_names_that_no_file_can_have_are_refused(extension, crossing, detector):
+    for name in ("a\0b", "\ud800"):
+        with pytest.raises(crumple.InvalidInput, match="^path cannot be the name of a file$"):
+            detector.find_self(crossing).save(f"{name}.{extension}")
+
+
+@pytest.mark.parametrize("name", ["pairs.csv", "mesh.ply", "page.html"])
+def test_a_message_can_be_printed_whatever_the_name(name, tmp_path, crossing, detector):
+    path = os.fsencode(tmp_path) + b"/\xff/" + name.encode()
+    with pytest.raises(crumple.FileError) as caught:
+        detector.find_self(crossing).save(path)
+    assert str(caught.value) == rf"cannot write {tmp_path}/\xff/{name}: No such file or directory"
+    with pytest.raises(crumple.FileError, match=r"\\xff") as caught:
+        crumple.read_mesh(path)
+
+
+def test_options_that_a_file_has_not_are_refused(tmp_path, crossing, detector):
+    result = detector.find_self(crossing)
+    for name, options in [
+        ("a.txt", {"window_size": (4, 3)}),
+        ("a.npz", {"height": 3}),
+        ("a.ply", {"colour": "red"}),
+        ("a.html", {"height": 3, "width": 4}),
+    ]:
+        option, extension = list(options)[-1], name[1:]
+        with pytest.raises(crumple.InvalidType, match=f"^{option} is no option of {extension} files$"):
+            result.save(tmp_path / name, **options)
+    assert not list(tmp_path.iterdir())
+    result.save(tmp_path / "a.html", height=333)
+    assert "height:333px" in (tmp_path / "a.html").read_text()
+
+
 def test_scenes_are_the_same_everywhere():
     names = [scene.name for scene in crumple.scenes()]
     assert {"cloth", "soup", "shells"} <= set(names)

@@ -1,6 +1,7 @@
 """Pictures: what they are made of is checked here; how they look was looked at (docs/python_gallery.md)."""
 
 import base64
+import errno
 import json
 import re
 
@@ -79,6 +80,13 @@ def test_a_picture_shows_red_where_it_collides(tmp_path, detector):
     detector.find_self(mesh, wanted="between", excluded_groups=[(0, 1)]).save(
         tmp_path / "calm.png", window_size=(400, 300)
     )
+
+    detector.find_self(mesh).save(tmp_path / "LOUD.PNG", window_size=(400, 300), return_img=False)
+    assert image.open(tmp_path / "LOUD.PNG").format == "PNG"
+    for extension in ("png", "jpg"):
+        with pytest.raises(crumple.FileError, match=f"cannot write .*none/a.{extension}: No such file") as caught:
+            detector.find_self(mesh).save(tmp_path / "none" / f"a.{extension}")
+        assert caught.value.errno == errno.ENOENT
 
     def red(name):
         pixels = np.asarray(image.open(tmp_path / name).convert("RGB")).astype(int)
