@@ -1,9 +1,15 @@
 #include "detector.h"
 
+#include <array>
 #include <chrono>
+#include <tuple>
+#include <utility>
 
 #include <nanobind/ndarray.h>
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/string.h>
 #include <nanobind/stl/string_view.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
 #include "arguments.h"
@@ -113,10 +119,16 @@ struct Call {
     const MeshView* second_or_null() const { return second ? &second->view() : nullptr; }
 };
 
+// The Part in an object that __new__ may have left without one.
+const Part& part_of(nb::handle object, std::string_view argument) {
+    if (!nb::isinstance<Part>(object)) refuse_type(argument, "a crumple.Part", object);
+    if (!nb::inst_ready(object)) refuse(std::string(argument) + " is a crumple.Part that nothing was put into");
+    return *nb::inst_ptr<Part>(object);
+}
+
 const Part* part_or_null(nb::handle part) {
     if (part.is_none()) return nullptr;
-    if (!nb::isinstance<Part>(part)) refuse_type("part", "a crumple.Part", part);
-    return nb::cast<const Part*>(part);
+    return &part_of(part, "part");
 }
 
 template <class Work>
@@ -130,6 +142,9 @@ nb::ndarray<nb::numpy, const T> column(nb::handle owner, const std::vector<T>& v
     return {values.data(), {values.size()}, owner};
 }
 
+using PartState =
+    std::tuple<std::int32_t, std::vector<std::array<double, 3>>, std::vector<std::int32_t>, std::vector<std::int32_t>>;
+
 void bind_part(nb::module_& module) {
     nb::class_<Part>(module, "Part",
                      "One of several independent, overlapping parts of a scene; see Detector.partition. A plain value\n"
@@ -138,17 +153,16 @@ void bind_part(nb::module_& module) {
         .def_prop_ro(
             "centres",
             [](nb::handle self) {
-                const auto& centres = nb::cast<const Part&>(self).centres;
+                const auto& centres = part_of(self, "this").centres;
                 return nb::ndarray<nb::numpy, const double>(centres.empty() ? nullptr : centres[0].data(),
                                                             {centres.size(), 3}, self);
             },
             "(parts, 3) float64: cluster centres of all parts, in the scene's coordinates.")
         .def_prop_ro(
-            "triangles", [](nb::handle self) { return column(self, nb::cast<const Part&>(self).triangles); },
+            "triangles", [](nb::handle self) { return column(self, part_of(self, "this").triangles); },
             "int32: triangles of the first mesh that belong to the part, ascending.")
         .def_prop_ro(
-            "triangles_second",
-            [](nb::handle self) { return column(self, nb::cast<const Part&>(self).triangles_second); },
+            "triangles_second", [](nb::handle self) { return column(self, part_of(self, "this").triangles_second); },
             "int32: triangles of the second mesh; empty for one soup.")
         .def("__repr__",
              [](const Part& p) {
@@ -157,18 +171,19 @@ void bind_part(nb::module_& module) {
              })
         .def("__getstate__",
              [](const Part& p) {
-                 nb::list centres;
-                 for (const auto& c : p.centres) centres.append(nb::make_tuple(c[0], c[1], c[2]));
-                 return nb::make_tuple(p.index, centres, p.triangles, p.triangles_second);
+                 return PartState{p.index, p.centres, p.triangles, p.triangles_second};
              })
-        .def("__setstate__", [](Part& p, const nb::tuple& state) {
-            new (&p) Part();
-            p.index = nb::cast<std::int32_t>(state[0]);
-            for (const nb::handle c : nb::borrow<nb::list>(state[1]))
-                p.centres.push_back({nb::cast<double>(c[0]), nb::cast<double>(c[1]), nb::cast<double>(c[2])});
-            p.triangles = nb::cast<std::vector<std::int32_t>>(state[2]);
-            p.triangles_second = nb::cast<std::vector<std::int32_t>>(state[3]);
-        });
+        .def(
+            "__setstate__",
+            [](Part& p, nb::handle given) {
+                PartState state;
+                if (!nb::try_cast(given, state))
+                    throw InvalidType(
+                        "the state of a Part must be a tuple (index, centres, triangles, triangles_second)");
+                auto& [index, centres, triangles, triangles_second] = state;
+                new (&p) Part{index, std::move(centres), std::move(triangles), std::move(triangles_second)};
+            },
+            "state"_a.none());
 }
 
 }  // namespace

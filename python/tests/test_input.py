@@ -430,6 +430,38 @@ def test_tensors_of_open3d(detector):
         detector.find_self(core.Tensor(MESH.vertices), core.Tensor(MESH.faces.astype(float)))
 
 
+@pytest.mark.parametrize(
+    "state",
+    [
+        (),
+        (0,),
+        (0, 5, [], []),
+        (0, [(1.0, 2.0)], [], []),
+        ("0", [(1.0, 2.0, 3.0)], [], []),
+        (0, [(1.0, 2.0, 3.0)], [2**40], []),
+        (0, [(1.0, 2.0, 3.0)], [], None),
+        [0, 1],
+        None,
+    ],
+)
+def test_the_state_of_a_part_is_checked(state):
+    part = crumple.Part.__new__(crumple.Part)
+    with pytest.raises(crumple.InvalidType, match="^the state of a Part must be a tuple"):
+        part.__setstate__(state)
+
+
+def test_a_part_that_nothing_was_put_into_is_refused(detector):
+    empty = crumple.Part.__new__(crumple.Part)
+    for look in (
+        lambda: empty.centres,
+        lambda: empty.triangles,
+        lambda: empty.triangles_second,
+        lambda: detector.find_self(MESH, part=empty),
+    ):
+        with pytest.raises(crumple.InvalidInput, match="is a crumple.Part that nothing was put into$"):
+            look()
+
+
 @pytest.mark.parametrize("package", ["torch", "jax", "warp"])
 def test_arrays_of_other_packages(package, detector):
     module = peer("jax.numpy" if package == "jax" else package)
