@@ -1,5 +1,7 @@
 #include "arguments.h"
 
+#include <initializer_list>
+
 namespace nb = nanobind;
 
 namespace crumple::python {
@@ -10,6 +12,14 @@ std::string name_of_type(nb::handle value) {
     const std::string module = nb::str(type.attr("__module__")).c_str();
     const std::string name = nb::str(type.attr("__qualname__")).c_str();
     return module == "builtins" ? name : module + "." + name;
+}
+
+// Clears the error that Python has raised, if the argument's value is to blame; anything else, such as a
+// KeyboardInterrupt in somebody's __index__, goes on.
+void check_cause(std::initializer_list<PyObject*> blaming) {
+    for (PyObject* const type : blaming)
+        if (PyErr_ExceptionMatches(type)) return PyErr_Clear();
+    throw nb::python_error();
 }
 
 }  // namespace
@@ -30,16 +40,18 @@ bool flag(std::string_view argument, nb::handle value) {
 std::string_view text(std::string_view argument, nb::handle value) {
     if (!PyUnicode_Check(value.ptr())) refuse_type(argument, "a str", value);
     Py_ssize_t size = 0;
-    const char* const characters = PyUnicode_AsUTF8AndSize(value.ptr(), &size);
-    if (!characters) throw nb::python_error();
-    return {characters, static_cast<std::size_t>(size)};
+    if (const char* const characters = PyUnicode_AsUTF8AndSize(value.ptr(), &size))
+        return {characters, static_cast<std::size_t>(size)};
+    check_cause({PyExc_UnicodeEncodeError});
+    const nb::str shown = nb::steal<nb::str>(PyObject_ASCII(value.ptr()));
+    refuse(std::string(argument) + " must be text that UTF-8 can hold, not " + shown.c_str());
 }
 
 double real(std::string_view argument, nb::handle value) {
     const double number = PyFloat_AsDouble(value.ptr());
     if (number != -1.0 || !PyErr_Occurred()) return number;
     const bool too_large = PyErr_ExceptionMatches(PyExc_OverflowError);
-    PyErr_Clear();
+    check_cause({PyExc_TypeError, PyExc_OverflowError});
     if (too_large) refuse(std::string(argument) + " is beyond float64");
     refuse_type(argument, "a number", value);
 }
@@ -48,7 +60,7 @@ std::filesystem::path path(std::string_view argument, nb::handle value) {
     PyObject* encoded = nullptr;
     if (!PyUnicode_FSConverter(value.ptr(), &encoded)) {
         const bool wrong_type = PyErr_ExceptionMatches(PyExc_TypeError);
-        PyErr_Clear();
+        check_cause({PyExc_TypeError, PyExc_ValueError});
         if (!wrong_type) refuse(std::string(argument) + " cannot be the name of a file");
         refuse_type(argument, "a str, bytes or os.PathLike", value);
     }
@@ -59,7 +71,7 @@ std::filesystem::path path(std::string_view argument, nb::handle value) {
 nb::object any_integer(std::string_view argument, nb::handle value) {
     PyObject* const number = PyNumber_Index(value.ptr());
     if (number) return nb::steal(number);
-    PyErr_Clear();
+    check_cause({PyExc_TypeError, PyExc_OverflowError});
     refuse_type(argument, "an integer", value);
 }
 

@@ -173,6 +173,7 @@ OPTIONS = [
     ({"intersections": "some"}, r'intersections must be one of "all", "proper", not "some"'),
     ({"wanted": "neither"}, r'wanted must be one of "both", "between", "within", not "neither"'),
     ({"excluded_groups": [(1, 2, 3)]}, r"excluded_groups must have shape \(n, 2\), not \(1, 3\)"),
+    ({"wanted": "\udc80"}, r"^wanted must be text that UTF-8 can hold, not '\\udc80'$"),
     ({"excluded_groups": [(1, -(2**31) - 1)]}, r"group id -2147483649 at 0 does not fit int32"),
 ]
 
@@ -258,6 +259,7 @@ def test_other_wrong_types_are_named(detector, tmp_path):
         (lambda: crumple.write_mesh([], MESH), "path must be a str, bytes or os.PathLike, not list"),
         (lambda: detector.find_self(MESH).save(None), "path must be a str, bytes or os.PathLike, not None"),
         (lambda: detector.find_self(MESH).to_html(height="tall"), "height must be an integer, not str"),
+        (lambda: crumple.make_scene("\ud800"), r"name must be text that UTF-8 can hold, not '\\ud800'"),
         (lambda: crumple.make_scene(3), "name must be a str, not int"),
         (lambda: crumple.make_scene("cloth", triangles="many"), "triangles must be an integer, not str"),
         (lambda: crumple.make_scene("cloth", seed=-1), "seed must be from 0 to 18446744073709551615, not -1"),
@@ -295,6 +297,36 @@ def test_groups_of_every_integer_type(detector):
     for excluded in (between, np.array([[1, 0], [2, 0], [2, 1]]), ((0, 1), (0, 2), (1, 2))):
         as_pairs = [tuple(p) for p in excluded] if isinstance(excluded, set) else excluded
         assert not detector.find_self(mesh, groups=groups, wanted="between", excluded_groups=as_pairs)
+
+
+class Raising:
+    """An argument of any kind that raises when it is looked at."""
+
+    def __init__(self, error):
+        self.error = error
+
+    def look(self):
+        raise self.error
+
+    __index__ = __float__ = __fspath__ = look
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda value: crumple.Detector(threads=value),
+        lambda value: crumple.Detector(stop=value),
+        lambda value: crumple.read_mesh(value),
+        lambda value: crumple.write_mesh(value, MESH),
+        lambda value: crumple.Detector().find_self(MESH).save(value),
+    ],
+)
+def test_what_is_not_about_the_argument_goes_on(call):
+    for error in (KeyboardInterrupt(), MemoryError(), ZeroDivisionError("inside")):
+        with pytest.raises(type(error)):
+            call(Raising(error))
+    with pytest.raises(crumple.InvalidType):
+        call(Raising(TypeError()))
 
 
 @pytest.mark.parametrize(
