@@ -6,6 +6,7 @@ others: Python lists, byte orders of other machines, narrow and unsigned integer
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -123,8 +124,8 @@ def groups(array: Any, which: str) -> np.ndarray:
 
 
 def group_pairs(pairs: Any, which: str) -> np.ndarray:
-    """(n, 2) of int32, from a sequence of pairs."""
+    """(n, 2) of int32, from an array or any iterable of pairs."""
     name = which + "excluded_groups"
-    if isinstance(pairs, (set, frozenset)):
-        pairs = list(pairs)
+    if isinstance(pairs, Iterable) and (isinstance(pairs, dict) or not hasattr(pairs, "__getitem__")):
+        pairs = list(pairs)  # a set, a generator: nothing that NumPy reads
     return _int32(_rows(_integers(pairs, name), 2, name), name)

@@ -124,7 +124,7 @@ class Detector:
             weld: vertices at equal positions count as one.
             contacts: also compute where each pair meets.
             wanted: which pairs, by their groups: "both", "between" different groups, "within" one.
-            excluded_groups: pairs of groups that are not tested against each other.
+            excluded_groups: pairs of groups that are not tested against each other: an array or any iterable.
             part: only the pairs that this part owns; see partition.
             copy: give writable arrays of their own instead of read-only views.
 

@@ -85,6 +85,10 @@ class Contacts:
         pair %= len(self)
         return self.points[self.offsets[pair] : self.offsets[pair + 1]]
 
+    def __iter__(self) -> Iterator[NDArray[np.float64]]:
+        """The points of one pair after the other, as contacts[i]."""
+        return (self[pair] for pair in range(len(self)))
+
     def __repr__(self) -> str:
         return f"<crumple.Contacts: {len(self)} pairs, {len(self.points)} points>"
 

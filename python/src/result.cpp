@@ -18,8 +18,8 @@ nb::object view(const Result& result, const void* data, Shape... shape) {
                                                           {static_cast<std::size_t>(shape)...}, capsule));
 }
 
-nb::dict stage_milliseconds(const Statistics& statistics) {
-    nb::dict result;
+nb::typed<nb::dict, nb::str, double> stage_milliseconds(const Statistics& statistics) {
+    nb::typed<nb::dict, nb::str, double> result;
     for (int i = 0; i < stage_count; ++i) {
         const auto stage = static_cast<Stage>(i);
         const std::string_view name = stage_name(stage);

@@ -299,6 +299,20 @@ def test_groups_of_every_integer_type(detector):
         assert not detector.find_self(mesh, groups=groups, wanted="between", excluded_groups=as_pairs)
 
 
+def test_pairs_of_groups_from_any_iterable(detector):
+    mesh = soup(100, size=0.4)._replace(groups=np.arange(100) % 3)
+    pairs = [(0, 1), (0, 2)]
+    expected = detector.find_self(mesh, excluded_groups=pairs).pairs.tolist()
+    assert 0 < len(expected) < len(detector.find_self(mesh))
+    keyed = dict.fromkeys(pairs)
+    makers = [set, frozenset, iter, keyed.fromkeys, lambda p: keyed.keys(), lambda p: dict(enumerate(p)).values()]
+    makers += [lambda p: zip(*zip(*p)), lambda p: (pair for pair in p), lambda p: memoryview(np.array(p, np.int32))]
+    for make in makers:
+        assert detector.find_self(mesh, excluded_groups=make(pairs)).pairs.tolist() == expected
+    for none in (set(), iter([]), {}):
+        assert len(detector.find_self(mesh, excluded_groups=none)) == len(detector.find_self(mesh))
+
+
 class Raising:
     """An argument of any kind that raises when it is looked at."""
 

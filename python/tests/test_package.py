@@ -50,6 +50,10 @@ def test_types_hold(tmp_path):
         "r: crumple.Result = crumple.Detector(threads=2).find_self(v, f, neighbours='skip', contacts=True)\n"
         "n: int = r.statistics.pairs\n"
         "ok: bool = crumple.has_intersections((v, f))\n"
+        "seconds: float = r.statistics.stage_milliseconds['sweep'] / 1000\n"
+        "crumple.find_self_intersections(v, f, excluded_groups=zip([0], [1]))\n"
+        "assert r.contacts is not None\n"
+        "x: list[float] = [points[0, 0] for points in r.contacts]\n"
     )
     checked = run("-m", "mypy", "--strict", str(program), cwd=tmp_path)
     assert checked.returncode == 0, checked.stdout

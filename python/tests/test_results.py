@@ -46,6 +46,7 @@ def test_shapes_types_and_order(detector):
     for i in range(300):
         assert (result.pairs[result.offsets[i] : result.offsets[i + 1], 0] == i).all()
     assert result.hit_second.shape == (0,)
+    assert [points.tolist() for points in result.contacts] == [result.contacts[i].tolist() for i in range(k)]
     assert result.contacts.offsets[-1] == p == sum(len(result.contacts[i]) for i in range(k))
 
 
