@@ -27,19 +27,18 @@ def as_mesh(mesh: Any) -> Mesh:
     Takes a Mesh, a tuple (vertices, faces) or (vertices, faces, groups), and meshes of
 
     - trimesh: Trimesh
-    - meshio: Mesh; triangles, and quadrilaterals split in two; its vertices, lines and higher-order relatives of those
-      bound nothing and are left out
+    - meshio: Mesh; triangles, and quadrilaterals split in two, in the order of its cells; vertices, lines and
+      higher-order relatives of those bound nothing and are left out
     - Open3D: geometry.TriangleMesh and t.geometry.TriangleMesh
     - PyVista: PolyData of triangles
 
-    Raises InvalidInput for anything else, and for cells that are neither triangles nor quadrilaterals.
+    Raises InvalidType for anything else, InvalidInput for cells that are neither triangles nor quadrilaterals.
     """
     if isinstance(mesh, Mesh):
         return mesh
     if isinstance(mesh, tuple) and len(mesh) in (2, 3):
         return Mesh(*mesh)
-    package = type(mesh).__module__.partition(".")[0]
-    if package in ("pyvista", "pyvista_wasm") or hasattr(mesh, "regular_faces"):
+    if any(base.__module__.partition(".")[0] in ("pyvista", "pyvista_wasm") for base in type(mesh).__mro__):
         return _from_pyvista(mesh)
     if hasattr(mesh, "vertices") and hasattr(mesh, "faces"):  # trimesh, and whatever calls its arrays so
         return Mesh(mesh.vertices, mesh.faces)
@@ -48,15 +47,15 @@ def as_mesh(mesh: Any) -> Mesh:
     if hasattr(mesh, "vertices") and hasattr(mesh, "triangles"):
         return _from_open3d(mesh)
     if hasattr(mesh, "vertex") and hasattr(mesh, "triangle"):
-        return Mesh(mesh.vertex.positions, mesh.triangle.indices)
-    if isinstance(mesh, tuple):
-        given = f"a tuple of {len(mesh)}"
-    else:
-        given = f"{type(mesh).__module__}.{type(mesh).__qualname__}".removeprefix("builtins.")
+        return _from_open3d_tensors(mesh)
     raise InvalidType(
         "a mesh must be crumple.Mesh, a tuple (vertices, faces) or (vertices, faces, groups), or of trimesh, meshio, "
-        f"Open3D or PyVista, not {given}"
+        f"Open3D or PyVista, not {f'a tuple of {len(mesh)}' if isinstance(mesh, tuple) else _name_of_type(mesh)}"
     )
+
+
+def _name_of_type(thing: Any) -> str:
+    return f"{type(thing).__module__}.{type(thing).__qualname__}".removeprefix("builtins.")
 
 
 def _from_open3d(mesh: Any) -> Mesh:
@@ -65,8 +64,23 @@ def _from_open3d(mesh: Any) -> Mesh:
     return Mesh(np.asarray(mesh.vertices), np.asarray(mesh.triangles))
 
 
+def _from_open3d_tensors(mesh: Any) -> Mesh:
+    # What an empty mesh has not is not even there.
+    return Mesh(
+        mesh.vertex.positions if "positions" in mesh.vertex else [],
+        mesh.triangle.indices if "indices" in mesh.triangle else [],
+    )
+
+
 def _from_pyvista(mesh: Any) -> Mesh:
-    if not mesh.is_all_triangles:
+    if not hasattr(type(mesh), "is_all_triangles"):
+        raise InvalidType(
+            f"a mesh of PyVista must be PolyData, not {_name_of_type(mesh)}: "
+            "call .extract_surface().triangulate() first"
+        )
+    if not len(mesh.faces) and not mesh.n_strips:  # empty, or vertices and lines, which bound nothing
+        return Mesh(mesh.points, [])
+    if mesh.n_strips or not mesh.is_all_triangles:
         raise InvalidInput("the PyVista mesh has faces that are no triangles: call .triangulate() first")
     return Mesh(mesh.points, mesh.regular_faces)
 
@@ -75,7 +89,8 @@ def _from_meshio(mesh: Any) -> Mesh:
     import numpy as np
 
     blocks = []
-    for kind, cells in mesh.cells_dict.items():
+    for block in mesh.cells:  # not cells_dict, which gathers cells of a kind
+        kind, cells = block.type, block.data
         if kind == "triangle":
             blocks.append(cells)
         elif kind == "quad":

@@ -1,5 +1,7 @@
 """Other packages' meshes go in as they are; those packages are the real ones."""
 
+import importlib.util
+
 import numpy as np
 import pytest
 
@@ -71,6 +73,39 @@ def test_meshio_quadrilaterals_are_split_and_other_cells_refused():
     with pytest.raises(crumple.InvalidInput, match="cells of type tetra: extract its surface"):
         crumple.as_mesh(meshio.Mesh(points, [("tetra", [[0, 1, 2, 4]])]))
     assert crumple.as_mesh(meshio.Mesh(points, [("vertex", [[0]])])).faces.shape == (0, 3)
+
+
+def test_meshio_cells_keep_their_order():
+    meshio = peer("meshio")
+    points = np.zeros((4, 3))
+    blocks = [("triangle", [[0, 1, 2]]), ("quad", [[0, 1, 2, 3]]), ("line", [[0, 1]]), ("triangle", [[3, 2, 1]])]
+    faces = crumple.as_mesh(meshio.Mesh(points, blocks)).faces
+    assert faces.tolist() == [[0, 1, 2], [0, 1, 2], [0, 2, 3], [3, 2, 1]]
+
+
+@pytest.mark.parametrize("name", ["UnstructuredGrid", "ImageData", "RectilinearGrid", "MultiBlock"])
+def test_what_is_no_surface_is_named(name):
+    mesh = getattr(peer("pyvista"), name)()
+    with pytest.raises(crumple.InvalidType, match=rf"must be PolyData, not pyvista\..*{name}: call .extract_surface"):
+        crumple.as_mesh(mesh)
+
+
+def test_empty_meshes_of_other_packages(detector):
+    empty = [peer("trimesh").Trimesh(), peer("meshio").Mesh(np.zeros((0, 3)), [])]
+    for package, makers in {
+        "open3d": [lambda o3d: o3d.geometry.TriangleMesh(), lambda o3d: o3d.t.geometry.TriangleMesh()],
+        "pyvista": [lambda pv: pv.PolyData(), lambda pv: pv.PolyData(MESH.vertices)],
+    }.items():
+        if importlib.util.find_spec(package):
+            empty += [make(peer(package)) for make in makers]
+    for mesh in empty:
+        assert not detector.find_self(mesh) and not detector.has_intersections_between(mesh, MESH)
+
+
+def test_pyvista_strips_are_refused():
+    strips = peer("pyvista").Sphere().strip()
+    with pytest.raises(crumple.InvalidInput, match="triangulate"):
+        crumple.as_mesh(strips)
 
 
 def test_pyvista_polygons_are_refused():
