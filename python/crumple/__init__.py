@@ -15,10 +15,13 @@ triangle soup will do. What counts as a collision: docs/contract.md.
 from ._core import Part, Statistics, __version__
 from ._detector import (
     Detector,
+    DeviceInfo,
+    DeviceList,
     find_intersections_between,
     find_self_intersections,
     has_intersections,
     has_intersections_between,
+    list_devices,
 )
 from ._errors import BackendUnavailable, Error, FileError, InvalidInput, InvalidType, MemoryLimit
 from ._files import Scene, make_scene, read_mesh, read_pairs, scenes, write_mesh
@@ -30,6 +33,8 @@ __all__ = [
     "ContactKind",
     "Contacts",
     "Detector",
+    "DeviceInfo",
+    "DeviceList",
     "Error",
     "FileError",
     "InvalidInput",
@@ -46,6 +51,7 @@ __all__ = [
     "find_self_intersections",
     "has_intersections",
     "has_intersections_between",
+    "list_devices",
     "make_scene",
     "read_mesh",
     "read_pairs",

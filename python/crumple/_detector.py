@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 from . import _core
 from ._mesh import Mesh, as_mesh
@@ -93,6 +93,19 @@ class Detector:
     def backend(self) -> str:
         """The backend that works, "cpu", "cuda" or "reference": what was asked for, or what "automatic" has chosen."""
         return self._core.backend
+
+    @property
+    def fallback(self) -> str:
+        """Why "automatic" took the cpu backend although this build has the cuda backend, in one line; else ""."""
+        return self._core.fallback
+
+    def cancel(self) -> None:
+        """Asks the call that runs at this moment to end: it raises Error, code "cancelled", within some milliseconds.
+
+        For any other thread. The call may also return its answer, if that was all but there. Does nothing while no
+        call runs; one that waits for its turn goes on waiting. `partition` is not cut short while it clusters.
+        """
+        self._core.cancel()
 
     def __repr__(self) -> str:
         return "crumple.Detector(" + ", ".join(f"{name}={value!r}" for name, value in self._options.items()) + ")"
@@ -224,3 +237,36 @@ def has_intersections(vertices: Any, faces: Any = None, **query: Any) -> bool:
 def has_intersections_between(a: Any, b: Any, **query: Any) -> bool:
     """Whether two meshes collide; see Detector.has_intersections_between."""
     return Detector().has_intersections_between(a, b, **query)
+
+
+class DeviceInfo(NamedTuple):
+    """A device that the cuda backend can work on.
+
+    Attributes:
+        number: what the option `device` names it by.
+        name: as its driver calls it.
+        major, minor: its compute capability.
+        memory_bytes: of the device, in use or not.
+    """
+
+    number: int
+    name: str
+    major: int
+    minor: int
+    memory_bytes: int
+
+
+class DeviceList(NamedTuple):
+    """The devices, and why there are none, in one line; "" if there are any."""
+
+    devices: list[DeviceInfo]
+    reason: str
+
+
+def list_devices() -> DeviceList:
+    """The devices that CUDA lists. Without a device, a driver or the backend, the list is empty and says why.
+
+    Cost: the first call in a process starts the driver, which takes some tenths of a second.
+    """
+    devices, reason = _core.list_devices()
+    return DeviceList([DeviceInfo(*device) for device in devices], reason)

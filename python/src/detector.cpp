@@ -210,6 +210,8 @@ void bind_detector(nb::module_& module) {
                  });
              })
         .def_prop_ro("backend", [](const SharedDetector& self) { return name_of(backend_names, self.backend()); })
+        .def_prop_ro("fallback", [](const SharedDetector& self) { return self.fallback(); })
+        .def("cancel", [](SharedDetector& self) { self.cancel(); })
         .def(
             "find",
             [](SharedDetector& self, nb::handle first, nb::handle second, nb::handle part, nb::handle neighbours,
@@ -243,6 +245,13 @@ void bind_detector(nb::module_& module) {
                 return without_gil([&] { return self.partition(call.first.view(), call.second_or_null(), parts); });
             },
             "first"_a, "second"_a.none(), "count"_a.none());
+    module.def("list_devices", [] {
+        const DeviceList list = without_gil(list_devices);
+        nb::list devices;
+        for (const DeviceInfo& d : list.devices)
+            devices.append(nb::make_tuple(d.number, d.name, d.major, d.minor, d.memory_bytes));
+        return nb::make_tuple(devices, list.reason);
+    });
 }
 
 }  // namespace crumple::python

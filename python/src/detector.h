@@ -7,6 +7,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <string_view>
 #include <thread>
 #include <vector>
 
@@ -32,6 +33,10 @@ class SharedDetector {
     std::vector<Part> partition(const MeshView& first, const MeshView* second, int count);
     const Options& options() const { return detector_.options(); }
     Backend backend() const { return detector_.backend(); }
+    std::string_view fallback() const { return detector_.fallback(); }
+
+    /// Ends the call that runs, from any thread; one that waits for its turn goes on waiting.
+    void cancel() { detector_.cancel(); }
 
    private:
     const Collisions& search(const MeshView& first, const MeshView* second, const Part* part, const Query& query);

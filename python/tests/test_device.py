@@ -124,6 +124,12 @@ def test_files_and_pictures_want_the_host(cuda, tmp_path):
     assert len(crumple.read_pairs(tmp_path / "pairs.csv")) == len(result)
 
 
+def test_devices_are_listed(cuda):
+    devices, reason = crumple.list_devices()
+    assert devices[0].number == 0 and devices[0].name and devices[0].memory_bytes > 0 and reason == ""
+    assert cuda.fallback == ""
+
+
 def test_arrays_in_host_memory_are_brought_there(cuda, cpu):
     assert cuda.backend == "cuda" and cpu.backend == "cpu"
     assert_same(cuda.find_self(MESH), cpu.find_self(MESH))

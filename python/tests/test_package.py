@@ -34,6 +34,13 @@ def test_the_version_is_that_of_the_distribution():
     assert version("crumple") == crumple.__version__
 
 
+def test_devices_or_a_reason():
+    """Which of both is the machine's business."""
+    devices, reason = crumple.list_devices()
+    assert bool(devices) != bool(reason) and "\n" not in reason
+    assert isinstance(crumple.Detector().fallback, str) and crumple.Detector(backend="cpu").fallback == ""
+
+
 def test_types_are_shipped():
     assert (PACKAGE / "py.typed").exists()
     stub = (PACKAGE / "_core.pyi").read_text()
@@ -54,6 +61,7 @@ def test_types_hold(tmp_path):
         "crumple.find_self_intersections(v, f, excluded_groups=zip([0], [1]))\n"
         "assert r.contacts is not None\n"
         "x: list[float] = [points[0, 0] for points in r.contacts]\n"
+        "why: str = crumple.Detector().fallback or crumple.list_devices().reason\n"
     )
     checked = run("-m", "mypy", "--strict", str(program), cwd=tmp_path)
     assert checked.returncode == 0, checked.stdout

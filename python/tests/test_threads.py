@@ -83,6 +83,21 @@ def test_one_detector_and_many_threads(detector):
         assert all(pool.map(search, range(6)))
 
 
+def test_cancel_ends_the_call_of_another_thread():
+    mesh, detector = soup(20_000, size=0.3), crumple.Detector(backend="reference")  # minutes
+    detector.cancel()
+    assert detector.has_intersections(mesh), "there was nothing to cancel"
+    with ThreadPoolExecutor(1) as pool:
+        call = pool.submit(detector.find_self, mesh)
+        while not call.done():  # a request that comes before the call does nothing
+            detector.cancel()
+            time.sleep(0.01)
+    with pytest.raises(crumple.Error, match="cancel") as caught:
+        call.result()
+    assert caught.value.code == "cancelled" and not isinstance(caught.value, crumple.InvalidInput)
+    assert detector.has_intersections(mesh), "the detector stays usable"
+
+
 def run_interrupted(program):
     """What a program prints that gets SIGINT 0.3 s after it has printed "ready"."""
     process = subprocess.Popen(
