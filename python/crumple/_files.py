@@ -30,7 +30,7 @@ def read_mesh(
 
     Returns a Mesh of (n, 3) float32 or float64, (m, 3) int32 and, if asked for, (m,) int32. Polygons are fanned. Raises
     FileError, and InvalidInput that names the file and the line or byte; never gives a part of a mesh. Hundreds of MB a
-    second.
+    second, during which Ctrl-C waits.
     """
     return Mesh(*_core.read_mesh(path, precision, weld, group_property))
 
@@ -39,7 +39,7 @@ def write_mesh(path: str | os.PathLike[str], mesh: Any) -> None:
     """Writes .ply, .obj, .stl or .off by extension. `mesh` is what as_mesh takes, with arrays on the host.
 
     Coordinates keep every bit, but for .stl, which holds float32; groups are kept by .ply, as the face property
-    `group`. Raises FileError, InvalidInput; the file then stays as it was.
+    `group`. Raises FileError, InvalidInput; the file then stays as it was. Ctrl-C waits until the file is written.
     """
     _core.write_mesh(path, as_mesh(mesh))
 

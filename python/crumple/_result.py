@@ -166,7 +166,8 @@ class Result(Collisions):
           window_size=(1600, 1200), go to pyvista.Plotter.screenshot
         - .html: a page to turn and zoom, as to_html makes it; `options`: height
 
-        Raises InvalidInput for other extensions, FileError, and ModuleNotFoundError without PyVista.
+        What shows a mesh needs its arrays on the host. Ctrl-C waits until the file is written. Raises InvalidInput for
+        other extensions and for options that a file has not, FileError, and ModuleNotFoundError without PyVista.
         """
         name = _file_name(path)
         extension = Path(name).suffix.lower()
