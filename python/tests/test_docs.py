@@ -22,8 +22,22 @@ def sections(page):
 SECTIONS = [section for page in ("python.md", "python_coming_from.md") for section in sections(page)]
 
 
+def test_their_program_stands_beside_ours():
+    """Theirs on the left, ours on the right, in one row of a table that GitHub shows as such."""
+    text = (DOCS / "python_coming_from.md").read_text()
+    row = r"<tr><td>\n\n```python\n(.*?)```\n\n</td><td>\n\n```python\n(.*?)```\n\n</td></tr>"
+    rows = re.findall(row, text, flags=re.S)
+    assert len(rows) == text.count("<table>") == text.count("</table>") >= 9
+    for theirs, ours in rows:
+        assert "theirs" in theirs and "detector." not in theirs and "ours = detector." in ours and "assert" in ours
+        assert max(map(len, (theirs + ours).splitlines())) <= 60, "two columns fit the page"
+    for package in ("IPC Toolkit", "libigl", "trimesh", "MeshLib", "trueform", "FCL"):
+        assert f"<th>{package}</th><th>crumple</th>" in text
+
+
 def test_there_are_programs():
-    assert {heading for _, heading, _ in SECTIONS} >= {"Five minutes", "Meshes", "Results", "libigl", "MeshLib", "FCL"}
+    headings = {heading for _, heading, _ in SECTIONS}
+    assert headings >= {"Five minutes", "Meshes", "Results", "libigl", "trimesh", "MeshLib", "FCL"}
 
 
 @pytest.mark.parametrize(
