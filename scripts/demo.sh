@@ -32,9 +32,12 @@ if ((${#files[@]} == 0)); then
     "$crumple" make cloth -o "${files[0]}"
 fi
 
+declare -A painted=()
 for file in "${files[@]}"; do
     name=$(basename "${file%.*}")
     picture=$top/demo/$name-collisions
+    for ((n = 2; ${painted[$picture]:-0}; n++)); do picture=$top/demo/$name-$n-collisions; done  # of files of one name
+    painted[$picture]=1
     printf '\n%s\n\n' "$file"
     "$crumple" detect "$file" --stats -o "$picture.glb" -o "$picture.ply" -o "$picture.txt"
     printf '\nColliding triangles in colour: %s.glb and .ply (any viewer); the pairs: %s.txt\n' "$picture" "$picture"

@@ -42,9 +42,13 @@ Options with_limit(const MeshView& mesh) {
     return options;
 }
 
-// Long enough that a request which is only seen at the end would show.
+// Long enough that a request which is only seen at the end would show; sanitizers make all things long.
 std::vector<Case> cases() {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+    const int many = 20000;
+#else
     const int many = 60000;
+#endif
     const double size = 0.15;
     return {{"one thread", with_threads(1), many, size},
             {"two threads", with_threads(2), many, size},
