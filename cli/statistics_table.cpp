@@ -12,7 +12,7 @@ namespace crumple::cli {
 namespace {
 
 void row(std::string_view name, std::int64_t count, const std::string& remark = {}) {
-    say("{:<18}{:>15}{}{}\n", name, grouped(count), remark.empty() ? "" : "  ", remark);
+    say("{:<15}{:>15}{}{}\n", name, grouped(count), remark.empty() ? "" : "  ", remark);
 }
 
 double ratio(std::int64_t part, std::int64_t whole) {
@@ -28,13 +28,13 @@ std::int64_t count_hits(const Collisions& collisions) {
 
 void print_statistics(const Statistics& s, std::int64_t hits) {
     const double sum = std::accumulate(s.stage_milliseconds.begin(), s.stage_milliseconds.end(), 0.0);
-    say(on_terminal(2, fmt::emphasis::bold), "{:<18}{:>12}{:>9}\n", "stage", "time", "share");
+    say(on_terminal(2, fmt::emphasis::bold), "{:<15}{:>12}{:>9}\n", "stage", "time", "share");
     for (int i = 0; i < stage_count; ++i) {
         const auto stage = static_cast<Stage>(i);
-        say("{:<18}{:>9.2f} ms{:>7.0f} %\n", stage_name(stage), s[stage], sum > 0 ? 100 * s[stage] / sum : 0);
+        say("{:<15}{:>9.2f} ms{:>7.0f} %\n", stage_name(stage), s[stage], sum > 0 ? 100 * s[stage] / sum : 0);
     }
-    say("{:<18}{:>9.2f} ms\n", s.backend == "cuda" ? "on the device" : "all threads", sum);
-    say(on_terminal(2, fmt::emphasis::bold), "{:<18}{:>9.2f} ms", "wall clock", s.milliseconds);
+    say("{:<15}{:>9.2f} ms\n", s.backend == "cuda" ? "on the device" : "all threads", sum);
+    say(on_terminal(2, fmt::emphasis::bold), "{:<15}{:>9.2f} ms", "wall clock", s.milliseconds);
     if (s.backend == "cuda") {
         say("  cuda backend\n\n");
     } else {
@@ -49,9 +49,10 @@ void print_statistics(const Statistics& s, std::int64_t hits) {
     row("edge tests", s.edge_tests);
     row("double tests", s.double_tests);
     row("exact tests", s.exact_tests, fmt::format("{} in rational numbers", grouped(s.rational_tests)));
-    if (s.rational_contacts > 0) row("rational contacts", s.rational_contacts);
     row("pairs", s.pairs, fmt::format("{} triangles collide", grouped(hits)));
-    say("{:<18}{:>15}\n", "peak memory", readable_bytes(s.peak_memory_bytes));
+    if (s.rational_contacts > 0)
+        row("contacts", s.pairs, fmt::format("{} in rational numbers", grouped(s.rational_contacts)));
+    say("{:<15}{:>15}\n", "peak memory", readable_bytes(s.peak_memory_bytes));
 }
 
 void add(Statistics& sum, const Statistics& more) {

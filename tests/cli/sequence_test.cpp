@@ -46,7 +46,7 @@ TEST_F(Sequence, ComputesContactsAsWell) {
     const Outcome outcome = crumple("sequence flat.off flat.off --contacts --stats");
     EXPECT_EQ(outcome.status, 0);
     EXPECT_EQ(lines(outcome.out).size(), 3u);
-    EXPECT_TRUE(contains(outcome.err, "rational contacts               2")) << outcome.err;
+    EXPECT_TRUE(contains(outcome.err, "contacts                     2  2 in rational numbers")) << outcome.err;
 }
 
 TEST_F(Sequence, WritesARowAFrame) {
