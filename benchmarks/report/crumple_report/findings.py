@@ -356,14 +356,34 @@ def option(results, study):
     return table(["scene", "best value", "time / default's", "worst value", "time / default's"], rows) if rows else ""
 
 
+def what_to_lose(results, study, what):
+    """What the default, the worst value and the safest one cost, beside the best value of each scene."""
+    costs = {}
+    for figure in results.study(study):
+        best = min(value["relative"]["median"] for value in figure["values"])
+        for value in figure["values"]:
+            cost = value["relative"]["median"] / best
+            costs.setdefault(str(value["value"]), []).append((cost, scene(figure["workload"])))
+    at_worst = {value: max(entries) for value, entries in costs.items()}
+    default = next(value for value in costs if value.endswith(" (default)"))
+    worst, safest = max(at_worst, key=at_worst.get), min(at_worst, key=at_worst.get)
+    text = (f"{what}: beside the best value of each scene the default takes {extremes(costs[default], '{:.2f}')} times as long, the "
+            f"worst, {worst}, up to {at_worst[worst][0]:.2f} times ({at_worst[worst][1]}). ")
+    if safest == default:
+        return text + "No other value has less to lose."
+    return text + f"Least to lose has {safest}: {at_worst[safest][0]:.2f} times at most ({at_worst[safest][1]})."
+
+
 @finding
 def cuts(results):
     clusters, leaves = option(results, "clusters"), option(results, "leaf_size")
     if not (clusters and leaves):
         return ""
-    return f"Clusters:\n\n{clusters}\n\nTriangles a leaf:\n\n{leaves}\n\nEvery value is in [options](options.md)."
+    return (f"Clusters:\n\n{clusters}\n\nTriangles a leaf:\n\n{leaves}\n\n{what_to_lose(results, 'clusters', 'Clusters')} "
+            f"{what_to_lose(results, 'leaf_size', 'Triangles a leaf')} Every value is in [options](options.md).")
 
 
 @finding
 def fuzziness(results):
-    return option(results, "fuzziness")
+    values = option(results, "fuzziness")
+    return f"{values}\n\n{what_to_lose(results, 'fuzziness', 't')} Every value is in [options](options.md)." if values else ""
