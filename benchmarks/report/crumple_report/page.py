@@ -30,8 +30,8 @@ SECTIONS = [
     ("### What each computes", None, "", "peers"),
     ("### One mesh against itself", ("peers_self", "Bars: time of Crumple and its peers on each scene, one mesh against itself"),
      "Every peer at the fastest of its ways. *Missing* and *extra* compare its pairs with Crumple's as sets; for boxes, extra is what a "
-     "triangle test would have to remove. Peers from PyPI race in processes of their own against one of Crumple's, so in the plot they "
-     "stand at Crumple's time multiplied by their ratio.", "self"),
+     "triangle test would have to remove. Plots show measured milliseconds but of peers from PyPI: these race in processes of their own "
+     "against one of Crumple's and stand at its time above multiplied by their ratio.", "self"),
     ("### One mesh against another", ("peers_between", "Bars: time of Crumple and its peers on each pair of meshes"), "", "between"),
     ("### Is there any collision?", ("peers_any", "Bars: time of Crumple and its peers to tell that nothing collides"), "", "any"),
     ("### [MZ] fig. 6", ("published", "Bars: published averages on Cloth on Ball and Funnel beside Crumple and peers on this machine"),
