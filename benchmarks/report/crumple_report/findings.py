@@ -98,6 +98,17 @@ for _question in ("self", "between", "any"):
     FINDINGS[_question] = lambda results, question=_question: contest_table(results, question)
 
 
+@finding
+def published(results):
+    found = [s for name, s in results.sequences().items() if name in ("cloth_on_ball", "funnel")]
+    if not found:
+        return "Crumple and peers here: single frames of the UNC animations that [MZ] measured whole, on this machine."
+    peers = " and ".join(f"{len(s['peer_frames'])} frames of {scene(s['sequence'])}" for s in found)
+    return ("Solid bars are not the same scenes: [MZ] measured UNC's animations, of which few frames are to be had; here are this project's "
+            f"simulations of the same story and about the same size ([scenes](scenes.md)). Crumple is averaged over all frames, peers over "
+            f"{peers}; ratios on the same frames are under [Sequences](#sequences).")
+
+
 def cuda_frames(cuda):
     measured = cuda["scenes"] + cuda.get("growth", {}).get("sizes", [])
     rows = [[scene(row["scene"]), f"{row['triangles']:,}", f"{row['counts']['pairs']:,}", spread(row["device"]),

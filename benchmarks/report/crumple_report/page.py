@@ -36,7 +36,7 @@ SECTIONS = [
     ("### Is there any collision?", ("peers_any", "Bars: time of Crumple and its peers to tell that nothing collides"), "", "any"),
     ("### [MZ] fig. 6", ("published", "Bars: published averages on Cloth on Ball and Funnel beside Crumple and peers on this machine"),
      "Hatched bars are the published averages of [MZ] fig. 6, on the GPUs and processors of their authors (a GeForce GTX 480 for [MZ]), "
-     "some of them for continuous detection. They say what was thought fast when the method was new, not who would win today.", None),
+     "some of them for continuous detection. They say what was thought fast when the method was new, not who would win today.", "published"),
     ("## On a GPU", None, "The cuda backend on meshes that lie on the device, by `scripts/gpu_check.sh`.", "cuda"),
     ("## Every scene", None, "Warm: a detector that has seen the scene. Cold: a new one, in a process that has run before. Peak memory is "
      "the detector's own, the result included.", "scenes"),
