@@ -21,7 +21,7 @@ Scene Subdivision* by D. Mainzer and G. Zachmann.
 {machine}
 
 Each time is a median of calls that took turns with those of the others, in brackets or shaded its quartiles. Only ratios within one \
-run count.
+run count. {again}
 """
 
 # Heading, picture (name without variant, alt text) or None, text that stands before the finding.
@@ -90,6 +90,9 @@ SECTIONS = [
     ("### Fuzziness", ("fuzziness", "Lines: time over the fuzziness t, relative to the default"), "", "fuzziness"),
 ]
 
+# Studies that a block shows, where they are not one of its name.
+STUDIES = {"warm_start": ["sequences"], "stages": ["sequences"], "memory": ["two_clusters"], "cuts": ["clusters", "leaf_size"]}
+
 # Blocks of sections that are left out, not said to be missing, where nothing was measured: most machines have no GPU.
 IF_MEASURED = {"cuda"}
 
@@ -107,6 +110,16 @@ def describe_machine(data):
     rows = [f"{machine['cpu']}, {machine['cpus']} processors, {machine['memory_gib']} GiB, {machine['architecture']}",
             data["compiler"].strip(), f"commit `{data['commit'][:12]}`, {data['date'][:10]}"]
     return " · ".join(rows)
+
+
+def measured_again(data):
+    """Which figures come from a later run. The oldest files do not tell; theirs were put together by hand."""
+    if "measured_again" not in data:
+        return ("Contests and studies that others disturbed were measured again at the same commit, and the quieter run was kept; what is "
+                "still disturbed says so.")
+    if not data["measured_again"]:
+        return "All are from one run."
+    return f"Measured again at the same commit, and the quieter run kept: {', '.join(data['measured_again'])}."
 
 
 def pictures_of(entry, results, drawn):
@@ -139,7 +152,8 @@ def wrapped(text):
 
 
 def page(results):
-    parts = [HEAD.format(file=results.path.name, machine=describe_machine(results.data)).rstrip()]
+    parts = [HEAD.format(file=results.path.name, machine=describe_machine(results.data),
+                         again=measured_again(results.data)).rstrip()]
     for heading, image, text, *block in SECTIONS:
         images = pictures_of(image, results, drawn) if image else []
         body = FINDINGS[block[0]](results) if block and block[0] else ""
@@ -151,4 +165,6 @@ def page(results):
             parts.append("*Not measured in this run.*")
         parts += [picture(*entry) for entry in images]
         parts.append(body)
+        if body:
+            parts.append(results.busy(block[0], STUDIES.get(block[0], [block[0]])))
     return wrapped("\n\n".join(part for part in parts if part)) + "\n"

@@ -34,6 +34,10 @@ PUBLISHED = {
 }
 
 
+# Share of the processors below which a measurement is said to be disturbed.
+QUIET = 0.85
+
+
 def scene(workload):
     return SCENES.get(workload, f"`{workload}`")
 
@@ -90,6 +94,22 @@ class Results:
             if entry["name"] == peer:
                 return entry.get("version", "")
         return ""
+
+    def in_one_process(self, contest):
+        """Whether peers ran in Crumple's own process; those from PyPI, in a later contest, do not."""
+        return self.fastest(contest["question"], "crumple").get(contest["workload"], (None,))[0] is contest
+
+    def busy(self, question=None, studies=()):
+        """A sentence about what was measured while others used the machine, or nothing."""
+        measured = [(contest, ("" if self.in_one_process(contest) else "peers from PyPI, ") + scene(contest["workload"]))
+                    for contest in self.data["contests"] if contest["question"] == question]
+        measured += [(self.data["studies"].get(study, {}), f"`{study}`") for study in studies]
+        every = self.data["machine"]["cpus"]
+        found = [f"{entry['processors_at_hand']:.1f} ({name})" for entry, name in measured
+                 if entry.get("processors_at_hand", every) < QUIET * every]
+        if not found:
+            return ""
+        return f"Busy: {', '.join(found)} of {every} processors were at hand; whoever uses all threads is underrated there."
 
     def sequences(self):
         """Those of the sequences that are long enough to plot, by name."""

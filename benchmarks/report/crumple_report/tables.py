@@ -5,6 +5,9 @@ A block stands between `<!-- figures: NAME -->` and `<!-- end -->`, so that no f
 
 from .results import TOP, Results, digits, scene
 
+# The study of a block, where its name is another.
+STUDIES = {"first call": "first_call", "box overlaps": "cost_per_box_overlap", "pieces": "virtual_subdivision"}
+
 PAGES = [TOP / "README.md", *sorted((TOP / "docs").glob("*.md"))]
 
 
@@ -120,8 +123,14 @@ class Tables(Results):
         return table(["ms", *stages], rows)
 
     def block(self, name):
-        if name.startswith("option "):
-            return self.option(name.removeprefix("option "))
+        """A table, and what disturbed it."""
+        busy = self.busy(name, [STUDIES.get(name, name.removeprefix("option "))])
+        return self.rows_of(name) + (f"\n\n{busy}" if busy else "")
+
+    def rows_of(self, name):
+        kind, *arguments = name.split()
+        if kind in ("option", "pairs"):
+            return getattr(self, kind)(*arguments)
         return {"self": self.self_contest, "between": self.between_contest, "any": self.any_contest,
                 "growth": self.growth, "first call": self.first_call, "simd": self.simd, "stages": self.stages,
                 "box overlaps": self.box_overlaps, "ground": self.ground, "pieces": self.pieces}[name]()
