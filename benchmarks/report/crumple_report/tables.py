@@ -16,6 +16,12 @@ def table(header, rows):
     return "\n".join(lines + ["| " + " | ".join(map(str, row)) + " |" for row in rows])
 
 
+def span(counts):
+    """The least and the greatest, or one of them if they are the same."""
+    low, high = f"{min(counts):,}", f"{max(counts):,}"
+    return low if low == high else f"{low} to {high}"
+
+
 def stage_names():
     """[MZ] figs. 7 and 8 beside ours."""
     return table(["[MZ] figs. 7 and 8", "here"], [
@@ -122,6 +128,19 @@ class Tables(Results):
                 for figure in self.studies["stages"]]
         return table(["ms", *stages], rows)
 
+    def pairs(self, sequence, *frames):
+        """Colliding pairs in some frames of a sequence."""
+        found = next(s for s in self.studies["sequences"] if s["sequence"] == sequence)
+        pairs = dict(zip(found["frames"], found["pairs"]))
+        return table(["frame", *frames], [["pairs", *(f"{pairs[int(frame)]:,}" for frame in frames)]])
+
+    def simulated(self):
+        """Size and length of the sequences that are simulated."""
+        sequences = {s["sequence"]: s for s in self.studies["sequences"]}
+        rows = [[scene(s["sequence"]), len(s["frames"]), span(s["triangles"]), f"{max(s['pairs']):,}"]
+                for s in map(sequences.get, ("cloth_on_ball", "funnel", "cutting"))]
+        return table(["scene", "frames", "triangles", "most colliding pairs"], rows)
+
     def block(self, name):
         """A table, and what disturbed it."""
         busy = self.busy(name, [STUDIES.get(name, name.removeprefix("option "))])
@@ -133,7 +152,8 @@ class Tables(Results):
             return getattr(self, kind)(*arguments)
         return {"self": self.self_contest, "between": self.between_contest, "any": self.any_contest,
                 "growth": self.growth, "first call": self.first_call, "simd": self.simd, "stages": self.stages,
-                "box overlaps": self.box_overlaps, "ground": self.ground, "pieces": self.pieces}[name]()
+                "box overlaps": self.box_overlaps, "ground": self.ground, "pieces": self.pieces,
+                "simulated": self.simulated}[name]()
 
 
 def rewrite(text, tables):
