@@ -3,8 +3,9 @@
 Sentences are written so that they hold whatever the numbers are; the numbers decide which scene is named.
 """
 
-from statistics import mean
+from statistics import mean, median
 
+from .fit import explained, fitted
 from .results import digits, scene
 from .tables import table
 
@@ -190,6 +191,7 @@ def sequences(results):
     if not figures:
         return ""
     rows = []
+    peaks = any("peak_bytes" in kind for s in figures for kind in s["kinds"].values())
     ratios = {"CGAL": [], "Embree": []}
     for s in figures:
         ours = dict(zip(s["frames"], s["kinds"]["warm, all threads"]["milliseconds"]))
@@ -200,19 +202,60 @@ def sequences(results):
             run = s["kinds"][kind]
             rows.append([first, label, "exact pairs, sorted", digits(mean(run["milliseconds"])), spread(run["summary"]),
                          digits(run["summary"]["percentile_99"]), ""])
+            if peaks:
+                rows[-1].append(f"{run['peak_bytes'] / 2**20:.1f}" if "peak_bytes" in run else "")
             first = ""
         for p in s["peers"]:
             ratio = mean(p["milliseconds"]) / ours
             ratios.get(p["name"], []).append(ratio)
             rows.append(["", f"{p['name']}, {p['way']}", p["computes"], digits(mean(p["milliseconds"])),
-                         spread(p["summary"]), digits(p["summary"]["percentile_99"]), f"{ratio:.1f}x"])
+                         spread(p["summary"]), digits(p["summary"]["percentile_99"]), f"{ratio:.1f}x", *[""] * peaks])
     text = table(["sequence", "", "computes", "mean, ms", "median (quartiles), ms", "99th percentile, ms",
-                  "same frames"], rows)
+                  "same frames", *["peak, MiB"] * peaks], rows)
     text += "\n\n*Same frames*: a peer's mean over that of Crumple on all threads, in the frames that the peer answers."
     for name, of_sequences in ratios.items():
         if of_sequences:
             text += f" {name} takes {span(of_sequences)} times as long, {mean(of_sequences):.1f} times on average."
     return text
+
+
+COUNTS = {"interval_tests": "interval tests", "box_overlaps": "box overlaps", "edge_tests": "edge tests",
+          "double_tests": "float64 tests", "exact_tests": "exact tests"}
+
+
+def explained_by_counts(found):
+    """Of sequences with counts of each frame: what their slowest frames have more of, and what no count explains."""
+    rows, shares, above = [], [], []
+    for s in found:
+        warm, times = s["kinds"]["warm"], s["kinds"]["warm"]["milliseconds"]
+        columns = {name: warm["counts"][name] for name in COUNTS if name in warm["counts"]}
+        predicted = fitted(times, [s["triangles"], *columns.values()])
+        shares.append(100 * explained(times, predicted))
+        excess, frame = max((t / p, frame) for t, p, frame in zip(times, predicted, s["frames"]))
+        above.append((excess, f"{scene(s['sequence'])}, frame {frame}"))
+        slowest = times.index(max(times))
+        ratios = [f"{values[slowest] / median(values):.2f}" if median(values) else ""
+                  for values in (times, *map(columns.get, COUNTS))]
+        rows.append([scene(s["sequence"]), s["frames"][slowest], *ratios,
+                     f"{shares[-1]:.1f} %", f"{excess:.2f} (frame {frame})"])
+    return ("The slowest frame of each sequence, beside the median of all its frames; how much of the times' variance a linear function "
+            "of these counts and of the triangles explains; and the frame that takes longest beside what that function predicts.\n\n" +
+            table(["sequence", "slowest frame", "time", *COUNTS.values(), "explained", "longest / predicted"], rows) +
+            f"\n\nCounts explain {span(shares, ' %')} of the variance; no frame takes more than {max(above)[0]:.2f} times what its "
+            f"counts predict ({max(above)[1]}).")
+
+
+@finding
+def stages(results):
+    found = list(results.sequences().values())
+    if not found:
+        return ""
+    sums = [sum(map(sum, warm["stages"].values())) / sum(warm["milliseconds"])
+            for warm in (s["kinds"]["warm"] for s in found)]
+    text = (f"The stages' times add up to {span([100 * share for share in sums], ' %')} of the call's, each a median of its own; the rest "
+            "is spent between stages.")
+    counted = [s for s in found if "counts" in s["kinds"]["warm"]]
+    return f"{text}\n\n{explained_by_counts(counted)}" if counted else text
 
 
 @finding

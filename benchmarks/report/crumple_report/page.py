@@ -47,8 +47,7 @@ SECTIONS = [
      "answer every few frames.", "sequences"),
     ("### Time per frame by stage", ("stages", "Stacked areas: milliseconds of each stage over the frames of {0}, with the number of "
                                      "colliding pairs below"),
-     "[MZ] figs. 7 and 8, on one thread, where the stages' times add up to the call's. Their names map to these:\n\n" + stage_names(),
-     None),
+     "[MZ] figs. 7 and 8, on one thread. Their names map to these:\n\n" + stage_names(), "stages"),
     ("### Warm start", ("warm_start", "Lines: time of subdivide and of the whole call over the frames, for warm, cold and fixed centres"),
      "*Warm* goes on from the centres of the frame before, *cold* starts them anew in each frame with buffers kept, *fixed* keeps those of "
      "the first frame.", "warm_start"),
