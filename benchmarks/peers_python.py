@@ -35,6 +35,14 @@ HOPELESS = 1.5  # times slower than the fastest way of the same name
 LEAST_ROUNDS = 3
 
 
+class Ended(RuntimeError):
+    """A process has ended that should have answered."""
+
+    def __init__(self, process):
+        super().__init__(f"{' '.join(map(str, process.args))} ended with {process.wait()}")
+        self.process = process
+
+
 class Process:
     """Somebody who answers each line by a line of JSON."""
 
@@ -42,13 +50,16 @@ class Process:
         self.process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
 
     def ask(self, request):
-        print(request, file=self.process.stdin, flush=True)
+        try:
+            print(request, file=self.process.stdin, flush=True)
+        except BrokenPipeError:
+            raise Ended(self.process) from None
         return self.answer()
 
     def answer(self):
         line = self.process.stdout.readline()
         if not line:
-            raise RuntimeError(" ".join(map(str, self.process.args)) + " ended")
+            raise Ended(self.process)
         return json.loads(line)
 
     def close(self):
@@ -84,6 +95,24 @@ class Peer:
         return answer["ms"]
 
 
+# Peers that ended instead of answering, and on what: another version may lack what a worker relies on.
+ended = {}
+
+
+def leave_out(name, workload, reason):
+    ended.setdefault(name, f"ended on {workload}")
+    print(f"{name} is left out of {workload}: {reason}", flush=True)
+
+
+def without(reason, contestants, workload):
+    """The contestants without the peer whose process has ended, in all its ways."""
+    name = next(c.name for c in contestants if c.process.process is reason.process)
+    if name == "crumple":
+        raise reason
+    leave_out(name, workload, reason)
+    return [c for c in contestants if c.name != name]
+
+
 @functools.cache
 def peers_here(on_device):
     """Classes by module, of those that are installed; and who is not, with the reason."""
@@ -109,7 +138,7 @@ def describe_peers(on_device):
             "threads": "one or all" if 0 in every else "one",
             "computes": kind.describes,
         }
-    return [*peers.values(), *({"name": name, "left_out": reason} for name, reason in left_out.items())]
+    return [*peers.values(), *({"name": name, "left_out": reason} for name, reason in {**left_out, **ended}.items())]
 
 
 def enter(workload, benchmark, folder, quick, on_device):
@@ -129,8 +158,11 @@ def enter(workload, benchmark, folder, quick, on_device):
             most = getattr(kind, "most_triangles", None)
             if most and (quick or description["triangles"] > most):
                 print(f"{kind.name} is left out of {workload}: too slow")
-            else:
+                continue
+            try:
                 contestants += [Peer(module, kind, label, threads, folder) for label, threads in kind.ways]
+            except Ended as reason:
+                leave_out(kind.name, workload, reason)
     return contestants, description
 
 
@@ -206,10 +238,15 @@ def show(description, entries):
 def contest(workload, benchmark, quick, on_device, rounds, seconds, budget):
     with tempfile.TemporaryDirectory() as folder:
         contestants, description = enter(workload, benchmark, Path(folder), quick, on_device)
-        before = contestants[0].process.ask("processors")
-        race(contestants, rounds, seconds, budget)
-        description["processors_at_hand"] = min(before, contestants[0].process.ask("processors"))
-        entries = judge(contestants)
+        entries = None
+        while entries is None:  # anew without a peer that ends on the way
+            try:
+                before = contestants[0].process.ask("processors")
+                race(contestants, rounds, seconds, budget)
+                description["processors_at_hand"] = min(before, contestants[0].process.ask("processors"))
+                entries = judge(contestants)
+            except Ended as reason:
+                contestants = without(reason, contestants, workload)
         for process in {c.process for c in contestants}:
             process.close()
     show(description, entries)
