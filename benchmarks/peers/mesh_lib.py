@@ -1,4 +1,4 @@
-"""MeshLib (PyPI: meshlib): findSelfCollidingTriangles."""
+"""MeshLib (PyPI: meshlib): findSelfCollidingTriangles, and findCollidingTriangles of two meshes."""
 
 import meshlib.mrmeshnumpy as mrmeshnumpy
 import meshlib.mrmeshpy as mrmeshpy
@@ -12,31 +12,69 @@ class MeshLib:
     a mesh that deforms."""
 
     name, question, computes = "MeshLib", "self", "pairs, float32"
-    package, scalar, describes = "meshlib", "float32", "whole answer for the mesh rounded to float32, touching included"
+    package, scalar = "meshlib", "float32"
+    describes = "whole answer for the mesh rounded to float32; touching is included in one mesh, left out between two"
     ways = [("", 1), ("", 0)]
 
     def __init__(self, folder, way):
-        vertices, triangles = load(folder)
-        self.mesh = mrmeshnumpy.meshFromFacesVerts(np.ascontiguousarray(triangles), np.ascontiguousarray(vertices, np.float32))
-        self.part = mrmeshpy.MeshPart(self.mesh)
-        self.find = mrmeshpy.findSelfCollidingTriangles
+        self.meshes = [self.mesh(*load(folder, which)) for which in self.inputs()]
+        self.parts = [mrmeshpy.MeshPart(mesh) for mesh in self.meshes]
+
+    def inputs(self):
+        return [""]
+
+    @staticmethod
+    def mesh(vertices, triangles):
+        vertices = np.ascontiguousarray(vertices, np.float32)
+        return mrmeshnumpy.meshFromFacesVerts(np.ascontiguousarray(triangles), vertices)
+
+    def find(self):
+        return mrmeshpy.findSelfCollidingTriangles(*self.parts, touchIsIntersection=True)
 
     def call(self):
-        self.mesh.invalidateCaches()
-        return self.find(self.part, touchIsIntersection=True)
+        for mesh in self.meshes:
+            mesh.invalidateCaches()
+        return self.find()
 
     def count(self, answer):
         return answer.size()
 
     def pairs(self, answer):
-        return {tuple(sorted((int(p.aFace.get()), int(p.bFace.get())))) for p in answer}
+        return {tuple(sorted(pair)) for pair in self.numbers(answer)}
+
+    def numbers(self, answer):
+        return ((int(pair.aFace.get()), int(pair.bFace.get())) for pair in answer)
 
 
 class MeshLibTreeBuilt(MeshLib):
     name = "MeshLib, tree built"
 
     def call(self):
-        return self.find(self.part, touchIsIntersection=True)
+        return self.find()
 
 
-WORKERS = [MeshLib, MeshLibTreeBuilt]
+class MeshLibBetween(MeshLib):
+    """findCollidingTriangles. It offers no choice about touching, which it leaves out."""
+
+    question = "between"
+
+    def inputs(self):
+        return ["", "_b"]
+
+    def find(self):
+        return mrmeshpy.findCollidingTriangles(*self.parts)
+
+    def pairs(self, answer):
+        return set(self.numbers(answer))
+
+
+class MeshLibTreesBuilt(MeshLibBetween):
+    """As rigid bodies have them."""
+
+    name = "MeshLib, trees built"
+
+    def call(self):
+        return self.find()
+
+
+WORKERS = [MeshLib, MeshLibTreeBuilt, MeshLibBetween, MeshLibTreesBuilt]

@@ -38,7 +38,7 @@ class Tables(Results):
     def contest(self, question, peers):
         """A row for each workload: crumple's time, then each peer's and its ratio."""
         ours = self.fastest(question, "crumple")
-        theirs = {title: self.fastest(question, name) for name, title in peers.items()}
+        theirs = {title: self.fastest(question, name) for name, title in peers.items() if name in self.peers(question)}
         rows = []
         for workload, (contest, way) in ours.items():
             cells = [scene(workload), f"{contest['triangles']:,}"]
@@ -69,6 +69,7 @@ class Tables(Results):
     def between_contest(self):
         return self.contest("between", {"FCL": self.named("FCL", "FCL 0.7") + ", build and collide",
                                         "FCL, trees built": "FCL, trees built",
+                                        "MeshLib": self.named("MeshLib", "MeshLib 3.1") + ", float32",
                                         "Embree": self.named("Embree", "Embree 3") + ", boxes only"})
 
     def any_contest(self):
