@@ -1,6 +1,9 @@
 """Merges the figures of one benchmark run and says on what machine, by what compiler and from what commit they come.
 
 python merge_results.py BENCHMARK OUT PART ...    parts that are not there are left out
+
+Parts may measure the same twice, because others use the machine, too: the quieter of two contests of the same peers on
+the same workload, or of two runs of a study, is kept, and listed as measured again.
 """
 
 import datetime
@@ -29,6 +32,33 @@ def machine():
     }
 
 
+def contestants(contest):
+    return contest["workload"], contest["question"], frozenset(way["name"] for way in contest["contestants"])
+
+
+def at_hand(figures):
+    return figures.get("processors_at_hand", 0)
+
+
+def merge(result, figures):
+    """Takes over the figures of one part, and of what is there already those that are quieter."""
+    known = {peer["name"] for peer in result["peers"]}
+    result["peers"] += [peer for peer in figures.get("peers", []) if peer["name"] not in known]
+    for contest in figures.get("contests", []):
+        same = [i for i, other in enumerate(result["contests"]) if contestants(other) == contestants(contest)]
+        if not same:
+            result["contests"].append(contest)
+        elif at_hand(contest) > at_hand(result["contests"][same[0]]):
+            result["contests"][same[0]] = contest
+            peers = sorted(contestants(contest)[2] - {"crumple"})
+            result["measured_again"].append(f"{contest['workload']} with {', '.join(peers)}")
+    for name, study in figures.get("studies", {}).items():
+        known = result["studies"].get(name)
+        if known is None or at_hand(study) > at_hand(known):
+            result["studies"][name] = study
+            result["measured_again"] += [] if known is None else [name]
+
+
 def main():
     benchmark, out, *parts = sys.argv[1:]
     top = Path(__file__).resolve().parent.parent
@@ -41,13 +71,11 @@ def main():
         "peers": [],
         "contests": [],
         "studies": {},
+        "measured_again": [],
     }
     for part in map(Path, parts):
         if part.exists():
-            figures = json.loads(part.read_text())
-            result["peers"] += figures.get("peers", [])
-            result["contests"] += figures.get("contests", [])
-            result["studies"].update(figures.get("studies", {}))
+            merge(result, json.loads(part.read_text()))
     Path(out).write_text(json.dumps(result, indent=1) + "\n")
     print(f"\nFigures: {out}")
 
