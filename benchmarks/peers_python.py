@@ -28,7 +28,8 @@ from statistics import median, quantiles
 sys.dont_write_bytecode = True
 PEERS = ["peers.ipc_toolkit", "peers.mesh_lib", "peers.libigl", "peers.true_form", "peers.coal", "peers.warp_boxes"]
 ON_DEVICE = ["peers.warp_boxes"]
-SCENES = ["cloth_ball92", "balls16_18", "227", "ember_016", "ember_260", "ember_406", "bunny_69k", "armadillo_86k"]
+SCENES = ["cloth_ball92", "balls16_18", "227", "Generic_Twin_right", "ember_016", "ember_260", "ember_406", "bunny_69k",
+          "armadillo_86k"]
 PROCEDURAL = ["cloth", "bodies", "between:bodies", "any:shells"]
 QUICK, QUICK_PROCEDURAL = ["227", "ember_406", "bunny_69k"], ["cloth:20000", "between:bodies:20000", "any:shells"]
 HOPELESS = 1.5  # times slower than the fastest way of the same name
@@ -151,18 +152,23 @@ def enter(workload, benchmark, folder, quick, on_device):
         contestants = [Crumple(ours, 0, computes, "cuda")]
     else:
         contestants = [Crumple(ours, threads, computes) for threads in (1, 0)]
+    left_out = description["left_out"] = {}
     for module, kinds in peers_here(on_device)[0].items():
         for kind in kinds:
             if kind.question != description["question"]:
                 continue
             most = getattr(kind, "most_triangles", None)
             if most and (quick or description["triangles"] > most):
-                print(f"{kind.name} is left out of {workload}: too slow")
-                continue
-            try:
-                contestants += [Peer(module, kind, label, threads, folder) for label, threads in kind.ways]
-            except Ended as reason:
-                leave_out(kind.name, workload, reason)
+                left_out[kind.name] = "too slow"
+            elif workload in getattr(kind, "too_much", {}):
+                left_out[kind.name] = kind.too_much[workload]
+            else:
+                try:
+                    contestants += [Peer(module, kind, label, threads, folder) for label, threads in kind.ways]
+                except Ended as reason:
+                    leave_out(kind.name, workload, reason)
+    for name, reason in left_out.items():
+        print(f"{name} is left out of {workload}: {reason}")
     return contestants, description
 
 

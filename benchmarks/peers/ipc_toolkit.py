@@ -14,6 +14,7 @@ class IpcBoxes:
     name, question, computes = "IPC Toolkit LBVH, from Python", "self", "overlapping boxes"
     package, scalar, describes = "ipctk", "float64", "boxes only: pairs of overlapping boxes, neighbours left out"
     ways = [("", 1), ("", 0)]
+    too_much = {"Generic_Twin_right": "millions of overlapping boxes, each a Python object"}
     phase = "LBVH"
 
     def __init__(self, folder, way):
@@ -50,7 +51,7 @@ class IpcBoxesNative(IpcBoxes):
     """The same without the list of Python objects, which takes longer than the search: the C++ member function, which the
     module exports, is called with a std::vector of three pointers."""
 
-    name, pairs = "IPC Toolkit LBVH, C++ only", None
+    name, pairs, too_much = "IPC Toolkit LBVH, C++ only", None, {}
 
     class Vector(ctypes.Structure):
         _fields_ = [("begin", ctypes.c_void_p), ("end", ctypes.c_void_p), ("capacity", ctypes.c_void_p)]

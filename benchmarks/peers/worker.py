@@ -2,8 +2,9 @@
 
 A peer's class has `name`, `question`, `computes` and `ways`, pairs of a label and a number of threads (0: all); for the
 report also `package`, its name on PyPI, `scalar` and `describes`. One that is too slow for large scenes has
-`most_triangles`, and rests in quick runs. It is made from a folder of arrays and such a label. `call` is timed and returns an answer; `count`, its size, and `pairs`, its set,
-are read off the clock.
+`most_triangles`, and rests in quick runs; `too_much` names scenes that are not for it, and why. It is made from a folder
+of arrays and such a label. `call` is timed and returns an answer; `count`, its size, and `pairs`, its set, are read off
+the clock.
 """
 
 import gc

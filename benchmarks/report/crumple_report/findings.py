@@ -92,7 +92,28 @@ def contest_table(results, question):
     if lossy:
         sentences.append("Pairs are missing from the answers of " + ", ".join(lossy) + (
             ", which leave neighbours out." if all("IPC" in name for name in lossy) else "."))
-    return text + "\n\n" + " ".join(sentences)
+    return text + "\n\n" + " ".join([*sentences, *absences(results, question)])
+
+
+def absences(results, question):
+    """Who did not race on which scene, and why."""
+    contests = [contest for contest in results.data["contests"] if contest["question"] == question]
+    sentences = []
+    for contest in contests:
+        by_reason = {}
+        for name, reason in contest.get("left_out", {}).items():
+            by_reason.setdefault(reason, []).append(name)
+        if by_reason:
+            who = "; ".join(f"{', '.join(names)} ({reason})" for reason, names in by_reason.items())
+            sentences.append(f"Left out of {scene(contest['workload'])}: {who}.")
+    elsewhere = {contest["workload"] for contest in contests if not results.in_one_process(contest)}
+    for workload, (contest, _) in results.fastest(question, "crumple").items():
+        boxes = [contest["pairs"] + way["extra"] for way in contest["contestants"]
+                 if "boxes" in way["computes"] and "extra" in way]
+        if elsewhere and boxes and workload not in elsewhere:
+            sentences.append(f"Peers from PyPI did not race on {scene(workload)} in this run: several would return each of its "
+                             f"{max(boxes):,} overlapping boxes as a Python object.")
+    return sentences
 
 
 for _question in ("self", "between", "any"):
