@@ -1,5 +1,6 @@
 // Scenes that move, frame by frame: the time of each stage ([MZ] figs. 7 and 8), what warm centres are worth ([MZ]
-// sec. 4, end), and the 99th percentile, which one frame repeated would flatter.
+// sec. 4, end), the 99th percentile, which one frame repeated would flatter, the counts that explain slow frames, and
+// the most memory that a detector has owned.
 //
 // Several passes over all frames; a frame's time is its median over the passes. The first pass warms up. From the last
 // frame to the first one the scene jumps, as scenes may.
@@ -56,6 +57,13 @@ nlohmann::json counts(const Run& run, std::int64_t Statistics::*member) {
     for (const Statistics& s : run.last) list.push_back(s.*member);
     return list;
 }
+
+/// What makes one frame slower than another.
+constexpr std::pair<const char*, std::int64_t Statistics::*> explaining[]{
+    {"interval_tests", &Statistics::interval_tests}, {"box_overlaps", &Statistics::box_overlaps},
+    {"edge_tests", &Statistics::edge_tests},         {"double_tests", &Statistics::double_tests},
+    {"exact_tests", &Statistics::exact_tests},
+};
 
 std::int64_t most_triangles(const Sequence& sequence) {
     std::int64_t most = 0;
@@ -125,7 +133,8 @@ nlohmann::json follow(const Sequence& sequence, int most, double budget) {
     }
 
     Table table(fmt::format("sequence {}: {} frames, {} passes", sequence.name, frames, passes),
-                {"centres", "median, ms", "quartiles", "99th percentile", "subdivide, ms", "members", "candidates"});
+                {"centres", "median, ms", "quartiles", "99th percentile", "subdivide, ms", "members", "candidates",
+                 "peak, MiB"});
     nlohmann::json row{{"sequence", sequence.name}, {"frames", sequence.numbers}, {"passes", passes}};
     row["triangles"] = counts(runs.front(), &Statistics::triangles);
     row["pairs"] = counts(runs.front(), &Statistics::pairs);
@@ -144,14 +153,20 @@ nlohmann::json follow(const Sequence& sequence, int most, double budget) {
             members += static_cast<double>(s.members) / static_cast<double>(frames);
             candidates += static_cast<double>(s.box_overlaps) / static_cast<double>(frames);
         }
+        std::int64_t peak = 0;
+        for (const Statistics& s : run.last) peak = std::max(peak, s.peak_memory_bytes);
+        if (!kinds[k].forgets) kind["peak_bytes"] = peak;  // else it is that of the larger scenes in between
         const auto subdivide = static_cast<std::size_t>(Stage::subdivide);
         table.row({kinds[k].name, number(all.median), range(all), number(all.percentile_99),
-                   number(over_all(run.stage[subdivide]).median), number(members), number(candidates)});
+                   number(over_all(run.stage[subdivide]).median), number(members), number(candidates),
+                   kinds[k].forgets ? "" : number(static_cast<double>(peak) / 1048576)});
         kind["members"] = members;
         kind["candidates"] = candidates;
         if (kinds[k].options.threads != 1) continue;  // summed over threads, stages would not add up to the total
         for (std::size_t s = 0; s < run.stage.size(); ++s)
             kind["stages"][stage_name(static_cast<Stage>(s))] = medians(run.stage[s]);
+        if (k > 0) continue;
+        for (const auto& [name, member] : explaining) kind["counts"][name] = counts(run, member);
     }
     table.print();
     return row;
