@@ -33,7 +33,7 @@ void print_lists() {
     fmt::print("scenes from files:");
     for (const auto& name : real_scenes()) fmt::print(" {}", name);
     fmt::print("\nprocedural:");
-    for (const auto& name : procedural_scenes()) fmt::print(" {}", name);
+    for (const auto& name : every_procedural_scene()) fmt::print(" {}", name);
     fmt::print("\nsequences:");
     for (const auto& name : sequences()) fmt::print(" {}", name);
     fmt::print("\npeers:");

@@ -120,6 +120,14 @@ std::vector<std::string> procedural_scenes() {
     return {"cloth", "needles", "five_decades", "ground", "fans", "bodies", "between:bodies", "any:shells"};
 }
 
+std::vector<std::string> every_procedural_scene() {
+    std::vector<std::string> names = procedural_scenes();
+    for (const char* name :
+         {"soup", "knots", "lattice", "shells", "cloth_on_ball", "funnel", "cutting", "model:200000", "model:2000000"})
+        names.emplace_back(name);
+    return names;
+}
+
 std::vector<std::string> quick_scenes() {
     if (real_scenes().empty()) return {"cloth:20000", "needles:20000", "between:bodies:20000", "any:shells"};
     return {"cloth_ball92", "227", "ember_406", "bunny_69k"};

@@ -48,8 +48,11 @@ std::filesystem::path data_folder();
 /// Names of the files' workloads; empty if there are no files.
 std::vector<std::string> real_scenes();
 
-/// Names of procedural workloads that cover all questions.
+/// Names of procedural workloads that cover all questions, for races that take minutes a scene.
 std::vector<std::string> procedural_scenes();
+
+/// These, and every other procedural scene at the size that it is made for. Some are simulated at their first use.
+std::vector<std::string> every_procedural_scene();
 
 /// A few small ones of either kind.
 std::vector<std::string> quick_scenes();

@@ -63,7 +63,7 @@ nlohmann::json study_scenes(const StudySettings& settings) {
     if (scenes.empty() && settings.quick) scenes = quick_scenes();
     if (scenes.empty()) {
         scenes = real_scenes();
-        for (const std::string& name : procedural_scenes()) scenes.push_back(name);
+        for (const std::string& name : every_procedural_scene()) scenes.push_back(name);
     }
     nlohmann::json rows = nlohmann::json::array();
     for (const std::string& name : scenes) {
