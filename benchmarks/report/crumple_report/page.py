@@ -40,9 +40,10 @@ SECTIONS = [
     ("## On a GPU", None, "The cuda backend on meshes that lie on the device, by `scripts/gpu_check.sh`.", "cuda"),
     ("## Every scene", None, "Warm: a detector that has seen the scene. Cold: a new one, in a process that has run before. Peak memory is "
      "the detector's own, the result included.", "scenes"),
-    ("## Sequences", ("frames.png", "Rendered frames of the scenes, from a flat sheet to a crumpled one; what collides is red"),
-     "[MZ] fig. 5, on scenes of this project: frames 0, 10, 40, 60 and 93 of the cloth, and frames 0, 125, 200, 375 and 500 of the funnel "
-     "where it is shown. What collides is red.", None),
+    ("## Sequences", ("frames.png", "Rendered frames: above, a cloth that falls on a ball and crumples; below, a cloth that a ball pushes "
+                      "through a funnel; what collides is red"),
+     "[MZ] fig. 5, on this project's simulations: frames 0, 10, 40, 60 and 93 of Cloth on Ball, and frames 0, 125, 200, 375 and 500 of "
+     "Funnel. What collides is red.", None),
     ("", None, "Frame by frame, as in a simulation; every call counts, so the 99th percentile is that of moving scenes. Peers "
      "answer every few frames.", "sequences"),
     ("### Time per frame by stage", ("stages", "Stacked areas: milliseconds of each stage over the frames of {0}, with the number of "
