@@ -62,8 +62,8 @@ SECTIONS = [
     ("## Studies of the method", None, ""),
     ("### Clusters", ("clusters.png", "Rendered models, each coloured by its 2 clusters above and by its 16 clusters below; triangles of several "
                       "clusters are dark"),
-     "[MZ] fig. 3: 2 clusters above, 16 below; triangles that belong to several are dark. The pelvis model of [MZ] is not to be had; tumbling "
-     "bodies stand in for it.", None),
+     "[MZ] fig. 3: 2 clusters above, 16 below; triangles that belong to several are dark. The pelvis model of [MZ] is not to be had; "
+     "what is shown stands in for it.", None),
     ("### The sweep direction", ("sweep_direction", "Drawing: six slanted triangles with their boxes and intervals along x and along the "
                                  "first principal component, where none overlap"),
      "[MZ] fig. 1. The same triangles, once with boxes along x and y, once along the principal components of their centroids.", None),

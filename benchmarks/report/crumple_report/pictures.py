@@ -12,13 +12,13 @@ from pathlib import Path
 
 import numpy as np
 import pyvista
-from PIL import Image
+from PIL import Image, ImageDraw, ImageFont
 
 LARGE, SMALL = (400, 300), (280, 220)
 VIEW, UP = (1.0, -1.6, 0.95), (0, 0, 1)
 COLOURS = ["#4f8fe6", "#f08a3c", "#3fae6b", "#c25bd0", "#c9a227", "#2aa7b8", "#e0566f", "#8d80e8",
            "#7fae3a", "#b5754a", "#5b9aa0", "#d67fb0", "#6f86b0", "#a8963f", "#4aa58c", "#d2694f"]
-OVERLAP, CLOTH, HIT, BALL = "#555b64", "#8fa9c9", "#e5484d", "#b9a37c"
+OVERLAP, CLOTH, HIT, BALL, LABEL = "#555b64", "#8fa9c9", "#e5484d", "#b9a37c", "#7d8590"
 
 
 class Scene:
@@ -105,6 +105,12 @@ def render(scene, colours, size, zoom, box=None):
     return Image.fromarray(image).resize(size, Image.LANCZOS)
 
 
+def labelled(image, text):
+    """With a line of text in its lower left corner."""
+    ImageDraw.Draw(image).text((10, image.height - 24), text, fill=LABEL, font=ImageFont.load_default(15))
+    return image
+
+
 def sheet(rows, path):
     """Rows of pictures of one size, as a PNG of few colours."""
     width, height = rows[0][0].size
@@ -127,21 +133,29 @@ def frames_of(benchmark, name, frames):
     return [Scene(benchmark, f"{name}@{frame}") for frame in frames]
 
 
+def film(scenes, frames, zoom, box=None):
+    """A row of frames with their numbers."""
+    return [labelled(render(scene, by_hit(scene), SMALL, zoom, box), f"frame {frame}")
+            for scene, frame in zip(scenes, frames)]
+
+
 def draw_pictures(folder, benchmark):
     folder.mkdir(parents=True, exist_ok=True)
     known = listed(benchmark)
     cloth = "cloth_on_ball" if "cloth_on_ball" in known else "cloth"
-    models = [(cloth, 60 if cloth == "cloth_on_ball" else 80), ("bodies", 40)]
+    models = [(cloth, 60 if cloth == "cloth_on_ball" else 80), ("bodies", 40), ("model:2000000", 0)]
     if "funnel" in known:
         models.insert(1, ("funnel", 375))
     scenes = [Scene(benchmark, f"{name}@{frame}", (2, 16)) for name, frame in models]
     sheet([[render(scene, by_part(scene.masks[count]), LARGE, 1.15) for scene in scenes] for count in (2, 16)],
           folder / "clusters.png")
 
-    rows = [[render(scene, by_hit(scene), SMALL, 1.2) for scene in frames_of(benchmark, cloth, (0, 10, 40, 60, 93))]]
+    frames = (0, 10, 40, 60, 93)
+    rows = [film(frames_of(benchmark, cloth, frames), frames, 1.2)]
     if "funnel" in known:  # one camera for all frames, because the funnel does not move
-        scenes = frames_of(benchmark, "funnel", (0, 125, 200, 375, 500))
+        frames = (0, 125, 200, 375, 500)
+        scenes = frames_of(benchmark, "funnel", frames)
         boxes = np.array([bounds(scene) for scene in scenes[1:]])
         box = np.column_stack([boxes[:, :, 0].min(0), boxes[:, :, 1].max(0)])
-        rows.append([render(scene, by_hit(scene), SMALL, 1.28, box) for scene in scenes])
+        rows.append(film(scenes, frames, 1.28, box))
     sheet(rows, folder / "frames.png")
