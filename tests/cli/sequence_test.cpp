@@ -47,6 +47,8 @@ TEST_F(Sequence, ComputesContactsAsWell) {
     EXPECT_EQ(outcome.status, 0);
     EXPECT_EQ(lines(outcome.out).size(), 3u);
     EXPECT_TRUE(contains(outcome.err, "contacts                     2  2 in rational numbers")) << outcome.err;
+    EXPECT_EQ(crumple("detect flat.off --contacts -o flat.json").status, 0);
+    EXPECT_TRUE(contains(text_of(file("flat.json").string()), "\"rational_contacts\": 1,"));
 }
 
 TEST_F(Sequence, WritesARowAFrame) {
