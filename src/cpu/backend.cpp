@@ -243,7 +243,8 @@ class CpuBackend final : public BackendBase {
         for (const auto& scratch : scratch_) {
             scratch->members.make_room(static_cast<std::size_t>(largest));
             make_room(largest, between, scratch->sort, scratch->leaf);
-            scratch->narrow.make_room(scratch->leaf.rows, most);
+            scratch->narrow.make_room(scratch->leaf.rows);
+            if (most > 0) scratch->narrow.verdicts.make_room(most);
             scratch->narrow.pairs.reserve(share);
         }
     }

@@ -52,11 +52,10 @@ void decide(const NarrowContext& context, const SortedLeaf& leaf, const Ownershi
 
 }  // namespace
 
-void NarrowScratch::make_room(std::int64_t rows, std::int64_t most) {
+void NarrowScratch::make_room(std::int64_t rows) {
     const auto longest_row = static_cast<std::size_t>(std::min<std::int64_t>(rows, block_stride));
     candidates.column.resize_discard(static_cast<std::size_t>(chunk_columns) + longest_row + 4 * padding);
     candidates.row.resize_discard(candidates.column.size());
-    verdicts.make_room(most);
 }
 
 void sweep_and_narrow(const NarrowContext& context, const SortedLeaf& leaf, const Ownership& ownership, float reach,
@@ -65,7 +64,7 @@ void sweep_and_narrow(const NarrowContext& context, const SortedLeaf& leaf, cons
                               context.query.intersections == Intersections::proper};
     Statistics& statistics = scratch.statistics;
     Candidates& candidates = scratch.candidates;
-    scratch.make_room(leaf.rows, 0);
+    scratch.make_room(leaf.rows);
     for (std::int64_t block = 0; block < leaf.rows; block += block_stride) {
         const std::int64_t block_end = std::min(block + block_stride, leaf.rows) - 1;  // without the dummy
         const auto dummy = static_cast<std::uint16_t>(block_end - block);

@@ -47,8 +47,8 @@ struct NarrowScratch {
 
     std::int64_t most_candidates = 0;  ///< of all chunks so far
 
-    /// Makes room for a leaf with so many rows, and chunks of so many candidates.
-    void make_room(std::int64_t rows, std::int64_t most);
+    /// Makes room for the candidates of a leaf with so many rows.
+    void make_room(std::int64_t rows);
 };
 
 /// Sweeps rows [first, last) of a leaf and appends the colliding pairs that the leaf owns.

@@ -149,13 +149,14 @@ TEST_P(SelfTruth, IsFoundByBruteForce) {
     const SelfCase scene = GetParam();
     const io::TriangleMesh mesh = io::read_mesh(*folder / scene.mesh, {.precision = scene.precision});
     if (mesh.triangle_count() > 20'000) GTEST_SKIP() << "too large";
+    if (backends_for(mesh.triangle_count()).size() > 1) GTEST_SKIP() << "small, so compared in IsFoundByEveryBackend";
     Detector detector = detector_of(tested), reference = detector_of(Backend::reference);
     const Collisions& found = detector.find_self(mesh.view());
     if (found.statistics.box_overlaps > most_overlaps) GTEST_SKIP() << "too many boxes overlap";
     EXPECT_TRUE(same_pairs(reference.find_self(mesh.view()).pairs.span(), found.pairs.span()));
 }
 
-// Another number of parts for each scene, so that all together have nearly all numbers up to 64.
+// Other numbers of parts for each scene: all together have each from 1 to 64.
 TEST_P(SelfTruth, IsTheUnionOfItsParts) {
     const SelfCase scene = GetParam();
     const io::TriangleMesh mesh = io::read_mesh(*folder / scene.mesh, {.precision = scene.precision});
