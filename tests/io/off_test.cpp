@@ -4,25 +4,25 @@ namespace crumple::io::test {
 namespace {
 
 const std::string body = "3 1 3\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
-const TriangleMesh corner{std::vector<double>{0, 0, 0, 1, 0, 0, 0, 1, 0}, {0, 1, 2}, {}};
+const TriangleMesh one_triangle{std::vector<double>{0, 0, 0, 1, 0, 0, 0, 1, 0}, {0, 1, 2}, {}};
 
 TEST(Off, TheHeaderMayBeShortLongOrMissing) {
     for (const char* const header : {"OFF\n", "OFF ", "COFF\n", "NOFF\n", "CNOFF\n", "STOFF\n", "STCNOFF ", "",
                                      "# comment\nOFF\n\n# comment\n", "OFF # comment\n"}) {
         SCOPED_TRACE(header);
-        expect_same(read_bytes(header + body, "a.off"), corner);
+        expect_same(read_bytes(header + body, "a.off"), one_triangle);
     }
 }
 
 TEST(Off, TheCountOfEdgesMayBeMissing) {
-    expect_same(read_bytes("OFF\n3 1\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", "a.off"), corner);
+    expect_same(read_bytes("OFF\n3 1\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", "a.off"), one_triangle);
 }
 
 TEST(Off, ColoursNormalsAndTextureCoordinatesAreSkipped) {
     expect_same(read_bytes("STCNOFF\n3 1 0\n0 0 0 0 0 1 255 0 0 255 .5 .5\n1 0 0 0 0 1\n0 1 0 # corner\n"
                            "3 0 1 2 0.5 0.5 0.5 # face\n",
                            "a.off"),
-                corner);
+                one_triangle);
 }
 
 TEST(Off, PolygonsAreFannedFromTheirFirstCorner) {
