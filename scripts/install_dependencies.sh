@@ -13,7 +13,7 @@ packages=(cmake ninja-build g++ pkg-config
     libcli11-dev libfmt-dev nlohmann-json3-dev libtinygltf-dev libzip-dev)
 for option in "$@"; do
     case $option in
-        --tests) packages+=(libgtest-dev librapidcheck-dev libboost-context-dev) ;;
+        --tests) packages+=(ccache libgtest-dev librapidcheck-dev libboost-context-dev) ;;
         --python) packages+=(python3-dev python3-venv) ;;
         --python-peers) packages+=(libegl1 libgl1 libgomp1 libusb-1.0-0 libx11-6) ;;
         --ci) packages+=(clang clang-format clang-tidy clang-tools) ;;

@@ -4,7 +4,10 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 scripts/install_dependencies.sh --tests
-cmake --preset release >/dev/null
+# The Python package compiles the library once more, with the same flags: ccache remembers.
+export CMAKE_CXX_COMPILER_LAUNCHER=${CMAKE_CXX_COMPILER_LAUNCHER-ccache}
+export CCACHE_DIR=${CCACHE_DIR-$PWD/build/ccache} CCACHE_DEPEND=1
+cmake --preset release -DCRUMPLE_WERROR=ON >/dev/null
 cmake --build --preset release -j "$(nproc)"
 scripts/test_python.sh
 ctest --preset release -j "$(nproc)" "$@"
