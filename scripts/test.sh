@@ -4,9 +4,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 scripts/install_dependencies.sh --tests
-# The Python package compiles the library once more, with the same flags: ccache remembers.
-export CMAKE_CXX_COMPILER_LAUNCHER=${CMAKE_CXX_COMPILER_LAUNCHER-ccache}
-export CCACHE_DIR=${CCACHE_DIR-$PWD/build/ccache} CCACHE_DEPEND=1
+. scripts/ccache.sh
 cmake --preset release -DCRUMPLE_WERROR=ON >/dev/null
 cmake --build --preset release -j "$(nproc)"
 scripts/test_python.sh

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Builds the Python package as pip does, installs it into a virtual environment of its own (build-python/), and runs its
+# Builds the Python package as pip does, installs it into a virtual environment of its own (in build-python/), and runs its
 # tests and examples:
 #   scripts/test_python.sh [--all | --sanitize | --cuda] [pytest's options]
 # --all also installs the packages that it works with (PyVista, Open3D, JAX, Warp, IPC Toolkit, ...: about 3 GB), whose
@@ -15,14 +15,15 @@ case ${1-} in
     --cuda) cuda=1; shift ;;
 esac
 scripts/install_dependencies.sh --python "${all[@]}"
+! command -v ccache >/dev/null || . scripts/ccache.sh
 
 version=$("${PYTHON:-python3}" -c 'import sys; print("%d.%d" % sys.version_info[:2])')
 environment=build-python/venv-$version$sanitize
 python=$environment/bin/python
 [[ -x $python ]] || "${PYTHON:-python3}" -m venv "$environment"
 pip() { "$python" -m pip --disable-pip-version-check --quiet "$@"; }
-"$python" -c 'import hypothesis, meshio, nanobind, pytest, scikit_build_core, trimesh' 2>/dev/null ||
-    pip install 'scikit-build-core>=0.10' 'nanobind>=3' numpy pytest hypothesis trimesh meshio
+"$python" -c 'import hypothesis, meshio, nanobind, pytest, scikit_build_core, trimesh, xdist' 2>/dev/null ||
+    pip install 'scikit-build-core>=0.10' 'nanobind>=3' numpy pytest pytest-xdist hypothesis trimesh meshio
 if ((${#all[@]})); then
     for package in pyvista open3d jax warp-lang mypy pillow ipctk libigl meshlib trueform python-fcl; do
         pip install "$package" || echo "Left out, for pip cannot install it here: $package" >&2
@@ -30,20 +31,20 @@ if ((${#all[@]})); then
 fi
 
 if [[ $cuda ]]; then
-    package=build-python/cuda/package/crumple
-    cmake -G Ninja -S . -B build-python/cuda -DCMAKE_BUILD_TYPE=Release -DCRUMPLE_PYTHON=ON -DCRUMPLE_WERROR=ON -DCRUMPLE_EXAMPLES=OFF \
-        -DPython_EXECUTABLE="$PWD/$python" >/dev/null
-    cmake --build build-python/cuda --target crumple_python -j "$(nproc)"
+    package=build-python-cuda/package/crumple
+    cmake -G Ninja -S . -B build-python-cuda -DCMAKE_BUILD_TYPE=Release -DCRUMPLE_PYTHON=ON -DCRUMPLE_WERROR=ON \
+        -DCRUMPLE_EXAMPLES=OFF -DPython_EXECUTABLE="$PWD/$python" >/dev/null
+    cmake --build build-python-cuda --target crumple_python -j "$(nproc)"
     rm -rf "$package"
     mkdir -p "$package"
-    cp -r python/crumple/. build-python/cuda/python/_core*.so "$package"
+    cp -r python/crumple/. build-python-cuda/python/_core*.so "$package"
     export PYTHONPATH=${package%/*} CRUMPLE_CUDA_ON_CPU=1 PYTHONDONTWRITEBYTECODE=1
-    exec "$python" -m pytest -q python/tests/test_{device,input}.py "$@"
+    exec "$python" -m pytest -q -n "$(nproc)" python/tests/test_{device,input}.py "$@"
 fi
 
 log=build-python/build-$version$sanitize.log
 echo "Building the Python package (the first time takes some minutes)"
-settings=(--config-settings=build-dir="build-python/cmake-$version$sanitize" --config-settings=cmake.args=-GNinja)
+settings=(--config-settings=build-dir="build-python-$version$sanitize" --config-settings=cmake.args=-GNinja)
 if [[ $sanitize ]]; then
     # The interpreter has no AddressSanitizer of its own: tests preload it, and the build, which imports the module to
     # write its stub, goes without. Python's own allocations at its end are no leaks of ours.
@@ -58,7 +59,7 @@ if [[ $sanitize ]]; then
     tests=(python/tests/test_{agreement,input,property,results,threads}.py)
     # libstdc++ beside it, or exceptions are thrown before the sanitizer knows how.
     preload="$(g++ -print-file-name=libasan.so) $(g++ -print-file-name=libstdc++.so)"
-    LD_PRELOAD=$preload ASAN_OPTIONS=detect_leaks=0 "$python" -m pytest -q "${tests[@]}" "$@"
+    LD_PRELOAD=$preload ASAN_OPTIONS=detect_leaks=0 "$python" -m pytest -q -n "$(nproc)" "${tests[@]}" "$@"
 else
-    "$python" -m pytest -q "$@"
+    "$python" -m pytest -q -n "$(nproc)" "$@"
 fi
