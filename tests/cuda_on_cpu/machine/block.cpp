@@ -36,9 +36,8 @@ constexpr unsigned char canary = 0xC5;
 
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
-bool same(const Site& a, const Site& b) {
-    return a.line == b.line && std::strcmp(a.what, b.what) == 0 && std::strcmp(a.file, b.file) == 0;
-}
+bool same(const char* a, const char* b) { return a == b || std::strcmp(a, b) == 0; }
+bool same(const Site& a, const Site& b) { return a.line == b.line && same(a.what, b.what) && same(a.file, b.file); }
 
 }  // namespace
 
@@ -66,6 +65,7 @@ struct Block::Meeting {
 /// A warp's lanes may wait in several meetings at a time, of disjoint masks.
 struct Block::Warp {
     Meeting meetings[warp_size];
+    std::uint32_t open = 0;  // the meetings to which somebody has come
     std::uint32_t exited = 0;
 };
 
@@ -156,7 +156,7 @@ void Block::prepare_lanes(const Kernel& kernel) {
         // Lanes beyond the block's end have, so to say, exited before the start.
         const unsigned present = std::min(size_ - w * warp_size, warp_size);
         warps_[w].exited = present == warp_size ? 0 : ~0u << present;
-        for (Meeting& meeting : warps_[w].meetings) meeting.mask = meeting.arrived = 0;
+        warps_[w].open = 0;
     }
     barrier_->count = 0;
     alive_ = size_;
@@ -267,10 +267,12 @@ void Block::leave() {
     if (barrier_->count)
         fail_in_kernel("exits while others wait for it in %s at %s:%d", barrier_->site.what, barrier_->site.file,
                        barrier_->site.line);
-    for (const Meeting& meeting : warp.meetings)
-        if (meeting.arrived && meeting.mask & bit)
+    for (std::uint32_t open = warp.open; open; open &= open - 1) {
+        const Meeting& meeting = warp.meetings[std::countr_zero(open)];
+        if (meeting.mask & bit)
             fail_in_kernel("exits while others wait for it in %s(0x%08x) at %s:%d", meeting.site.what, meeting.mask,
                            meeting.site.file, meeting.site.line);
+    }
 }
 
 void Block::meet(const Site& site, bool fence, void* contribution, Combine combine, void* context) {
@@ -315,8 +317,8 @@ void Block::check_mask(const Site& site, std::uint32_t mask) const {
 
 Block::Meeting& Block::join(Warp& warp, const Site& site, std::uint32_t mask) const {
     const std::uint32_t bit = 1u << rank_ % warp_size;
-    for (Meeting& meeting : warp.meetings) {
-        if (!meeting.arrived) continue;
+    for (std::uint32_t open = warp.open; open; open &= open - 1) {
+        Meeting& meeting = warp.meetings[std::countr_zero(open)];
         if (meeting.mask == mask && same(meeting.site, site)) return meeting;
         // Lanes that wait for the caller elsewhere may do so, unless the caller is about to wait for them.
         if (meeting.mask & bit && meeting.arrived & mask)
@@ -325,11 +327,12 @@ Block::Meeting& Block::join(Warp& warp, const Site& site, std::uint32_t mask) co
     }
     // A meeting lives where its lowest lane is, so that edges of one group stay apart from those of another; elsewhere
     // if that lane still waits with others. Each waiting lane fills one meeting at most, so one of 32 is free.
-    Meeting* free = &warp.meetings[std::countr_zero(mask)];
-    for (unsigned i = 0; free->arrived; ++i) free = &warp.meetings[i];
-    Meeting& meeting = *free;
+    const std::uint32_t lowest = mask & -mask, free = warp.open & lowest ? ~warp.open & (warp.open + 1) : lowest;
+    warp.open |= free;
+    Meeting& meeting = warp.meetings[std::countr_zero(free)];
     meeting.site = site;
     meeting.mask = mask;
+    meeting.arrived = 0;
     return meeting;
 }
 
@@ -338,7 +341,8 @@ void Block::meet_in_warp(const Site& site, std::uint32_t mask, bool fence, void*
     Lane& me = *lanes_[rank_];
     const unsigned first = rank_ / warp_size * warp_size;
     check_mask(site, mask);
-    Meeting& meeting = join(warps_[rank_ / warp_size], site, mask);
+    Warp& warp = warps_[rank_ / warp_size];
+    Meeting& meeting = join(warp, site, mask);
     me.waits_in = &site;
     me.mask = mask;
     contributions_[rank_] = contribution;
@@ -350,7 +354,7 @@ void Block::meet_in_warp(const Site& site, std::uint32_t mask, bool fence, void*
             const Untracked untracked;
             combine(context, contributions_ + first);
         }
-        meeting.arrived = 0;
+        warp.open &= ~(1u << (&meeting - warp.meetings));
         ++meeting.phase;
         spins_ = 0;
         for (std::uint32_t left = mask; left; left &= left - 1)
