@@ -15,6 +15,7 @@
 #include "agreement/compare.h"
 #include "agreement/hard_soups.h"
 #include "crumple/error.h"
+#include "halves.h"
 #include "scenes/scenes.h"
 
 namespace crumple::test {
@@ -172,28 +173,7 @@ class Agreement : public testing::TestWithParam<std::size_t> {
     MeshView view() const { return scene().view(); }
     /// It takes 20 us for each pair of boxes that overlap.
     bool too_large_for_brute_force() const { return scene().triangle_count() > 1'000; }
-    /// Every other triangle, over the same vertices, and the rest.
-    std::array<MeshView, 2> halves() const {
-        std::array<MeshView, 2> half{view(), view()};
-        for (std::size_t side = 0; side < 2; ++side) {
-            std::vector<std::int32_t>& groups = half_groups_[side];
-            groups.clear();
-            for (std::size_t t = side; t < scene().groups.size(); t += 2) groups.push_back(scene().groups[t]);
-            TriangleView& triangles = half[side].triangles;
-            const auto total = triangles.rows;
-            triangles.rows = (total + 1 - static_cast<std::int64_t>(side)) / 2;
-            triangles.data =
-                static_cast<const char*>(triangles.data) + side * static_cast<std::size_t>(triangles.row_stride);
-            triangles.row_stride *= 2;
-            half[side].groups = groups;
-        }
-        return half;
-    }
-
     Detector reference{{.backend = Backend::reference}};
-
-   private:
-    mutable std::array<std::vector<std::int32_t>, 2> half_groups_;
 };
 
 // Each detector goes through several queries, so that what it keeps from one must not show in the next.
@@ -214,15 +194,15 @@ TEST_P(Agreement, ForEveryQueryUnderEveryOption) {
 
 TEST_P(Agreement, ForOneMeshAgainstAnother) {
     if (too_large_for_brute_force()) GTEST_SKIP() << scene_name();
-    const auto [a, b] = halves();
+    const Halves half(view());
     std::vector<Subject> list = subjects();
     std::size_t turn = 0;
     for (const auto& [name, query] : queries(scene())) {
-        const Collisions& expected = reference.find_between(a, b, query);
+        const Collisions& expected = reference.find_between(half.a, half.b, query);
         for (auto& [options, detector] : share(list, turn++)) {
             SCOPED_TRACE(testing::Message() << scene_name() << ", " << name << ", " << describe(options));
-            EXPECT_TRUE(same_answer(detector.find_between(a, b, query), expected));
-            EXPECT_EQ(detector.has_collision(a, b, query), !expected.pairs.empty());
+            EXPECT_TRUE(same_answer(detector.find_between(half.a, half.b, query), expected));
+            EXPECT_EQ(detector.has_collision(half.a, half.b, query), !expected.pairs.empty());
         }
     }
 }
@@ -260,18 +240,19 @@ TEST_P(Agreement, OfTheUnionOfAnyNumberOfParts) {
     Query query;
     query.contacts = true;
     Union whole, whole_between;
-    const auto [a, b] = halves();
+    const Halves half(view());
     whole.add(parted.find_self(view(), query));
-    whole_between.add(parted.find_between(a, b, query));
+    whole_between.add(parted.find_between(half.a, half.b, query));
     for (const int count : part_counts) {
         SCOPED_TRACE(testing::Message() << scene_name() << ", " << count << " parts");
-        const std::vector<Part> parts = parted.partition(view(), count), between = parted.partition(a, b, count);
+        const std::vector<Part> parts = parted.partition(view(), count),
+                                between = parted.partition(half.a, half.b, count);
         ASSERT_EQ(parts.size(), static_cast<std::size_t>(count));
         Union joined, joined_between, joined_reference;
         // In any order: from the last to the first.
         for (auto part = parts.rbegin(); part != parts.rend(); ++part)
             joined.add(parted.find_self(view(), *part, query));
-        for (const Part& part : between) joined_between.add(parted.find_between(a, b, part, query));
+        for (const Part& part : between) joined_between.add(parted.find_between(half.a, half.b, part, query));
         ASSERT_EQ(difference(whole.list(), joined.list()), "");
         ASSERT_TRUE(whole.pairs == joined.pairs) << "contacts differ";
         ASSERT_EQ(difference(whole_between.list(), joined_between.list()), "");

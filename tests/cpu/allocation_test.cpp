@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <array>
 #include <atomic>
 #include <cstdlib>
 #include <functional>
@@ -11,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "halves.h"
 #include "soups.h"
 
 namespace {
@@ -59,23 +59,13 @@ std::vector<Call> calls() {
     }();
     static const MeshView mesh = sheet.view();
     static const std::vector<GroupPair> excluded{{0, 1}, {2, 2}};
-    static const std::array<MeshView, 2> halves = [] {
-        std::array<MeshView, 2> half{mesh, mesh};
-        const std::int64_t first = mesh.triangles.rows / 2;
-        half[0].triangles.rows = first;
-        half[1].triangles.rows -= first;
-        half[1].triangles.data =
-            static_cast<const char*>(mesh.triangles.data) + static_cast<std::size_t>(first * mesh.triangles.row_stride);
-        half[0].groups = mesh.groups.first(static_cast<std::size_t>(first));
-        half[1].groups = mesh.groups.subspan(static_cast<std::size_t>(first));
-        return half;
-    }();
+    static const test::Halves half(mesh);
     return {
         {"self", [](Detector& d) { d.find_self(mesh); }},
         {"contacts", [](Detector& d) { d.find_self(mesh, {.contacts = true}); }},
         {"welded", [](Detector& d) { d.find_self(mesh, {.weld = true}); }},
         {"groups", [](Detector& d) { d.find_self(mesh, {.excluded_groups = excluded}); }},
-        {"between", [](Detector& d) { d.find_between(halves[0], halves[1]); }},
+        {"between", [](Detector& d) { d.find_between(half.a, half.b); }},
         {"any", [](Detector& d) { d.has_collision(mesh, {.wanted = Wanted::within, .excluded_groups = excluded}); }}};
 }
 
