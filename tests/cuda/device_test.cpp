@@ -2,57 +2,21 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cmath>
 #include <cstdlib>
-#include <functional>
+#include <string>
 #include <vector>
 
 #include "agreement/compare.h"
 #include "agreement/hard_soups.h"
 #include "crumple/error.h"
+#include "cuda/cloth.h"
 #include "cuda/device_mesh.h"
-#include "scenes/scenes.h"
+#include "halves.h"
 
 namespace crumple::test {
 namespace {
-
-io::TriangleMesh cloth(int triangles, int frame = 40) {
-    return scenes::make("cloth", {.triangles = triangles, .frame = frame});
-}
-
-/// Every other triangle of a soup, and the rest, over the same vertices.
-std::array<MeshView, 2> halves(const MeshView& mesh) {
-    std::array<MeshView, 2> half{mesh, mesh};
-    for (std::size_t side = 0; side < 2; ++side) {
-        TriangleView& t = half[side].triangles;
-        t.data = static_cast<const char*>(t.data) + static_cast<std::int64_t>(side) * t.row_stride;
-        t.rows = (mesh.triangles.rows + 1 - static_cast<std::int64_t>(side)) / 2;
-        t.row_stride *= 2;
-        half[side].groups = {};
-    }
-    return half;
-}
-
-testing::AssertionResult shows(const DeviceCollisions& found, const MeshView& a, const MeshView* b,
-                               const Collisions& expected) {
-    const auto same = [](const auto& device, const auto& host, const char* what) {
-        return std::equal(device.begin(), device.end(), host.begin(), host.end())
-                   ? testing::AssertionSuccess()
-                   : testing::AssertionFailure() << what << " differ";
-    };
-    const std::vector<Pair> pairs = to_host(found.pairs, found.pair_count);
-    testing::AssertionResult result = same_pairs(pairs, expected.pairs.span());
-    if (result) result = same(to_host(found.offsets, a.triangles.rows + 1), expected.offsets, "offsets");
-    if (result) result = same(to_host(found.hit, a.triangles.rows), expected.hit, "hit flags");
-    if (result && b) result = same(to_host(found.hit_second, b->triangles.rows), expected.hit_second, "second flags");
-    if (!result || expected.contacts.offsets.empty()) return result;
-    result = same(to_host(found.contact_kinds, found.pair_count), expected.contacts.kinds, "kinds");
-    if (result)
-        result =
-            same(to_host(found.contact_offsets, found.pair_count + 1), expected.contacts.offsets, "contact offsets");
-    if (result)
-        result = same(to_host(found.contact_points, found.contact_point_count), expected.contacts.points, "points");
-    return result;
-}
 
 TEST(CudaDevice, takes_meshes_of_every_layout) {
     for (const NamedMesh& scene : hard_soups()) {
@@ -90,8 +54,8 @@ TEST(CudaDevice, takes_int64_indices_and_strided_vertices) {
 
 TEST(CudaDevice, compares_two_meshes_with_groups_and_parts) {
     const io::TriangleMesh mesh = cloth(800);
-    const auto half = halves(mesh.view());
-    const MeshView &a = half[0], &b = half[1];
+    const Halves half(mesh.view());
+    const MeshView &a = half.a, &b = half.b;
     std::vector<std::int32_t> groups(static_cast<std::size_t>(a.triangles.rows));
     for (std::size_t i = 0; i < groups.size(); ++i) groups[i] = static_cast<std::int32_t>(i % 3);
     MeshView grouped = a;
@@ -119,8 +83,8 @@ TEST(CudaDevice, compares_two_meshes_with_groups_and_parts) {
 TEST(CudaDevice, splits_a_scene_64_ways_and_the_same_triangles_63_ways_between_two_meshes) {
     const io::TriangleMesh mesh = cloth(800);
     const MeshView host = mesh.view();
-    const auto half = halves(host);
-    const DeviceMesh whole(host), a(half[0]), b(half[1]);
+    const Halves half(host);
+    const DeviceMesh whole(host), a(half.a), b(half.b);
     Detector cpu({.backend = Backend::cpu});
     for (const int leaf_size : {3000, 3}) {  // one level and two
         Detector cuda({.backend = Backend::cuda, .clusters = 64, .leaf_size = leaf_size});
@@ -130,15 +94,15 @@ TEST(CudaDevice, splits_a_scene_64_ways_and_the_same_triangles_63_ways_between_t
             EXPECT_TRUE(same_answer(self, cpu.find_self(host)));
             const Collisions& between = cuda.find_between(a.view(), b.view());
             EXPECT_EQ(between.statistics.clusters, 63);
-            EXPECT_TRUE(same_answer(between, cpu.find_between(half[0], half[1])));
+            EXPECT_TRUE(same_answer(between, cpu.find_between(half.a, half.b)));
         }
     }
 }
 
 TEST(CudaDevice, cuts_a_scene_into_the_parts_of_the_host) {
     const io::TriangleMesh mesh = cloth(1501);
-    const auto half = halves(mesh.view());
-    const DeviceMesh device(mesh.view()), device_a(half[0]), device_b(half[1]);
+    const Halves half(mesh.view());
+    const DeviceMesh device(mesh.view()), device_a(half.a), device_b(half.b);
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
     const auto expect_same = [](const std::vector<Part>& found, const std::vector<Part>& expected) {
         ASSERT_EQ(found.size(), expected.size());
@@ -151,7 +115,7 @@ TEST(CudaDevice, cuts_a_scene_into_the_parts_of_the_host) {
     };
     for (const int count : {1, 3, 64}) {
         expect_same(cuda.partition(device.view(), count), cpu.partition(mesh.view(), count));
-        expect_same(cuda.partition(device_a.view(), device_b.view(), count), cpu.partition(half[0], half[1], count));
+        expect_same(cuda.partition(device_a.view(), device_b.view(), count), cpu.partition(half.a, half.b, count));
     }
     expect_same(cuda.partition(DeviceMesh(MeshView()).view(), 2), cpu.partition(MeshView(), 2));
     std::vector<Pair> joined;
@@ -195,143 +159,11 @@ TEST(CudaDevice, names_what_is_wrong_on_the_device) {
     }
 }
 
-TEST(CudaDevice, launches_frames_of_a_simulation) {
-    Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda, .leaf_size = 200});
-    cudaStream_t stream;
-    check(cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking));
-    std::optional<DeviceMesh> device;
-    std::int64_t pairs = 0;
-    for (const int triangles : {600, 1200}) {
-        device.reset();
-        for (int frame = 0; frame < 94; frame += 12) {
-            const io::TriangleMesh mesh = cloth(triangles, frame);
-            if (device)
-                device->set_vertices(mesh.view());
-            else
-                device.emplace(mesh.view());
-            MeshView view = device->view();
-            view.stream = stream;
-            const Query query{.contacts = frame % 24 == 0};
-            cuda.launch_self(view, query);
-            const DeviceCollisions& found = cuda.wait();
-            const Collisions& expected = cpu.find_self(mesh.view(), query);
-            pairs += found.pair_count;
-            ASSERT_TRUE(shows(found, view, nullptr, expected)) << "frame " << frame;
-            ASSERT_TRUE(same_answer(cuda.download(), expected)) << "frame " << frame;
-        }
-    }
-    EXPECT_GT(pairs, 100);
-    check(cudaStreamDestroy(stream));
-}
-
-TEST(CudaDevice, launches_from_two_buffers_in_turn) {
-    const io::TriangleMesh meshes[2] = {cloth(600, 80), cloth(600, 93)};
-    const DeviceMesh buffers[2] = {DeviceMesh(meshes[0].view()), DeviceMesh(meshes[1].view())};
-    Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
-    for (int frame = 0; frame < 6; ++frame) {
-        cuda.launch_self(buffers[frame % 2].view());
-        const MeshView mesh = meshes[frame % 2].view();
-        EXPECT_TRUE(shows(cuda.wait(), mesh, nullptr, cpu.find_self(mesh))) << "frame " << frame;
-    }
-}
-
-TEST(CudaDevice, downloads_only_what_wait_has_found) {
-    const io::TriangleMesh mesh = cloth(300, 93);
-    const DeviceMesh device(mesh.view());
-    Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
-    const std::vector<std::function<void()>> later_calls{
-        [&] { cuda.find_self(mesh.view()); },
-        [&] { cuda.has_collision(device.view()); },
-        [&] { cuda.launch_self(device.view()); },
-        [&] { EXPECT_THROW(cuda.launch_self(mesh.view()), Error); },
-        [&] { EXPECT_THROW(cuda.find_self(device.view(), Part{}), Error); },
-        [&] { EXPECT_THROW(cuda.partition(mesh.view(), 0), Error); },
-    };
-    EXPECT_THROW(cuda.download(), Error);
-    for (const auto& call : later_calls) {
-        cuda.launch_self(device.view());
-        cuda.wait();
-        EXPECT_TRUE(same_answer(cuda.download(), cpu.find_self(mesh.view())));
-        EXPECT_TRUE(same_answer(cuda.download(), cpu.find_self(mesh.view())));
-        call();
-        EXPECT_THROW(cuda.download(), Error);
-    }
-}
-
 TEST(CudaDevice, is_not_blamed_for_errors_of_others) {
     const io::TriangleMesh mesh = cloth(300);
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
     ASSERT_NE(cudaSetDevice(1000), cudaSuccess);  // and nobody asks for the last error
     EXPECT_TRUE(same_answer(cuda.find_self(mesh.view()), cpu.find_self(mesh.view())));
-}
-
-TEST(CudaDevice, launches_between_two_meshes) {
-    const io::TriangleMesh mesh = cloth(700);
-    const auto [a, b] = halves(mesh.view());
-    const DeviceMesh device_a(a), device_b(b);
-    Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
-    for (int repeat = 0; repeat < 3; ++repeat) {
-        cuda.launch_between(device_a.view(), device_b.view());
-        EXPECT_TRUE(shows(cuda.wait(), a, &b, cpu.find_between(a, b)));
-    }
-}
-
-TEST(CudaDevice, forgets_a_launch_that_nobody_waited_for) {
-    const io::TriangleMesh first = cloth(300), second = cloth(500);
-    const DeviceMesh device_first(first.view()), device_second(second.view());
-    Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
-    cuda.launch_self(device_first.view());
-    cuda.launch_self(device_second.view());
-    EXPECT_TRUE(shows(cuda.wait(), second.view(), nullptr, cpu.find_self(second.view())));
-    cuda.launch_self(device_first.view());
-    EXPECT_TRUE(same_answer(cuda.find_self(second.view()), cpu.find_self(second.view())));
-    EXPECT_THROW(cuda.wait(), Error);
-    cuda.launch_self(device_first.view());
-}
-
-TEST(CudaDevice, reports_bad_input_when_waited_for) {
-    io::TriangleMesh mesh = cloth(300);
-    mesh.triangles[5] = 1'000'000;
-    const DeviceMesh bad(mesh.view());
-    Detector cuda({.backend = Backend::cuda});
-    cuda.launch_self(bad.view());
-    EXPECT_THROW(cuda.wait(), Error);
-    const io::TriangleMesh good = cloth(300);
-    const DeviceMesh device(good.view());
-    cuda.launch_self(device.view());
-    EXPECT_EQ(cuda.wait().pair_count, static_cast<std::int64_t>(Detector().find_self(good.view()).pairs.size()));
-}
-
-TEST(CudaDevice, launches_under_any_memory_limit_or_names_one_that_suffices) {
-    const io::TriangleMesh mesh = cloth(600);
-    const DeviceMesh device(mesh.view());
-    const Query query{.contacts = true};
-    Detector cpu({.backend = Backend::cpu});
-    const Collisions& expected = cpu.find_self(mesh.view(), query);
-    const auto shows_all = [&](Detector& cuda) {
-        cuda.launch_self(device.view(), query);
-        EXPECT_TRUE(shows(cuda.wait(), mesh.view(), nullptr, expected));
-        EXPECT_TRUE(same_answer(cuda.download(), expected));
-    };
-    Detector unlimited({.backend = Backend::cuda});
-    shows_all(unlimited);
-    int failures = 0;
-    for (std::int64_t limit = unlimited.find_self(device.view(), query).statistics.peak_memory_bytes; limit > 1'000;
-         limit -= limit / 5) {
-        SCOPED_TRACE(testing::Message() << limit << " bytes");
-        Detector limited({.backend = Backend::cuda, .memory_limit = limit});
-        try {
-            shows_all(limited);
-            shows_all(limited);
-        } catch (const Error& error) {
-            ++failures;
-            ASSERT_EQ(error.code, ErrorCode::memory_limit) << error.what();
-            ASSERT_GT(error.bytes_needed, limit);
-            Detector enough({.backend = Backend::cuda, .memory_limit = error.bytes_needed});
-            EXPECT_NO_THROW(shows_all(enough)) << error.bytes_needed << " bytes do not suffice";
-        }
-    }
-    EXPECT_GT(failures, 2);
 }
 
 TEST(CudaDevice, names_the_triangle_that_names_no_vertex_in_every_call) {

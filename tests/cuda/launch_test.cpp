@@ -1,0 +1,202 @@
+// Calls on the caller's stream whose answers stay on the device. Plain CUDA: the CPU plays the device, or a device is
+// there.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <functional>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "agreement/compare.h"
+#include "crumple/error.h"
+#include "cuda/cloth.h"
+#include "cuda/device_mesh.h"
+#include "halves.h"
+
+namespace crumple::test {
+namespace {
+
+/// Does the device hold the expected answer, all of its arrays?
+testing::AssertionResult shows(const DeviceCollisions& found, const MeshView& a, const MeshView* b,
+                               const Collisions& expected) {
+    const auto same = [](const auto& device, const auto& host, const char* what) {
+        return std::equal(device.begin(), device.end(), host.begin(), host.end())
+                   ? testing::AssertionSuccess()
+                   : testing::AssertionFailure() << what << " differ";
+    };
+    const std::vector<Pair> pairs = to_host(found.pairs, found.pair_count);
+    testing::AssertionResult result = same_pairs(pairs, expected.pairs.span());
+    if (result) result = same(to_host(found.offsets, a.triangles.rows + 1), expected.offsets, "offsets");
+    if (result) result = same(to_host(found.hit, a.triangles.rows), expected.hit, "hit flags");
+    if (result && b) result = same(to_host(found.hit_second, b->triangles.rows), expected.hit_second, "second flags");
+    if (!result || expected.contacts.offsets.empty()) return result;
+    result = same(to_host(found.contact_kinds, found.pair_count), expected.contacts.kinds, "kinds");
+    if (result)
+        result =
+            same(to_host(found.contact_offsets, found.pair_count + 1), expected.contacts.offsets, "contact offsets");
+    if (result)
+        result = same(to_host(found.contact_points, found.contact_point_count), expected.contacts.points, "points");
+    return result;
+}
+
+TEST(CudaLaunch, answers_frames_of_a_simulation) {
+    Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda, .leaf_size = 200});
+    cudaStream_t stream;
+    check(cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking));
+    std::optional<DeviceMesh> device;
+    std::int64_t pairs = 0;
+    for (const int triangles : {600, 1200}) {
+        device.reset();
+        for (int frame = 0; frame < 94; frame += 12) {
+            const io::TriangleMesh mesh = cloth(triangles, frame);
+            if (device)
+                device->set_vertices(mesh.view());
+            else
+                device.emplace(mesh.view());
+            MeshView view = device->view();
+            view.stream = stream;
+            const Query query{.contacts = frame % 24 == 0};
+            cuda.launch_self(view, query);
+            const DeviceCollisions& found = cuda.wait();
+            const Collisions& expected = cpu.find_self(mesh.view(), query);
+            pairs += found.pair_count;
+            ASSERT_TRUE(shows(found, view, nullptr, expected)) << "frame " << frame;
+            ASSERT_TRUE(same_answer(cuda.download(), expected)) << "frame " << frame;
+        }
+    }
+    EXPECT_GT(pairs, 100);
+    check(cudaStreamDestroy(stream));
+}
+
+TEST(CudaLaunch, answers_from_two_buffers_in_turn) {
+    const io::TriangleMesh meshes[2] = {cloth(600, 80), cloth(600, 93)};
+    const DeviceMesh buffers[2] = {DeviceMesh(meshes[0].view()), DeviceMesh(meshes[1].view())};
+    Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
+    for (int frame = 0; frame < 6; ++frame) {
+        cuda.launch_self(buffers[frame % 2].view());
+        const MeshView mesh = meshes[frame % 2].view();
+        EXPECT_TRUE(shows(cuda.wait(), mesh, nullptr, cpu.find_self(mesh))) << "frame " << frame;
+    }
+}
+
+TEST(CudaLaunch, obeys_the_excluded_groups_of_each_query) {
+    io::TriangleMesh mesh = cloth(600, 93);
+    mesh.groups.clear();
+    for (std::int32_t t = 0; t < mesh.triangle_count(); ++t) mesh.groups.push_back(t % 3);
+    const DeviceMesh device(mesh.view());
+    Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
+    const std::array some{GroupPair{0, 1}, GroupPair{2, 2}}, others{GroupPair{1, 2}, GroupPair{0, 0}};
+    const std::array fewer{GroupPair{1, 2}};
+    const std::span<const GroupPair> none, lists[] = {some, some, others, fewer, none, fewer, some};
+    std::vector<std::size_t> counts;
+    for (const auto& excluded : lists) {
+        const Query query{.excluded_groups = excluded};
+        const Collisions& expected = cpu.find_self(mesh.view(), query);
+        counts.push_back(expected.pairs.size());
+        cuda.launch_self(device.view(), query);
+        EXPECT_TRUE(shows(cuda.wait(), mesh.view(), nullptr, expected)) << "list " << counts.size();
+        const Part part = cpu.partition(mesh.view(), 2)[0];  // its data lie beside the list
+        EXPECT_TRUE(same_answer(cuda.find_self(device.view(), part, query), cpu.find_self(mesh.view(), part, query)));
+    }
+    EXPECT_NE(counts[1], counts[2]);
+    EXPECT_LT(counts[2], counts[3]);
+    EXPECT_LT(counts[3], counts[4]);
+}
+
+TEST(CudaLaunch, downloads_only_what_wait_has_found) {
+    const io::TriangleMesh mesh = cloth(300, 93);
+    const DeviceMesh device(mesh.view());
+    Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
+    const std::vector<std::function<void()>> later_calls{
+        [&] { cuda.find_self(mesh.view()); },
+        [&] { cuda.has_collision(device.view()); },
+        [&] { cuda.launch_self(device.view()); },
+        [&] { EXPECT_THROW(cuda.launch_self(mesh.view()), Error); },
+        [&] { EXPECT_THROW(cuda.find_self(device.view(), Part{}), Error); },
+        [&] { EXPECT_THROW(cuda.partition(mesh.view(), 0), Error); },
+    };
+    EXPECT_THROW(cuda.download(), Error);
+    for (const auto& call : later_calls) {
+        cuda.launch_self(device.view());
+        cuda.wait();
+        EXPECT_TRUE(same_answer(cuda.download(), cpu.find_self(mesh.view())));
+        EXPECT_TRUE(same_answer(cuda.download(), cpu.find_self(mesh.view())));
+        call();
+        EXPECT_THROW(cuda.download(), Error);
+    }
+}
+
+TEST(CudaLaunch, answers_between_two_meshes) {
+    const io::TriangleMesh mesh = cloth(700);
+    const Halves half(mesh.view());
+    const DeviceMesh a(half.a), b(half.b);
+    Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
+    for (int repeat = 0; repeat < 3; ++repeat) {
+        cuda.launch_between(a.view(), b.view());
+        EXPECT_TRUE(shows(cuda.wait(), half.a, &half.b, cpu.find_between(half.a, half.b)));
+    }
+}
+
+TEST(CudaLaunch, forgets_a_launch_that_nobody_waited_for) {
+    const io::TriangleMesh first = cloth(300), second = cloth(500);
+    const DeviceMesh device_first(first.view()), device_second(second.view());
+    Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
+    cuda.launch_self(device_first.view());
+    cuda.launch_self(device_second.view());
+    EXPECT_TRUE(shows(cuda.wait(), second.view(), nullptr, cpu.find_self(second.view())));
+    cuda.launch_self(device_first.view());
+    EXPECT_TRUE(same_answer(cuda.find_self(second.view()), cpu.find_self(second.view())));
+    EXPECT_THROW(cuda.wait(), Error);
+    cuda.launch_self(device_first.view());
+}
+
+TEST(CudaLaunch, reports_bad_input_when_waited_for) {
+    io::TriangleMesh mesh = cloth(300);
+    mesh.triangles[5] = 1'000'000;
+    const DeviceMesh bad(mesh.view());
+    Detector cuda({.backend = Backend::cuda});
+    cuda.launch_self(bad.view());
+    EXPECT_THROW(cuda.wait(), Error);
+    const io::TriangleMesh good = cloth(300);
+    const DeviceMesh device(good.view());
+    cuda.launch_self(device.view());
+    EXPECT_EQ(cuda.wait().pair_count, static_cast<std::int64_t>(Detector().find_self(good.view()).pairs.size()));
+}
+
+TEST(CudaLaunch, answers_under_any_memory_limit_or_names_one_that_suffices) {
+    const io::TriangleMesh mesh = cloth(600);
+    const DeviceMesh device(mesh.view());
+    const Query query{.contacts = true};
+    Detector cpu({.backend = Backend::cpu});
+    const Collisions& expected = cpu.find_self(mesh.view(), query);
+    const auto shows_all = [&](Detector& cuda) {
+        cuda.launch_self(device.view(), query);
+        EXPECT_TRUE(shows(cuda.wait(), mesh.view(), nullptr, expected));
+        EXPECT_TRUE(same_answer(cuda.download(), expected));
+    };
+    Detector unlimited({.backend = Backend::cuda});
+    shows_all(unlimited);
+    int failures = 0;
+    for (std::int64_t limit = unlimited.find_self(device.view(), query).statistics.peak_memory_bytes; limit > 1'000;
+         limit -= limit / 5) {
+        SCOPED_TRACE(testing::Message() << limit << " bytes");
+        Detector limited({.backend = Backend::cuda, .memory_limit = limit});
+        try {
+            shows_all(limited);
+            shows_all(limited);
+        } catch (const Error& error) {
+            ++failures;
+            ASSERT_EQ(error.code, ErrorCode::memory_limit) << error.what();
+            ASSERT_GT(error.bytes_needed, limit);
+            Detector enough({.backend = Backend::cuda, .memory_limit = error.bytes_needed});
+            EXPECT_NO_THROW(shows_all(enough)) << error.bytes_needed << " bytes do not suffice";
+        }
+    }
+    EXPECT_GT(failures, 2);
+}
+
+}  // namespace
+}  // namespace crumple::test
