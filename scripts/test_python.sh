@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Builds the Python package as pip does, installs it into a virtual environment of its own (in build-python/), and runs its
+# Builds the Python package as pip does, installs it into a virtual environment of its own (build-python/), and runs its
 # tests and examples:
 #   scripts/test_python.sh [--all | --sanitize | --cuda] [pytest's options]
 # --all also installs the packages that it works with (PyVista, Open3D, JAX, Warp, IPC Toolkit, ...: about 3 GB), whose
