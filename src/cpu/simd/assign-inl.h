@@ -18,7 +18,7 @@
 #include <cmath>
 #include <limits>
 
-#include "cpu/simd/common-inl.h"
+#include "cpu/simd/compress-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace crumple::cpu {

@@ -20,7 +20,7 @@
 #define CRUMPLE_CPU_SIMD_CLASSIFY_INL_H_
 #endif
 
-#include "cpu/simd/common-inl.h"
+#include "cpu/simd/compress-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace crumple::cpu {

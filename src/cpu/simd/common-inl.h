@@ -12,7 +12,6 @@
 #include <cstring>
 
 #include "cpu/kernels.h"
-#include "cpu/simd/compress_tables.h"
 #include "hwy/highway.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -26,47 +25,6 @@ HWY_INLINE std::uint64_t bits_of(D d, M mask) {
     std::uint64_t bits = 0;
     hn::StoreMaskBits(d, mask, reinterpret_cast<std::uint8_t*>(&bits));
     return bits;
-}
-
-/// Writes the lanes that `mask` selects, packed, to `out`, and up to a full vector of rubbish behind them; returns
-/// their number. AVX-512 compresses a register and stores it whole (compress to memory is slow on some processors). The
-/// others look up a byte shuffle by the mask's bits, 128 bits at a time; Highway's own tables are copied to the stack
-/// there by g++ 12, at each call.
-template <class D, class V, class M>
-HWY_INLINE std::size_t compress_to(D d, V v, M mask, hn::TFromD<D>* HWY_RESTRICT out) {
-    using T = hn::TFromD<D>;
-#if HWY_TARGET <= HWY_AVX3
-    if constexpr (HWY_TARGET == HWY_AVX3_DL || sizeof(T) >= 4) {
-        hn::StoreU(hn::Compress(v, mask), d, out);
-        return hn::CountTrue(d, mask);
-    } else {
-        return hn::CompressStore(v, mask, d, out);
-    }
-#else
-    constexpr std::size_t lanes = 16 / sizeof(T);
-    const hn::FixedTag<T, lanes> block;
-    const hn::Repartition<std::uint8_t, decltype(block)> bytes;
-    const std::uint64_t bits = bits_of(d, mask);
-    std::size_t count = 0;
-    const auto store = [&](auto part, std::uint64_t part_bits) {
-        const std::uint8_t* order;
-        if constexpr (sizeof(T) == 2)
-            order = compress_shuffles_16[part_bits & 255];
-        else
-            order = compress_shuffles_32[part_bits & 15];
-        const auto packed = hn::TableLookupBytes(hn::BitCast(bytes, part), hn::Load(bytes, order));
-        hn::StoreU(hn::BitCast(block, packed), block, out + count);
-        count += static_cast<std::size_t>(__builtin_popcountll(part_bits & ((1u << lanes) - 1)));
-    };
-    if constexpr (hn::MaxLanes(D()) == lanes) {
-        store(v, bits);
-    } else {
-        static_assert(hn::MaxLanes(D()) == 2 * lanes);
-        store(hn::LowerHalf(block, v), bits);
-        store(hn::UpperHalf(block, v), bits >> lanes);
-    }
-    return count;
-#endif
 }
 
 /// Repeats a list's last pair for a vector's length behind its end, so that no lane reads what was not written.

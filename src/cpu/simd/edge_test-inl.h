@@ -15,7 +15,7 @@
 #define CRUMPLE_CPU_SIMD_EDGE_TEST_INL_H_
 #endif
 
-#include "cpu/simd/common-inl.h"
+#include "cpu/simd/compress-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace crumple::cpu {

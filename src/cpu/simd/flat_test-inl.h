@@ -12,7 +12,7 @@
 #define CRUMPLE_CPU_SIMD_FLAT_TEST_INL_H_
 #endif
 
-#include "cpu/simd/common-inl.h"
+#include "cpu/simd/compress-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace crumple::cpu {

@@ -12,7 +12,7 @@
 
 #include <algorithm>
 
-#include "cpu/simd/common-inl.h"
+#include "cpu/simd/compress-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace crumple::cpu {
