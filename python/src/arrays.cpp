@@ -68,8 +68,8 @@ BorrowedArray import_array(nb::handle object, bool (*accepted)(const BorrowedArr
     BorrowedArray array;
     if (array.borrow(object) && accepted(array)) return array;
     const nb::object converted = nb::module_::import_("crumple._arrays").attr(converter)(object, which);
-    BorrowedArray again;
-    if (again.borrow(converted) && accepted(again)) return again;
+    array = BorrowedArray();
+    if (array.borrow(converted) && accepted(array)) return array;
     throw std::logic_error(std::string("crumple._arrays.") + converter + " gave an array of another kind");
 }
 
