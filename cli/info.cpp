@@ -29,7 +29,7 @@ std::string some(const std::vector<std::int32_t>& triangles) {
 
 std::int64_t count_unused_vertices(const io::TriangleMesh& mesh) {
     std::vector<bool> used(static_cast<std::size_t>(mesh.vertex_count()));
-    for (const std::int32_t corner : mesh.triangles) used[corner] = true;
+    for (const std::int32_t corner : mesh.triangles) used[static_cast<std::size_t>(corner)] = true;
     return std::count(used.begin(), used.end(), false);
 }
 

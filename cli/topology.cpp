@@ -42,8 +42,9 @@ bool is_degenerate(const Triangle& triangle) {
 
 std::int32_t label_components(const io::TriangleMesh& mesh, std::vector<std::int32_t>& labels) {
     // Disjoint sets of vertices, each named by its lowest.
-    std::vector<std::int32_t> parent(static_cast<std::size_t>(mesh.vertex_count()));
-    std::iota(parent.begin(), parent.end(), 0);
+    std::vector<std::int32_t> sets(static_cast<std::size_t>(mesh.vertex_count()));
+    std::iota(sets.begin(), sets.end(), 0);
+    std::int32_t* const parent = sets.data();
     const auto root = [&](std::int32_t v) {
         while (parent[v] != v) v = parent[v] = parent[parent[v]];
         return v;
@@ -55,13 +56,13 @@ std::int32_t label_components(const io::TriangleMesh& mesh, std::vector<std::int
             parent[std::max(p, q)] = std::min(p, q);
         }
     }
-    std::vector<std::int32_t> number(parent.size(), -1);
+    std::vector<std::int32_t> number(sets.size(), -1);
     std::int32_t count = 0;
     labels.resize(static_cast<std::size_t>(mesh.triangle_count()));
     for (std::int64_t t = 0; t < mesh.triangle_count(); ++t) {
-        std::int32_t& label = number[root(*corners_of(mesh, t))];
+        std::int32_t& label = number[static_cast<std::size_t>(root(*corners_of(mesh, t)))];
         if (label < 0) label = count++;
-        labels[t] = label;
+        labels[static_cast<std::size_t>(t)] = label;
     }
     return count;
 }

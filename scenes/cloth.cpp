@@ -35,7 +35,7 @@ struct Sheet {
     std::vector<std::array<double, 2>> flat;  // (u, v) of each vertex
     std::vector<Vec3d> draped;
 
-    std::size_t index(int i, int j) const { return static_cast<std::size_t>(j) * (cells + 1) + i; }
+    std::size_t index(int i, int j) const { return static_cast<std::size_t>(j * (cells + 1) + i); }
     Vec3d at(int i, int j) const { return draped[index(std::clamp(i, 0, cells), std::clamp(j, 0, cells))]; }
 };
 
@@ -69,7 +69,9 @@ Vec3d wrinkled(const Sheet& sheet, int i, int j, double folded, std::uint64_t se
     const double phase = belt_wrinkles * angle(v, u) + 0.1 * noise(seed + 2, u / (wander * h), v / (wander * h));
     const double unit = strength * wavelength * h / (2 * pi);
 
-    const auto dent = [&](int axis) { return noise(seed + 3 + axis, u / (crumple_size * h), v / (crumple_size * h)); };
+    const auto dent = [&](std::uint64_t axis) {
+        return noise(seed + 3 + axis, u / (crumple_size * h), v / (crumple_size * h));
+    };
     const Vec3d free = sheet.at(i, j) + (unit * rise * (1 - cosine(phase))) * normal +
                        (unit * swing * sine(2 * phase)) * across +
                        (strength * crumple * h) * Vec3d{dent(0), dent(1), dent(2)};

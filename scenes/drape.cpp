@@ -36,7 +36,7 @@ Drape::Drape(double folded, double clearance, std::uint64_t seed) : stations_(st
         for (int k = 0; k < 20; ++k) {  // Newton: J0' = -J1
             w = std::clamp(w + (bessel(0, w) - shortening) / std::max(0.2, bessel(1, w)), 0.0, 2.2);
         }
-        stations_[i] = {radius, height, slope, bessel(1, w), bessel(2, w)};
+        stations_[static_cast<std::size_t>(i)] = {radius, height, slope, bessel(1, w), bessel(2, w)};
         if (height - floor < bend * (1 - cosine(slope))) {
             slope = std::max(0.0, slope - turn / bend);
         } else if (slope < contact * folded) {
@@ -50,10 +50,10 @@ Drape::Drape(double folded, double clearance, std::uint64_t seed) : stations_(st
 Drape::Station Drape::at(double distance) const {
     const double x = distance / reach * steps;
     const int i = std::min(static_cast<int>(x), steps - 1);
-    const Station &a = stations_[i], &b = stations_[i + 1];
+    const Station *const a = &stations_[static_cast<std::size_t>(i)], *const b = a + 1;
     const auto blend = [&](double p, double q) { return p + (x - i) * (q - p); };
-    return {blend(a.radius, b.radius), blend(a.height, b.height), blend(a.slope, b.slope), blend(a.rise, b.rise),
-            blend(a.swing, b.swing)};
+    return {blend(a->radius, b->radius), blend(a->height, b->height), blend(a->slope, b->slope),
+            blend(a->rise, b->rise), blend(a->swing, b->swing)};
 }
 
 Vec3d Drape::operator()(double u, double v) const {

@@ -29,7 +29,8 @@ class Cell {
         for (int i = 0; i < cell_triangles; ++i) triangle({pick(points), pick(points), random_point()});
     }
     void stack() {
-        const int axis = random_.integer(3), height = random_.integer(cell_width + 1);
+        const auto axis = static_cast<std::size_t>(random_.integer(3));
+        const int height = random_.integer(cell_width + 1);
         for (int i = 0; i < cell_triangles; ++i) {
             const auto in_plane = [&] {
                 std::array<int, 3> p{coordinate(), coordinate(), coordinate()};
@@ -79,11 +80,13 @@ class Cell {
         const int x = coordinate(), y = coordinate();
         return vertex({x, y, coordinate()});
     }
-    std::int32_t pick(const std::array<std::int32_t, 9>& points) { return points[random_.integer(9)]; }
+    std::int32_t pick(const std::array<std::int32_t, 9>& points) {
+        return points[static_cast<std::size_t>(random_.integer(9))];
+    }
     std::int32_t vertex(std::array<int, 3> p) {
         auto& vertices = std::get<std::vector<double>>(mesh_.vertices);
         const auto index = static_cast<std::int32_t>(vertices.size() / 3);
-        for (int k = 0; k < 3; ++k) vertices.push_back(origin + cell_width * corner_[k] + p[k]);
+        for (std::size_t k = 0; k < 3; ++k) vertices.push_back(origin + cell_width * corner_[k] + p[k]);
         return index;
     }
     void triangle(std::array<std::int32_t, 3> corners) {

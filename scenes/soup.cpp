@@ -95,11 +95,11 @@ void add_icosphere(Soup& soup, int cuts, const Pose& pose) {
             const std::array<int, 3> weights{cuts - i - j, i, j};
             std::array<int, 3> key{};
             Vec3d p;
-            for (int k = 0; k < 3; ++k) {
-                for (int axis = 0; axis < 3; ++axis) {
-                    const int c = corners[face[k]][axis];
+            for (std::size_t k = 0; k < 3; ++k) {
+                for (std::size_t axis = 0; axis < 3; ++axis) {
+                    const int c = corners[static_cast<std::size_t>(face[k])][axis];
                     key[axis] += weights[k] * c;
-                    p[axis] += weights[k] * (c == 2 ? golden : c == -2 ? -golden : c);
+                    p[static_cast<int>(axis)] += weights[k] * (c == 2 ? golden : c == -2 ? -golden : c);
                 }
             }
             return lattice(soup, key[0], key[1], key[2], [&] { return pose(normalised(p)); });
@@ -115,14 +115,14 @@ void add_icosphere(Soup& soup, int cuts, const Pose& pose) {
 
 void add_box(Soup& soup, int cuts, Vec3d half, const Pose& pose) {
     Lattice lattice;
-    for (int axis = 0; axis < 3; ++axis) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
         for (int side = 0; side <= cuts; side += cuts) {
-            const int u = (axis + (side ? 1 : 2)) % 3, v = 3 - axis - u;  // so that faces look outwards
+            const std::size_t u = (axis + (side ? 1 : 2)) % 3, v = 3 - axis - u;  // so that faces look outwards
             const auto vertex = [&](int i, int j) {
                 std::array<int, 3> key{};
                 key[axis] = side, key[u] = i, key[v] = j;
                 return lattice(soup, key[0], key[1], key[2], [&] {
-                    const auto at = [&](int k) { return (2.0 * key[k] / cuts - 1) * half[k]; };
+                    const auto at = [&](int k) { return (2.0 * key.data()[k] / cuts - 1) * half[k]; };
                     return pose({at(0), at(1), at(2)});
                 });
             };
@@ -145,7 +145,9 @@ void add_torus(Soup& soup, int around, int across, double tube, const Pose& pose
             vertices.push_back(soup.vertex(pose({radius * cosine(u), radius * sine(u), tube * sine(v)})));
         }
     }
-    const auto vertex = [&](int i, int j) { return vertices[i % around * across + j % across]; };
+    const auto vertex = [&](int i, int j) {
+        return vertices[static_cast<std::size_t>(i % around * across + j % across)];
+    };
     for (int i = 0; i < around; ++i) {
         for (int j = 0; j < across; ++j) {
             soup.triangle({vertex(i, j), vertex(i + 1, j), vertex(i + 1, j + 1)});

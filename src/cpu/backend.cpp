@@ -324,7 +324,7 @@ class CpuBackend final : public BackendBase {
     }
 
     void add_counts(const Statistics& other) {
-        for (int s = 0; s < stage_count; ++s) statistics_.stage_milliseconds[s] += other.stage_milliseconds[s];
+        for (std::size_t s = 0; s < stage_count; ++s) statistics_.stage_milliseconds[s] += other.stage_milliseconds[s];
         statistics_.interval_tests += other.interval_tests;
         statistics_.box_overlaps += other.box_overlaps;
         statistics_.edge_tests += other.edge_tests;

@@ -1,7 +1,6 @@
 #include "cpu/output.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <utility>
 
@@ -19,8 +18,8 @@ int bucket_bits_for(std::int32_t triangles) {
 
 // One stable pass of a counting sort by `bits` bits of the second triangle, from bit `shift` on.
 void sort_by_digit(const Pair* in, std::int64_t count, int shift, int bits, Pair* out) {
-    std::array<std::int64_t, 1 << most_digit_bits> next;
-    std::fill_n(next.begin(), 1 << bits, 0);
+    std::int64_t next[1 << most_digit_bits];
+    std::fill_n(next, 1 << bits, 0);
     const std::int32_t mask = (1 << bits) - 1;
     for (std::int64_t i = 0; i < count; ++i) ++next[in[i].b >> shift & mask];
     std::int64_t sum = 0;
@@ -42,8 +41,8 @@ void sort_bucket(Pair* pairs, std::int64_t count, std::int32_t first, std::int32
         sort_by_digit(pairs, count, shift, bits, out);
         sort_by_digit(out, count, shift + bits, bits, pairs);
     }
-    std::array<std::int64_t, (1 << most_bucket_bits) + 1> next;
-    std::fill_n(next.begin(), last - first + 1, 0);
+    std::int64_t next[(1 << most_bucket_bits) + 1];
+    std::fill_n(next, last - first + 1, 0);
     for (std::int64_t i = 0; i < count; ++i) ++next[pairs[i].a - first + 1];
     for (std::int32_t k = 0; k < last - first; ++k) {
         result.offsets[first + k] = begin + next[k];
@@ -111,7 +110,8 @@ void write_output(const Scene& scene, Workers& workers, std::span<const Array<Pa
             scratch.bucketed[next[pair.a >> bucket_bits]++] = {pair.a, pair.b - second};
     });
     result.offsets[static_cast<std::size_t>(n)] = total;
-    const int second_bits = std::bit_width(static_cast<std::uint32_t>(scene.triangles[scene.between ? 1 : 0]));
+    const auto second_bits = static_cast<int>(
+        std::bit_width(static_cast<std::uint32_t>(scene.between ? scene.triangles[1] : scene.triangles[0])));
     // Flags are a task of their own: one thread writes them all, while the others sort.
     workers.parallel_for(buckets + 1, [&](std::size_t task, std::size_t) {
         if (task == 0) {

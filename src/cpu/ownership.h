@@ -87,7 +87,7 @@ class Ownership {
                 if (count_ > 0 && group == ids_[last_]) continue;
                 last_ = find(group);
                 if (last_ < count_) continue;
-                if (count_ == lanes) {
+                if (count_ == static_cast<std::size_t>(lanes)) {
                     count_ = 0;
                     return;
                 }
@@ -100,11 +100,11 @@ class Ownership {
         }
 
        private:
-        int find(std::int32_t group) const {
-            return static_cast<int>(std::find(ids_.begin(), ids_.begin() + count_, group) - ids_.begin());
+        std::size_t find(std::int32_t group) const {
+            return static_cast<std::size_t>(std::find(ids_.data(), ids_.data() + count_, group) - ids_.data());
         }
         std::array<std::int32_t, 16> ids_{};
-        int count_ = 0, last_ = 0;
+        std::size_t count_ = 0, last_ = 0;
     };
 
     static constexpr int levels = 3;  // parts, first and second level of subdivision

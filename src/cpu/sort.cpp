@@ -1,7 +1,6 @@
 #include "cpu/sort.h"
 
 #include <algorithm>
-#include <array>
 #include <cstring>
 #include <limits>
 
@@ -28,11 +27,11 @@ void write_dummy(SortScratch& scratch, SortedLeaf& s, std::int64_t row) {
 
 int bin(std::uint16_t x) { return x >> bin_shift; }
 
-using BinStarts = std::array<std::int32_t, bins + 1>;
+using BinStarts = std::int32_t[bins + 1];
 
 // Where each bin of the members [first, last) starts.
 void count_bins(const QuantisedCorner* low, std::int64_t first, std::int64_t last, BinStarts& start) {
-    start.fill(0);
+    std::fill_n(start, bins + 1, 0);
     for (std::int64_t i = first; i < last; ++i) ++start[bin(low[i].x) + 1];
     start[0] = static_cast<std::int32_t>(first);
     for (int b = 0; b < bins; ++b) start[b + 1] += start[b];
@@ -46,10 +45,10 @@ std::int64_t place(const LeafMembers& in, int side, const BinStarts& own, const 
                    SortedLeaf& s) {
     const QuantisedCorner *low = scratch.low.data(), *high = scratch.high.data();
     const auto row_of = [](std::int32_t j) { return static_cast<std::int32_t>(one_block ? j : physical(j)); };
-    std::array<std::int32_t, bins> next;
-    std::copy_n(own.begin(), bins, next.begin());
+    std::int32_t next[bins];
+    std::copy_n(own, bins, next);
     std::int64_t work = 0;
-    for (std::int64_t i = own.front(); i < own.back(); ++i) {
+    for (std::int64_t i = own[0]; i < own[bins]; ++i) {
         const int first_bin = bin(low[i].x), last_bin = bin(high[i].x);
         const std::int32_t row = row_of(next[first_bin]++);
         std::int32_t begin = row + 1;

@@ -88,8 +88,8 @@ std::int64_t assign_all(const Array<Ball>& balls, std::int64_t n, const std::uin
 // in the cache, and by comparing lanes: a loop over a mask's bits would end where nobody can foresee it.
 void list_children(std::int64_t begin, std::int64_t end, int children, const std::int64_t* sizes,
                    const Kernels& kernels, const Array<std::uint64_t>& mask, Array<std::int32_t>& list) {
-    std::array<std::int64_t, max_clusters> next;
-    std::exclusive_scan(sizes, sizes + children, next.begin(), std::int64_t{0});
+    std::int64_t next[max_clusters];
+    std::exclusive_scan(sizes, sizes + children, next, std::int64_t{0});
     list.resize_discard(static_cast<std::size_t>(std::accumulate(sizes, sizes + children, std::int64_t{0})));
     std::array<std::int32_t, chunk + padding> some;
     for (std::int64_t m = begin; m < end; m += chunk) {
@@ -122,11 +122,11 @@ int split_cluster(int cluster, const Array<Ball>& balls, const Options& options,
     if (first) start_centres(count, samples, point, centres);
     fuzzy_c_means(samples, point, fuzzy(options, first), centres);
     sizes.fill(0);
-    std::array<Ball, chunk> gathered;
+    Ball gathered[chunk];
     for (std::int64_t m = begin; m < begin + members; m += chunk) {
         const std::int64_t n = std::min(chunk, begin + members - m);
         for (std::int64_t i = 0; i < n; ++i) gathered[i] = balls[s.id[m + i]];
-        kernels.assign(gathered.data(), n, centres, s.mask2.data() + m, sizes.data());
+        kernels.assign(gathered, n, centres, s.mask2.data() + m, sizes.data());
     }
     const std::int64_t total = std::accumulate(sizes.begin(), sizes.end(), std::int64_t{0});
     if (!pays(total, members, count)) return 0;

@@ -100,12 +100,12 @@ void copy(cudaStream_t stream, T* to, const T* from, std::size_t n) {
     CRUMPLE_CUDA(cudaStreamSynchronize(stream));  // the host's arrays need not last
 }
 
-std::size_t bytes_of(const Scene& scene, int side) {
+std::size_t bytes_of(const Scene& scene, std::size_t side) {
     return 3 * static_cast<std::size_t>(scene.vertices[side]) * scene.reader[side].scalar_bytes();
 }
 
 // The vertices of one mesh, row by row without gaps.
-const std::byte* pack(const Scene& scene, int side, Array<std::byte>& packed) {
+const std::byte* pack(const Scene& scene, std::size_t side, Array<std::byte>& packed) {
     const VertexReader& reader = scene.reader[side];
     if (reader.contiguous()) return reader.data;
     const std::size_t size = reader.scalar_bytes();
@@ -131,7 +131,7 @@ void Input::bring(const Scene& host) {
     const auto triangles = static_cast<std::size_t>(host.triangle_count());
     lay_out(block_, [&](Cutter& c) {
         box_ = c.take<SceneBox>(1);
-        for (int side = 0; side < 2; ++side) vertices[side] = c.take<std::byte>(bytes_of(host, side));
+        for (std::size_t side = 0; side < 2; ++side) vertices[side] = c.take<std::byte>(bytes_of(host, side));
         corners_ = c.take<std::int32_t>(3 * triangles);
         groups_ = c.take<std::int32_t>(host.groups ? triangles : 0);
         part_mask_ = c.take<std::uint64_t>(triangles);
@@ -140,7 +140,7 @@ void Input::bring(const Scene& host) {
     for (int axis = 0; axis < 3; ++axis)
         box.low[axis] = ordered(host.low[axis]), box.high[axis] = ordered(host.high[axis]);
     copy(stream_, box_, &box, 1);
-    for (int side = 0; side < 2; ++side) {
+    for (std::size_t side = 0; side < 2; ++side) {
         copy(stream_, vertices[side], pack(host, side, packed_), bytes_of(host, side));
         const auto size = static_cast<std::int64_t>(host.reader[side].scalar_bytes());
         scene_.reader[side] = {vertices[side], 3 * size, size, host.reader[side].float32};
@@ -213,7 +213,7 @@ void Input::join(const Geometry& geometry, cudaStream_t stream, Counters* counte
     CRUMPLE_CUDA(cudaMemsetAsync(box_->high, 0, sizeof box_->high, stream));
     check_vertices(geometry, stream, scene_, box_, counters);
     if (scene_.corners == corners_) {
-        for (int side = 0; side < (scene_.between ? 2 : 1); ++side) {
+        for (std::size_t side = 0; side < (scene_.between ? 2u : 1u); ++side) {
             const auto n = static_cast<std::size_t>(scene_.triangles[side]);
             with_index_type(mesh_[side]->triangles.type, [&](auto index) {
                 using Index = decltype(index);
@@ -224,7 +224,7 @@ void Input::join(const Geometry& geometry, cudaStream_t stream, Counters* counte
         }
     }
     if (scene_.between && scene_.groups) {
-        for (int side = 0; side < 2; ++side) {
+        for (std::size_t side = 0; side < 2; ++side) {
             const auto bytes = static_cast<std::size_t>(scene_.triangles[side]) * sizeof *groups_;
             std::int32_t* to = groups_ + (side ? scene_.triangles[0] : 0);
             const auto& groups = mesh_[side]->groups;
@@ -257,7 +257,7 @@ void Input::enqueue(const Geometry& geometry, cudaStream_t stream, Counters* cou
 }
 
 void Input::throw_error(const Counters& counters) const {
-    for (int side = 0; side < 2; ++side) {
+    for (std::size_t side = 0; side < 2; ++side) {
         const std::string which = mesh_name(scene_, side);
         const unsigned long long vertex = counters.bad_vertex[side], t = counters.bad_triangle[side];
         if (vertex != ~0ull) fail_not_finite(which, static_cast<std::int64_t>(vertex));
@@ -281,7 +281,7 @@ void Input::throw_error(const Counters& counters) const {
 
 Input::Work Input::work() const {
     Work work;
-    for (int side = 0; side < 2; ++side) {
+    for (std::size_t side = 0; side < 2; ++side) {
         if (!mesh_[side]) continue;
         work.triangles[side] = mesh_[side]->triangles;
         work.groups[side] = mesh_[side]->groups.data();

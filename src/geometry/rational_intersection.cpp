@@ -71,7 +71,7 @@ struct Hull {
             return;
         }
         on.emplace_back(normal, corner[0]);
-        for (int i = 0; i < 3; ++i) {
+        for (std::size_t i = 0; i < 3; ++i) {
             const Point& p = corner[i];
             const Point& q = corner[(i + 1) % 3];
             within.emplace_back(cross(normal, q - p), p);
@@ -190,9 +190,10 @@ Corners scaled(const std::array<Vec3d, 3>& corner, int exponent) {
 /// Positions of the distinct vertices that both name.
 std::vector<Point> shared_vertices(const Triangle& a, const Triangle& b, const Corners& corners_of_a) {
     std::vector<Point> shared;
-    for (int i = 0; i < 3; ++i) {
-        const bool first = std::find(a.vertex.begin(), a.vertex.begin() + i, a.vertex[i]) == a.vertex.begin() + i;
-        const bool in_b = std::find(b.vertex.begin(), b.vertex.end(), a.vertex[i]) != b.vertex.end();
+    for (std::size_t i = 0; i < 3; ++i) {
+        const auto* const vertex = &a.vertex[i];
+        const bool first = std::find(a.vertex.data(), vertex, *vertex) == vertex;
+        const bool in_b = std::find(b.vertex.begin(), b.vertex.end(), *vertex) != b.vertex.end();
         if (first && in_b) shared.push_back(corners_of_a[i]);
     }
     return shared;

@@ -87,7 +87,8 @@ int add_accessor(tinygltf::Model& model, const std::vector<T>& values, int compo
     accessor.bufferView = static_cast<int>(model.bufferViews.size());
     accessor.componentType = component_type;
     accessor.type = type;
-    accessor.count = values.size() / static_cast<std::size_t>(tinygltf::GetNumComponentsInType(type));
+    accessor.count =
+        values.size() / static_cast<std::size_t>(tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(type)));
     model.bufferViews.push_back(view);
     model.accessors.push_back(accessor);
     return static_cast<int>(model.accessors.size()) - 1;

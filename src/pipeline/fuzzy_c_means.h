@@ -13,6 +13,7 @@
 
 #include <array>
 #include <cmath>
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 
@@ -27,14 +28,8 @@ struct Centres {
     int count = 0;
     std::array<float, max_clusters> x{}, y{}, z{};
 
-    Vec3f operator[](int k) const {
-        const auto i = static_cast<std::size_t>(k);
-        return {x[i], y[i], z[i]};
-    }
-    void set(int k, Vec3f p) {
-        const auto i = static_cast<std::size_t>(k);
-        x[i] = p.x, y[i] = p.y, z[i] = p.z;
-    }
+    Vec3f operator[](std::integral auto k) const { return {x.data()[k], y.data()[k], z.data()[k]}; }
+    void set(std::integral auto k, Vec3f p) { x.data()[k] = p.x, y.data()[k] = p.y, z.data()[k] = p.z; }
 };
 
 struct FuzzyOptions {
@@ -47,14 +42,14 @@ struct FuzzyOptions {
 template <class Point>
 void start_centres(int count, std::size_t samples, Point&& point, Centres& centres) {
     centres.count = count;
-    for (int k = 0; k < count; ++k)
-        centres.set(k, point((2 * static_cast<std::size_t>(k) + 1) * samples / (2 * static_cast<std::size_t>(count))));
+    const auto n = static_cast<std::size_t>(count);
+    for (std::size_t k = 0; k < n; ++k) centres.set(k, point((2 * k + 1) * samples / (2 * n)));
 }
 
 /// Improves `centres` on the points point(0) ... point(samples - 1), Vec3f each. Returns the iterations done.
 template <class Point>
 int fuzzy_c_means(std::size_t samples, Point&& point, const FuzzyOptions& options, Centres& centres) {
-    const int count = centres.count;
+    const auto count = static_cast<std::size_t>(centres.count);
     const bool usual = options.fuzziness == 2.0;
     const auto distance_power = static_cast<float>(1.0 / (options.fuzziness - 1.0));
     const auto member_power = static_cast<float>(options.fuzziness);
@@ -63,16 +58,16 @@ int fuzzy_c_means(std::size_t samples, Point&& point, const FuzzyOptions& option
         for (auto* sum : {&sum_w, &sum_x, &sum_y, &sum_z}) sum->fill(0.0f);
         for (std::size_t i = 0; i < samples; ++i) {
             const Vec3f p = point(i);
-            for (int k = 0; k < count; ++k) {
+            for (std::size_t k = 0; k < count; ++k) {
                 const float dx = p.x - centres.x[k], dy = p.y - centres.y[k], dz = p.z - centres.z[k];
                 w[k] = 1.0f / (dx * dx + dy * dy + dz * dz + 1e-30f);
             }
             if (!usual)
-                for (int k = 0; k < count; ++k) w[k] = std::pow(w[k], distance_power);
+                for (std::size_t k = 0; k < count; ++k) w[k] = std::pow(w[k], distance_power);
             float total = 0;
-            for (int k = 0; k < count; ++k) total += w[k];
+            for (std::size_t k = 0; k < count; ++k) total += w[k];
             const float scale = 1.0f / total;
-            for (int k = 0; k < count; ++k) {
+            for (std::size_t k = 0; k < count; ++k) {
                 const float u = w[k] * scale;
                 const float weight = usual ? u * u : std::pow(u, member_power);
                 sum_w[k] += weight;
@@ -82,7 +77,7 @@ int fuzzy_c_means(std::size_t samples, Point&& point, const FuzzyOptions& option
             }
         }
         float moved = 0;
-        for (int k = 0; k < count; ++k) {
+        for (std::size_t k = 0; k < count; ++k) {
             if (!(sum_w[k] > 0)) continue;
             const Vec3f next{sum_x[k] / sum_w[k], sum_y[k] / sum_w[k], sum_z[k] / sum_w[k]};
             if (!(std::isfinite(next.x) && std::isfinite(next.y) && std::isfinite(next.z))) continue;

@@ -49,7 +49,7 @@ Scene outline_scene(const MeshView& a, const MeshView* b, MemorySpace memory) {
     return scene;
 }
 
-std::string mesh_name(const Scene& scene, int side) {
+std::string mesh_name(const Scene& scene, std::size_t side) {
     if (!scene.between) return "";
     return side == 0 ? "first mesh: " : "second mesh: ";
 }

@@ -15,7 +15,7 @@ namespace crumple {
 Scene outline_scene(const MeshView& a, const MeshView* b, MemorySpace memory);
 
 /// Of two meshes, which: what an element's place begins with. Of one, nothing.
-std::string mesh_name(const Scene& scene, int side);
+std::string mesh_name(const Scene& scene, std::size_t side);
 
 /// Calls `function` with a value of the type that indices have.
 template <class Function>

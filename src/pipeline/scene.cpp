@@ -30,8 +30,9 @@ ChunkCheck check_rows(const T* data, std::int64_t rows) {
     std::array<T, 3 * rows_at_once> lo, hi, spoiled{};
     lo.fill(std::numeric_limits<T>::max());
     hi.fill(std::numeric_limits<T>::lowest());
-    const auto visit = [&](const T* row, std::int64_t lanes) {
-        for (std::int64_t l = 0; l < lanes; ++l) {
+    const auto visit = [&](const T* row, std::int64_t count) {
+        const auto lanes = static_cast<std::size_t>(count);
+        for (std::size_t l = 0; l < lanes; ++l) {
             const T value = row[l];
             lo[l] = value < lo[l] ? value : lo[l];
             hi[l] = value > hi[l] ? value : hi[l];
@@ -192,7 +193,7 @@ Scene prepare_scene(const MeshView& a, const MeshView* b, bool weld, ParallelFor
     constexpr double most = std::numeric_limits<double>::max();
     scene.side_low.fill({most, most, most});
     scene.side_high.fill({-most, -most, -most});
-    for (int side = 0; side < (b ? 2 : 1); ++side)
+    for (std::size_t side = 0; side < (b ? 2u : 1u); ++side)
         check_content(*meshes[side], scene.reader[side], mesh_name(scene, side), workers, buffers.checks,
                       scene.side_low[side], scene.side_high[side]);
     if (scene.vertex_count() > 0) {
@@ -206,7 +207,7 @@ Scene prepare_scene(const MeshView& a, const MeshView* b, bool weld, ParallelFor
         scene.corners = static_cast<const std::int32_t*>(a.triangles.data);
     } else {
         buffers.corners.resize_discard(static_cast<std::size_t>(3 * scene.triangle_count()));
-        for (int side = 0; side < (b ? 2 : 1); ++side)
+        for (std::size_t side = 0; side < (b ? 2u : 1u); ++side)
             with_index_type(meshes[side]->triangles.type, [&](auto index) {
                 copy_corners<decltype(index)>(meshes[side]->triangles,
                                               static_cast<std::int32_t>(side ? scene.vertices[0] : 0),

@@ -80,10 +80,10 @@ TEST(Hostile, EveryDamagedByteIsAnErrorOrGivesAValidMesh) {
     const Folder folder;
     for (const Sample& sample : samples()) {
         for (std::size_t i = 0; i < sample.bytes.size(); ++i) {
-            for (const unsigned change :
-                 {0x01u, 0x02u, 0x10u, 0x80u, 0xffu, sample.bytes[i] ^ 0x20u, sample.bytes[i] ^ 0x0au}) {
+            const unsigned byte = static_cast<unsigned char>(sample.bytes[i]);
+            for (const unsigned change : {0x01u, 0x02u, 0x10u, 0x80u, 0xffu, byte ^ 0x20u, byte ^ 0x0au}) {
                 std::string bytes = sample.bytes;
-                bytes[i] = static_cast<char>(static_cast<unsigned char>(bytes[i]) ^ change);
+                bytes[i] = static_cast<char>(byte ^ change);
                 SCOPED_TRACE(sample.name + ", byte " + std::to_string(i) + " changed by " + std::to_string(change));
                 const auto mesh = try_read(folder.write(sample.name, bytes), {.weld = Weld::yes});
                 if (mesh) expect_valid(*mesh);

@@ -39,7 +39,7 @@ TEST(Input, takes_column_major_and_interleaved_and_unaligned_arrays) {
     EXPECT_EQ(pairs_of(detector.find_self({by_column, rows_of_three(triangles[0].data(), 2)})), expected);
 
     std::vector<float> interleaved(6 * 8, 99.0f);  // position, then five other numbers
-    for (std::size_t i = 0; i < 6; ++i) std::copy(vertices[i].begin(), vertices[i].end(), interleaved.begin() + 8 * i);
+    for (std::size_t i = 0; i < 6; ++i) std::copy(vertices[i].begin(), vertices[i].end(), interleaved.data() + 8 * i);
     const VertexView rows{interleaved.data(), 6, 8 * sizeof(float), sizeof(float), ScalarType::float32};
     EXPECT_EQ(pairs_of(detector.find_self({rows, rows_of_three(triangles[0].data(), 2)})), expected);
 

@@ -162,7 +162,7 @@ TEST(Scenes, OfBodiesLookOutwards) {
         std::map<std::int32_t, double> volumes;  // by body: six times its signed volume
         for (std::size_t t = 0; t < mesh.groups.size(); ++t) {
             const double* p[3];
-            for (int k = 0; k < 3; ++k) p[k] = &xyz[3 * static_cast<std::size_t>(mesh.triangles[3 * t + k])];
+            for (std::size_t k = 0; k < 3; ++k) p[k] = &xyz[3 * static_cast<std::size_t>(mesh.triangles[3 * t + k])];
             volumes[mesh.groups[t]] += p[0][0] * (p[1][1] * p[2][2] - p[1][2] * p[2][1]) +
                                        p[0][1] * (p[1][2] * p[2][0] - p[1][0] * p[2][2]) +
                                        p[0][2] * (p[1][0] * p[2][1] - p[1][1] * p[2][0]);

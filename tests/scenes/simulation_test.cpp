@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <numeric>
 #include <set>
 
 #include "crumple/crumple.h"
@@ -37,7 +38,8 @@ std::vector<Vec3d> level(const Fabric& fabric, double height) {
 double area(const Fabric& fabric) {
     double sum = 0;
     for (const auto& [a, b, c] : fabric.triangles) {
-        const auto &p = fabric.flat[a], &q = fabric.flat[b], &r = fabric.flat[c];
+        const auto* const flat = fabric.flat.data();
+        const auto &p = flat[a], &q = flat[b], &r = flat[c];
         const double twice = (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]);
         EXPECT_GT(twice, 0) << "triangle " << a << ", " << b << ", " << c;
         sum += twice / 2;
@@ -46,8 +48,9 @@ double area(const Fabric& fabric) {
 }
 
 int components(const Fabric& fabric) {
-    std::vector<std::int32_t> root(fabric.flat.size());
-    for (std::size_t i = 0; i < root.size(); ++i) root[i] = static_cast<std::int32_t>(i);
+    std::vector<std::int32_t> sets(fabric.flat.size());
+    std::iota(sets.begin(), sets.end(), 0);
+    std::int32_t* const root = sets.data();
     const auto find = [&](std::int32_t i) {
         while (root[i] != i) i = root[i] = root[root[i]];
         return i;
@@ -166,7 +169,7 @@ TEST(ClothSolver, HoldsWhatIsHeldAndDoesNotStretch) {
     double lowest = 0;
     for (const Vec3d p : solver.points) lowest = std::min(lowest, p.z);
     EXPECT_LT(lowest, -1);  // it hangs by the corner
-    for (int i = 0; i < 10; ++i) {
+    for (std::size_t i = 0; i < 10; ++i) {
         EXPECT_NEAR(length(solver.points[i + 1] - solver.points[i]) / 0.1, 1, 0.25) << "warp " << i;
     }
 }

@@ -121,12 +121,13 @@ std::vector<int> some_integers(std::size_t n) {
 
 TYPED_TEST(BlockPrimitive, scans) {
     constexpr int n = TypeParam::value, items = BlockPrimitives<n>::items;
-    const std::vector<int> in = some_integers(n * items);
-    const Array<int> from(in), out(n * 12);
+    const std::vector<int> values = some_integers(n * items);
+    const int* const in = values.data();
+    const Array<int> from(values), out(n * 12);
     launch(scans<n>, 1, n, sizeof(typename BlockPrimitives<n>::Shared), from.data(), out.data());
     std::vector<int> expected;
     int firsts = 0, all = 0, least = in[0], least_first = 1000;
-    const int total = std::accumulate(in.begin(), in.end(), 0);
+    const int total = std::accumulate(values.begin(), values.end(), 0);
     int total_firsts = 0, smallest_first = std::numeric_limits<int>::max();
     for (int t = 0; t < n; ++t) {
         total_firsts += in[t * items];

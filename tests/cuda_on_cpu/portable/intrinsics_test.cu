@@ -33,7 +33,7 @@ __global__ void of_integers(unsigned x, unsigned long long y, long long* out) {
     out[k++] = __umulhi(0xffffffffu, 0xffffffffu);
     out[k++] = __mulhi(-2, 3);
     out[k++] = static_cast<long long>(__umul64hi(~0ull, ~0ull));
-    out[k++] = min(3, -4) + max(3u, 4u);
+    out[k++] = min(3, -4) + static_cast<int>(max(3u, 4u));
     out[k++] = static_cast<long long>(min(2.5f, NAN) + max(NAN, 0.5f));
 }
 

@@ -63,7 +63,7 @@ TEST_F(Memory, pointers_tell_where_they_lead) {
 }
 
 TEST_F(Memory, allocations_are_aligned_and_nothing_is_nothing) {
-    for (const std::size_t bytes : {1, 3, 255, 256, 4097}) {
+    for (const std::size_t bytes : {1u, 3u, 255u, 256u, 4097u}) {
         const Array<char> memory(bytes);
         EXPECT_EQ(reinterpret_cast<std::uintptr_t>(memory.data()) % 256, 0u);
     }

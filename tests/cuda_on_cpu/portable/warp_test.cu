@@ -104,7 +104,7 @@ __global__ void leave_one_by_one(unsigned* out) {
     const unsigned lane = threadIdx.x;
     unsigned seen = 0, mask = full;
     for (unsigned round = 0; round <= lane; ++round) {
-        seen += __popc(__ballot_sync(mask, 1));
+        seen += static_cast<unsigned>(__popc(__ballot_sync(mask, 1)));
         mask = __ballot_sync(mask, lane > round);
     }
     out[lane] = seen;
