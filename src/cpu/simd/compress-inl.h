@@ -1,4 +1,7 @@
 // Packs the selected lanes of a vector: what the sweep does once for every 8 to 32 interval tests.
+//
+// compress_to(d, v, mask, out) writes the lanes that `mask` selects, packed, to `out`, and up to a full vector of
+// rubbish behind them; it returns their number. Each instruction set has its own way.
 
 #if defined(CRUMPLE_CPU_SIMD_COMPRESS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef CRUMPLE_CPU_SIMD_COMPRESS_INL_H_
