@@ -33,14 +33,13 @@ FuzzyOptions fuzzy(const Options& options, bool first) {
 }
 
 // Writes the members of clusters [begin, end), cluster by cluster, in the order of triangles: prefix sums of the counts
-// give each chunk of triangles its places.
-void scatter_members(std::int64_t n, int begin, int end, Workers& workers, Subdivision& s) {
+// give each chunk of triangles its places. Members are found by comparing lanes: a loop over a mask's bits would end
+// where nobody can foresee it.
+void scatter_members(std::int64_t n, int begin, int end, const Kernels& kernels, Workers& workers, Subdivision& s) {
     const auto chunks = static_cast<std::size_t>((n + chunk - 1) / chunk);
     s.place.resize_discard(chunks * max_clusters);
     std::int64_t total = 0;
-    std::uint64_t wanted = 0;
     for (int k = begin; k < end; ++k) {
-        wanted |= std::uint64_t{1} << k;
         s.first[static_cast<std::size_t>(k)] = total;
         for (std::size_t c = 0; c < chunks; ++c) {
             const std::size_t cell = c * max_clusters + static_cast<std::size_t>(k);
@@ -54,11 +53,13 @@ void scatter_members(std::int64_t n, int begin, int end, Workers& workers, Subdi
     s.id.resize_discard(static_cast<std::size_t>(total));
     s.mask2.resize_discard(static_cast<std::size_t>(total));
     workers.parallel_for(chunks, [&](std::size_t c, std::size_t) {
-        std::int64_t* next = s.place.data() + c * max_clusters;
         const std::int64_t first = static_cast<std::int64_t>(c) * chunk, last = std::min(n, first + chunk);
-        for (std::int64_t t = first; t < last; ++t) {
-            for (std::uint64_t mask = s.mask1[t] & wanted; mask; mask &= mask - 1)
-                s.id[next[std::countr_zero(mask)]++] = static_cast<std::int32_t>(t);
+        std::array<std::int32_t, chunk + padding> some;
+        for (int k = begin; k < end; ++k) {
+            const std::size_t cell = c * max_clusters + static_cast<std::size_t>(k);
+            if (s.histogram[cell] == 0) continue;
+            const std::int64_t count = kernels.list_members(s.mask1.data(), first, last, k, some.data());
+            std::copy_n(some.begin(), count, s.id.begin() + s.place[cell]);
         }
     });
 }
@@ -85,7 +86,7 @@ std::int64_t assign_all(const Array<Ball>& balls, std::int64_t n, const std::uin
 }
 
 // Lists the members [begin, end) of each child, one child behind the other. Chunk by chunk, while a chunk's masks are
-// in the cache, and by comparing lanes: a loop over a mask's bits would end where nobody can foresee it.
+// in the cache.
 void list_children(std::int64_t begin, std::int64_t end, int children, const std::int64_t* sizes,
                    const Kernels& kernels, const Array<std::uint64_t>& mask, Array<std::int32_t>& list) {
     std::int64_t next[max_clusters];
@@ -182,7 +183,7 @@ void place_clusters(const Array<Ball>& balls, std::int64_t n, const std::uint64_
 
 void gather_leaves(const Array<Ball>& balls, std::int64_t n, int begin, int end, const Options& options,
                    const Kernels& kernels, Workers& workers, WarmCentres& warm, Subdivision& s) {
-    scatter_members(n, begin, end, workers, s);
+    scatter_members(n, begin, end, kernels, workers, s);
 
     std::array<std::array<std::int64_t, max_clusters>, max_clusters> sizes;
     std::array<int, max_clusters> children{};
