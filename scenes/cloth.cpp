@@ -35,7 +35,9 @@ struct Sheet {
     std::vector<std::array<double, 2>> flat;  // (u, v) of each vertex
     std::vector<Vec3d> draped;
 
-    std::size_t index(int i, int j) const { return static_cast<std::size_t>(j * (cells + 1) + i); }
+    std::size_t index(int i, int j) const {
+        return static_cast<std::size_t>(j) * static_cast<std::size_t>(cells + 1) + static_cast<std::size_t>(i);
+    }
     Vec3d at(int i, int j) const { return draped[index(std::clamp(i, 0, cells), std::clamp(j, 0, cells))]; }
 };
 

@@ -145,9 +145,7 @@ void add_torus(Soup& soup, int around, int across, double tube, const Pose& pose
             vertices.push_back(soup.vertex(pose({radius * cosine(u), radius * sine(u), tube * sine(v)})));
         }
     }
-    const auto vertex = [&](int i, int j) {
-        return vertices[static_cast<std::size_t>(i % around * across + j % across)];
-    };
+    const auto vertex = [&, first = vertices.data()](int i, int j) { return first[i % around * across + j % across]; };
     for (int i = 0; i < around; ++i) {
         for (int j = 0; j < across; ++j) {
             soup.triangle({vertex(i, j), vertex(i + 1, j), vertex(i + 1, j + 1)});
