@@ -4,8 +4,9 @@
 // answered, no first-level cluster below k1, no second-level one below k2. Triangles of one group count as members of a
 // common lower cluster, too, if only pairs between groups are wanted.
 //
-// The sweep wants this as 16 bits a member, so that one AND tells. Each lower cluster that occurs in the leaf gets a
-// bit; in the rare leaf that meets more than 16, the rest is looked up in the masks for pairs that passed the filters.
+// The sweep wants this as 16 bits a member, so that one AND tells. Up to 16 lower clusters are taken from the masks as
+// they are; of more, each that occurs in the leaf gets a bit, and in the rare leaf that meets more than 16 the rest is
+// looked up in the masks for pairs that passed the filters.
 
 #include <algorithm>
 #include <array>
@@ -24,7 +25,9 @@ class Ownership {
         : scene_(scene),
           subdivision_(subdivision),
           part_masks_(part_masks),
-          below_{below(part_masks ? part : 0), below(leaf.cluster), below(leaf.child < 0 ? 0 : leaf.child)} {}
+          parts_(part_masks ? part : 0),
+          clusters_(leaf.cluster),
+          children_(leaf.child < 0 ? 0 : leaf.child) {}
 
     /// Ownership bits for the members of the leaf, written to `lower`. `groups_apart`: pairs of one group are unwanted;
     /// the bits say so, too, where the leaf's groups are few.
@@ -33,9 +36,21 @@ class Ownership {
         int lane = 0;
         std::fill(lower, lower + n, std::uint16_t{0});
         complete_ = true;
-        if (below_[0]) add_level(n, lane, lower, [&](std::int64_t i) { return mask(0, triangle[i], member[i]); });
-        if (below_[1]) add_level(n, lane, lower, [&](std::int64_t i) { return mask(1, triangle[i], member[i]); });
-        if (below_[2]) add_level(n, lane, lower, [&](std::int64_t i) { return mask(2, triangle[i], member[i]); });
+        // Groups need lanes too, so clusters leave them all they can.
+        const bool as_they_are = !groups_apart && parts_ + clusters_ + children_ <= 16;
+        const auto add = [&](int count, auto mask_of) {
+            if (count == 0) return;
+            if (as_they_are) {
+                for (std::int64_t i = 0; i < n; ++i)
+                    lower[i] = static_cast<std::uint16_t>(lower[i] | mask_of(i) << lane);
+                lane += count;
+            } else {
+                add_those_that_occur(n, lane, lower, mask_of);
+            }
+        };
+        add(parts_, [&](std::int64_t i) { return part_mask(triangle[i]); });
+        add(clusters_, [&](std::int64_t i) { return cluster_mask(triangle[i]); });
+        add(children_, [&](std::int64_t i) { return child_mask(member[i]); });
         if (!groups_apart) return;
         const FewGroups groups(scene_, triangle, n, 16 - lane);
         for (std::int64_t i = 0; i < n; ++i)
@@ -46,16 +61,16 @@ class Ownership {
     bool complete() const { return complete_; }
 
     bool owns(std::int32_t triangle_a, std::int32_t member_a, std::int32_t triangle_b, std::int32_t member_b) const {
-        for (int level = 0; level < levels; ++level)
-            if (mask(level, triangle_a, member_a) & mask(level, triangle_b, member_b)) return false;
-        return true;
+        return ((part_mask(triangle_a) & part_mask(triangle_b)) |
+                (cluster_mask(triangle_a) & cluster_mask(triangle_b)) |
+                (child_mask(member_a) & child_mask(member_b))) == 0;
     }
 
    private:
     // Gives each cluster that occurs in mask_of(i) one of the lanes that are left, and members their bits: eight
     // clusters at a time, by a table of what their bits become.
     template <class MaskOf>
-    void add_level(std::int64_t n, int& lane, std::uint16_t* lower, MaskOf mask_of) {
+    void add_those_that_occur(std::int64_t n, int& lane, std::uint16_t* lower, MaskOf mask_of) {
         std::uint64_t seen = 0;
         for (std::int64_t i = 0; i < n; ++i) seen |= mask_of(i);
         for (int shift = 0; seen >> shift != 0; shift += 8) {
@@ -107,25 +122,21 @@ class Ownership {
         std::size_t count_ = 0, last_ = 0;
     };
 
-    static constexpr int levels = 3;  // parts, first and second level of subdivision
-
     static std::uint64_t below(int k) { return (std::uint64_t{1} << k) - 1; }
 
-    std::uint64_t mask(int level, std::int32_t triangle, std::int32_t member) const {
-        switch (level) {
-            case 0:
-                return below_[0] ? part_masks_[triangle] & below_[0] : 0;
-            case 1:
-                return subdivision_.mask1[static_cast<std::size_t>(triangle)] & below_[1];
-            default:
-                return below_[2] ? subdivision_.mask2[static_cast<std::size_t>(member)] & below_[2] : 0;
-        }
+    // Memberships in lower parts, lower clusters of the first level, lower ones of the second.
+    std::uint64_t part_mask(std::int32_t triangle) const { return parts_ ? part_masks_[triangle] & below(parts_) : 0; }
+    std::uint64_t cluster_mask(std::int32_t triangle) const {
+        return subdivision_.mask1[static_cast<std::size_t>(triangle)] & below(clusters_);
+    }
+    std::uint64_t child_mask(std::int32_t member) const {
+        return children_ ? subdivision_.mask2[static_cast<std::size_t>(member)] & below(children_) : 0;
     }
 
     const Scene& scene_;
     const Subdivision& subdivision_;
     const std::uint64_t* part_masks_;
-    std::array<std::uint64_t, levels> below_;
+    int parts_, clusters_, children_;  // how many are lower than the leaf's own
     bool complete_ = true;
 };
 
