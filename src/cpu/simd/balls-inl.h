@@ -24,7 +24,12 @@ HWY_INLINE void balls_from(const Points& points, const std::int32_t* HWY_RESTRIC
         hn::MaskFromVec(hn::BitCast(d, hn::LoadDup128(hn::RebindToUnsigned<decltype(d)>(), last_lane)));
     for (std::int64_t t = begin; t < end; t += blocks) {
         const std::int32_t* corner[blocks];
-        for (int b = 0; b < blocks; ++b) corner[b] = corners + 3 * (t + b < end ? t + b : end - 1);
+        for (int b = 0; b < blocks; ++b) {
+            // Many corners were written by another core just now.
+            const std::int32_t* ahead = corners + 3 * std::min(t + b + 32, end - 1);
+            for (int k = 0; k < 3; ++k) hwy::Prefetch(points.row(ahead[k]));
+            corner[b] = corners + 3 * std::min(t + b, end - 1);
+        }
         const V p0 = points.position(d, corner, 0), p1 = points.position(d, corner, 1),
                 p2 = points.position(d, corner, 2);
         const V centre = hn::Mul(third, hn::Add(p0, hn::Add(p1, p2)));
