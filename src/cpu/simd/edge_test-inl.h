@@ -16,6 +16,7 @@
 #endif
 
 #include "cpu/simd/compress-inl.h"
+#include "cpu/simd/records-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace crumple::cpu {
@@ -29,8 +30,8 @@ inline void edge_test(const SortedLeaf& leaf, const Candidates& candidates, floa
     using V = hn::Vec<decltype(d)>;
     using VI = hn::Vec<decltype(di)>;
     constexpr std::size_t lanes = hn::MaxLanes(hn::ScalableTag<float>());
-    const auto* rows = reinterpret_cast<const float*>(leaf.record.data() + candidates.rows);
-    const auto* columns = reinterpret_cast<const float*>(leaf.record.data() + candidates.columns);
+    const Record* rows = leaf.record.data() + candidates.rows;
+    const Record* columns = leaf.record.data() + candidates.columns;
 
     const std::size_t count = out.edges.size();
     repeat_last(out.edges, lanes);
@@ -39,12 +40,10 @@ inline void edge_test(const SortedLeaf& leaf, const Candidates& candidates, floa
     // Each difference of two corners carries the rounding of both relative coordinates.
     const V delta = hn::Set(d, 2.1f * unit_roundoff * reach), delta3 = hn::Mul(delta, hn::Set(d, 3.0f));
     const V delta6 = hn::Mul(hn::Mul(delta, delta), hn::Set(d, 6.0f));
-    struct Point {
-        V x, y, z;
-    };
-    const auto norm1 = [](const Point& p) { return hn::Add(hn::Abs(p.x), hn::Add(hn::Abs(p.y), hn::Abs(p.z))); };
+    const auto norm1 = [](const Point<V>& p) { return hn::Add(hn::Abs(p.x), hn::Add(hn::Abs(p.y), hn::Abs(p.z))); };
     // +1, -1 or undecided sign of det(a, b, c): sets of lanes.
-    const auto determinant = [&](const Point& a, const Point& b, const Point& c, auto& positive, auto& negative) {
+    const auto determinant = [&](const Point<V>& a, const Point<V>& b, const Point<V>& c, auto& positive,
+                                 auto& negative) {
         const V m1 = hn::Mul(b.y, c.z), m2 = hn::Mul(b.z, c.y), m3 = hn::Mul(b.z, c.x), m4 = hn::Mul(b.x, c.z),
                 m5 = hn::Mul(b.x, c.y), m6 = hn::Mul(b.y, c.x);
         const V value = hn::Add(hn::Mul(a.x, hn::Sub(m1, m2)),
@@ -65,23 +64,19 @@ inline void edge_test(const SortedLeaf& leaf, const Candidates& candidates, floa
         const auto packed = hn::LoadU(du, out.edges.data() + k);
         const auto order =
             hn::GatherIndex(di, edge_orders.data(), hn::BitCast(di, hn::LoadU(du, out.edge_signs.data() + k)));
-        const VI row = hn::BitCast(di, hn::ShiftLeft<4>(hn::And(packed, hn::Set(du, 0xffffu))));
-        const VI column = hn::BitCast(di, hn::ShiftLeft<4>(hn::ShiftRight<16>(packed)));
+        const std::uint32_t* pair = out.edges.data() + k;
+        const auto a = load_triangles(d, [&](int lane) { return rows + (pair[lane] & 0xffff); });
+        const auto b = load_triangles(d, [&](int lane) { return columns + (pair[lane] >> 16); });
         const VI three = hn::Set(di, 3);
-        const auto corner = [&](const float* base, VI record, VI which) {
-            const VI at = hn::Add(record, hn::And(which, three));
-            return Point{hn::GatherIndex(d, base, at), hn::GatherIndex(d, base + 4, at),
-                         hn::GatherIndex(d, base + 8, at)};
+        const Point<V> p1 = a.at(hn::And(order, three));
+        const auto from_p1 = [&](const Point<V>& p) {
+            return Point<V>{hn::Sub(p.x, p1.x), hn::Sub(p.y, p1.y), hn::Sub(p.z, p1.z)};
         };
-        const Point p1 = corner(rows, row, order);
-        const auto from_p1 = [&](const Point& p) {
-            return Point{hn::Sub(p.x, p1.x), hn::Sub(p.y, p1.y), hn::Sub(p.z, p1.z)};
-        };
-        const Point q1 = from_p1(corner(rows, row, hn::ShiftRight<2>(order)));
-        const Point r1 = from_p1(corner(rows, row, hn::ShiftRight<4>(order)));
-        const Point p2 = from_p1(corner(columns, column, hn::ShiftRight<6>(order)));
-        const Point q2 = from_p1(corner(columns, column, hn::ShiftRight<8>(order)));
-        const Point r2 = from_p1(corner(columns, column, hn::ShiftRight<10>(order)));
+        const Point<V> q1 = from_p1(a.at(hn::And(hn::ShiftRight<2>(order), three)));
+        const Point<V> r1 = from_p1(a.at(hn::And(hn::ShiftRight<4>(order), three)));
+        const Point<V> p2 = from_p1(b.at(hn::And(hn::ShiftRight<6>(order), three)));
+        const Point<V> q2 = from_p1(b.at(hn::And(hn::ShiftRight<8>(order), three)));
+        const Point<V> r2 = from_p1(b.at(hn::And(hn::ShiftRight<10>(order), three)));
 
         hn::Mask<decltype(d)> apart1, over1, apart2, over2;
         determinant(q1, p2, q2, apart1, over1);

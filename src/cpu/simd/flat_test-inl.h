@@ -13,34 +13,32 @@
 #endif
 
 #include "cpu/simd/compress-inl.h"
+#include "cpu/simd/records-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace crumple::cpu {
 namespace HWY_NAMESPACE {
 
-/// Appends to out.undecided. `reach`: the leaf's largest coordinate. Corners come from the normalised rows where these
-/// are float32, and so exact; otherwise from the records.
-inline void flat_test(const SortedLeaf& leaf, const Candidates& candidates, const PointRows& points, float reach,
-                      Verdicts& out) {
+/// Appends to out.undecided. `reach`: the leaf's largest coordinate.
+inline void flat_test(const SortedLeaf& leaf, const Candidates& candidates, float reach, Verdicts& out) {
     const hn::ScalableTag<float> d;
     const hn::RebindToSigned<decltype(d)> di;
     const hn::RebindToUnsigned<decltype(d)> du;
     using V = hn::Vec<decltype(d)>;
     using VI = hn::Vec<decltype(di)>;
     constexpr std::size_t lanes = hn::MaxLanes(hn::ScalableTag<float>());
-    const auto* rows = reinterpret_cast<const float*>(leaf.record.data() + candidates.rows);
-    const auto* columns = reinterpret_cast<const float*>(leaf.record.data() + candidates.columns);
+    const Record* rows = leaf.record.data() + candidates.rows;
+    const Record* columns = leaf.record.data() + candidates.columns;
 
     const std::size_t count = out.flat.size();
     repeat_last(out.flat, lanes);
     repeat_last(out.flat_shared, lanes);
-    const VI zero = hn::Zero(di), one = hn::Set(di, 1), two = hn::Set(di, 2), three = hn::Set(di, 3),
-             seven = hn::Set(di, 7);
+    const VI zero = hn::Zero(di), one = hn::Set(di, 1), two = hn::Set(di, 2), seven = hn::Set(di, 7);
     const auto next = [&](VI corner) { return hn::IfThenElse(hn::Eq(corner, two), zero, hn::Add(corner, one)); };
     const auto is_single = [&](VI e) { return hn::And(hn::Ne(e, zero), hn::Eq(hn::And(e, hn::Sub(e, one)), zero)); };
     const V relative = hn::Set(d, 6 * unit_roundoff);
-    const bool exact = points.f != nullptr;
-    const float difference_error = exact ? 0.0f : 2.1f * unit_roundoff * reach;
+    // Each difference of two corners carries the rounding of both relative coordinates.
+    const float difference_error = 2.1f * unit_roundoff * reach;
     const V delta = hn::Set(d, difference_error),
             tiny = hn::Set(d, 2 * difference_error * difference_error + turn_slack);
 
@@ -62,37 +60,29 @@ inline void flat_test(const SortedLeaf& leaf, const Candidates& candidates, cons
         const VI v_a = pivot(shared_a, apex_a), p_a = next(v_a), q_a = next(p_a);
         const VI v_b = pivot(shared_b, apex_b), t_b = next(next(v_b)), r_b = hn::IfThenElse(edge, t_b, next(v_b));
 
-        const VI row = hn::BitCast(di, hn::ShiftLeft<4>(hn::And(packed, hn::Set(du, 0xffffu))));
-        const VI column = hn::BitCast(di, hn::ShiftLeft<4>(hn::ShiftRight<16>(packed)));
-        const VI normal = hn::Add(row, three);
-        const V nx = hn::Abs(hn::GatherIndex(d, rows, normal)), ny = hn::Abs(hn::GatherIndex(d, rows + 4, normal)),
-                nz = hn::Abs(hn::GatherIndex(d, rows + 8, normal));
-        const auto along_x = hn::RebindMask(di, hn::And(hn::Gt(nx, ny), hn::Gt(nx, nz)));
-        const auto along_y = hn::RebindMask(di, hn::Gt(ny, nz));
-        const VI u_axis = hn::IfThenElse(along_x, one, hn::IfThenElse(along_y, two, zero));
-        const VI w_axis = next(u_axis);
-        const VI u = exact ? u_axis : hn::ShiftLeft<2>(u_axis), w = exact ? w_axis : hn::ShiftLeft<2>(w_axis);
-
-        struct Point {
+        const std::uint32_t* pair = out.flat.data() + k;
+        const auto a = load_triangles(d, [&](int lane) { return rows + (pair[lane] & 0xffff); });
+        const auto b = load_triangles(d, [&](int lane) { return columns + (pair[lane] >> 16); });
+        const V nx = hn::Abs(a.normal.x), ny = hn::Abs(a.normal.y), nz = hn::Abs(a.normal.z);
+        const auto along_x = hn::And(hn::Gt(nx, ny), hn::Gt(nx, nz)), along_y = hn::Gt(ny, nz);
+        struct Seen {
             V u, w;
         };
-        const auto at = [&](const float* base, VI record, VI corner) {
-            VI index = hn::Add(record, corner);
-            if (exact) {
-                index = hn::ShiftLeft<2>(hn::GatherIndex(di, reinterpret_cast<const std::int32_t*>(base) + 12, index));
-                base = points.f;
-            }
-            return Point{hn::GatherIndex(d, base, hn::Add(index, u)), hn::GatherIndex(d, base, hn::Add(index, w))};
+        const auto seen = [&](const Point<V>& p) {
+            return Seen{hn::IfThenElse(along_x, p.y, hn::IfThenElse(along_y, p.z, p.x)),
+                        hn::IfThenElse(along_x, p.z, hn::IfThenElse(along_y, p.x, p.y))};
         };
-        const Point v = at(rows, row, v_a);
-        const auto from_v = [&](Point p) { return Point{hn::Sub(p.u, v.u), hn::Sub(p.w, v.w)}; };
-        const Point p = from_v(at(rows, row, p_a)), q = from_v(at(rows, row, q_a));
-        const Point r = from_v(at(columns, column, r_b)), t = from_v(at(columns, column, t_b));
+        const Seen v = seen(a.at(v_a));
+        const auto from_v = [&](const Point<V>& corner) {
+            const Seen s = seen(corner);
+            return Seen{hn::Sub(s.u, v.u), hn::Sub(s.w, v.w)};
+        };
+        const Seen p = from_v(a.at(p_a)), q = from_v(a.at(q_a)), r = from_v(b.at(r_b)), t = from_v(b.at(t_b));
 
         struct Side {
             hn::Mask<decltype(d)> left, right;
         };
-        const auto side = [&](const Point& a, const Point& b) {
+        const auto side = [&](const Seen& a, const Seen& b) {
             const V m = hn::Mul(a.u, b.w), n = hn::Mul(a.w, b.u), value = hn::Sub(m, n);
             const V size = hn::Add(hn::Add(hn::Abs(a.u), hn::Abs(a.w)), hn::Add(hn::Abs(b.u), hn::Abs(b.w)));
             const V error = hn::MulAdd(relative, hn::Add(hn::Abs(m), hn::Abs(n)), hn::MulAdd(delta, size, tiny));

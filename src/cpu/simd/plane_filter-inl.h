@@ -13,32 +13,11 @@
 #define CRUMPLE_CPU_SIMD_PLANE_FILTER_INL_H_
 #endif
 
-#include "cpu/simd/common-inl.h"
+#include "cpu/simd/records-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace crumple::cpu {
 namespace HWY_NAMESPACE {
-
-/// Record columns[j[b]] in block b, transposed: X = x0 x1 x2 nx | ..., I = id0 id1 id2 c | ... Shuffles are what this
-/// filter would wait for, so halves of vectors are joined in loading, which is none.
-template <class D, class V>
-HWY_INLINE void load_records(D d, const Record* columns, const std::uint16_t* j, V& X, V& Y, V& Z, V& I) {
-    const auto at = [&](int b) { return reinterpret_cast<const float*>(columns + j[b]); };
-    if constexpr (blocks == 1) {
-        X = hn::Load(d, at(0)), Y = hn::Load(d, at(0) + 4), Z = hn::Load(d, at(0) + 8), I = hn::Load(d, at(0) + 12);
-    } else {
-        const hn::Half<D> half;
-        const auto join = [&](int b, int lane) HWY_ATTR {
-            return hn::Combine(d, hn::Load(half, at(b + 1) + lane), hn::Load(half, at(b) + lane));
-        };
-        if constexpr (blocks == 2) {
-            X = join(0, 0), Y = join(0, 4), Z = join(0, 8), I = join(0, 12);
-        } else {
-            const V xy0 = join(0, 0), xy2 = join(2, 0), zi0 = join(0, 8), zi2 = join(2, 8);
-            X = even_blocks(xy0, xy2), Y = odd_blocks(xy0, xy2), Z = even_blocks(zi0, zi2), I = odd_blocks(zi0, zi2);
-        }
-    }
-}
 
 /// Stores the nibbles of `mask`, those of candidates `pair` and on. Where these are whole bytes, a mask goes straight
 /// to memory, and no arithmetic on masks competes with that on vectors.
@@ -68,7 +47,9 @@ inline void plane_filter(const SortedLeaf& leaf, const Candidates& candidates, P
     for (std::int64_t pair = 0; pair < candidates.count; pair += blocks) {
         const Record& a = rows[row[pair]];
         V X, Y, Z, I;
-        load_records(d, columns, column + pair, X, Y, Z, I);
+        const std::uint16_t* j = column + pair;
+        load_records(
+            d, [&](int b) { return columns + j[b]; }, X, Y, Z, I);
         const V of_a =
             hn::MulAdd(X, hn::Set(d, a.x[3]),
                        hn::MulAdd(Y, hn::Set(d, a.y[3]), hn::MulSub(Z, hn::Set(d, a.z[3]), hn::Set(d, a.c))));
