@@ -16,39 +16,39 @@ int bucket_bits_for(std::int32_t triangles) {
     return bits;
 }
 
-// One stable pass of a counting sort by `bits` bits of the second triangle, from bit `shift` on.
-void sort_by_digit(const Pair* in, std::int64_t count, int shift, int bits, Pair* out) {
-    std::int64_t next[1 << most_digit_bits];
-    std::fill_n(next, 1 << bits, 0);
-    const std::int32_t mask = (1 << bits) - 1;
-    for (std::int64_t i = 0; i < count; ++i) ++next[in[i].b >> shift & mask];
+// Turns counts into places: where the first of each digit goes.
+void to_places(std::int64_t* count, std::int64_t digits) {
     std::int64_t sum = 0;
-    for (int digit = 0; digit <= mask; ++digit) sum += std::exchange(next[digit], sum);
-    for (std::int64_t i = 0; i < count; ++i) out[next[in[i].b >> shift & mask]++] = in[i];
+    for (std::int64_t digit = 0; digit < digits; ++digit) sum += std::exchange(count[digit], sum);
 }
 
-// Sorts the pairs of one bucket of first triangles, [first, last), into out[begin, ...) and writes their offsets. By
-// the second triangle first, an even number of passes to and fro, then by the first one: all passes are stable.
+// Sorts the pairs of one bucket of first triangles, [first, last), into out[begin, ...) and writes their offsets: a
+// counting sort by digits of the second triangle, an even number of passes to and fro, then by the first one. All passes
+// are stable, and all are counted at once.
 void sort_bucket(Pair* pairs, std::int64_t count, std::int32_t first, std::int32_t last, int second_bits,
                  std::int64_t begin, Collisions& result) {
     if (count == 0) {
         std::fill_n(result.offsets.begin() + first, last - first, begin);
         return;
     }
-    Pair* out = result.pairs.data() + begin;
     const int passes = second_bits <= 2 * most_digit_bits ? 2 : 4, bits = (second_bits + passes - 1) / passes;
-    for (int shift = 0; shift < passes * bits; shift += 2 * bits) {
-        sort_by_digit(pairs, count, shift, bits, out);
-        sort_by_digit(out, count, shift + bits, bits, pairs);
+    const std::int32_t digits = 1 << bits, firsts = last - first;
+    const auto digit = [&](const Pair& pair, int pass) { return pair.b >> pass * bits & (digits - 1); };
+    std::int64_t next_digit[4][1 << most_digit_bits], next_first[1 << most_bucket_bits];
+    for (int pass = 0; pass < passes; ++pass) std::fill_n(next_digit[pass], digits, 0);
+    std::fill_n(next_first, firsts, 0);
+    for (std::int64_t i = 0; i < count; ++i) {
+        for (int pass = 0; pass < passes; ++pass) ++next_digit[pass][digit(pairs[i], pass)];
+        ++next_first[pairs[i].a - first];
     }
-    std::int64_t next[(1 << most_bucket_bits) + 1];
-    std::fill_n(next, last - first + 1, 0);
-    for (std::int64_t i = 0; i < count; ++i) ++next[pairs[i].a - first + 1];
-    for (std::int32_t k = 0; k < last - first; ++k) {
-        result.offsets[first + k] = begin + next[k];
-        next[k + 1] += next[k];
+    Pair *from = pairs, *to = result.pairs.data() + begin;
+    for (int pass = 0; pass < passes; ++pass, std::swap(from, to)) {
+        to_places(next_digit[pass], digits);
+        for (std::int64_t i = 0; i < count; ++i) to[next_digit[pass][digit(from[i], pass)]++] = from[i];
     }
-    for (std::int64_t i = 0; i < count; ++i) out[next[pairs[i].a - first]++] = pairs[i];
+    to_places(next_first, firsts);
+    for (std::int32_t k = 0; k < firsts; ++k) result.offsets[first + k] = begin + next_first[k];
+    for (std::int64_t i = 0; i < count; ++i) to[next_first[from[i].a - first]++] = from[i];
 }
 
 void mark_hits(std::span<const std::span<const Pair>> pieces, bool between, std::int32_t second, Collisions& result) {
