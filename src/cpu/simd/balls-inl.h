@@ -45,9 +45,9 @@ HWY_INLINE void balls_from(const Points& points, const std::int32_t* HWY_RESTRIC
 inline void balls(const PointRows& points, const std::int32_t* corners, std::int64_t begin, std::int64_t end,
                   Ball* ball) {
     if (points.f)
-        balls_from(Points32{points.f}, corners, begin, end, ball);
+        balls_from(Points32(points.f), corners, begin, end, ball);
     else
-        balls_from(Points64{points.d}, corners, begin, end, ball);
+        balls_from(Points64(points.d), corners, begin, end, ball);
 }
 
 }  // namespace HWY_NAMESPACE

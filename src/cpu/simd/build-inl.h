@@ -103,7 +103,7 @@ HWY_INLINE void build_from(const RecordInput& in, const Points& points, Record* 
             for (int k = 0; k < 3; ++k) hwy::Prefetch(points.row(ahead[k]));
             corner[b] = in.triangle[i + b] == in.triangles - 1 ? last_copy : corners_of(i + b);
         }
-        const auto [q0, q1, q2, a, b] = points.corners(d, corner, in.frame.origin);
+        const auto [q0, q1, q2, a, b] = points.corners(d, corner);
 
         const V t0 = turn(q0), t1 = turn(q1), t2 = turn(q2);
         V low = hn::Min(t0, hn::Min(t1, t2)), high = hn::Max(t0, hn::Max(t1, t2));
@@ -147,9 +147,9 @@ HWY_INLINE void build_from(const RecordInput& in, const Points& points, Record* 
 
 inline void build(const RecordInput& in, Record* record, Boxes& boxes, LeafBounds& bounds) {
     if (in.points.f)
-        build_from(in, Points32{in.points.f}, record, boxes, bounds);
+        build_from(in, Points32(in.points.f, in.frame.origin), record, boxes, bounds);
     else
-        build_from(in, Points64{in.points.d}, record, boxes, bounds);
+        build_from(in, Points64(in.points.d, in.frame.origin), record, boxes, bounds);
 }
 
 inline void quantise(const BoxCorner* corner, std::int64_t n, const float base[4], const float scale[4],

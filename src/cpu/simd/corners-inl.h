@@ -54,9 +54,13 @@ struct LocalCorners {
 };
 
 /// float32 rows: exact, and so is what is subtracted from each other within a factor of two; other differences err by
-/// at most u of the result. `corner[b]` points to the three indices of block b's triangle.
+/// at most u of the result. `corner[b]` points to the three indices of block b's triangle. The origin lies ready to be
+/// loaded: what has just been stored in pieces cannot be loaded whole without a stall.
 struct Points32 {
     const float* rows;
+    HWY_ALIGN float origin[4] = {};
+
+    explicit Points32(const float* points, Vec3f o = {}) : rows(points), origin{o.x, o.y, o.z, 0} {}
 
     const float* row(std::int32_t vertex) const { return rows + 4 * static_cast<std::int64_t>(vertex); }
     template <class D>
@@ -64,9 +68,8 @@ struct Points32 {
         return gather_blocks(d, [&](int b) HWY_ATTR { return hn::Load(Four(), row(corner[b][k])); });
     }
     template <class D, class V = hn::Vec<D>>
-    HWY_INLINE LocalCorners<V> corners(D d, const std::int32_t* const* corner, Vec3f origin) const {
-        HWY_ALIGN const float lanes[4] = {origin.x, origin.y, origin.z, 0};
-        const V o = hn::LoadDup128(d, lanes);
+    HWY_INLINE LocalCorners<V> corners(D d, const std::int32_t* const* corner) const {
+        const V o = hn::LoadDup128(d, origin);
         const V p0 = position(d, corner, 0), p1 = position(d, corner, 1), p2 = position(d, corner, 2);
         return {hn::Sub(p0, o), hn::Sub(p1, o), hn::Sub(p2, o), hn::Sub(p1, p0), hn::Sub(p2, p0)};
     }
@@ -75,6 +78,9 @@ struct Points32 {
 /// float64 rows: subtracted in float64 and rounded once, so that differences err by at most u of the result, too.
 struct Points64 {
     const double* rows;
+    double origin[4] = {};
+
+    explicit Points64(const double* points, Vec3f o = {}) : rows(points), origin{o.x, o.y, o.z, 0} {}
 
     const double* row(std::int32_t vertex) const { return rows + 4 * static_cast<std::int64_t>(vertex); }
 #if HWY_MAX_BYTES >= 32
@@ -95,10 +101,9 @@ struct Points64 {
         return gather_blocks(d, [&](int b) HWY_ATTR { return difference(row(corner[b][k]), zero); });
     }
     template <class D, class V = hn::Vec<D>>
-    HWY_INLINE LocalCorners<V> corners(D d, const std::int32_t* const* corner, Vec3f origin) const {
-        const double o[4] = {origin.x, origin.y, origin.z, 0};
+    HWY_INLINE LocalCorners<V> corners(D d, const std::int32_t* const* corner) const {
         const auto from_origin = [&](int k) HWY_ATTR {
-            return gather_blocks(d, [&](int b) HWY_ATTR { return difference(row(corner[b][k]), o); });
+            return gather_blocks(d, [&](int b) HWY_ATTR { return difference(row(corner[b][k]), origin); });
         };
         const auto from_first = [&](int k) HWY_ATTR {
             return gather_blocks(d, [&](int b) HWY_ATTR { return difference(row(corner[b][k]), row(corner[b][0])); });
