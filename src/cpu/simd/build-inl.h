@@ -181,20 +181,19 @@ inline void split_boxes(const RowBox* box, std::int64_t rows, SortedLeaf& sorted
 }
 
 inline void scatter(const Record* record, std::int64_t n, const std::int32_t* position, float scale, Record* sorted) {
-    const Four d;
-    const float lanes[4] = {1, 1, 1, scale};
-    const V4 factor = hn::LoadU(d, lanes);
+    const hn::ScalableTag<float> d;
+    // Last lanes of blocks are the plane; others, ids among them, stay what they are.
+    HWY_ALIGN static constexpr std::uint32_t last_lane[4] = {0, 0, 0, ~0u};
+    const auto is_plane =
+        hn::MaskFromVec(hn::BitCast(d, hn::LoadDup128(hn::RebindToUnsigned<decltype(d)>(), last_lane)));
+    const auto factor = hn::Set(d, scale);
     for (std::int64_t i = 0; i < n; ++i) {
-        const Record& in = record[i];
-        Record& out = sorted[position[i]];
-        hn::Store(hn::Mul(hn::Load(d, in.x), factor), d, out.x);
-        hn::Store(hn::Mul(hn::Load(d, in.y), factor), d, out.y);
-        hn::Store(hn::Mul(hn::Load(d, in.z), factor), d, out.z);
-        // Ids are no numbers: as floats most would be subnormal, and flushed to zero.
-        out.id[0] = in.id[0];
-        out.id[1] = in.id[1];
-        out.id[2] = in.id[2];
-        out.c = in.c * scale;
+        const auto* in = reinterpret_cast<const float*>(record + i);
+        auto* out = reinterpret_cast<float*>(sorted + position[i]);
+        for (int lane = 0; lane < 16; lane += 4 * blocks) {
+            const auto v = hn::Load(d, in + lane);
+            hn::Store(hn::IfThenElse(is_plane, hn::Mul(v, factor), v), d, out + lane);
+        }
     }
 }
 
