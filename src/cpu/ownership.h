@@ -33,24 +33,19 @@ class Ownership {
     /// the bits say so, too, where the leaf's groups are few.
     void bits(const std::int32_t* triangle, const std::int32_t* member, std::int64_t n, bool groups_apart,
               std::uint16_t* lower) {
-        int lane = 0;
-        std::fill(lower, lower + n, std::uint16_t{0});
         complete_ = true;
         // Groups need lanes too, so clusters leave them all they can.
-        const bool as_they_are = !groups_apart && parts_ + clusters_ + children_ <= 16;
-        const auto add = [&](int count, auto mask_of) {
-            if (count == 0) return;
-            if (as_they_are) {
-                for (std::int64_t i = 0; i < n; ++i)
-                    lower[i] = static_cast<std::uint16_t>(lower[i] | mask_of(i) << lane);
-                lane += count;
-            } else {
-                add_those_that_occur(n, lane, lower, mask_of);
-            }
-        };
-        add(parts_, [&](std::int64_t i) { return part_mask(triangle[i]); });
-        add(clusters_, [&](std::int64_t i) { return cluster_mask(triangle[i]); });
-        add(children_, [&](std::int64_t i) { return child_mask(member[i]); });
+        if (!groups_apart && parts_ + clusters_ + children_ <= 16) {
+            for (std::int64_t i = 0; i < n; ++i)
+                lower[i] = static_cast<std::uint16_t>(part_mask(triangle[i]) | cluster_mask(triangle[i]) << parts_ |
+                                                      child_mask(member[i]) << (parts_ + clusters_));
+            return;
+        }
+        int lane = 0;
+        std::fill(lower, lower + n, std::uint16_t{0});
+        if (parts_) add_level(n, lane, lower, [&](std::int64_t i) { return part_mask(triangle[i]); });
+        if (clusters_) add_level(n, lane, lower, [&](std::int64_t i) { return cluster_mask(triangle[i]); });
+        if (children_) add_level(n, lane, lower, [&](std::int64_t i) { return child_mask(member[i]); });
         if (!groups_apart) return;
         const FewGroups groups(scene_, triangle, n, 16 - lane);
         for (std::int64_t i = 0; i < n; ++i)
@@ -70,7 +65,7 @@ class Ownership {
     // Gives each cluster that occurs in mask_of(i) one of the lanes that are left, and members their bits: eight
     // clusters at a time, by a table of what their bits become.
     template <class MaskOf>
-    void add_those_that_occur(std::int64_t n, int& lane, std::uint16_t* lower, MaskOf mask_of) {
+    void add_level(std::int64_t n, int& lane, std::uint16_t* lower, MaskOf mask_of) {
         std::uint64_t seen = 0;
         for (std::int64_t i = 0; i < n; ++i) seen |= mask_of(i);
         for (int shift = 0; seen >> shift != 0; shift += 8) {
