@@ -22,6 +22,11 @@ struct RecordInput {
     LeafFrame frame;
 };
 
+/// Axis by axis; the fourth element is 0.
+struct Quantisation {
+    float base_low[4], base_high[4], scale[4];
+};
+
 struct Kernels {
     const char* name;
 
@@ -42,9 +47,8 @@ struct Kernels {
     /// Records (plane not yet scaled) and boxes of a leaf's members.
     void (*build)(const RecordInput& input, Record* record, Boxes& boxes, LeafBounds& bounds);
 
-    /// Corners to 16 bits by (x - base) * scale, rounded down and clamped to [0, 65534]; monotone, so overlaps survive.
-    void (*quantise)(const BoxCorner* corner, std::int64_t n, const float base[4], const float scale[4],
-                     QuantisedCorner* out);
+    /// Boxes to 16 bits by (x - base) * scale, rounded down and clamped to [0, 65534]; monotone, so overlaps survive.
+    void (*quantise)(const Boxes& boxes, std::int64_t n, const Quantisation& by, QuantisedBox* out);
 
     /// Writes the four columns of the sorted boxes of `rows` rows, and of half of the padding.
     void (*split_boxes)(const RowBox* box, std::int64_t rows, SortedLeaf& sorted);

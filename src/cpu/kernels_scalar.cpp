@@ -62,13 +62,21 @@ void build(const RecordInput& in, Record* record, Boxes& boxes, LeafBounds& boun
     }
 }
 
-void quantise(const BoxCorner* corner, std::int64_t n, const float base[4], const float scale[4],
-              QuantisedCorner* out) {
-    const auto to_16_bits = [&](float value, int axis) {
-        return static_cast<std::uint16_t>(std::clamp((value - base[axis]) * scale[axis], 0.0f, 65534.0f));
+void quantise(const Boxes& boxes, std::int64_t n, const Quantisation& by, QuantisedBox* out) {
+    const auto to_16_bits = [](float value, float base, float scale) {
+        return static_cast<std::uint16_t>(std::clamp((value - base) * scale, 0.0f, 65534.0f));
     };
-    for (std::int64_t i = 0; i < n; ++i)
-        out[i] = {to_16_bits(corner[i].x, 0), to_16_bits(corner[i].y, 1), to_16_bits(corner[i].z, 2), 0};
+    for (std::int64_t i = 0; i < n; ++i) {
+        const BoxCorner &low = boxes.low[i], &high = boxes.high[i];
+        const auto low_of = [&](float value, int axis) { return to_16_bits(value, by.base_low[axis], by.scale[axis]); };
+        const auto high_of = [&](float value, int axis) {
+            return to_16_bits(value, by.base_high[axis], by.scale[axis]);
+        };
+        out[i] = {{low_of(low.y, 1), high_of(high.y, 1), low_of(low.z, 2), high_of(high.z, 2)},
+                  {},
+                  low_of(low.x, 0),
+                  high_of(high.x, 0)};
+    }
 }
 
 void split_boxes(const RowBox* box, std::int64_t rows, SortedLeaf& sorted) {

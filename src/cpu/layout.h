@@ -26,12 +26,9 @@ namespace crumple::cpu {
 
 inline constexpr int padding = 64;  ///< elements that kernels may read, and write, past an array's end
 
-/// A corner of a box, in the leaf's frame and in 16 bits.
+/// A corner of a box, in the leaf's frame.
 struct alignas(16) BoxCorner {
     float x, y, z, unused;
-};
-struct alignas(8) QuantisedCorner {
-    std::uint16_t x, y, z, unused;
 };
 
 /// Boxes of a leaf's members.
@@ -42,6 +39,16 @@ struct Boxes {
         low.resize_discard(n + padding);
         high.resize_discard(n + padding);
     }
+};
+
+/// A box in 16 bits. Its extent across the sweep direction is what `sort` scatters at once, before it lies in columns.
+struct alignas(8) RowBox {
+    std::uint16_t low_y, high_y, low_z, high_z;
+};
+struct alignas(16) QuantisedBox {
+    RowBox across;
+    std::uint16_t unused[2];
+    std::uint16_t low_x, high_x;
 };
 
 inline constexpr int block_stride = 65472;  ///< a multiple of the widest vector of 16-bit lanes
@@ -61,11 +68,6 @@ struct LeafBounds {
     Vec3f low, high;  ///< of the boxes of all members that are not big
     float reach = 0;  ///< largest |coordinate| of their corners, relative to the origin
     int big = 0;      ///< number of big members
-};
-
-/// A box's extent across the sweep direction: what `sort` scatters at once, before it lies in columns.
-struct alignas(8) RowBox {
-    std::uint16_t low_y, high_y, low_z, high_z;
 };
 
 struct RowLink {

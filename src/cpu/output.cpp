@@ -23,8 +23,8 @@ void to_places(std::int64_t* count, std::int64_t digits) {
 }
 
 // Sorts the pairs of one bucket of first triangles, [first, last), into out[begin, ...) and writes their offsets: a
-// counting sort by digits of the second triangle, an even number of passes to and fro, then by the first one. All passes
-// are stable, and all are counted at once.
+// counting sort by digits of the second triangle, an even number of passes to and fro, then by the first one. All
+// passes are stable, and all are counted at once.
 void sort_bucket(Pair* pairs, std::int64_t count, std::int32_t first, std::int32_t last, int second_bits,
                  std::int64_t begin, Collisions& result) {
     if (count == 0) {

@@ -14,9 +14,9 @@ namespace crumple::cpu {
 
 /// Scratch of `sort`, one a worker.
 struct SortScratch {
-    explicit SortScratch(MemoryMeter* m) : low(m), high(m), box(m), position(m) {}
-    Array<QuantisedCorner> low, high;
-    Array<RowBox> box;  ///< sorted
+    explicit SortScratch(MemoryMeter* m) : box(m), sorted_box(m), position(m) {}
+    Array<QuantisedBox> box;
+    Array<RowBox> sorted_box;
     Array<std::int32_t> position;
 };
 

@@ -152,17 +152,21 @@ inline void build(const RecordInput& in, Record* record, Boxes& boxes, LeafBound
         build_from(in, Points64(in.points.d, in.frame.origin), record, boxes, bounds);
 }
 
-inline void quantise(const BoxCorner* corner, std::int64_t n, const float base[4], const float scale[4],
-                     QuantisedCorner* out) {
+inline void quantise(const Boxes& boxes, std::int64_t n, const Quantisation& by, QuantisedBox* out) {
     const hn::ScalableTag<float> d;
     const hn::RebindToSigned<decltype(d)> di;
-    const hn::Rebind<std::uint16_t, decltype(d)> d16;
-    const auto from = hn::LoadDup128(d, base), factor = hn::LoadDup128(d, scale);
+    const auto base_low = hn::LoadDup128(d, by.base_low), base_high = hn::LoadDup128(d, by.base_high),
+               scale = hn::LoadDup128(d, by.scale);
     const auto most = hn::Set(d, 65534.0f), zero = hn::Zero(d);
+    const auto to_16_bits = [&](const BoxCorner& corner, auto base) HWY_ATTR {
+        const auto value = hn::Mul(hn::Sub(hn::LoadU(d, &corner.x), base), scale);
+        return hn::ConvertTo(di, hn::Min(hn::Max(value, zero), most));
+    };
     for (std::int64_t i = 0; i < n; i += blocks) {
-        const auto value = hn::Mul(hn::Sub(hn::LoadU(d, &corner[i].x), from), factor);
-        const auto whole = hn::ConvertTo(di, hn::Min(hn::Max(value, zero), most));
-        hn::StoreU(hn::DemoteTo(d16, whole), d16, &out[i].x);
+        const auto low = to_16_bits(boxes.low[i], base_low), high = to_16_bits(boxes.high[i], base_high);
+        // Both in one lane, and x last: the rest lies as `sort` copies it.
+        const auto pairs = hn::Shuffle0321(hn::Or(low, hn::ShiftLeft<16>(high)));
+        hn::StoreU(pairs, di, reinterpret_cast<std::int32_t*>(out + i));
     }
 }
 
