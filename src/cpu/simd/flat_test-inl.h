@@ -19,8 +19,11 @@ HWY_BEFORE_NAMESPACE();
 namespace crumple::cpu {
 namespace HWY_NAMESPACE {
 
-/// Appends to out.undecided. `reach`: the leaf's largest coordinate.
-inline void flat_test(const SortedLeaf& leaf, const Candidates& candidates, float reach, Verdicts& out) {
+/// Appends to out.undecided. Corners come from triangles_of(record of each lane); each coordinate of a difference of
+/// two errs by at most `difference_error` beyond its own rounding.
+template <class TrianglesOf>
+HWY_INLINE void flat_test_with(const SortedLeaf& leaf, const Candidates& candidates, float difference_error,
+                               TrianglesOf triangles_of, Verdicts& out) {
     const hn::ScalableTag<float> d;
     const hn::RebindToSigned<decltype(d)> di;
     const hn::RebindToUnsigned<decltype(d)> du;
@@ -37,8 +40,6 @@ inline void flat_test(const SortedLeaf& leaf, const Candidates& candidates, floa
     const auto next = [&](VI corner) { return hn::IfThenElse(hn::Eq(corner, two), zero, hn::Add(corner, one)); };
     const auto is_single = [&](VI e) { return hn::And(hn::Ne(e, zero), hn::Eq(hn::And(e, hn::Sub(e, one)), zero)); };
     const V relative = hn::Set(d, 6 * unit_roundoff);
-    // Each difference of two corners carries the rounding of both relative coordinates.
-    const float difference_error = 2.1f * unit_roundoff * reach;
     const V delta = hn::Set(d, difference_error),
             tiny = hn::Set(d, 2 * difference_error * difference_error + turn_slack);
 
@@ -61,8 +62,8 @@ inline void flat_test(const SortedLeaf& leaf, const Candidates& candidates, floa
         const VI v_b = pivot(shared_b, apex_b), t_b = next(next(v_b)), r_b = hn::IfThenElse(edge, t_b, next(v_b));
 
         const std::uint32_t* pair = out.flat.data() + k;
-        const auto a = load_triangles(d, [&](int lane) { return rows + (pair[lane] & 0xffff); });
-        const auto b = load_triangles(d, [&](int lane) { return columns + (pair[lane] >> 16); });
+        const auto a = triangles_of([&](int lane) { return rows + (pair[lane] & 0xffff); });
+        const auto b = triangles_of([&](int lane) { return columns + (pair[lane] >> 16); });
         const V nx = hn::Abs(a.normal.x), ny = hn::Abs(a.normal.y), nz = hn::Abs(a.normal.z);
         const auto along_x = hn::And(hn::Gt(nx, ny), hn::Gt(nx, nz)), along_y = hn::Gt(ny, nz);
         struct Seen {
@@ -102,6 +103,21 @@ inline void flat_test(const SortedLeaf& leaf, const Candidates& candidates, floa
         undecided += compress_to(du, packed, hn::RebindMask(du, open), out.undecided.data() + undecided);
     }
     out.undecided.resize(undecided);
+}
+
+/// Corners come from the normalised rows where these are float32, and so exact; otherwise from the records. `reach`:
+/// the leaf's largest coordinate.
+inline void flat_test(const SortedLeaf& leaf, const Candidates& candidates, const PointRows& points, float reach,
+                      Verdicts& out) {
+    const hn::ScalableTag<float> d;
+    if (points.f) {
+        const auto exact = [&](auto record) HWY_ATTR { return load_exact_triangles(d, record, points.f); };
+        flat_test_with(leaf, candidates, 0, exact, out);
+    } else {
+        // Each difference of two corners carries the rounding of both relative coordinates.
+        const auto rounded = [&](auto record) HWY_ATTR { return load_triangles(d, record); };
+        flat_test_with(leaf, candidates, 2.1f * unit_roundoff * reach, rounded, out);
+    }
 }
 
 }  // namespace HWY_NAMESPACE

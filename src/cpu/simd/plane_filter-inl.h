@@ -47,9 +47,8 @@ inline void plane_filter(const SortedLeaf& leaf, const Candidates& candidates, P
     for (std::int64_t pair = 0; pair < candidates.count; pair += blocks) {
         const Record& a = rows[row[pair]];
         V X, Y, Z, I;
-        const std::uint16_t* j = column + pair;
-        load_records(
-            d, [&](int b) { return columns + j[b]; }, X, Y, Z, I);
+        const auto of_block = [&](int b) { return columns + column[pair + b]; };
+        load_records(d, of_block, X, Y, Z, I);
         const V of_a =
             hn::MulAdd(X, hn::Set(d, a.x[3]),
                        hn::MulAdd(Y, hn::Set(d, a.y[3]), hn::MulSub(Z, hn::Set(d, a.z[3]), hn::Set(d, a.c))));

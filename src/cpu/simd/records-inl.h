@@ -7,7 +7,7 @@
 #define CRUMPLE_CPU_SIMD_RECORDS_INL_H_
 #endif
 
-#include "cpu/simd/common-inl.h"
+#include "cpu/simd/corners-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace crumple::cpu {
@@ -58,6 +58,18 @@ struct Triangles {
     }
 };
 
+/// Rows of four, transposed in each block: lane r of block b comes from block b of row[r]. The fourth column is dropped
+/// unless asked for.
+template <class D, class V>
+HWY_INLINE void transpose_rows(D d, const V (&row)[4], V& x, V& y, V& z, V& w) {
+    const V low02 = hn::InterleaveLower(d, row[0], row[2]), low13 = hn::InterleaveLower(d, row[1], row[3]);
+    const V high02 = hn::InterleaveUpper(d, row[0], row[2]), high13 = hn::InterleaveUpper(d, row[1], row[3]);
+    x = hn::InterleaveLower(d, low02, low13);
+    y = hn::InterleaveUpper(d, low02, low13);
+    z = hn::InterleaveLower(d, high02, high13);
+    w = hn::InterleaveUpper(d, high02, high13);
+}
+
 /// The triangle of *record(lane) in each lane: four loads of blocks, transposed. A gather would fetch each number by
 /// itself.
 template <class D, class RecordOf>
@@ -69,17 +81,25 @@ HWY_INLINE Triangles<D> load_triangles(D d, RecordOf record) {
         load_records(d, of_block, X[r], Y[r], Z[r], I);
     }
     Triangles<D> t;
-    const auto transpose = [&](const V(&row)[4], V Point<V>::*axis) HWY_ATTR {
-        const V low02 = hn::InterleaveLower(d, row[0], row[2]), low13 = hn::InterleaveLower(d, row[1], row[3]);
-        const V high02 = hn::InterleaveUpper(d, row[0], row[2]), high13 = hn::InterleaveUpper(d, row[1], row[3]);
-        t.corner[0].*axis = hn::InterleaveLower(d, low02, low13);
-        t.corner[1].*axis = hn::InterleaveUpper(d, low02, low13);
-        t.corner[2].*axis = hn::InterleaveLower(d, high02, high13);
-        t.normal.*axis = hn::InterleaveUpper(d, high02, high13);
-    };
-    transpose(X, &Point<V>::x);
-    transpose(Y, &Point<V>::y);
-    transpose(Z, &Point<V>::z);
+    transpose_rows(d, X, t.corner[0].x, t.corner[1].x, t.corner[2].x, t.normal.x);
+    transpose_rows(d, Y, t.corner[0].y, t.corner[1].y, t.corner[2].y, t.normal.y);
+    transpose_rows(d, Z, t.corner[0].z, t.corner[1].z, t.corner[2].z, t.normal.z);
+    return t;
+}
+
+/// The same with corners from normalised float32 rows, which are exact.
+template <class D, class RecordOf>
+HWY_INLINE Triangles<D> load_exact_triangles(D d, RecordOf record, const float* points) {
+    using V = hn::Vec<D>;
+    Triangles<D> t = load_triangles(d, record);  // for the normal
+    for (int k = 0; k < 3; ++k) {
+        V row[4], unused;
+        for (int r = 0; r < 4; ++r)
+            row[r] = gather_blocks(d, [&](int b) HWY_ATTR {
+                return hn::Load(Four(), points + 4 * static_cast<std::int64_t>(record(4 * b + r)->id[k]));
+            });
+        transpose_rows(d, row, t.corner[k].x, t.corner[k].y, t.corner[k].z, unused);
+    }
     return t;
 }
 

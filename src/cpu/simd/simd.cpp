@@ -32,7 +32,7 @@ inline void filter(const SortedLeaf& leaf, const Candidates& candidates, const P
     verdicts.signs.resize(candidates.count);
     plane_filter(leaf, candidates, verdicts.signs);
     classify(candidates, policy, verdicts);
-    flat_test(leaf, candidates, reach, verdicts);
+    flat_test(leaf, candidates, points, reach, verdicts);
     edge_test(leaf, candidates, reach, policy.proper, verdicts);
     separation_test_float(leaf, candidates, points, reach, verdicts);
     verdicts.double_tests = static_cast<std::int64_t>(verdicts.undecided.size());
