@@ -105,19 +105,12 @@ HWY_INLINE void flat_test_with(const SortedLeaf& leaf, const Candidates& candida
     out.undecided.resize(undecided);
 }
 
-/// Corners come from the normalised rows where these are float32, and so exact; otherwise from the records. `reach`:
-/// the leaf's largest coordinate.
+/// `reach`: the leaf's largest coordinate.
 inline void flat_test(const SortedLeaf& leaf, const Candidates& candidates, const PointRows& points, float reach,
                       Verdicts& out) {
-    const hn::ScalableTag<float> d;
-    if (points.f) {
-        const auto exact = [&](auto record) HWY_ATTR { return load_exact_triangles(d, record, points.f); };
-        flat_test_with(leaf, candidates, 0, exact, out);
-    } else {
-        // Each difference of two corners carries the rounding of both relative coordinates.
-        const auto rounded = [&](auto record) HWY_ATTR { return load_triangles(d, record); };
-        flat_test_with(leaf, candidates, 2.1f * unit_roundoff * reach, rounded, out);
-    }
+    with_triangles(points, reach, [&](float difference_error, auto triangles_of) {
+        flat_test_with(leaf, candidates, difference_error, triangles_of, out);
+    });
 }
 
 }  // namespace HWY_NAMESPACE

@@ -44,6 +44,7 @@ template <class D>
 struct Triangles {
     using V = hn::Vec<D>;
     Point<V> corner[3], normal;
+    hn::Vec<hn::RebindToSigned<D>> id[3];
 
     /// The corner that each lane names.
     HWY_INLINE Point<V> at(hn::Vec<hn::RebindToSigned<D>> which) const {
@@ -58,8 +59,7 @@ struct Triangles {
     }
 };
 
-/// Rows of four, transposed in each block: lane r of block b comes from block b of row[r]. The fourth column is dropped
-/// unless asked for.
+/// Rows of four, transposed in each block: lane r of block b comes from block b of row[r].
 template <class D, class V>
 HWY_INLINE void transpose_rows(D d, const V (&row)[4], V& x, V& y, V& z, V& w) {
     const V low02 = hn::InterleaveLower(d, row[0], row[2]), low13 = hn::InterleaveLower(d, row[1], row[3]);
@@ -75,12 +75,15 @@ HWY_INLINE void transpose_rows(D d, const V (&row)[4], V& x, V& y, V& z, V& w) {
 template <class D, class RecordOf>
 HWY_INLINE Triangles<D> load_triangles(D d, RecordOf record) {
     using V = hn::Vec<D>;
-    V X[4], Y[4], Z[4], I;
+    V X[4], Y[4], Z[4], I[4];
     for (int r = 0; r < 4; ++r) {
         const auto of_block = [&](int b) { return record(4 * b + r); };
-        load_records(d, of_block, X[r], Y[r], Z[r], I);
+        load_records(d, of_block, X[r], Y[r], Z[r], I[r]);
     }
     Triangles<D> t;
+    V id[3], plane;
+    transpose_rows(d, I, id[0], id[1], id[2], plane);
+    for (int k = 0; k < 3; ++k) t.id[k] = hn::BitCast(hn::RebindToSigned<D>(), id[k]);
     transpose_rows(d, X, t.corner[0].x, t.corner[1].x, t.corner[2].x, t.normal.x);
     transpose_rows(d, Y, t.corner[0].y, t.corner[1].y, t.corner[2].y, t.normal.y);
     transpose_rows(d, Z, t.corner[0].z, t.corner[1].z, t.corner[2].z, t.normal.z);
@@ -91,7 +94,7 @@ HWY_INLINE Triangles<D> load_triangles(D d, RecordOf record) {
 template <class D, class RecordOf>
 HWY_INLINE Triangles<D> load_exact_triangles(D d, RecordOf record, const float* points) {
     using V = hn::Vec<D>;
-    Triangles<D> t = load_triangles(d, record);  // for the normal
+    Triangles<D> t = load_triangles(d, record);  // for normals and ids
     for (int k = 0; k < 3; ++k) {
         V row[4], unused;
         for (int r = 0; r < 4; ++r)
@@ -101,6 +104,18 @@ HWY_INLINE Triangles<D> load_exact_triangles(D d, RecordOf record, const float* 
         transpose_rows(d, row, t.corner[k].x, t.corner[k].y, t.corner[k].z, unused);
     }
     return t;
+}
+
+/// Calls test(difference_error, triangles_of), where triangles_of(record of each lane) has the best corners at hand: of
+/// the normalised rows where these are float32, and so exact, otherwise of the records. Each coordinate of a difference
+/// of two corners errs by at most `difference_error` beyond its own rounding. `reach`: the leaf's largest coordinate.
+template <class Test>
+HWY_INLINE void with_triangles(const PointRows& points, float reach, Test test) {
+    const hn::ScalableTag<float> d;
+    if (points.f)
+        test(0.0f, [&](auto record) HWY_ATTR { return load_exact_triangles(d, record, points.f); });
+    else
+        test(2.1f * unit_roundoff * reach, [&](auto record) HWY_ATTR { return load_triangles(d, record); });
 }
 
 }  // namespace HWY_NAMESPACE

@@ -13,7 +13,7 @@
 #define CRUMPLE_CPU_SIMD_SEPARATION_INL_H_
 #endif
 
-#include "cpu/simd/common-inl.h"
+#include "cpu/simd/records-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace crumple::cpu {
@@ -133,36 +133,36 @@ HWY_INLINE void drop_undecided(D d, Verdicts& out, Apart apart) {
     out.undecided.resize(left);
 }
 
-/// Drops pairs that an edge line separates in float32. Corners come from the normalised rows where these are float32,
-/// and so exact; otherwise from the records, whose corners were rounded when the leaf's origin was subtracted.
+// Drops pairs that an edge line separates in float32; corners come from triangles_of(record of each lane).
+template <class TrianglesOf>
+HWY_INLINE void separation_test_with(const SortedLeaf& leaf, const Candidates& candidates, float delta,
+                                     TrianglesOf triangles_of, Verdicts& out) {
+    const hn::ScalableTag<float> d;
+    using D = hn::ScalableTag<float>;
+    using V = hn::Vec<D>;
+    const Record* rows = leaf.record.data() + candidates.rows;
+    const Record* columns = leaf.record.data() + candidates.columns;
+    drop_undecided(d, out, [&](const std::uint32_t* packed) HWY_ATTR {
+        const auto row = triangles_of([&](int lane) { return rows + (packed[lane] & 0xffff); });
+        const auto column = triangles_of([&](int lane) { return columns + (packed[lane] >> 16); });
+        Corners<D> a, b;
+        for (int c = 0; c < 3; ++c) {
+            const auto copy = [](const Point<V>& p, V(&to)[3]) { to[0] = p.x, to[1] = p.y, to[2] = p.z; };
+            copy(row.corner[c], a.p[c]);
+            copy(column.corner[c], b.p[c]);
+        }
+        const V normal[3] = {row.normal.x, row.normal.y, row.normal.z};
+        const auto same = compare_ids(d, row.id, column.id, a, b);
+        return hn::And(hn::Not(same), separated_by_edges(d, a, b, normal, delta, turn_slack));
+    });
+}
+
+/// Corners come from the normalised rows where these are float32, and so exact; otherwise from the records, whose
+/// corners were rounded when the leaf's origin was subtracted.
 inline void separation_test_float(const SortedLeaf& leaf, const Candidates& candidates, const PointRows& points,
                                   float reach, Verdicts& out) {
-    const hn::ScalableTag<float> d;
-    using D = decltype(d);
-    const auto* rows = reinterpret_cast<const float*>(leaf.record.data() + candidates.rows);
-    const auto* columns = reinterpret_cast<const float*>(leaf.record.data() + candidates.columns);
-    const bool exact = points.f != nullptr;
-    const float delta = exact ? 0.0f : 2.1f * unit_roundoff * reach;
-    drop_undecided(d, out, [&](const std::uint32_t* packed) {
-        const PairLanes<hn::ScalableTag<float>> pair(packed);
-        const hn::RebindToSigned<hn::ScalableTag<float>> di;
-        Corners<hn::ScalableTag<float>> a, b;
-        hn::Vec<decltype(di)> id_a[3], id_b[3];
-        hn::Vec<D> normal[3];
-        for (int c = 0; c < 3; ++c) {
-            id_a[c] = hn::GatherIndex(di, reinterpret_cast<const std::int32_t*>(rows) + 12 + c, pair.row);
-            id_b[c] = hn::GatherIndex(di, reinterpret_cast<const std::int32_t*>(columns) + 12 + c, pair.column);
-            const auto at_a = exact ? hn::ShiftLeft<2>(id_a[c]) : hn::Add(pair.row, hn::Set(di, c));
-            const auto at_b = exact ? hn::ShiftLeft<2>(id_b[c]) : hn::Add(pair.column, hn::Set(di, c));
-            const int step = exact ? 1 : 4;
-            for (int axis = 0; axis < 3; ++axis) {
-                a.p[c][axis] = hn::GatherIndex(d, (exact ? points.f : rows) + step * axis, at_a);
-                b.p[c][axis] = hn::GatherIndex(d, (exact ? points.f : columns) + step * axis, at_b);
-            }
-            normal[c] = hn::GatherIndex(d, rows + 4 * c + 3, pair.row);
-        }
-        const auto same = compare_ids(d, id_a, id_b, a, b);
-        return hn::And(hn::Not(same), separated_by_edges(d, a, b, normal, delta, turn_slack));
+    with_triangles(points, reach, [&](float difference_error, auto triangles_of) {
+        separation_test_with(leaf, candidates, difference_error, triangles_of, out);
     });
 }
 
