@@ -125,8 +125,7 @@ def preview(results, folder):
             if figure is not None:
                 figure.set_facecolor(theme.surface)
                 style.plt.rcParams["savefig.facecolor"] = "auto"
-                figure.savefig(folder / f"{name}-{theme.name}.png", dpi=110)
-                style.plt.close(figure)
+                style.save(figure, folder / f"{name}-{theme.name}.png", dpi=110)
 
 
 if __name__ == "__main__":

@@ -3,6 +3,7 @@
 The same figures and the same matplotlib give the same bytes: no date, fixed ids, fonts that matplotlib brings along.
 """
 
+import io
 from dataclasses import dataclass
 
 import matplotlib
@@ -69,8 +70,17 @@ def apply(theme):
     })
 
 
-def save(figure, path):
-    figure.savefig(path, format=path.suffix[1:], metadata={"Date": None, "Creator": None} if path.suffix == ".svg" else None)
+def save(figure, path, **how):
+    """Places axes, once and for all, to nine digits: the last ones of the solver's differ from run to run, and ids in an
+    SVG file are hashes of them."""
+    how["format"] = path.suffix[1:]
+    if path.suffix == ".svg":
+        how["metadata"] = {"Date": None, "Creator": None}
+    figure.savefig(io.BytesIO(), **how)  # for this format's text, and so for its layout
+    figure.set_layout_engine("none")
+    for axes in figure.axes:
+        axes.set_position([round(number, 9) for number in axes.get_position().bounds])
+    figure.savefig(path, **how)
     plt.close(figure)
     if path.suffix == ".svg":  # matplotlib leaves blanks at the ends of lines
         path.write_text("".join(line.rstrip() + "\n" for line in path.read_text().splitlines()))
