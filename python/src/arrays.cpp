@@ -4,10 +4,11 @@
 
 #include <nanobind/stl/string.h>
 
-#include <bit>
+#define NPY_NO_DEPRECATED_API NPY_1_22_API_VERSION
+#define NPY_TARGET_VERSION NPY_1_22_API_VERSION
+#include <numpy/arrayobject.h>
+
 #include <stdexcept>
-#include <string_view>
-#include <utility>
 
 namespace nb = nanobind;
 
@@ -16,18 +17,27 @@ namespace {
 
 using Number = BorrowedArray::Number;
 
-// A format of Python's struct module for one number in the machine's own byte order.
-Number number_of(const char* format, Py_ssize_t size) {
-    std::string_view code = format ? format : "B";
-    constexpr std::string_view own = std::endian::native == std::endian::little ? "@=<" : "@=>";
-    if (code.size() == 2 && own.find(code[0]) != own.npos) code.remove_prefix(1);
-    if (code == "f" && size == 4) return Number::float32;
-    if (code == "d" && size == 8) return Number::float64;
-    const bool is_signed = code == "i" || code == "l" || code == "q", is_unsigned = code == "I" || code == "L";
-    if (is_signed && size == 8) return Number::int64;
-    if (is_signed && size == 4) return Number::int32;
-    if (is_unsigned && size == 4) return Number::uint32;
-    return Number::other;
+Number number_of(PyArrayObject* array) {
+    constexpr bool long_is_64 = sizeof(long) == 8;
+    if (!PyArray_ISNOTSWAPPED(array)) return Number::other;
+    switch (PyArray_TYPE(array)) {
+        case NPY_FLOAT:
+            return Number::float32;
+        case NPY_DOUBLE:
+            return Number::float64;
+        case NPY_INT:
+            return Number::int32;
+        case NPY_UINT:
+            return Number::uint32;
+        case NPY_LONG:
+            return long_is_64 ? Number::int64 : Number::int32;
+        case NPY_ULONG:
+            return long_is_64 ? Number::other : Number::uint32;
+        case NPY_LONGLONG:
+            return Number::int64;
+        default:
+            return Number::other;
+    }
 }
 
 Number number_of(nb::dlpack::dtype type) {
@@ -63,7 +73,7 @@ bool are_group_pairs(const BorrowedArray& a) {
            a.strides[0] % size == 0 && a.strides[1] % size == 0 && reinterpret_cast<std::uintptr_t>(a.data) % size == 0;
 }
 
-BorrowedArray import_array(nb::handle object, bool (*accepted)(const BorrowedArray&), const char* converter,
+BorrowedArray borrow_array(nb::handle object, bool (*accepted)(const BorrowedArray&), const char* converter,
                            const std::string& which) {
     BorrowedArray array;
     if (array.borrow(object) && accepted(array)) return array;
@@ -93,38 +103,22 @@ IndexType index_type(const BorrowedArray& array) {
 
 }  // namespace
 
-BorrowedArray::~BorrowedArray() {
-    if (buffer_.obj) PyBuffer_Release(&buffer_);
-}
-
-void BorrowedArray::swap(BorrowedArray& other) noexcept {
-    std::swap(data, other.data);
-    std::swap(number, other.number);
-    std::swap(dimensions, other.dimensions);
-    std::swap(shape, other.shape);
-    std::swap(strides, other.strides);
-    std::swap(device, other.device);
-    std::swap(buffer_, other.buffer_);
-    std::swap(dlpack_, other.dlpack_);
-}
-
 bool BorrowedArray::borrow(nb::handle object) {
-    if (!borrow_buffer(object) && !borrow_dlpack(object)) return false;
+    if (!borrow_numpy(object) && !borrow_dlpack(object)) return false;
     return dimensions >= 1;
 }
 
-bool BorrowedArray::borrow_buffer(nb::handle object) {
-    if (!PyObject_CheckBuffer(object.ptr())) return false;
-    if (PyObject_GetBuffer(object.ptr(), &buffer_, PyBUF_RECORDS_RO) != 0) {
-        PyErr_Clear();
-        return false;
-    }
-    data = buffer_.buf;
-    number = number_of(buffer_.format, buffer_.itemsize);
-    dimensions = buffer_.ndim <= 2 ? buffer_.ndim : 0;
+bool BorrowedArray::borrow_numpy(nb::handle object) {
+    if (PyArray_ImportNumPyAPI() != 0) throw nb::python_error();  // at the first array, to keep `import crumple` quick
+    if (!PyArray_Check(object.ptr())) return false;
+    const auto array = reinterpret_cast<PyArrayObject*>(object.ptr());
+    numpy_ = nb::borrow(object);
+    data = PyArray_DATA(array);
+    number = number_of(array);
+    dimensions = PyArray_NDIM(array) <= 2 ? PyArray_NDIM(array) : 0;
     for (int i = 0; i < dimensions; ++i) {
-        shape[static_cast<std::size_t>(i)] = buffer_.shape[i];
-        strides[static_cast<std::size_t>(i)] = buffer_.strides[i];
+        shape[static_cast<std::size_t>(i)] = PyArray_DIM(array, i);
+        strides[static_cast<std::size_t>(i)] = PyArray_STRIDE(array, i);
     }
     return true;
 }
@@ -155,8 +149,8 @@ bool BorrowedArray::borrow_dlpack(nb::handle object) {
 }
 
 BorrowedMesh::BorrowedMesh(nb::handle mesh, const std::string& which)
-    : vertices_(import_array(mesh[0], are_vertices, "vertices", which)),
-      faces_(import_array(mesh[1], are_faces, "faces", which)),
+    : vertices_(borrow_array(mesh[0], are_vertices, "vertices", which)),
+      faces_(borrow_array(mesh[1], are_faces, "faces", which)),
       view_(rows_of_three(vertices_, scalar_type(vertices_)), rows_of_three(faces_, index_type(faces_))) {
     const auto check_place = [&](const BorrowedArray& array, const char* name) {
         if (array.device != device())
@@ -166,7 +160,7 @@ BorrowedMesh::BorrowedMesh(nb::handle mesh, const std::string& which)
     if (device() != BorrowedArray::on_host) view_.memory = MemorySpace::cuda;
     const nb::object groups = mesh[2];
     if (groups.is_none()) return;
-    groups_ = import_array(groups, are_groups, "groups", which);
+    groups_ = borrow_array(groups, are_groups, "groups", which);
     check_place(groups_, "groups");
     // No groups at all are None. An empty array would be taken for that.
     if (groups_.shape[0] != faces_.shape[0])
@@ -177,7 +171,7 @@ BorrowedMesh::BorrowedMesh(nb::handle mesh, const std::string& which)
 
 std::vector<GroupPair> group_pairs(nb::handle pairs) {
     if (pairs.is_none()) return {};
-    const BorrowedArray array = import_array(pairs, are_group_pairs, "group_pairs", "");
+    const BorrowedArray array = borrow_array(pairs, are_group_pairs, "group_pairs", "");
     std::vector<GroupPair> result;
     for (std::int64_t i = 0; i < array.shape[0]; ++i) {
         const auto* row = static_cast<const std::byte*>(array.data) + i * array.strides[0];

@@ -2,13 +2,12 @@
 
 // Arrays on their way in: views of what Python holds, without a copy wherever the library can read it in place.
 //
-// Accepted as they are: arrays in host memory that speak the buffer protocol or DLPack, and arrays in CUDA memory that
-// speak DLPack; vertices (n, 3) of float32 or float64, faces (m, 3) of int32, uint32 or int64, groups (m) of int32
-// without gaps; any strides. Everything else goes through crumple/_arrays.py, which converts what can be converted
-// without loss and refuses the rest by name.
+// Accepted as they are: NumPy's arrays, and whatever speaks DLPack, in host memory or CUDA's; vertices (n, 3) of
+// float32 or float64, faces (m, 3) of int32, uint32 or int64, groups (m) of int32 without gaps; any strides. Everything
+// else goes through crumple/_arrays.py, which converts what can be converted without loss and refuses the rest by name.
 //
-// The buffer protocol comes first, for it is the cheaper: a search sweeps the caches, so that each line of code and
-// data that is touched around it comes from memory.
+// NumPy's arrays are read by its C API, where they lie, and not by a protocol: a search sweeps the caches, so that each
+// line of code and data that is touched around it comes from memory.
 
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
@@ -28,14 +27,6 @@ class BorrowedArray {
    public:
     enum class Number : std::uint8_t { other, float32, float64, int32, uint32, int64 };
 
-    BorrowedArray() = default;
-    BorrowedArray(BorrowedArray&& other) noexcept { swap(other); }
-    BorrowedArray& operator=(BorrowedArray&& other) noexcept {
-        swap(other);
-        return *this;
-    }
-    ~BorrowedArray();
-
     /// Looks at an object; false if it is no array of one or two dimensions, in memory of the host or of CUDA. In
     /// CUDA's, it is ready for what is given to the legacy default stream (DLPack's rule for whoever names no stream).
     bool borrow(nanobind::handle object);
@@ -48,11 +39,10 @@ class BorrowedArray {
     static constexpr int on_host = -1;
 
    private:
-    bool borrow_buffer(nanobind::handle object);
+    bool borrow_numpy(nanobind::handle object);
     bool borrow_dlpack(nanobind::handle object);
-    void swap(BorrowedArray& other) noexcept;
 
-    Py_buffer buffer_{};  ///< obj is null if it is not held
+    nanobind::object numpy_;  ///< while it is held twice, NumPy refuses to resize it
     nanobind::ndarray<nanobind::ro> dlpack_;
 };
 

@@ -59,12 +59,12 @@ const Collisions& SharedDetector::search(const MeshView& first, const MeshView* 
 }
 
 // The result moves out, so that Python's outlives the next call and the detector; storage of a dropped one moves in.
-std::shared_ptr<Storage> SharedDetector::find(const MeshView& first, const MeshView* second, const Part* part,
-                                              const Query& query) {
+void SharedDetector::find(const MeshView& first, const MeshView* second, const Part* part, const Query& query,
+                          Collisions& answer) {
     const Turn turn(*this);
-    detector_.take_result(spare_->take());
+    detector_.take_result(std::move(answer));
     search(first, second, part, query);
-    return std::make_shared<Storage>(detector_.take_result(), spare_);
+    answer = detector_.take_result();
 }
 
 bool SharedDetector::any(const MeshView& first, const MeshView* second, const Query& query) {
@@ -220,9 +220,10 @@ void bind_detector(nb::module_& module) {
                 const Call call(self, first, second, neighbours, intersections, weld, contacts, wanted,
                                 excluded_groups);
                 const Part* const of = part_or_null(part);
-                Result result{nullptr, nb::borrow(first), nb::borrow(second), call.query.contacts, flag("copy", copy)};
-                result.storage =
-                    without_gil([&] { return self.find(call.first.view(), call.second_or_null(), of, call.query); });
+                Result result{self.storage(), nb::borrow(first), nb::borrow(second), call.query.contacts,
+                              flag("copy", copy)};
+                without_gil(
+                    [&] { self.find(call.first.view(), call.second_or_null(), of, call.query, *result.storage); });
                 return make_result(std::move(result));
             },
             "first"_a, "second"_a.none(), "part"_a.none(), "neighbours"_a.none(), "intersections"_a.none(),

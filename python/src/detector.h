@@ -27,10 +27,11 @@ class SharedDetector {
     explicit SharedDetector(const Options& options);
 
     /// `second` null: one soup. Call without the GIL. In the main thread, signals are handled while a call runs or
-    /// waits for its turn; what their handlers raise ends the call.
-    std::shared_ptr<Storage> find(const MeshView& first, const MeshView* second, const Part* part, const Query& query);
+    /// waits for its turn; what their handlers raise ends the call. `answer` is storage, as `storage` gives it.
+    void find(const MeshView& first, const MeshView* second, const Part* part, const Query& query, Collisions& answer);
     bool any(const MeshView& first, const MeshView* second, const Query& query);
     std::vector<Part> partition(const MeshView& first, const MeshView* second, int count);
+    std::shared_ptr<Collisions> storage() const { return Spare::take(spare_); }
     const Options& options() const { return detector_.options(); }
     Backend backend() const { return detector_.backend(); }
     std::string_view fallback() const { return detector_.fallback(); }

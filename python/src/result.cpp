@@ -12,8 +12,8 @@ namespace {
 // A read-only NumPy view that keeps the storage alive.
 template <class Element, class... Shape>
 nb::object view(const Result& result, const void* data, Shape... shape) {
-    const auto owner = new std::shared_ptr<Storage>(result.storage);
-    const nb::capsule capsule(owner, [](void* p) noexcept { delete static_cast<std::shared_ptr<Storage>*>(p); });
+    using Owner = std::shared_ptr<Collisions>;
+    const nb::capsule capsule(new Owner(result.storage), [](void* p) noexcept { delete static_cast<Owner*>(p); });
     return nb::cast(nb::ndarray<nb::numpy, const Element>(static_cast<const Element*>(data),
                                                           {static_cast<std::size_t>(shape)...}, capsule));
 }

@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <mutex>
+#include <utility>
 
 #include <nanobind/nanobind.h>
 
@@ -15,41 +16,34 @@ namespace crumple::python {
 /// thread. So frames of a simulation go back and forth between two results and allocate nothing.
 class Spare {
    public:
-    void put(Collisions&& storage) {
-        const std::lock_guard lock(mutex_);
-        std::swap(storage_, storage);
-    }
-    Collisions take() {
-        const std::lock_guard lock(mutex_);
-        return std::move(storage_);
+    /// Storage for an answer. It comes back when the last who looks at it lets go, unless `spare` is gone by then.
+    static std::shared_ptr<Collisions> take(const std::shared_ptr<Spare>& spare) {
+        std::unique_ptr<Collisions> storage = spare->exchange(nullptr);
+        if (!storage) storage = std::make_unique<Collisions>();
+        return {storage.release(), [place = std::weak_ptr(spare)](Collisions* dropped) {
+                    std::unique_ptr<Collisions> back(dropped);
+                    if (const auto origin = place.lock()) origin->exchange(std::move(back));
+                }};
     }
 
    private:
-    std::mutex mutex_;
-    Collisions storage_;
-};
-
-/// A Collisions that lives as long as somebody looks at it.
-struct Storage {
-    Collisions collisions;
-    std::weak_ptr<Spare> spare;
-
-    Storage(Collisions&& c, const std::shared_ptr<Spare>& s) : collisions(std::move(c)), spare(s) {}
-    Storage(const Storage&) = delete;
-    Storage& operator=(const Storage&) = delete;
-    ~Storage() {
-        if (const auto place = spare.lock()) place->put(std::move(collisions));
+    std::unique_ptr<Collisions> exchange(std::unique_ptr<Collisions> storage) {
+        const std::lock_guard lock(mutex_);
+        return std::exchange(storage_, std::move(storage));
     }
+
+    std::mutex mutex_;
+    std::unique_ptr<Collisions> storage_;
 };
 
 /// What lies under a crumple.Result, which is a Python subclass of it: one object, for each more that is made after a
 /// search has swept the caches costs microseconds. Arrays own the storage and not the result, which keeps them.
 struct Result {
-    std::shared_ptr<Storage> storage;
+    std::shared_ptr<Collisions> storage;
     nanobind::object first, second;  ///< the meshes, tuples of three; second is None for one soup
     bool has_contacts = false, copy = false;
 
-    const Collisions& collisions() const { return storage->collisions; }
+    const Collisions& collisions() const { return *storage; }
 };
 
 /// A new crumple.Result.
