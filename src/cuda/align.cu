@@ -4,7 +4,7 @@
 
 #include <cub/block/block_reduce.cuh>
 
-#include "geometry/eigen.h"
+#include "geometry/edge_moment.h"
 
 namespace crumple::cuda {
 namespace {
@@ -15,6 +15,7 @@ struct FrameShared {
     cub::BlockReduce<double, threads>::TempStorage sum;
     cub::BlockReduce<float, threads>::TempStorage most;
     double sums[6];
+    PrincipalAxes axes;
     Frame frame;
 };
 
@@ -54,7 +55,8 @@ __device__ void make_frame(FrameShared& shared, unsigned long long begin, unsign
                            Frame& result) {
     const auto samples = static_cast<unsigned>(members < threads ? members : threads);
     const bool has = threadIdx.x < samples;
-    const Ball ball = has ? balls[triangle[begin + threadIdx.x * members / samples]] : Ball{0, 0, 0, 0};
+    const std::int32_t sample = has ? triangle[begin + threadIdx.x * members / samples] : 0;
+    const Ball ball = has ? balls[sample] : Ball{0, 0, 0, 0};
     const double share = has ? 1.0 / samples : 0.0;
 
     Vec3d mean;
@@ -72,9 +74,19 @@ __device__ void make_frame(FrameShared& shared, unsigned long long begin, unsign
     covariance.zz = block_sum(shared, share * d.z * d.z, shared.sums[5]);
     const float spread = block_max(shared, static_cast<float>(largest(abs(d))));
 
+    PrincipalAxes& axes = shared.axes;
+    if (threadIdx.x == 0) axes = principal_axes(covariance);
+    __syncthreads();
+    EdgeMoment moment;
+    if (has) {
+        const std::int32_t* corner = scene.corners + 3 * static_cast<std::size_t>(sample);
+        moment.add_triangle(points[corner[0]], points[corner[1]], points[corner[2]], axes);
+    }
+    moment = {block_sum(shared, moment.re, shared.sums[0]), block_sum(shared, moment.im, shared.sums[1])};
+
     Frame& frame = shared.frame;
     if (threadIdx.x == 0) {
-        const PrincipalAxes axes = principal_axes(covariance);
+        turn_to_edges(axes, moment);
         frame.origin = to_float(mean);
         for (int i = 0; i < 3; ++i) frame.axis[i] = to_float(axes.axis[i]);
         frame.big = 2 * (spread + static_cast<float>(radius)) + 1e-30f;

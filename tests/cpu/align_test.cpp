@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <random>
+#include <vector>
 
-#include "geometry/eigen.h"
+#include "cpu/align.h"
+#include "geometry/edge_moment.h"
 #include "tables.h"
 
 namespace crumple::cpu {
@@ -41,6 +43,69 @@ TEST(PrincipalAxes, of_a_round_cloud_are_the_coordinate_axes) {
     EXPECT_EQ(axes.axis[2], (Vec3d{0, 0, 1}));
     const PrincipalAxes none = principal_axes({});
     EXPECT_EQ(none.axis[0], (Vec3d{1, 0, 0}));
+}
+
+// |sin 2 phi| of an edge at the angle phi across the first axis: 0 where it lies along one of the other two.
+double slant(const Vec3d& edge, const Vec3d& y, const Vec3d& z) {
+    const double u = dot(edge, y), w = dot(edge, z);
+    return std::abs(2 * u * w) / (u * u + w * w);
+}
+
+TEST(EdgeMoment, turns_the_frame_to_edges_in_two_directions) {
+    std::mt19937 engine(7);
+    const auto number = [&] { return static_cast<double>(engine()) * 0x1p-31 - 1; };
+    for (int round = 0; round < 1000; ++round) {
+        PrincipalAxes axes = principal_axes({3, number(), number(), 2, number(), 1});
+        const PrincipalAxes before = axes;
+        const double angle = 4 * number(), c = std::cos(angle), s = std::sin(angle);
+        const Vec3d along = c * axes.axis[1] + s * axes.axis[2], across = c * axes.axis[2] - s * axes.axis[1];
+        EdgeMoment moment;
+        for (int e = 0; e < 20; ++e)
+            moment.add_edge(number() * (e % 3 ? along : across) + 5 * number() * axes.axis[0], axes);
+        turn_to_edges(axes, moment);
+        EXPECT_EQ(axes.axis[0], before.axis[0]);
+        EXPECT_LT(slant(along, axes.axis[1], axes.axis[2]), 1e-9);
+        EXPECT_GT(dot(axes.axis[1], before.axis[1]), 0.7) << "by 45 degrees at most";
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j) EXPECT_NEAR(dot(axes.axis[i], axes.axis[j]), i == j, 1e-12);
+    }
+}
+
+TEST(EdgeMoment, of_no_edges_across_turns_nothing) {
+    PrincipalAxes axes = principal_axes({3, 0, 0, 2, 0, 1});
+    EdgeMoment moment;
+    moment.add_triangle({0, 0, 0}, {0, 0, 0}, {0.5, 0, 0}, axes);
+    turn_to_edges(axes, moment);
+    EXPECT_EQ(axes.axis[1], (Vec3d{0, 1, 0}));
+    EXPECT_EQ(axes.axis[2], (Vec3d{0, 0, 1}));
+}
+
+TEST(LeafFrame, lies_along_the_edges_of_a_turned_part) {
+    // Long triangles with right angles in a plane that is longest along x, turned by some angle about x.
+    const double angle = 0.6, c = std::cos(angle), s = std::sin(angle);
+    const Vec3d across{0, c, s}, upright{0, -s, c};
+    std::mt19937 engine(8);
+    const auto number = [&] { return static_cast<double>(engine()) * 0x1p-32; };
+    constexpr int n = 300;
+    Array<double> points;
+    std::vector<std::int32_t> corners;
+    Array<Ball> balls;
+    LeafMembers members(nullptr);
+    for (int t = 0; t < n; ++t) {
+        const Vec3d p = Vec3d{0.9 * number(), 0.3, 0.3} + 0.3 * number() * across;
+        const Vec3d corner[3] = {p, p + 0.1 * across, p + 0.002 * upright};
+        for (const Vec3d& q : corner) {
+            corners.push_back(static_cast<std::int32_t>(points.size() / 4));
+            for (const double coordinate : {q.x, q.y, q.z, 0.0}) points.push_back(coordinate);
+        }
+        balls.push_back(ball_of(to_float(corner[0]), to_float(corner[1]), to_float(corner[2])));
+        members.triangle.push_back(t);
+        members.member.push_back(t);
+    }
+    const LeafFrame frame = leaf_frame(balls, {nullptr, points.data()}, corners.data(), members);
+    const auto axis = [&](int i) { return Vec3d{frame.axis[i].x, frame.axis[i].y, frame.axis[i].z}; };
+    EXPECT_GT(std::abs(axis(0).x), 0.99);
+    EXPECT_LT(slant(across, axis(1), axis(2)), 0.1);
 }
 
 TEST(Build, boxes_hold_the_rotated_corners_and_planes_hold_their_triangle) {

@@ -1,0 +1,38 @@
+#pragma once
+
+// How to turn a frame about its first axis so that edges lie along the other two: boxes of long triangles, whose edges
+// a designed part has in few directions, are then slim (docs/align.md). Compiled for host and device.
+
+#include <cmath>
+
+#include "geometry/eigen.h"
+
+namespace crumple {
+
+/// Sum of l^2 exp(4 i phi) over edges, l long and at the angle phi across the first axis.
+struct EdgeMoment {
+    double re = 0, im = 0;
+
+    CRUMPLE_HD void add_edge(const Vec3d& edge, const PrincipalAxes& axes) {
+        const double y = dot(edge, axes.axis[1]), z = dot(edge, axes.axis[2]);
+        const double l2 = y * y + z * z, cosine = y * y - z * z, sine = 2 * y * z;  // l^2 times those of 2 phi
+        if (!(l2 > 0)) return;
+        re += (cosine * cosine - sine * sine) / l2;
+        im += 2 * cosine * sine / l2;
+    }
+    CRUMPLE_HD void add_triangle(const Vec3d& p, const Vec3d& q, const Vec3d& r, const PrincipalAxes& axes) {
+        add_edge(q - p, axes);
+        add_edge(r - q, axes);
+        add_edge(p - r, axes);
+    }
+};
+
+/// Turns the second and third axis by the angle of the moment, a quarter of it: at most 45 degrees.
+CRUMPLE_HD inline void turn_to_edges(PrincipalAxes& axes, const EdgeMoment& moment) {
+    const double angle = std::atan2(moment.im, moment.re) / 4, c = std::cos(angle), s = std::sin(angle);
+    const Vec3d y = axes.axis[1], z = axes.axis[2];
+    axes.axis[1] = c * y + s * z;
+    axes.axis[2] = c * z - s * y;
+}
+
+}  // namespace crumple
