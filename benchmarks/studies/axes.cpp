@@ -1,5 +1,5 @@
 // The sweep direction, and how many axes of a box to look at: [MZ] sec. 3 sweeps along the first principal component
-// and tests boxes along the second only; the library tests the third, too.
+// and tests boxes along the second only; the library tests the third, too, and turns both so that edges lie along them.
 //
 // A plain sweep of its own, float64 on one thread, so that nothing but the frame differs: boxes in the frame, sorted by
 // start; of each two overlapping intervals, the other axes; of each two overlapping boxes, whether one triangle lies
@@ -10,7 +10,7 @@
 #include <algorithm>
 #include <bit>
 
-#include "geometry/eigen.h"
+#include "geometry/edge_moment.h"
 #include "report.h"
 #include "studies/primitives.h"
 #include "studies/studies.h"
@@ -22,12 +22,19 @@ using Frame = std::array<Vec3d, 3>;
 
 struct Way {
     const char* name;
-    int fixed;  ///< the axis to sweep along; -1: the coordinate axis of the largest variance; -2: principal components
+    int fixed;  ///< the axis to sweep along, or one of the following
     bool third_axis;
 };
-constexpr std::array ways{Way{"x", 0, true},    Way{"y", 1, true},
-                          Way{"z", 2, true},    Way{"longest of x, y, z", -1, true},
-                          Way{"PCA", -2, true}, Way{"PCA, two axes", -2, false}};
+constexpr int longest = -1;              ///< the coordinate axis of the largest variance
+constexpr int principal = -2;            ///< principal components
+constexpr int principal_and_edges = -3;  ///< these, turned to the edges
+constexpr std::array ways{Way{"x", 0, true},
+                          Way{"y", 1, true},
+                          Way{"z", 2, true},
+                          Way{"longest of x, y, z", longest, true},
+                          Way{"PCA", principal, true},
+                          Way{"PCA, turned to edges", principal_and_edges, true},
+                          Way{"PCA, two axes", principal, false}};
 
 struct Box {
     std::array<double, 3> low, high;
@@ -49,11 +56,16 @@ Frame frame_of(const std::vector<const Primitive*>& members, int fixed) {
         m.xx += share * d.x * d.x, m.xy += share * d.x * d.y, m.xz += share * d.x * d.z;
         m.yy += share * d.y * d.y, m.yz += share * d.y * d.z, m.zz += share * d.z * d.z;
     }
-    if (fixed == -2) {
-        const PrincipalAxes axes = principal_axes(m);
+    if (fixed == principal || fixed == principal_and_edges) {
+        PrincipalAxes axes = principal_axes(m);
+        if (fixed == principal_and_edges) {
+            EdgeMoment moment;
+            for (const Primitive* p : members) moment.add_triangle(p->corner[0], p->corner[1], p->corner[2], axes);
+            turn_to_edges(axes, moment);
+        }
         return {axes.axis[0], axes.axis[1], axes.axis[2]};
     }
-    if (fixed == -1) fixed = m.xx >= m.yy && m.xx >= m.zz ? 0 : m.yy >= m.zz ? 1 : 2;
+    if (fixed == longest) fixed = m.xx >= m.yy && m.xx >= m.zz ? 0 : m.yy >= m.zz ? 1 : 2;
     Frame frame;
     for (int i = 0; i < 3; ++i) frame[static_cast<std::size_t>(i)][(fixed + i) % 3] = 1;
     return frame;
@@ -93,12 +105,25 @@ Counts sweep(const std::vector<const Primitive*>& members, const Way& way) {
     return counts;
 }
 
+/// Both meshes of a workload that has two.
+io::TriangleMesh one_soup(const Workload& workload) {
+    if (workload.question != Question::between) return workload.a;
+    std::vector<double> vertices = coordinates<double>(workload.a);
+    const auto offset = static_cast<std::int32_t>(vertices.size() / 3);
+    const std::vector<double> others = coordinates<double>(workload.b);
+    vertices.insert(vertices.end(), others.begin(), others.end());
+    io::TriangleMesh soup{std::move(vertices), workload.a.triangles, {}};
+    for (const std::int32_t corner : workload.b.triangles) soup.triangles.push_back(offset + corner);
+    return soup;
+}
+
 nlohmann::json compare_axes(const Workload& workload, int parts, const Effort& effort) {
     Detector detector;
-    const std::vector<Primitive> primitives = primitives_of(workload.a);
+    const io::TriangleMesh mesh = one_soup(workload);
+    const std::vector<Primitive> primitives = primitives_of(mesh);
     std::vector<std::vector<const Primitive*>> members;
     std::vector<std::uint64_t> masks(primitives.size());
-    for (const Part& part : detector.partition(workload.a.view(), parts)) {
+    for (const Part& part : detector.partition(mesh.view(), parts)) {
         std::vector<const Primitive*>& list = members.emplace_back();
         for (const std::int32_t t : part.triangles) {
             list.push_back(&primitives[static_cast<std::size_t>(t)]);
@@ -106,7 +131,7 @@ nlohmann::json compare_axes(const Workload& workload, int parts, const Effort& e
         }
     }
     std::int64_t colliding = 0;  // as often as candidates are counted: once in each part that holds both
-    for (const Pair& pair : detector.find_self(workload.a.view()).pairs)
+    for (const Pair& pair : detector.find_self(mesh.view()).pairs)
         colliding += std::popcount(masks[static_cast<std::size_t>(pair.a)] & masks[static_cast<std::size_t>(pair.b)]);
 
     std::array<Counts, ways.size()> counts;
@@ -144,8 +169,9 @@ nlohmann::json compare_axes(const Workload& workload, int parts, const Effort& e
 
 nlohmann::json study_axes(const StudySettings& settings) {
     nlohmann::json rows = nlohmann::json::array();
-    std::vector<std::string> scenes = choose_scenes(
-        settings, {"cloth_ball92", "227", "balls16_18", "Generic_Twin_right"}, {"cloth", "bodies", "needles:20000"});
+    std::vector<std::string> scenes =
+        choose_scenes(settings, {"cloth_ball92", "227", "balls16_18", "Generic_Twin_right", "ember_016"},
+                      {"cloth", "bodies", "needles:20000"});
     if (settings.quick && settings.scenes.empty()) scenes = {"cloth:20000"};
     for (const std::string& name : scenes) {
         const Workload workload = load(name);

@@ -58,13 +58,16 @@ nlohmann::json compare(const std::string& option, const std::string& scene, cons
     return {{"workload", scene}, {"values", std::move(rows)}};
 }
 
+std::vector<std::string> meshes_against_meshes() { return {"ember_016", "ember_260", "ember_406"}; }
+
 /// The same frame again and again.
 nlohmann::json on_still_scenes(const StudySettings& study, const std::string& option,
-                               const std::vector<Setting>& settings) {
+                               const std::vector<Setting>& settings,
+                               const std::vector<std::string>& further_scenes = {}) {
+    std::vector<std::string> scenes{"cloth_ball92", "balls16_18", "227", "Generic_Twin_right"};
+    scenes.insert(scenes.end(), further_scenes.begin(), further_scenes.end());
     nlohmann::json rows = nlohmann::json::array();
-    const std::vector<std::string> scenes = choose_scenes(
-        study, {"cloth_ball92", "balls16_18", "227", "Generic_Twin_right"}, {"cloth", "bodies", "needles"});
-    for (const std::string& scene : scenes) {
+    for (const std::string& scene : choose_scenes(study, scenes, {"cloth", "bodies", "needles"})) {
         const Workload workload = load(scene);
         const auto make = [&](const Options& o, std::string label) {
             return crumple_with(o, workload, std::move(label));
@@ -110,7 +113,7 @@ nlohmann::json study_threads(const StudySettings& study) {
         if (threads >= all) setting.label += " (default)";
         settings.push_back(std::move(setting));
     }
-    return on_still_scenes(study, "threads", settings);
+    return on_still_scenes(study, "threads", settings, meshes_against_meshes());
 }
 
 nlohmann::json study_simd(const StudySettings& study) {
@@ -130,7 +133,7 @@ nlohmann::json study_simd(const StudySettings& study) {
         }
         settings.push_back(std::move(setting));
     }
-    return on_still_scenes(study, "simd", settings);
+    return on_still_scenes(study, "simd", settings, meshes_against_meshes());
 }
 
 nlohmann::json study_clusters(const StudySettings& study) {

@@ -67,10 +67,10 @@ SECTIONS = [
     ("### The sweep direction", ("sweep_direction", "Drawing: six slanted triangles with their boxes and intervals along x and along the "
                                  "first principal component, where none overlap"),
      "[MZ] fig. 1. The same triangles, once with boxes along x and y, once along the principal components of their centroids.", None),
-    ("", ("axes", "Dots: overlapping intervals, false positives and time for fixed axes, principal components, and principal components "
-          "with two axes only"),
-     "A plain sweep, the same for all, once over the whole scene and once in parts. Two axes: [MZ] sec. 5 leaves the third one to the "
-     "triangle test.", "axes"),
+    ("", ("axes", "Dots: overlapping intervals, false positives and time for fixed axes, principal components, these turned to the "
+          "edges, and principal components with two axes only"),
+     "A plain sweep, the same for all, once over the whole scene and once in parts. Turned to the edges: what the library does "
+     "([align](align.md)). Two axes: [MZ] sec. 5 leaves the third one to the triangle test.", "axes"),
     ("### Membership", ("overlap", "Drawing: two triangles that collide across the border of two clusters share none if each belongs to its "
                         "nearest centre only, and share both if balls decide"),
      "[MZ] fig. 4. A triangle belongs to the cluster of its nearest centre, and to others whose region it reaches.", None),
