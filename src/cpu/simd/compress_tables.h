@@ -25,7 +25,6 @@ struct CompressTable {
     constexpr const std::uint8_t* operator[](std::uint64_t mask) const { return order[mask]; }
 };
 
-inline constexpr CompressTable<8, 2> compress_shuffles_16;  ///< bytes of eight lanes of 16 bits
 inline constexpr CompressTable<4, 4> compress_shuffles_32;  ///< bytes of four lanes of 32 bits
 inline constexpr CompressTable<8, 1> compress_orders_32;    ///< eight lanes of 32 bits
 

@@ -1,0 +1,50 @@
+#pragma once
+
+// What turns the selected columns of a step of the sweep into a list, where no instruction does.
+
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+
+namespace crumple::cpu {
+
+/// A selection has a bit a column. Those of 32 columns come from two vectors whose halves were packed one by one, in
+/// the order of columns 0 to 7, 16 to 23, 8 to 15, 24 to 31.
+template <std::size_t columns>
+struct ColumnTables {
+    static constexpr std::size_t eights = columns / 8;
+
+    std::array<std::uint32_t, columns + 1> first{};  ///< selects the first n columns
+    /// Numbers of the selected ones among eight columns, packed to the front, by the eights' position and their bits.
+    alignas(64) std::uint16_t numbers[eights][256][8]{};
+
+    /// Where the bits of each eight columns start.
+    static constexpr int position(std::size_t eight) {
+        return 8 * static_cast<int>(columns == 32 && (eight == 1 || eight == 2) ? 3 - eight : eight);
+    }
+
+    constexpr ColumnTables() {
+        for (std::size_t i = 0; i < columns; ++i)
+            first[i + 1] = first[i] | std::uint32_t{1} << (position(i / 8) + static_cast<int>(i % 8));
+        for (std::size_t k = 0; k < eights; ++k)
+            for (std::size_t bits = 0; bits < 256; ++bits) {
+                std::size_t listed = 0;
+                for (std::size_t i = 0; i < 8; ++i)
+                    if (bits >> i & 1) numbers[k][bits][listed++] = static_cast<std::uint16_t>(8 * k + i);
+            }
+    }
+
+    /// The bits of eight columns, as an offset in `numbers`: 16 bytes each. One rotation and one mask.
+    static constexpr std::uint32_t offset(std::uint32_t selection, std::size_t eight) {
+        return std::rotr(selection, position(eight) - 4) & 0xff0;
+    }
+    const std::uint16_t* numbers_at(std::size_t eight, std::uint32_t offset) const {
+        return reinterpret_cast<const std::uint16_t*>(reinterpret_cast<const std::byte*>(numbers[eight]) + offset);
+    }
+};
+
+template <std::size_t columns>
+inline constexpr ColumnTables<columns> column_tables;
+
+}  // namespace crumple::cpu
