@@ -19,22 +19,6 @@ HWY_BEFORE_NAMESPACE();
 namespace crumple::cpu {
 namespace HWY_NAMESPACE {
 
-/// A vector of pairs: packed ids of its records, as offsets in units of four bytes.
-template <class D>
-struct PairLanes {
-    using Ids = hn::Rebind<std::int32_t, D>;
-    using V = hn::Vec<Ids>;
-    V row, column;
-
-    explicit PairLanes(const std::uint32_t* packed) {
-        const Ids ids;
-        const hn::Rebind<std::uint32_t, D> bits;
-        const auto both = hn::LoadU(bits, packed);
-        row = hn::BitCast(ids, hn::ShiftLeft<4>(hn::And(both, hn::Set(bits, 0xffffu))));
-        column = hn::BitCast(ids, hn::ShiftLeft<4>(hn::ShiftRight<16>(both)));
-    }
-};
-
 /// A vector of triangles.
 template <class D>
 struct Corners {
@@ -212,17 +196,20 @@ inline void separation_test_double(const SortedLeaf& leaf, const Candidates& can
                                    Verdicts& out) {
     const Doubles d;
     const hn::Rebind<std::int32_t, Doubles> ids;
+    const hn::Rebind<std::uint32_t, Doubles> bits;
     const hn::RebindToSigned<Doubles> wide;
     const double tiny = points.f ? float32_rows_slack : float64_rows_slack;
     const auto* rows = reinterpret_cast<const std::int32_t*>(leaf.record.data() + candidates.rows) + 12;
     const auto* columns = reinterpret_cast<const std::int32_t*>(leaf.record.data() + candidates.columns) + 12;
     drop_undecided(d, out, [&](const std::uint32_t* packed) {
-        const PairLanes<Doubles> pair(packed);
+        const auto both = hn::LoadU(bits, packed);
+        const auto record = [&](auto id) { return hn::BitCast(ids, hn::ShiftLeft<4>(id)); };  // 16 numbers each
+        const auto row = record(hn::And(both, hn::Set(bits, 0xffffu))), column = record(hn::ShiftRight<16>(both));
         Corners<Doubles> a, b;
         hn::Vec<decltype(wide)> id_a[3], id_b[3];
         for (int c = 0; c < 3; ++c) {
-            const auto va = hn::GatherIndex(ids, rows + c, pair.row);
-            const auto vb = hn::GatherIndex(ids, columns + c, pair.column);
+            const auto va = hn::GatherIndex(ids, rows + c, row);
+            const auto vb = hn::GatherIndex(ids, columns + c, column);
             id_a[c] = hn::PromoteTo(wide, va);
             id_b[c] = hn::PromoteTo(wide, vb);
             for (int axis = 0; axis < 3; ++axis) {
