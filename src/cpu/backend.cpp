@@ -285,8 +285,9 @@ class CpuBackend final : public BackendBase {
         ownership.bits(members.triangle.data(), members.member.data(), members.size(), rule_.groups_apart(),
                        members.lower.data());
         members.keep_members = !ownership.complete();
-        const RecordInput input{point_rows(scene),       scene.corners,  scene.triangle_count(),
-                                members.triangle.data(), members.size(), leaf_frame(balls_, point_rows(scene), scene.corners, members)};
+        const RecordInput input{point_rows(scene),      scene.corners,
+                                scene.triangle_count(), members.triangle.data(),
+                                members.size(),         leaf_frame(balls_, point_rows(scene), scene.corners, members)};
         const FlushToZero mode;
         kernels_.build(input, members.record.data(), members.boxes, members.bounds);
         statistics[Stage::align] += watch.lap();
