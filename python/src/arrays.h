@@ -42,7 +42,7 @@ class BorrowedArray {
     bool borrow_numpy(nanobind::handle object);
     bool borrow_dlpack(nanobind::handle object);
 
-    nanobind::object numpy_;  ///< while it is held twice, NumPy refuses to resize it
+    nanobind::object numpy_;  ///< the array, one converted from something else, too; null for one from DLPack
     nanobind::ndarray<nanobind::ro> dlpack_;
 };
 

@@ -38,7 +38,7 @@ LAYOUTS = {
 
 @pytest.mark.parametrize("layout", LAYOUTS)
 @pytest.mark.parametrize("scalar", ["float32", "float64"])
-@pytest.mark.parametrize("index", ["int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64"])
+@pytest.mark.parametrize("index", ["int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64", "longlong"])
 def test_every_layout_and_type(layout, scalar, index, detector):
     few = 40  # so many triangles name vertices that fit int8
     vertices, faces = LAYOUTS[layout](MESH.vertices.astype(scalar)), LAYOUTS[layout](MESH.faces[:few].astype(index))

@@ -79,6 +79,12 @@ def test_everything_public_is_documented():
                     assert inspect.getdoc(getattr(thing, member)), f"{name}.{member}"
 
 
+def test_without_numpy_a_search_says_so():
+    code = "import sys; sys.modules['numpy'] = None; import crumple; crumple.Detector().find_self([], [])"
+    process = run("-c", code)
+    assert process.returncode == 1 and "ImportError" in process.stderr and "numpy" in process.stderr
+
+
 def test_import_is_quick():
     """The least processor time of a few tries, since other programs run too. NumPy is imported when it is needed."""
     program = (
