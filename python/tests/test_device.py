@@ -1,7 +1,7 @@
 """Arrays in CUDA memory: the cuda backend reads them where they lie and gives the bytes of every other backend.
 
-On a machine without a device `scripts/test_python.sh --cuda` builds the module with the backend that the CPU plays, whose
-device memory is the host's.
+On a machine without a device `scripts/test_python.sh --cuda` builds the module with the backend that the CPU plays,
+whose device memory is the host's.
 """
 
 import ctypes
@@ -12,7 +12,6 @@ import pytest
 
 import crumple
 from conftest import OnDevice, soup
-
 
 ON_CPU = "CRUMPLE_CUDA_ON_CPU" in os.environ
 
@@ -79,9 +78,7 @@ def test_strides(cuda, cpu):
 def test_queries(cuda, cpu, query):
     device = mesh_on_device(MESH)
     assert_same(cuda.find_self(device, **query), cpu.find_self(MESH, **query))
-    assert_same(
-        cuda.find_between(device, mesh_on_device(OTHER), **query), cpu.find_between(MESH, OTHER, **query)
-    )
+    assert_same(cuda.find_between(device, mesh_on_device(OTHER), **query), cpu.find_between(MESH, OTHER, **query))
     assert cuda.has_intersections(device, **query) == cpu.has_intersections(MESH, **query)
 
 
@@ -104,7 +101,9 @@ def test_errors_name_the_place(cuda):
 
 def test_another_device_is_refused(cuda):
     mesh = OnDevice(MESH.vertices, 7), OnDevice(MESH.faces, 7)
-    with pytest.raises(crumple.InvalidInput, match="in the memory of CUDA device 7, but the detector works on device 0"):
+    with pytest.raises(
+        crumple.InvalidInput, match="in the memory of CUDA device 7, but the detector works on device 0"
+    ):
         cuda.find_self(*mesh)
 
 

@@ -52,7 +52,12 @@ def test_bad_files_are_named(tmp_path):
     assert (caught.value.errno, caught.value.strerror) == (errno.ENOENT, os.strerror(errno.ENOENT))
     assert str(caught.value) == f"cannot read {tmp_path}/none.ply: No such file or directory"
     copy = pickle.loads(pickle.dumps(caught.value))
-    assert (type(copy), str(copy), copy.errno, copy.code) == (crumple.FileError, str(caught.value), errno.ENOENT, "file")
+    assert (type(copy), str(copy), copy.errno, copy.code) == (
+        crumple.FileError,
+        str(caught.value),
+        errno.ENOENT,
+        "file",
+    )
     (tmp_path / "cut.off").write_text("OFF\n3 1 0\n0 0 0\n1 0 0\n")
     with pytest.raises(crumple.InvalidInput, match="cut.off") as caught:
         crumple.read_mesh(tmp_path / "cut.off")
@@ -173,7 +178,11 @@ def test_scenes_are_the_same_everywhere():
     a, b = (crumple.make_scene("bodies", triangles=2000, frame=7, seed=3) for _ in range(2))
     assert a.vertices.tobytes() == b.vertices.tobytes() and (a.groups == b.groups).all()
     last = crumple.make_scene("bodies", triangles=2000, frame=59)
-    assert crumple.make_scene("bodies", triangles=2000).vertices.tobytes() == last.vertices.tobytes() != a.vertices.tobytes()
+    assert (
+        crumple.make_scene("bodies", triangles=2000).vertices.tobytes()
+        == last.vertices.tobytes()
+        != a.vertices.tobytes()
+    )
     with pytest.raises(crumple.InvalidInput, match="there is no scene tea; there are cloth"):
         crumple.make_scene("tea")
     with pytest.raises(crumple.InvalidInput, match="has no frame 60; its frames are 0 to 59"):

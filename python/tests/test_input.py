@@ -38,7 +38,9 @@ LAYOUTS = {
 
 @pytest.mark.parametrize("layout", LAYOUTS)
 @pytest.mark.parametrize("scalar", ["float32", "float64"])
-@pytest.mark.parametrize("index", ["int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64", "longlong"])
+@pytest.mark.parametrize(
+    "index", ["int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64", "longlong"]
+)
 def test_every_layout_and_type(layout, scalar, index, detector):
     few = 40  # so many triangles name vertices that fit int8
     vertices, faces = LAYOUTS[layout](MESH.vertices.astype(scalar)), LAYOUTS[layout](MESH.faces[:few].astype(index))
@@ -407,9 +409,13 @@ def test_device_arrays_are_told_what_to_do(detector):
 
 
 def test_a_mesh_lies_in_one_place(detector):
-    with pytest.raises(crumple.InvalidInput, match="faces lie in host memory, but vertices in the memory of CUDA device 0"):
+    with pytest.raises(
+        crumple.InvalidInput, match="faces lie in host memory, but vertices in the memory of CUDA device 0"
+    ):
         detector.find_self(OnDevice(MESH.vertices), MESH.faces)
-    with pytest.raises(crumple.InvalidInput, match="faces lie in the memory of CUDA device 3, but vertices in host memory"):
+    with pytest.raises(
+        crumple.InvalidInput, match="faces lie in the memory of CUDA device 3, but vertices in host memory"
+    ):
         detector.find_self(MESH.vertices, OnDevice(MESH.faces, 3))
     with pytest.raises(crumple.InvalidInput, match="groups lie in the memory of CUDA device 0, but vertices in host"):
         detector.find_self(*MESH[:2], groups=OnDevice(np.zeros(len(MESH.faces), np.int32)))
