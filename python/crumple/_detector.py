@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from collections.abc import Callable, Iterable
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeVar
 
 from . import _core
-from ._mesh import Mesh, as_mesh
 from ._result import Result
 
 if TYPE_CHECKING:
@@ -21,13 +20,16 @@ Simd = Literal["automatic", "scalar", "sse4", "avx2", "avx512", "neon"]
 GroupPairs = Iterable[tuple[int, int]]
 
 
-def _whole_mesh(vertices: Any, groups: Any) -> Mesh:
-    """Of a call that gives one object and no faces."""
-    mesh = as_mesh(vertices)
-    return mesh if groups is None else mesh._replace(groups=groups)
+Declaration = TypeVar("Declaration", bound=Callable[..., Any])
 
 
-class Detector:
+def _in_c_plus_plus(declaration: Declaration) -> Declaration:
+    """The method that python/src/detector.cpp defines. Of the declaration nothing runs: it is what people read, and
+    refuses the calls that it does not allow."""
+    return _core.method(declaration)
+
+
+class Detector(_core.Detector):
     """Finds all pairs of triangles that intersect, exactly.
 
     Keeps buffers and cluster centres between calls, so a detector that is fed the frames of a simulation is faster than
@@ -67,7 +69,7 @@ class Detector:
     boxes that overlap; here that test is exact. docs/README.md names the page of each stage.
     """
 
-    __slots__ = ("__weakref__", "_core", "_options")
+    __slots__ = ("__weakref__", "_options")
 
     def __init__(
         self,
@@ -85,8 +87,9 @@ class Detector:
         simd: Simd = "automatic",
         device: int = 0,
     ) -> None:
-        self._options = {name: value for name, value in locals().items() if name != "self"}
-        self._core = _core.Detector(**self._options)
+        options = {name: value for name, value in locals().items() if name != "self"}
+        _core.Detector.__init__(self, **options)
+        self._options = options
 
     @property
     def options(self) -> dict[str, Any]:
@@ -96,12 +99,12 @@ class Detector:
     @property
     def backend(self) -> str:
         """The backend that works, "cpu", "cuda" or "reference": what was asked for, or what "automatic" has chosen."""
-        return self._core.backend
+        return super().backend
 
     @property
     def fallback(self) -> str:
         """Why "automatic" took the cpu backend although this build has the cuda backend, in one line; else ""."""
-        return self._core.fallback
+        return super().fallback
 
     def cancel(self) -> None:
         """Asks the call that runs at this moment to end: it raises Error, code "cancelled", within some milliseconds.
@@ -109,11 +112,12 @@ class Detector:
         For any other thread. The call may also return its answer, if that was all but there. Does nothing while no
         call runs; one that waits for its turn goes on waiting. `partition` is not cut short while it clusters.
         """
-        self._core.cancel()
+        super().cancel()
 
     def __repr__(self) -> str:
         return "crumple.Detector(" + ", ".join(f"{name}={value!r}" for name, value in self._options.items()) + ")"
 
+    @_in_c_plus_plus
     def find_self(
         self,
         vertices: Any,
@@ -151,11 +155,9 @@ class Detector:
         number of pairs of boxes that overlap; contacts take about a microsecond a pair. Source: Mainzer and Zachmann,
         Algorithm 1; see Detector. What a collision is: docs/contract.md.
         """
-        mesh = _whole_mesh(vertices, groups) if faces is None else (vertices, faces, groups)
-        return self._core.find(
-            mesh, None, part, neighbours, intersections, weld, contacts, wanted, excluded_groups, copy
-        )
+        raise NotImplementedError
 
+    @_in_c_plus_plus
     def find_between(
         self,
         a: Any,
@@ -176,11 +178,9 @@ class Detector:
         with crumple.Mesh or a tuple of three. Equal indices share nothing here; with `weld` equal positions do. If one
         mesh is float64, both are computed in float64. Otherwise as find_self, errors, cost and source included.
         """
-        first, second = as_mesh(a), as_mesh(b)
-        return self._core.find(
-            first, second, part, neighbours, intersections, weld, contacts, wanted, excluded_groups, copy
-        )
+        raise NotImplementedError
 
+    @_in_c_plus_plus
     def has_intersections(
         self,
         vertices: Any,
@@ -198,9 +198,9 @@ class Detector:
         Cost: that of find_self where nothing collides, as a rule a part of it where something does. Source: Mainzer and
         Zachmann, Algorithm 1, cut short.
         """
-        mesh = _whole_mesh(vertices, groups) if faces is None else (vertices, faces, groups)
-        return self._core.any(mesh, None, neighbours, intersections, weld, wanted, excluded_groups)
+        raise NotImplementedError
 
+    @_in_c_plus_plus
     def has_intersections_between(
         self,
         a: Any,
@@ -216,7 +216,7 @@ class Detector:
 
         Cost and source: as of has_intersections, for the triangles of both.
         """
-        return self._core.any(as_mesh(a), as_mesh(b), neighbours, intersections, weld, wanted, excluded_groups)
+        raise NotImplementedError
 
     def partition(self, mesh: Any, second: Any = None, *, count: int) -> list[_core.Part]:
         """Cuts a scene of one mesh or two into `count` (1 to 64) overlapping, independent parts.
@@ -228,7 +228,7 @@ class Detector:
         Cost: grows with triangles times parts; 5 ms for 92,000 triangles in 4 parts, 37 ms in 64. Source: Mainzer and
         Zachmann, sec. 1.1, for parts on several machines, and sec. 4, eqs. 2-4, for their centres.
         """
-        return self._core.partition(as_mesh(mesh), None if second is None else as_mesh(second), count)
+        return super().partition(mesh, second, count)
 
 
 def find_self_intersections(vertices: Any, faces: Any = None, *, copy: bool = False, **query: Any) -> NDArray[np.int32]:

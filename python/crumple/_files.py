@@ -6,7 +6,7 @@ import os
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 from . import _core
-from ._mesh import Mesh, as_mesh
+from ._mesh import Mesh
 
 if TYPE_CHECKING:
     import numpy as np
@@ -41,14 +41,14 @@ def write_mesh(path: str | os.PathLike[str], mesh: Any) -> None:
     Coordinates keep every bit, but for .stl, which holds float32; groups are kept by .ply, as the face property
     `group`. Raises FileError, InvalidInput; the file then stays as it was. Ctrl-C waits until the file is written.
     """
-    _core.write_mesh(path, as_mesh(mesh))
+    _core.write_mesh(path, mesh)
 
 
 def read_pairs(path: str | os.PathLike[str]) -> NDArray[np.int32]:
     """(k, 2) int32: the pairs of a file, in its order.
 
-    .csv, .json and .npz are read as Result.save writes them; any other file is text, the first two numbers of each line.
-    Raises FileError, InvalidInput.
+    .csv, .json and .npz are read as Result.save writes them; any other file is text, the first two numbers of each
+    line. Raises FileError, InvalidInput.
     """
     return _core.read_pairs(path)
 

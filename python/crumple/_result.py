@@ -139,7 +139,7 @@ class Result(Collisions):
             return None
         return Contacts(self._array("contact_kinds"), self._array("contact_offsets"), self._array("contact_points"))
 
-    @cached_property
+    @property
     def statistics(self) -> Statistics:
         """Counts and times of the stages."""
         return self._statistics
@@ -182,7 +182,7 @@ class Result(Collisions):
         elif extension in _MESH_FILES:
             from ._core import write_coloured
 
-            write_coloured(path, *self._meshes, self)
+            write_coloured(path, self)
         elif extension == ".html":
             page = self.to_html(**options)
             with _writing(name):

@@ -9,6 +9,8 @@
 #include <numpy/arrayobject.h>
 
 #include <stdexcept>
+#include <string>
+#include <utility>
 
 namespace nb = nanobind;
 
@@ -74,12 +76,12 @@ bool are_group_pairs(const BorrowedArray& a) {
 }
 
 BorrowedArray borrow_array(nb::handle object, bool (*accepted)(const BorrowedArray&), const char* converter,
-                           const std::string& which) {
+                           const char* which) {
     BorrowedArray array;
     if (array.borrow(object) && accepted(array)) return array;
-    const nb::object converted = nb::module_::import_("crumple._arrays").attr(converter)(object, which);
     array = BorrowedArray();
-    if (array.borrow(converted) && accepted(array)) return array;
+    if (array.keep(nb::module_::import_("crumple._arrays").attr(converter)(object, which)) && accepted(array))
+        return array;
     throw std::logic_error(std::string("crumple._arrays.") + converter + " gave an array of another kind");
 }
 
@@ -108,11 +110,15 @@ bool BorrowedArray::borrow(nb::handle object) {
     return dimensions >= 1;
 }
 
+bool BorrowedArray::keep(nb::object object) {
+    kept_ = std::move(object);
+    return borrow(kept_);
+}
+
 bool BorrowedArray::borrow_numpy(nb::handle object) {
     if (PyArray_ImportNumPyAPI() != 0) throw nb::python_error();  // at the first array, to keep `import crumple` quick
     if (!PyArray_Check(object.ptr())) return false;
     const auto array = reinterpret_cast<PyArrayObject*>(object.ptr());
-    numpy_ = nb::borrow(object);
     data = PyArray_DATA(array);
     number = number_of(array);
     dimensions = PyArray_NDIM(array) <= 2 ? PyArray_NDIM(array) : 0;
@@ -124,48 +130,58 @@ bool BorrowedArray::borrow_numpy(nb::handle object) {
 }
 
 bool BorrowedArray::borrow_dlpack(nb::handle object) {
-    if (!nb::try_cast(object, dlpack_)) return false;
-    switch (dlpack_.device_type()) {
+    nb::ndarray<nb::ro> array;
+    if (!nb::try_cast(object, array)) return false;
+    switch (array.device_type()) {
         case nb::device::cpu::value:
         case nb::device::cuda_host::value:
             device = on_host;
             break;
         case nb::device::cuda::value:
         case nb::device::cuda_managed::value:
-            device = dlpack_.device_id();
+            device = array.device_id();
             break;
         default:
             return false;
     }
-    data = dlpack_.data();
-    number = number_of(dlpack_.dtype());
-    dimensions = dlpack_.ndim() <= 2 ? static_cast<int>(dlpack_.ndim()) : 0;
+    data = array.data();
+    number = number_of(array.dtype());
+    dimensions = array.ndim() <= 2 ? static_cast<int>(array.ndim()) : 0;
     for (int i = 0; i < dimensions; ++i) {
         const auto k = static_cast<std::size_t>(i);
-        shape[k] = static_cast<std::int64_t>(dlpack_.shape(k));
-        strides[k] = dlpack_.stride(k) * static_cast<std::int64_t>(dlpack_.itemsize());
+        shape[k] = static_cast<std::int64_t>(array.shape(k));
+        strides[k] = array.stride(k) * static_cast<std::int64_t>(array.itemsize());
     }
+    dlpack_ = std::make_unique<nb::ndarray<nb::ro>>(std::move(array));
     return true;
 }
 
-BorrowedMesh::BorrowedMesh(nb::handle mesh, const std::string& which)
-    : vertices_(borrow_array(mesh[0], are_vertices, "vertices", which)),
-      faces_(borrow_array(mesh[1], are_faces, "faces", which)),
+GivenMesh given_mesh(nb::handle mesh) {
+    const auto item = [&](Py_ssize_t i) { return nb::borrow(PyTuple_GetItem(mesh.ptr(), i)); };
+    const Py_ssize_t items = PyTuple_Check(mesh.ptr()) ? PyTuple_Size(mesh.ptr()) : 0;
+    if (items == 2) return {item(0), item(1), nb::none()};
+    if (items == 3) return {item(0), item(1), item(2)};
+    return given_mesh(nb::module_::import_("crumple._mesh").attr("as_mesh")(mesh));
+}
+
+BorrowedMesh::BorrowedMesh(const GivenMesh& mesh, const char* which)
+    : vertices_(borrow_array(mesh.vertices, are_vertices, "vertices", which)),
+      faces_(borrow_array(mesh.faces, are_faces, "faces", which)),
       view_(rows_of_three(vertices_, scalar_type(vertices_)), rows_of_three(faces_, index_type(faces_))) {
     const auto check_place = [&](const BorrowedArray& array, const char* name) {
         if (array.device != device())
-            refuse(which + name + " lie in " + place(array.device) + ", but vertices in " + place(device()));
+            refuse(std::string(which) + name + " lie in " + place(array.device) + ", but vertices in " +
+                   place(device()));
     };
     check_place(faces_, "faces");
     if (device() != BorrowedArray::on_host) view_.memory = MemorySpace::cuda;
-    const nb::object groups = mesh[2];
-    if (groups.is_none()) return;
-    groups_ = borrow_array(groups, are_groups, "groups", which);
+    if (mesh.groups.is_none()) return;
+    groups_ = borrow_array(mesh.groups, are_groups, "groups", which);
     check_place(groups_, "groups");
     // No groups at all are None. An empty array would be taken for that.
     if (groups_.shape[0] != faces_.shape[0])
-        refuse(which + "groups must be one for each of the " + std::to_string(faces_.shape[0]) + " faces, not " +
-               std::to_string(groups_.shape[0]));
+        refuse(std::string(which) + "groups must be one for each of the " + std::to_string(faces_.shape[0]) +
+               " faces, not " + std::to_string(groups_.shape[0]));
     view_.groups = {static_cast<const std::int32_t*>(groups_.data), static_cast<std::size_t>(groups_.shape[0])};
 }
 

@@ -14,7 +14,7 @@
 
 #include <array>
 #include <cstdint>
-#include <string>
+#include <memory>
 #include <vector>
 
 #include "crumple/mesh.h"
@@ -22,14 +22,17 @@
 
 namespace crumple::python {
 
-/// An array that is kept alive and in place. Comes and goes with the GIL.
+/// An array in place. Comes and goes with the GIL.
 class BorrowedArray {
    public:
     enum class Number : std::uint8_t { other, float32, float64, int32, uint32, int64 };
 
-    /// Looks at an object; false if it is no array of one or two dimensions, in memory of the host or of CUDA. In
-    /// CUDA's, it is ready for what is given to the legacy default stream (DLPack's rule for whoever names no stream).
+    /// Looks at an object, which must stay; false if it is no array of one or two dimensions, in memory of the host or
+    /// of CUDA. In CUDA's, it is ready for what is given to the legacy default stream (DLPack's rule for whoever names
+    /// no stream).
     bool borrow(nanobind::handle object);
+    /// The same of an object that stays no longer than this does.
+    bool keep(nanobind::object object);
 
     const void* data = nullptr;
     Number number = Number::other;
@@ -42,20 +45,27 @@ class BorrowedArray {
     bool borrow_numpy(nanobind::handle object);
     bool borrow_dlpack(nanobind::handle object);
 
-    nanobind::object numpy_;  ///< the array, one converted from something else, too; null for one from DLPack
-    nanobind::ndarray<nanobind::ro> dlpack_;
+    nanobind::object kept_;
+    std::unique_ptr<nanobind::ndarray<nanobind::ro>> dlpack_;  ///< null for an array of NumPy
 };
+
+/// A mesh as Python holds it; groups may be None.
+struct GivenMesh {
+    nanobind::object vertices, faces, groups;
+};
+
+/// What crumple/_mesh.py takes for a mesh.
+GivenMesh given_mesh(nanobind::handle mesh);
 
 /// What to do with arrays that nobody reads where they lie.
 inline constexpr const char* copy_to_host =
     "copy them to the host (PyTorch: .cpu(), CuPy: .get(), JAX: jax.device_get, Warp: .numpy())";
 
-/// A mesh that Python holds, a tuple (vertices, faces, groups or None). Keeps its arrays alive; needs the GIL to come
-/// and go, not to be read.
+/// A mesh in place, as long as what it was given stays. Needs the GIL to come and go, not to be read.
 class BorrowedMesh {
    public:
     /// `which` leads every message: "first mesh: " or nothing.
-    BorrowedMesh(nanobind::handle mesh, const std::string& which);
+    BorrowedMesh(const GivenMesh& mesh, const char* which);
     const MeshView& view() const { return view_; }
     /// The CUDA device that all of it lies on, or BorrowedArray::on_host.
     int device() const { return vertices_.device; }

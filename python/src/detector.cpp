@@ -1,21 +1,21 @@
 #include "detector.h"
 
-#include <array>
 #include <chrono>
-#include <tuple>
+#include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
-#include <nanobind/ndarray.h>
-#include <nanobind/stl/array.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/string_view.h>
-#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
 #include "arguments.h"
 #include "arrays.h"
 #include "crumple/device.h"
+#include "method.h"
 #include "names.h"
+#include "part.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -24,6 +24,7 @@ namespace crumple::python {
 namespace {
 
 unsigned long main_thread = 0;
+nb::handle detector_class;  // never released, as types of a module are not
 
 }  // namespace
 
@@ -49,6 +50,13 @@ SharedDetector::Turn::Turn(SharedDetector& detector) : detector_(detector) {
 SharedDetector::Turn::~Turn() {
     detector_.caller_ = std::thread::id();
     detector_.mutex_.unlock();
+}
+
+std::shared_ptr<Collisions> SharedDetector::storage() {
+    if (options().memory_limit > 0) return std::make_shared<Collisions>();
+    if (last_.use_count() != 1) std::swap(last_, before_);
+    if (last_.use_count() != 1) last_ = std::make_shared<Collisions>();
+    return last_;
 }
 
 const Collisions& SharedDetector::search(const MeshView& first, const MeshView* second, const Part* part,
@@ -92,44 +100,41 @@ void check_device(const SharedDetector& detector, int device) {
                ", but the detector works on device " + std::to_string(detector.options().device));
 }
 
-/// What Python says of one call; holds what the views point to.
-struct Call {
+/// The meshes of one call, and the views of them that the library gets.
+struct Meshes {
+    GivenMesh a;
+    std::optional<GivenMesh> b;
     BorrowedMesh first;
     std::optional<BorrowedMesh> second;
-    std::vector<GroupPair> excluded;
-    Query query;
 
-    Call(const SharedDetector& detector, nb::handle a, nb::handle b) : first(a, b.is_none() ? "" : "first mesh: ") {
+    Meshes(const SharedDetector& detector, GivenMesh soup) : a(std::move(soup)), first(a, "") {
         check_device(detector, first.device());
-        if (b.is_none()) return;
-        second.emplace(b, "second mesh: ");
-        check_device(detector, second->device());
     }
-    Call(const SharedDetector& detector, nb::handle a, nb::handle b, nb::handle neighbours, nb::handle intersections,
-         nb::handle weld, nb::handle contacts, nb::handle wanted, nb::handle excluded_groups)
-        : Call(detector, a, b) {
-        excluded = group_pairs(excluded_groups);
-        query = {named(neighbours_names, "neighbours", neighbours),
-                 named(intersections_names, "intersections", intersections),
-                 flag("weld", weld),
-                 flag("contacts", contacts),
-                 named(wanted_names, "wanted", wanted),
-                 excluded};
+    Meshes(const SharedDetector& detector, GivenMesh one, GivenMesh other)
+        : a(std::move(one)), b(std::move(other)), first(a, "first mesh: ") {
+        check_device(detector, first.device());
+        second.emplace(*b, "second mesh: ");
+        check_device(detector, second->device());
     }
     const MeshView* second_or_null() const { return second ? &second->view() : nullptr; }
 };
 
-// The Part in an object that __new__ may have left without one.
-const Part& part_of(nb::handle object, std::string_view argument) {
-    if (!nb::isinstance<Part>(object)) refuse_type(argument, "a crumple.Part", object);
-    if (!nb::inst_ready(object)) refuse(std::string(argument) + " is a crumple.Part that nothing was put into");
-    return *nb::inst_ptr<Part>(object);
-}
+/// The arguments that all methods share; null where nothing is given.
+struct GivenQuery {
+    nb::handle neighbours, intersections, weld, contacts, wanted, excluded_groups;
 
-const Part* part_or_null(nb::handle part) {
-    if (part.is_none()) return nullptr;
-    return &part_of(part, "part");
-}
+    /// `excluded` is where the query keeps its pairs.
+    Query read(std::vector<GroupPair>& excluded) const {
+        Query query;
+        if (excluded_groups) query.excluded_groups = excluded = group_pairs(excluded_groups);
+        if (neighbours) query.neighbours = named(neighbours_names, "neighbours", neighbours);
+        if (intersections) query.intersections = named(intersections_names, "intersections", intersections);
+        if (weld) query.weld = flag("weld", weld);
+        if (contacts) query.contacts = flag("contacts", contacts);
+        if (wanted) query.wanted = named(wanted_names, "wanted", wanted);
+        return query;
+    }
+};
 
 template <class Work>
 auto without_gil(Work work) {
@@ -137,62 +142,102 @@ auto without_gil(Work work) {
     return work();
 }
 
-template <class T>
-nb::ndarray<nb::numpy, const T> column(nb::handle owner, const std::vector<T>& values) {
-    return {values.data(), {values.size()}, owner};
+// The detector that a method is called on. A class of Python may leave it without what __init__ makes.
+SharedDetector& detector_of(nb::handle self) {
+    if (!PyObject_TypeCheck(self.ptr(), reinterpret_cast<PyTypeObject*>(detector_class.ptr())))
+        refuse_type("self", "a crumple.Detector", self);
+    if (!nb::inst_ready(self)) refuse("crumple.Detector.__init__ has not been called");
+    return *nb::inst_ptr<SharedDetector>(self);
 }
 
-using PartState =
-    std::tuple<std::int32_t, std::vector<std::array<double, 3>>, std::vector<std::int32_t>, std::vector<std::int32_t>>;
+// The soup of find_self and has_intersections: arrays, or one object that holds them.
+GivenMesh given_soup(nb::handle vertices, nb::handle faces, nb::handle groups) {
+    const bool grouped = groups && !groups.is_none();
+    if (faces && !faces.is_none())
+        return {nb::borrow(vertices), nb::borrow(faces), grouped ? nb::borrow(groups) : nb::none()};
+    GivenMesh mesh = given_mesh(vertices);
+    if (grouped) mesh.groups = nb::borrow(groups);
+    return mesh;
+}
 
-void bind_part(nb::module_& module) {
-    nb::class_<Part>(module, "Part",
-                     "One of several independent, overlapping parts of a scene; see Detector.partition. A plain value\n"
-                     "that can be pickled: send it anywhere and answer it there for the same meshes.")
-        .def_ro("index", &Part::index, "Which of `centres` this part is.")
-        .def_prop_ro(
-            "centres",
-            [](nb::handle self) {
-                const auto& centres = part_of(self, "this").centres;
-                return nb::ndarray<nb::numpy, const double>(centres.empty() ? nullptr : centres[0].data(),
-                                                            {centres.size(), 3}, self);
-            },
-            "(parts, 3) float64: cluster centres of all parts, in the scene's coordinates.")
-        .def_prop_ro(
-            "triangles", [](nb::handle self) { return column(self, part_of(self, "this").triangles); },
-            "int32: triangles of the first mesh that belong to the part, ascending.")
-        .def_prop_ro(
-            "triangles_second", [](nb::handle self) { return column(self, part_of(self, "this").triangles_second); },
-            "int32: triangles of the second mesh; empty for one soup.")
-        .def("__repr__",
-             [](const Part& p) {
-                 return nb::str("<crumple.Part {} of {}: {} triangles>")
-                     .format(p.index, p.centres.size(), p.triangles.size() + p.triangles_second.size());
-             })
-        .def("__getstate__",
-             [](const Part& p) {
-                 return PartState{p.index, p.centres, p.triangles, p.triangles_second};
-             })
-        .def(
-            "__setstate__",
-            [](Part& p, nb::handle given) {
-                PartState state;
-                if (!nb::try_cast(given, state))
-                    throw InvalidType(
-                        "the state of a Part must be a tuple (index, centres, triangles, triangles_second)");
-                auto& [index, centres, triangles, triangles_second] = state;
-                new (&p) Part{index, std::move(centres), std::move(triangles), std::move(triangles_second)};
-            },
-            "state"_a.none());
+nb::object find(SharedDetector& self, Meshes meshes, const GivenQuery& given, nb::handle part, nb::handle copy) {
+    std::vector<GroupPair> excluded;
+    const Query query = given.read(excluded);
+    const Part* const of = part_or_null(part);
+    const bool copied = copy && flag("copy", copy);
+    Result result{self.storage(), std::move(meshes.a), std::move(meshes.b), query.contacts, copied};
+    without_gil([&] { self.find(meshes.first.view(), meshes.second_or_null(), of, query, *result.storage); });
+    return make_result(std::move(result));
+}
+
+nb::object any(SharedDetector& self, const Meshes& meshes, const GivenQuery& given) {
+    std::vector<GroupPair> excluded;
+    const Query query = given.read(excluded);
+    return nb::bool_(without_gil([&] { return self.any(meshes.first.view(), meshes.second_or_null(), query); }));
+}
+
+nb::object find_self(const Given<12>& given) {
+    const auto& [self, vertices, faces, groups, neighbours, intersections, weld, contacts, wanted, excluded_groups,
+                 part, copy] = given;
+    SharedDetector& detector = detector_of(self);
+    return find(detector, Meshes{detector, given_soup(vertices, faces, groups)},
+                {neighbours, intersections, weld, contacts, wanted, excluded_groups}, part, copy);
+}
+
+nb::object find_between(const Given<11>& given) {
+    const auto& [self, a, b, neighbours, intersections, weld, contacts, wanted, excluded_groups, part, copy] = given;
+    SharedDetector& detector = detector_of(self);
+    return find(detector, Meshes{detector, given_mesh(a), given_mesh(b)},
+                {neighbours, intersections, weld, contacts, wanted, excluded_groups}, part, copy);
+}
+
+nb::object has_intersections(const Given<9>& given) {
+    const auto& [self, vertices, faces, groups, neighbours, intersections, weld, wanted, excluded_groups] = given;
+    SharedDetector& detector = detector_of(self);
+    return any(detector, Meshes{detector, given_soup(vertices, faces, groups)},
+               {neighbours, intersections, weld, {}, wanted, excluded_groups});
+}
+
+nb::object has_intersections_between(const Given<8>& given) {
+    const auto& [self, a, b, neighbours, intersections, weld, wanted, excluded_groups] = given;
+    SharedDetector& detector = detector_of(self);
+    return any(detector, Meshes{detector, given_mesh(a), given_mesh(b)},
+               {neighbours, intersections, weld, {}, wanted, excluded_groups});
+}
+
+// As crumple/_detector.py declares them.
+constexpr Definition<12> find_self_method{{"self", "vertices", "faces", "groups", "neighbours", "intersections", "weld",
+                                           "contacts", "wanted", "excluded_groups", "part", "copy"},
+                                          find_self};
+constexpr Definition<11> find_between_method{
+    {"self", "a", "b", "neighbours", "intersections", "weld", "contacts", "wanted", "excluded_groups", "part", "copy"},
+    find_between};
+constexpr Definition<9> has_intersections_method{
+    {"self", "vertices", "faces", "groups", "neighbours", "intersections", "weld", "wanted", "excluded_groups"},
+    has_intersections};
+constexpr Definition<8> has_intersections_between_method{
+    {"self", "a", "b", "neighbours", "intersections", "weld", "wanted", "excluded_groups"}, has_intersections_between};
+
+constexpr std::pair<std::string_view, nb::object (*)(nb::handle)> methods[]{
+    {"find_self", make_method<find_self_method>},
+    {"find_between", make_method<find_between_method>},
+    {"has_intersections", make_method<has_intersections_method>},
+    {"has_intersections_between", make_method<has_intersections_between_method>}};
+
+nb::object method(nb::handle declaration) {
+    const auto declared = nb::cast<std::string>(declaration.attr("__name__"));
+    for (const auto& [name, make] : methods)
+        if (name == declared) return make(declaration);
+    refuse("no method " + declared + " is defined");
 }
 
 }  // namespace
 
 void bind_detector(nb::module_& module) {
     main_thread = nb::cast<unsigned long>(nb::module_::import_("threading").attr("main_thread")().attr("ident"));
-    bind_part(module);
-    nb::class_<SharedDetector>(module, "Detector", "The library's detector; crumple.Detector gives access to it.")
-        .def("__init__",
+    nb::class_<SharedDetector> type(module, "Detector", "The library's detector; crumple.Detector is one.");
+    detector_class = type;
+    type.def("__init__",
              [](SharedDetector* self, const nb::kwargs& options) {
                  new (self) SharedDetector({
                      .backend = named(backend_names, "backend", options["backend"]),
@@ -209,43 +254,20 @@ void bind_detector(nb::module_& module) {
                      .device = integer<int>("device", options["device"]),
                  });
              })
-        .def_prop_ro("backend", [](const SharedDetector& self) { return name_of(backend_names, self.backend()); })
-        .def_prop_ro("fallback", [](const SharedDetector& self) { return self.fallback(); })
-        .def("cancel", [](SharedDetector& self) { self.cancel(); })
-        .def(
-            "find",
-            [](SharedDetector& self, nb::handle first, nb::handle second, nb::handle part, nb::handle neighbours,
-               nb::handle intersections, nb::handle weld, nb::handle contacts, nb::handle wanted,
-               nb::handle excluded_groups, nb::handle copy) {
-                const Call call(self, first, second, neighbours, intersections, weld, contacts, wanted,
-                                excluded_groups);
-                const Part* const of = part_or_null(part);
-                Result result{self.storage(), nb::borrow(first), nb::borrow(second), call.query.contacts,
-                              flag("copy", copy)};
-                without_gil(
-                    [&] { self.find(call.first.view(), call.second_or_null(), of, call.query, *result.storage); });
-                return make_result(std::move(result));
-            },
-            "first"_a, "second"_a.none(), "part"_a.none(), "neighbours"_a.none(), "intersections"_a.none(),
-            "weld"_a.none(), "contacts"_a.none(), "wanted"_a.none(), "excluded_groups"_a.none(), "copy"_a.none())
-        .def(
-            "any",
-            [](SharedDetector& self, nb::handle first, nb::handle second, nb::handle neighbours,
-               nb::handle intersections, nb::handle weld, nb::handle wanted, nb::handle excluded_groups) {
-                const Call call(self, first, second, neighbours, intersections, weld, nb::bool_(false), wanted,
-                                excluded_groups);
-                return without_gil([&] { return self.any(call.first.view(), call.second_or_null(), call.query); });
-            },
-            "first"_a, "second"_a.none(), "neighbours"_a.none(), "intersections"_a.none(), "weld"_a.none(),
-            "wanted"_a.none(), "excluded_groups"_a.none())
+        .def_prop_ro("backend", [](nb::handle self) { return name_of(backend_names, detector_of(self).backend()); })
+        .def_prop_ro("fallback", [](nb::handle self) { return detector_of(self).fallback(); })
+        .def("cancel", [](nb::handle self) { detector_of(self).cancel(); })
         .def(
             "partition",
-            [](SharedDetector& self, nb::handle first, nb::handle second, nb::handle count) {
-                const Call call(self, first, second);
+            [](nb::handle object, nb::handle first, nb::handle second, nb::handle count) {
+                SharedDetector& self = detector_of(object);
+                const Meshes meshes = second.is_none() ? Meshes{self, given_mesh(first)}
+                                                       : Meshes{self, given_mesh(first), given_mesh(second)};
                 const int parts = integer<int>("count", count);
-                return without_gil([&] { return self.partition(call.first.view(), call.second_or_null(), parts); });
+                return without_gil([&] { return self.partition(meshes.first.view(), meshes.second_or_null(), parts); });
             },
-            "first"_a, "second"_a.none(), "count"_a.none());
+            "first"_a.none(), "second"_a.none(), "count"_a.none());
+    module.def("method", method, "declaration"_a);
     module.def("list_devices", [] {
         const DeviceList list = without_gil(list_devices);
         nb::list devices;

@@ -31,7 +31,10 @@ class SharedDetector {
     void find(const MeshView& first, const MeshView* second, const Part* part, const Query& query, Collisions& answer);
     bool any(const MeshView& first, const MeshView* second, const Query& query);
     std::vector<Part> partition(const MeshView& first, const MeshView* second, int count);
-    std::shared_ptr<Collisions> storage() const { return Spare::take(spare_); }
+    /// Storage for an answer: that of one of the last two, if nobody holds it any more. So frames of a simulation go
+    /// back and forth between two and allocate nothing. Under a memory limit none is kept. Call with the GIL, under
+    /// which results come and go.
+    std::shared_ptr<Collisions> storage();
     const Options& options() const { return detector_.options(); }
     Backend backend() const { return detector_.backend(); }
     std::string_view fallback() const { return detector_.fallback(); }
@@ -57,7 +60,7 @@ class SharedDetector {
     std::timed_mutex mutex_;
     std::atomic<std::thread::id> caller_{};  ///< whose turn it is
     Detector detector_;
-    std::shared_ptr<Spare> spare_ = std::make_shared<Spare>();
+    std::shared_ptr<Collisions> last_, before_;
 };
 
 void bind_detector(nanobind::module_& module);

@@ -116,28 +116,31 @@ void bind_files(nb::module_& module) {
         "write_mesh",
         [](nb::handle path, nb::handle mesh) {
             const Path to = python::path("path", path);
-            const BorrowedMesh borrowed(mesh, "");
+            const GivenMesh given = given_mesh(mesh);
+            const BorrowedMesh borrowed(given, "");
             const nb::gil_scoped_release released;
             io::write_mesh(to, copy_of(borrowed.view()));
         },
         "path"_a.none(), "mesh"_a);
     module.def(
         "write_coloured",
-        [](nb::handle path, nb::handle first, nb::handle second, const Result& result) {
+        [](nb::handle path, nb::handle object) {
             const Path to = python::path("path", path);
-            const BorrowedMesh a(first, "");
+            const Result& result = result_of(object);
+            const BorrowedMesh a(result.first, "");
             std::optional<BorrowedMesh> b;
-            if (!second.is_none()) b.emplace(second, "");
+            if (result.second) b.emplace(*result.second, "");
             const nb::gil_scoped_release released;
             std::optional<io::TriangleMesh> copy;
             if (b) copy = copy_of(b->view());
             io::write_coloured(to, copy_of(a.view()), copy ? &*copy : nullptr, result.collisions());
         },
-        "path"_a.none(), "first"_a, "second"_a.none(), "result"_a);
+        "path"_a.none(), "result"_a);
     module.def(
         "write_pairs",
-        [](nb::handle path, const Result& result) {
+        [](nb::handle path, nb::handle object) {
             const Path to = python::path("path", path);
+            const Result& result = result_of(object);
             const nb::gil_scoped_release released;
             io::write_pairs(to, result.collisions());
         },

@@ -6,6 +6,7 @@
 #include "detector.h"
 #include "errors.h"
 #include "files.h"
+#include "part.h"
 #include "result.h"
 
 NB_MODULE(_core, module) {
@@ -13,6 +14,7 @@ NB_MODULE(_core, module) {
     module.attr("__version__") = CRUMPLE_VERSION;
     crumple::python::translate_errors();
     crumple::python::bind_result(module);
+    crumple::python::bind_part(module);
     crumple::python::bind_detector(module);
     crumple::python::bind_files(module);
 }

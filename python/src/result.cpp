@@ -1,7 +1,13 @@
 #include "result.h"
 
+#include <exception>
+#include <utility>
+
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/string_view.h>
+
+#include "arguments.h"
+#include "errors.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -9,13 +15,14 @@ using namespace nb::literals;
 namespace crumple::python {
 namespace {
 
-// A read-only NumPy view that keeps the storage alive.
-template <class Element, class... Shape>
-nb::object view(const Result& result, const void* data, Shape... shape) {
+// A read-only NumPy view of an array, with as many columns as its elements have; it keeps the storage alive.
+template <class Number, class Element, class... Columns>
+nb::object view(const Result& result, const Array<Element>& array, Columns... columns) {
     using Owner = std::shared_ptr<Collisions>;
     const nb::capsule capsule(new Owner(result.storage), [](void* p) noexcept { delete static_cast<Owner*>(p); });
-    return nb::cast(nb::ndarray<nb::numpy, const Element>(static_cast<const Element*>(data),
-                                                          {static_cast<std::size_t>(shape)...}, capsule));
+    const void* const data = array.data();
+    return nb::cast(nb::ndarray<nb::numpy, const Number>(static_cast<const Number*>(data),
+                                                         {array.size(), std::size_t{columns}...}, capsule));
 }
 
 nb::typed<nb::dict, nb::str, double> stage_milliseconds(const Statistics& statistics) {
@@ -63,82 +70,116 @@ void bind_statistics(nb::module_& module) {
 // crumple.Result, which the package names when it is imported; never released, as types of a module are not.
 nb::handle result_class;
 
+struct Object {
+    PyObject_HEAD;
+    Result result;
+};
+Result& in(PyObject* self) { return reinterpret_cast<Object*>(self)->result; }
+
 // A mesh may hold a result that holds the mesh's arrays.
+int visit_mesh(const GivenMesh& mesh, visitproc visit, void* arg) {
+    Py_VISIT(mesh.vertices.ptr());
+    Py_VISIT(mesh.faces.ptr());
+    Py_VISIT(mesh.groups.ptr());
+    return 0;
+}
 int visit_meshes(PyObject* self, visitproc visit, void* arg) {
     Py_VISIT(Py_TYPE(self));
-    if (!nb::inst_ready(self)) return 0;
-    const Result& result = *nb::inst_ptr<Result>(self);
-    Py_VISIT(result.first.ptr());
-    Py_VISIT(result.second.ptr());
-    return 0;
+    const Result& result = in(self);
+    const int stop = visit_mesh(result.first, visit, arg);
+    return stop || !result.second ? stop : visit_mesh(*result.second, visit, arg);
 }
 int clear_meshes(PyObject* self) {
-    if (!nb::inst_ready(self)) return 0;
-    Result& result = *nb::inst_ptr<Result>(self);
-    result.first.reset();
-    result.second.reset();
+    in(self).first = {nb::none(), nb::none(), nb::none()};
+    in(self).second.reset();
     return 0;
 }
-PyType_Slot collected[] = {{Py_tp_traverse, reinterpret_cast<void*>(visit_meshes)},
-                           {Py_tp_clear, reinterpret_cast<void*>(clear_meshes)},
-                           {0, nullptr}};
+void drop_result(PyObject* self) {
+    PyObject_GC_UnTrack(self);
+    const nb::object type = nb::steal(reinterpret_cast<PyObject*>(Py_TYPE(self)));
+    in(self).~Result();
+    PyObject_GC_Del(self);
+}
+
+Py_ssize_t length(PyObject* self) { return static_cast<Py_ssize_t>(in(self).collisions().pairs.size()); }
+
+nb::object tuple_of(const GivenMesh& mesh) { return nb::make_tuple(mesh.vertices, mesh.faces, mesh.groups); }
+
+nb::object pairs(const Result& r) { return view<std::int32_t>(r, r.collisions().pairs, 2U); }
+nb::object offsets(const Result& r) { return view<std::int64_t>(r, r.collisions().offsets); }
+nb::object hit(const Result& r) { return view<bool>(r, r.collisions().hit); }
+nb::object hit_second(const Result& r) { return view<bool>(r, r.collisions().hit_second); }
+nb::object contact_kinds(const Result& r) { return view<std::uint8_t>(r, r.collisions().contacts.kinds); }
+nb::object contact_offsets(const Result& r) { return view<std::int64_t>(r, r.collisions().contacts.offsets); }
+nb::object contact_points(const Result& r) { return view<double>(r, r.collisions().contacts.points, 3U); }
+nb::object statistics(const Result& r) { return nb::cast(r.collisions().statistics, nb::rv_policy::copy); }
+nb::object first(const Result& r) { return tuple_of(r.first); }
+nb::object second(const Result& r) { return r.second ? tuple_of(*r.second) : nb::none(); }
+nb::object has_contacts(const Result& r) { return nb::bool_(r.has_contacts); }
+nb::object copy(const Result& r) { return nb::bool_(r.copy); }
+
+template <nb::object (*read)(const Result&)>
+PyObject* get(PyObject* self, void* /*closure*/) noexcept {
+    try {
+        return read(in(self)).release().ptr();
+    } catch (...) {
+        raise_in_python(std::current_exception());
+        return nullptr;
+    }
+}
+
+template <nb::object (*read)(const Result&)>
+constexpr PyGetSetDef property(const char* name) {
+    return {name, get<read>, nullptr, nullptr, nullptr};
+}
+
+PyGetSetDef result_properties[] = {property<pairs>("_pairs"),
+                                   property<offsets>("_offsets"),
+                                   property<hit>("_hit"),
+                                   property<hit_second>("_hit_second"),
+                                   property<contact_kinds>("_contact_kinds"),
+                                   property<contact_offsets>("_contact_offsets"),
+                                   property<contact_points>("_contact_points"),
+                                   property<statistics>("_statistics"),
+                                   property<first>("_first"),
+                                   property<second>("_second"),
+                                   property<has_contacts>("_has_contacts"),
+                                   property<copy>("_copy"),
+                                   {nullptr, nullptr, nullptr, nullptr, nullptr}};
+PyType_Slot result_slots[] = {
+    {Py_tp_doc, const_cast<char*>("The library's answer; crumple.Result gives access to it.")},
+    {Py_tp_getset, result_properties},
+    {Py_sq_length, reinterpret_cast<void*>(length)},
+    {Py_tp_traverse, reinterpret_cast<void*>(visit_meshes)},
+    {Py_tp_clear, reinterpret_cast<void*>(clear_meshes)},
+    {Py_tp_dealloc, reinterpret_cast<void*>(drop_result)},
+    {0, nullptr}};
+PyType_Spec result_spec{
+    "crumple._core.Collisions", sizeof(Object), 0,
+    Py_TPFLAGS_DEFAULT | Py_TPFLAGS_BASETYPE | Py_TPFLAGS_HAVE_GC | Py_TPFLAGS_DISALLOW_INSTANTIATION, result_slots};
+PyObject* base_class = nullptr;
 
 }  // namespace
 
 nb::object make_result(Result&& result) {
-    nb::object object = nb::inst_alloc(result_class);
-    new (nb::inst_ptr<Result>(object)) Result(std::move(result));
-    nb::inst_mark_ready(object);
-    return object;
+    const auto type = reinterpret_cast<PyTypeObject*>(result_class.ptr());
+    PyObject* const object = PyType_GenericAlloc(type, 0);
+    if (!object) throw nb::python_error();
+    new (&in(object)) Result(std::move(result));
+    return nb::steal(object);
+}
+
+const Result& result_of(nb::handle object) {
+    if (!PyObject_TypeCheck(object.ptr(), reinterpret_cast<PyTypeObject*>(base_class)))
+        refuse_type("result", "a crumple.Result", object);
+    return in(object.ptr());
 }
 
 void bind_result(nb::module_& module) {
     bind_statistics(module);
-    nb::class_<Result>(module, "Collisions", nb::type_slots(collected),
-                       "The library's answer; crumple.Result gives access to it.")
-        .def("__len__", [](const Result& r) { return r.collisions().pairs.size(); })
-        .def_prop_ro("_pairs",
-                     [](const Result& r) {
-                         const auto& pairs = r.collisions().pairs;
-                         return view<std::int32_t>(r, pairs.data(), pairs.size(), 2);
-                     })
-        .def_prop_ro("_offsets",
-                     [](const Result& r) {
-                         const auto& offsets = r.collisions().offsets;
-                         return view<std::int64_t>(r, offsets.data(), offsets.size());
-                     })
-        .def_prop_ro("_hit",
-                     [](const Result& r) {
-                         const auto& hit = r.collisions().hit;
-                         return view<bool>(r, hit.data(), hit.size());
-                     })
-        .def_prop_ro("_hit_second",
-                     [](const Result& r) {
-                         const auto& hit = r.collisions().hit_second;
-                         return view<bool>(r, hit.data(), hit.size());
-                     })
-        .def_prop_ro("_contact_kinds",
-                     [](const Result& r) {
-                         const auto& kinds = r.collisions().contacts.kinds;
-                         return view<std::uint8_t>(r, kinds.data(), kinds.size());
-                     })
-        .def_prop_ro("_contact_offsets",
-                     [](const Result& r) {
-                         const auto& offsets = r.collisions().contacts.offsets;
-                         return view<std::int64_t>(r, offsets.data(), offsets.size());
-                     })
-        .def_prop_ro("_contact_points",
-                     [](const Result& r) {
-                         const auto& points = r.collisions().contacts.points;
-                         return view<double>(r, points.data(), points.size(), 3);
-                     })
-        .def_prop_ro(
-            "_statistics", [](const Result& r) -> const Statistics& { return r.collisions().statistics; },
-            nb::rv_policy::copy)
-        .def_ro("_first", &Result::first)
-        .def_ro("_second", &Result::second)
-        .def_ro("_has_contacts", &Result::has_contacts)
-        .def_ro("_copy", &Result::copy);
+    base_class = PyType_FromSpec(&result_spec);
+    if (!base_class) throw nb::python_error();
+    module.attr("Collisions") = nb::handle(base_class);
     module.def(
         "set_result_class", [](nb::type_object type) { result_class = type.release(); }, "type"_a);
 }

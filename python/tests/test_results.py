@@ -118,6 +118,23 @@ def test_a_result_that_was_looked_at_goes_with_its_last_reference(detector):
         gc.enable()
 
 
+def test_storage_is_used_again_only_when_nobody_looks(detector):
+    """A detector goes back and forth between two memories; who keeps more results makes it take new ones."""
+    mesh, other = soup(300), soup(300, seed=2)
+    expected, others = crumple.find_self_intersections(mesh).tolist(), crumple.find_self_intersections(other).tolist()
+    loop, seen = None, set()
+    for _ in range(6):
+        loop = detector.find_self(mesh)
+        seen.add(address(loop.pairs))
+    assert len(seen) == 2
+    kept = [detector.find_self(scene).pairs for scene in 3 * (mesh, other)]
+    assert [pairs.tolist() for pairs in kept] == 3 * [expected, others]
+    assert len({address(pairs) for pairs in (loop.pairs, *kept)}) == 7
+    with pytest.raises(crumple.InvalidInput):
+        detector.find_self(mesh.vertices * np.nan, mesh.faces)
+    assert loop.pairs.tolist() == expected and detector.find_self(mesh).pairs.tolist() == expected
+
+
 def test_a_cycle_of_mesh_and_result_is_collected(detector):
     class Owner:
         def __init__(self):

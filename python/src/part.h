@@ -1,0 +1,16 @@
+#pragma once
+
+// crumple.Part, what one of several machines answers of a scene.
+
+#include <nanobind/nanobind.h>
+
+#include "crumple/detector.h"
+
+namespace crumple::python {
+
+/// The Part in an object; null for None and for nothing.
+const Part* part_or_null(nanobind::handle part);
+
+void bind_part(nanobind::module_& module);
+
+}  // namespace crumple::python

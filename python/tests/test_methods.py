@@ -1,0 +1,134 @@
+"""Methods that Python declares and C++ defines: signature, documentation, calls and refusals are those of Python."""
+
+import copy
+import inspect
+import pickle
+
+import pytest
+
+import crumple
+from conftest import soup
+
+MESH = soup(60)
+EXPECTED = crumple.find_self_intersections(MESH).tolist()
+METHODS = ["find_self", "find_between", "has_intersections", "has_intersections_between"]
+
+
+def meshes_of(method):
+    return (MESH, MESH) if "between" in method else (MESH,)
+
+
+@pytest.mark.parametrize("name", METHODS)
+def test_methods_tell_what_they_are(name, detector):
+    for method in (getattr(crumple.Detector, name), getattr(detector, name)):
+        assert method.__name__ == name and method.__qualname__ == f"Detector.{name}"
+        assert method.__module__ == crumple.Detector.__module__ and name in repr(method)
+        assert inspect.isroutine(method) and len(inspect.getdoc(method)) > 100
+        assert inspect.getsource(method).strip().startswith("@_in_c_plus_plus")
+    unbound, bound = (list(inspect.signature(getattr(d, name)).parameters) for d in (crumple.Detector, detector))
+    assert unbound == ["self", *bound] and bound[0] in ("a", "vertices") and "neighbours" in bound
+
+
+@pytest.mark.parametrize("name", METHODS)
+def test_declared_defaults_are_the_defaults(name, detector):
+    method = getattr(detector, name)
+    defaults = {
+        parameter.name: parameter.default
+        for parameter in inspect.signature(method).parameters.values()
+        if parameter.default is not inspect.Parameter.empty
+    }
+    assert len(defaults) > 4
+    assert as_answer(method(*meshes_of(name), **defaults)) == as_answer(method(*meshes_of(name)))
+
+
+def as_answer(answer):
+    return answer if isinstance(answer, bool) else answer.pairs.tolist()
+
+
+def test_arguments_by_name_and_by_place(detector):
+    vertices, faces, _ = MESH
+    names = dict(zip(("".join(["verti", "ces"]), "".join(["fa", "ces"])), (vertices, faces)))  # not interned
+    for answer in (
+        detector.find_self(vertices, faces),
+        detector.find_self(vertices, faces=faces),
+        detector.find_self(faces=faces, vertices=vertices),
+        detector.find_self(**names),
+        detector.find_self(vertices=MESH),
+        detector.find_self(MESH, None, groups=None, part=None, excluded_groups=None),
+        detector.find_self(*(vertices, faces), **{"contacts": True}),
+        crumple.Detector.find_self(detector, vertices, faces),
+        crumple.Detector.find_self(self=detector, vertices=MESH),
+        (lambda find: find(MESH))(detector.find_self),
+    ):
+        assert answer.pairs.tolist() == EXPECTED
+    between = detector.find_between(MESH, MESH).pairs.tolist()
+    assert detector.find_between(b=MESH, a=(vertices, faces)).pairs.tolist() == between
+
+
+@pytest.mark.parametrize(
+    ("arguments", "named", "message"),
+    [
+        ((), {}, "missing 1 required positional argument: 'vertices'"),
+        ((1, 2, 3), {}, "takes from 2 to 3 positional arguments but 4 were given"),
+        ((MESH,), {"neighbors": "skip"}, "unexpected keyword argument 'neighbors'"),
+        ((MESH,), {"vertices": MESH}, "multiple values for argument 'vertices'"),
+    ],
+)
+def test_calls_that_are_not_declared_are_refused_as_python_refuses_them(arguments, named, message, detector):
+    with pytest.raises(TypeError, match=message) as caught:
+        detector.find_self(*arguments, **named)
+    assert not isinstance(caught.value, crumple.Error)
+    with pytest.raises(TypeError, match="missing 1 required positional argument: 'b'"):
+        detector.find_between(MESH)
+
+
+def test_self_must_be_a_detector_that_was_made(detector):
+    with pytest.raises(crumple.InvalidType, match=r"^self must be a crumple\.Detector, not int$"):
+        crumple.Detector.find_self(3, MESH)
+    unmade = crumple.Detector.__new__(crumple.Detector)
+    for look in (
+        lambda: unmade.find_self(MESH),
+        lambda: unmade.has_intersections_between(MESH, MESH),
+        lambda: unmade.partition(MESH, count=2),
+        lambda: unmade.backend,
+        lambda: unmade.fallback,
+        lambda: unmade.cancel(),
+    ):
+        with pytest.raises(crumple.InvalidInput, match=r"^crumple\.Detector\.__init__ has not been called$"):
+            look()
+
+
+def test_detectors_can_be_derived_from():
+    class Counting(crumple.Detector):
+        calls = 0
+
+        def find_self(self, *arguments, **named):
+            self.calls += 1
+            return super().find_self(*arguments, **named)
+
+    detector = Counting(threads=1)
+    assert detector.find_self(MESH).pairs.tolist() == EXPECTED and detector.calls == 1
+    assert detector.options["threads"] == 1 and detector.has_intersections(MESH)
+
+
+def test_what_only_the_library_makes_is_not_made_in_python():
+    result = crumple.Detector().find_self(MESH)
+    for make in (crumple.Result, type(result).__base__, type(crumple.Detector.find_self)):
+        with pytest.raises(TypeError, match="cannot create"):
+            make()
+        with pytest.raises(TypeError):
+            object.__new__(make)
+    for thing in (result, crumple.Detector()):
+        for duplicate in (copy.copy, copy.deepcopy, pickle.dumps):
+            with pytest.raises(TypeError, match="pickle"):
+                duplicate(thing)
+
+
+def test_declarations_must_be_what_is_defined():
+    def find_self(self, vertices):
+        """Lacks parameters."""
+
+    with pytest.raises(crumple.InvalidInput, match="declared with other parameters"):
+        crumple._core.method(find_self)
+    with pytest.raises(crumple.InvalidInput, match="no method soup is defined"):
+        crumple._core.method(soup)
