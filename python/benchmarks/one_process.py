@@ -18,6 +18,8 @@ import argparse
 import gc
 import json
 import os
+import subprocess
+import sys
 import time
 from statistics import median
 
@@ -201,19 +203,26 @@ def judge(contestants, rounds):
 def overhead(mesh, threads):
     """Microseconds of a warm call in Python beyond the library's own time, which the library takes itself: median and
     least of the differences, call by call. What the call before has found is dropped meanwhile."""
-    detector = crumple.Detector(threads=threads)
-    beyond = []
+    detector, (vertices, faces, _) = crumple.Detector(threads=threads), mesh
+    beyond, clock, result = [], time.perf_counter, None
     for _ in range(200):
-        begin = time.perf_counter()
-        result = detector.find_self(mesh.vertices, mesh.faces)
-        seconds = time.perf_counter() - begin
+        begin = clock()
+        result = detector.find_self(vertices, faces)
+        seconds = clock() - begin
         beyond.append(1e6 * seconds - 1e3 * result.statistics.milliseconds)
     return {
-        "triangles": len(mesh.faces),
+        "triangles": len(faces),
         "threads": threads or os.cpu_count(),
         "median": median(beyond[5:]),
         "least": min(beyond[5:]),
     }
+
+
+def import_milliseconds():
+    """Of `import crumple` in a new interpreter: median of the times that it takes itself."""
+    program = "import time; t = time.perf_counter(); import crumple; print(1000 * (time.perf_counter() - t))"
+    run = [sys.executable, "-c", program]
+    return median(float(subprocess.run(run, capture_output=True, check=True, text=True).stdout) for _ in range(21))
 
 
 def main():
@@ -229,6 +238,8 @@ def main():
     else:
         mesh = crumple.make_scene(arguments.scene, triangles=arguments.triangles)
     gc.disable()
+    soups = [crumple.make_scene("soup", triangles=n) for n in (10, 2_000)]
+    beyond = [overhead(m, threads) for m in (*soups, mesh) for threads in (1, 0)]  # before peers start their threads
     contestants = enter(mesh)
     busy = os.getloadavg()[0]
     rows = judge(contestants, race(contestants, arguments.seconds))
@@ -241,16 +252,17 @@ def main():
         print(
             f"  {row['name']:34} {row['computes']:32} {row['milliseconds']:9.2f} ms {row['ratio']:7.1f}x  {difference}"
         )
-    soups = [crumple.make_scene("soup", triangles=n) for n in (10, 2_000)]
-    beyond = [overhead(m, threads) for m in (*soups, mesh) for threads in (1, 0)]
     for o in beyond:
         print(
             f"  a warm call in {o['triangles']} triangles, threads: {o['threads']}: {o['median']:.1f} us over C++ "
             f"(least {o['least']:.1f})"
         )
+    importing = import_milliseconds()
+    print(f"  import crumple: {importing:.0f} ms")
     if arguments.json:
         with open(arguments.json, "w") as file:
-            json.dump({"triangles": len(mesh.faces), "rows": rows, "overhead_microseconds": beyond}, file, indent=1)
+            figures = {"rows": rows, "overhead_microseconds": beyond, "import_milliseconds": importing}
+            json.dump({"triangles": len(mesh.faces), **figures}, file, indent=1)
 
 
 if __name__ == "__main__":
