@@ -75,13 +75,59 @@ bool are_group_pairs(const BorrowedArray& a) {
            a.strides[0] % size == 0 && a.strides[1] % size == 0 && reinterpret_cast<std::uintptr_t>(a.data) % size == 0;
 }
 
+bool borrow_numpy(nb::handle object, BorrowedArray& result) {
+    if (PyArray_ImportNumPyAPI() != 0) throw nb::python_error();  // at the first array, to keep `import crumple` quick
+    if (!PyArray_Check(object.ptr())) return false;
+    const auto array = reinterpret_cast<PyArrayObject*>(object.ptr());
+    result.data = PyArray_DATA(array);
+    result.number = number_of(array);
+    result.dimensions = PyArray_NDIM(array) <= 2 ? PyArray_NDIM(array) : 0;
+    for (int i = 0; i < result.dimensions; ++i) {
+        result.shape[static_cast<std::size_t>(i)] = PyArray_DIM(array, i);
+        result.strides[static_cast<std::size_t>(i)] = PyArray_STRIDE(array, i);
+    }
+    return true;
+}
+
+// One on a device is ready for what is given to the legacy default stream: DLPack's rule for whoever names no stream.
+bool borrow_dlpack(nb::handle object, BorrowedArray& result, Kept& kept) {
+    using Tensor = nb::ndarray<nb::ro>;
+    Tensor tensor;
+    if (!nb::try_cast(object, tensor)) return false;
+    switch (tensor.device_type()) {
+        case nb::device::cpu::value:
+        case nb::device::cuda_host::value:
+            break;
+        case nb::device::cuda::value:
+        case nb::device::cuda_managed::value:
+            result.device = tensor.device_id();
+            break;
+        default:
+            return false;
+    }
+    result.data = tensor.data();
+    result.number = number_of(tensor.dtype());
+    result.dimensions = tensor.ndim() <= 2 ? static_cast<int>(tensor.ndim()) : 0;
+    for (int i = 0; i < result.dimensions; ++i) {
+        const auto k = static_cast<std::size_t>(i);
+        result.shape[k] = static_cast<std::int64_t>(tensor.shape(k));
+        result.strides[k] = tensor.stride(k) * static_cast<std::int64_t>(tensor.itemsize());
+    }
+    kept.push_back(
+        nb::capsule(new Tensor(std::move(tensor)), [](void* p) noexcept { delete static_cast<Tensor*>(p); }));
+    return true;
+}
+
+// The array in an object that stays, or in what crumple/_arrays.py makes of it.
 BorrowedArray borrow_array(nb::handle object, bool (*accepted)(const BorrowedArray&), const char* converter,
-                           const char* which) {
+                           const char* which, Kept& kept) {
     BorrowedArray array;
-    if (array.borrow(object) && accepted(array)) return array;
+    if (borrow_numpy(object, array) || borrow_dlpack(object, array, kept))
+        if (accepted(array)) return array;
+    const nb::object converted = nb::module_::import_("crumple._arrays").attr(converter)(object, which);
+    kept.push_back(converted);
     array = BorrowedArray();
-    if (array.keep(nb::module_::import_("crumple._arrays").attr(converter)(object, which)) && accepted(array))
-        return array;
+    if ((borrow_numpy(converted, array) || borrow_dlpack(converted, array, kept)) && accepted(array)) return array;
     throw std::logic_error(std::string("crumple._arrays.") + converter + " gave an array of another kind");
 }
 
@@ -105,57 +151,6 @@ IndexType index_type(const BorrowedArray& array) {
 
 }  // namespace
 
-bool BorrowedArray::borrow(nb::handle object) {
-    if (!borrow_numpy(object) && !borrow_dlpack(object)) return false;
-    return dimensions >= 1;
-}
-
-bool BorrowedArray::keep(nb::object object) {
-    kept_ = std::move(object);
-    return borrow(kept_);
-}
-
-bool BorrowedArray::borrow_numpy(nb::handle object) {
-    if (PyArray_ImportNumPyAPI() != 0) throw nb::python_error();  // at the first array, to keep `import crumple` quick
-    if (!PyArray_Check(object.ptr())) return false;
-    const auto array = reinterpret_cast<PyArrayObject*>(object.ptr());
-    data = PyArray_DATA(array);
-    number = number_of(array);
-    dimensions = PyArray_NDIM(array) <= 2 ? PyArray_NDIM(array) : 0;
-    for (int i = 0; i < dimensions; ++i) {
-        shape[static_cast<std::size_t>(i)] = PyArray_DIM(array, i);
-        strides[static_cast<std::size_t>(i)] = PyArray_STRIDE(array, i);
-    }
-    return true;
-}
-
-bool BorrowedArray::borrow_dlpack(nb::handle object) {
-    nb::ndarray<nb::ro> array;
-    if (!nb::try_cast(object, array)) return false;
-    switch (array.device_type()) {
-        case nb::device::cpu::value:
-        case nb::device::cuda_host::value:
-            device = on_host;
-            break;
-        case nb::device::cuda::value:
-        case nb::device::cuda_managed::value:
-            device = array.device_id();
-            break;
-        default:
-            return false;
-    }
-    data = array.data();
-    number = number_of(array.dtype());
-    dimensions = array.ndim() <= 2 ? static_cast<int>(array.ndim()) : 0;
-    for (int i = 0; i < dimensions; ++i) {
-        const auto k = static_cast<std::size_t>(i);
-        shape[k] = static_cast<std::int64_t>(array.shape(k));
-        strides[k] = array.stride(k) * static_cast<std::int64_t>(array.itemsize());
-    }
-    dlpack_ = std::make_unique<nb::ndarray<nb::ro>>(std::move(array));
-    return true;
-}
-
 GivenMesh given_mesh(nb::handle mesh) {
     const auto item = [&](Py_ssize_t i) { return nb::borrow(PyTuple_GetItem(mesh.ptr(), i)); };
     const Py_ssize_t items = PyTuple_Check(mesh.ptr()) ? PyTuple_Size(mesh.ptr()) : 0;
@@ -165,8 +160,8 @@ GivenMesh given_mesh(nb::handle mesh) {
 }
 
 BorrowedMesh::BorrowedMesh(const GivenMesh& mesh, const char* which)
-    : vertices_(borrow_array(mesh.vertices, are_vertices, "vertices", which)),
-      faces_(borrow_array(mesh.faces, are_faces, "faces", which)),
+    : vertices_(borrow_array(mesh.vertices, are_vertices, "vertices", which, kept_)),
+      faces_(borrow_array(mesh.faces, are_faces, "faces", which, kept_)),
       view_(rows_of_three(vertices_, scalar_type(vertices_)), rows_of_three(faces_, index_type(faces_))) {
     const auto check_place = [&](const BorrowedArray& array, const char* name) {
         if (array.device != device())
@@ -176,7 +171,7 @@ BorrowedMesh::BorrowedMesh(const GivenMesh& mesh, const char* which)
     check_place(faces_, "faces");
     if (device() != BorrowedArray::on_host) view_.memory = MemorySpace::cuda;
     if (mesh.groups.is_none()) return;
-    groups_ = borrow_array(mesh.groups, are_groups, "groups", which);
+    groups_ = borrow_array(mesh.groups, are_groups, "groups", which, kept_);
     check_place(groups_, "groups");
     // No groups at all are None. An empty array would be taken for that.
     if (groups_.shape[0] != faces_.shape[0])
@@ -187,7 +182,8 @@ BorrowedMesh::BorrowedMesh(const GivenMesh& mesh, const char* which)
 
 std::vector<GroupPair> group_pairs(nb::handle pairs) {
     if (pairs.is_none()) return {};
-    const BorrowedArray array = borrow_array(pairs, are_group_pairs, "group_pairs", "");
+    Kept kept;
+    const BorrowedArray array = borrow_array(pairs, are_group_pairs, "group_pairs", "", kept);
     std::vector<GroupPair> result;
     for (std::int64_t i = 0; i < array.shape[0]; ++i) {
         const auto* row = static_cast<const std::byte*>(array.data) + i * array.strides[0];

@@ -22,31 +22,19 @@
 
 namespace crumple::python {
 
-/// An array in place. Comes and goes with the GIL.
-class BorrowedArray {
-   public:
-    enum class Number : std::uint8_t { other, float32, float64, int32, uint32, int64 };
+/// Python's objects that must stay while their memory is read.
+using Kept = std::vector<nanobind::object>;
 
-    /// Looks at an object, which must stay; false if it is no array of one or two dimensions, in memory of the host or
-    /// of CUDA. In CUDA's, it is ready for what is given to the legacy default stream (DLPack's rule for whoever names
-    /// no stream).
-    bool borrow(nanobind::handle object);
-    /// The same of an object that stays no longer than this does.
-    bool keep(nanobind::object object);
+/// An array in place.
+struct BorrowedArray {
+    enum class Number : std::uint8_t { other, float32, float64, int32, uint32, int64 };
+    static constexpr int on_host = -1;
 
     const void* data = nullptr;
     Number number = Number::other;
-    int dimensions = 0;
+    int dimensions = 0;                              ///< 1 or 2; 0 for another number of them
     std::array<std::int64_t, 2> shape{}, strides{};  ///< of two dimensions; strides in bytes
     int device = on_host;                            ///< number of the CUDA device that it lies on
-    static constexpr int on_host = -1;
-
-   private:
-    bool borrow_numpy(nanobind::handle object);
-    bool borrow_dlpack(nanobind::handle object);
-
-    nanobind::object kept_;
-    std::unique_ptr<nanobind::ndarray<nanobind::ro>> dlpack_;  ///< null for an array of NumPy
 };
 
 /// A mesh as Python holds it; groups may be None.
@@ -71,6 +59,7 @@ class BorrowedMesh {
     int device() const { return vertices_.device; }
 
    private:
+    Kept kept_;
     BorrowedArray vertices_, faces_, groups_;
     MeshView view_;
 };

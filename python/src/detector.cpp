@@ -37,19 +37,32 @@ void handle_signals() {
 SharedDetector::SharedDetector(const Options& options) : detector_(options) { detector_.set_poll(handle_signals); }
 
 SharedDetector::Turn::Turn(SharedDetector& detector) : detector_(detector) {
-    if (detector_.caller_ == std::this_thread::get_id())
-        refuse("a signal handler cannot call the detector whose call it interrupts");
-    bool locked = detector_.mutex_.try_lock();  // the ordinary case, without a look at the clock
-    while (!locked) {
-        handle_signals();
-        locked = detector_.mutex_.try_lock_for(std::chrono::milliseconds(20));
-    }
-    detector_.caller_ = std::this_thread::get_id();
+    const std::thread::id self = std::this_thread::get_id();
+    if (detector_.caller_ == self) refuse("a signal handler cannot call the detector whose call it interrupts");
+    while (detector_.caller_ != std::thread::id()) detector_.wait_for_another_turn();
+    detector_.caller_ = self;
 }
 
 SharedDetector::Turn::~Turn() {
     detector_.caller_ = std::thread::id();
-    detector_.mutex_.unlock();
+    if (detector_.waiting_ == 0) return;
+    const std::lock_guard lock(detector_.mutex_);
+    ++detector_.turns_;
+    detector_.turn_ended_.notify_one();
+}
+
+// No turn ends unseen: it ends with the GIL, which is let go here only with the mutex in hand.
+void SharedDetector::wait_for_another_turn() {
+    ++waiting_;
+    {
+        std::unique_lock lock(mutex_);
+        const std::uint64_t seen = turns_;
+        const nb::gil_scoped_release released;
+        turn_ended_.wait_for(lock, std::chrono::milliseconds(20), [&] { return turns_ != seen; });
+        lock.unlock();
+    }
+    --waiting_;
+    handle_signals();
 }
 
 std::shared_ptr<Collisions> SharedDetector::storage() {
@@ -69,19 +82,16 @@ const Collisions& SharedDetector::search(const MeshView& first, const MeshView* 
 // The result moves out, so that Python's outlives the next call and the detector; storage of a dropped one moves in.
 void SharedDetector::find(const MeshView& first, const MeshView* second, const Part* part, const Query& query,
                           Collisions& answer) {
-    const Turn turn(*this);
     detector_.take_result(std::move(answer));
     search(first, second, part, query);
     answer = detector_.take_result();
 }
 
 bool SharedDetector::any(const MeshView& first, const MeshView* second, const Query& query) {
-    const Turn turn(*this);
     return second ? detector_.has_collision(first, *second, query) : detector_.has_collision(first, query);
 }
 
 std::vector<Part> SharedDetector::partition(const MeshView& first, const MeshView* second, int count) {
-    const Turn turn(*this);
     return second ? detector_.partition(first, *second, count) : detector_.partition(first, count);
 }
 
@@ -165,6 +175,7 @@ nb::object find(SharedDetector& self, Meshes meshes, const GivenQuery& given, nb
     const Query query = given.read(excluded);
     const Part* const of = part_or_null(part);
     const bool copied = copy && flag("copy", copy);
+    const SharedDetector::Turn turn(self);
     Result result{self.storage(), std::move(meshes.a), std::move(meshes.b), query.contacts, copied};
     without_gil([&] { self.find(meshes.first.view(), meshes.second_or_null(), of, query, *result.storage); });
     return make_result(std::move(result));
@@ -173,6 +184,7 @@ nb::object find(SharedDetector& self, Meshes meshes, const GivenQuery& given, nb
 nb::object any(SharedDetector& self, const Meshes& meshes, const GivenQuery& given) {
     std::vector<GroupPair> excluded;
     const Query query = given.read(excluded);
+    const SharedDetector::Turn turn(self);
     return nb::bool_(without_gil([&] { return self.any(meshes.first.view(), meshes.second_or_null(), query); }));
 }
 
@@ -264,6 +276,7 @@ void bind_detector(nb::module_& module) {
                 const Meshes meshes = second.is_none() ? Meshes{self, given_mesh(first)}
                                                        : Meshes{self, given_mesh(first), given_mesh(second)};
                 const int parts = integer<int>("count", count);
+                const SharedDetector::Turn turn(self);
                 return without_gil([&] { return self.partition(meshes.first.view(), meshes.second_or_null(), parts); });
             },
             "first"_a.none(), "second"_a.none(), "count"_a.none());

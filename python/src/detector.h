@@ -3,7 +3,8 @@
 // crumple::Detector for Python: the GIL released, calls from several threads one after another, results that belong to
 // whoever holds them.
 
-#include <atomic>
+#include <condition_variable>
+#include <cstdint>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -18,16 +19,29 @@
 
 namespace crumple::python {
 
-/// Runs Python's signal handlers, which is for the main thread alone: others return at once. Call without the GIL.
-/// Throws what a handler raises.
+/// Runs Python's signal handlers, which is for the main thread alone: others return at once. Call with the GIL or
+/// without. Throws what a handler raises.
 void handle_signals();
 
 class SharedDetector {
    public:
     explicit SharedDetector(const Options& options);
 
-    /// `second` null: one soup. Call without the GIL. In the main thread, signals are handled while a call runs or
-    /// waits for its turn; what their handlers raise ends the call. `answer` is storage, as `storage` gives it.
+    /// Calls take turns. Comes and goes with the GIL, which is all that it costs while nobody waits.
+    class Turn {
+       public:
+        explicit Turn(SharedDetector& detector);
+        ~Turn();
+        Turn(const Turn&) = delete;
+        Turn& operator=(const Turn&) = delete;
+
+       private:
+        SharedDetector& detector_;
+    };
+
+    /// `second` null: one soup. Call in a turn of one's own, without the GIL. In the main thread, signals are handled
+    /// while a call runs or waits for its turn; what their handlers raise ends the call. `answer` is storage, as
+    /// `storage` gives it.
     void find(const MeshView& first, const MeshView* second, const Part* part, const Query& query, Collisions& answer);
     bool any(const MeshView& first, const MeshView* second, const Query& query);
     std::vector<Part> partition(const MeshView& first, const MeshView* second, int count);
@@ -45,22 +59,15 @@ class SharedDetector {
    private:
     const Collisions& search(const MeshView& first, const MeshView* second, const Part* part, const Query& query);
 
-    /// Calls take turns.
-    class Turn {
-       public:
-        explicit Turn(SharedDetector& detector);
-        ~Turn();
-        Turn(const Turn&) = delete;
-        Turn& operator=(const Turn&) = delete;
+    void wait_for_another_turn();
 
-       private:
-        SharedDetector& detector_;
-    };
-
-    std::timed_mutex mutex_;
-    std::atomic<std::thread::id> caller_{};  ///< whose turn it is
     Detector detector_;
     std::shared_ptr<Collisions> last_, before_;
+    std::thread::id caller_;  ///< whose turn it is; guarded by the GIL, as `waiting_` is
+    int waiting_ = 0;
+    std::uint64_t turns_ = 0;  ///< that ended while somebody waited; guarded by the mutex
+    std::mutex mutex_;
+    std::condition_variable turn_ended_;
 };
 
 void bind_detector(nanobind::module_& module);
