@@ -73,12 +73,6 @@ Collisions metered(MemoryMeter* meter) {
             {}};
 }
 
-template <class Function>
-void for_each_array(Collisions& c, Function function) {
-    const auto each = [&](auto&... arrays) { (function(arrays), ...); };
-    each(c.pairs, c.offsets, c.hit, c.hit_second, c.contacts.kinds, c.contacts.offsets, c.contacts.points);
-}
-
 }  // namespace
 
 struct Detector::Implementation {
@@ -197,15 +191,20 @@ struct Detector::Implementation {
         return result;
     }
 
-    Collisions take_result(Collisions spare) {
-        if (meter.limit > 0) spare = {};
-        for_each_array(spare, [&](auto& array) {
-            array.clear();
-            array.set_meter(&meter);  // without a limit it does not throw, and under a limit there is nothing to add
-        });
-        spare.statistics = {};
-        for_each_array(result, [](auto& array) { array.set_meter(nullptr); });
-        return std::exchange(result, std::move(spare));
+    void swap_result(Collisions& other) {
+        if (meter.limit > 0) other = {};
+        const auto swap_arrays = [](auto& mine, auto& theirs) {
+            mine.swap_elements(theirs);  // throws under a limit only, and then there is nothing to count
+            mine.clear();
+        };
+        swap_arrays(result.pairs, other.pairs);
+        swap_arrays(result.offsets, other.offsets);
+        swap_arrays(result.hit, other.hit);
+        swap_arrays(result.hit_second, other.hit_second);
+        swap_arrays(result.contacts.kinds, other.contacts.kinds);
+        swap_arrays(result.contacts.offsets, other.contacts.offsets);
+        swap_arrays(result.contacts.points, other.contacts.points);
+        other.statistics = std::exchange(result.statistics, {});
     }
 
     bool any(const MeshView& a, const MeshView* b, const Query& query) {
@@ -305,7 +304,7 @@ void Detector::launch_between(const MeshView& a, const MeshView& b, const Query&
 }
 const DeviceCollisions& Detector::wait() { return implementation_->wait(); }
 const Collisions& Detector::download() { return implementation_->download(); }
-Collisions Detector::take_result(Collisions spare) { return implementation_->take_result(std::move(spare)); }
+void Detector::swap_result(Collisions& other) { implementation_->swap_result(other); }
 void Detector::cancel() { implementation_->cancellation.request(); }
 void Detector::set_poll(std::function<void()> poll) { implementation_->cancellation.set_poll(std::move(poll)); }
 const Options& Detector::options() const { return implementation_->options; }

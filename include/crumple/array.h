@@ -108,13 +108,16 @@ class Array {
         size_ = capacity_ = 0;
     }
 
-    /// Lets another meter, or none, count the bytes from now on. If they exceed its limit, throws
-    /// MemoryMeter::Exceeded and changes nothing.
-    void set_meter(MemoryMeter* meter) {
-        const auto bytes = static_cast<std::int64_t>(capacity_ * sizeof(T));
-        if (meter) meter->add(bytes);
-        if (meter_) meter_->add(-bytes);
-        meter_ = meter;
+    /// Swaps elements and storage. Meters stay where they are and count what is there now; if that exceeds a limit,
+    /// throws MemoryMeter::Exceeded and changes nothing.
+    void swap_elements(Array& other) {
+        const auto bytes = [](const Array& array) { return static_cast<std::int64_t>(array.capacity_ * sizeof(T)); };
+        const std::int64_t growth = bytes(other) - bytes(*this);
+        if (meter_ && growth > 0) meter_->add(growth);
+        if (other.meter_) other.meter_->add(-growth);
+        if (meter_ && growth < 0) meter_->add(growth);
+        swap(other);
+        std::swap(meter_, other.meter_);
     }
 
    private:

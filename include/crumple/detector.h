@@ -64,10 +64,14 @@ class Detector {
     const Collisions& find_between(const MeshView& a, const MeshView& b, const Part& part, const Query& query = {});
 
     /// Hands over the result of the last find, as a value: it outlives the detector and its next call, and the memory
-    /// limit no longer counts it. The detector's own result is empty afterwards. `spare` is storage for the next
-    /// result, for instance a result taken before that nobody needs any more; its content is dropped, and under a
-    /// memory limit its storage as well. Swaps pointers, copies nothing.
-    Collisions take_result(Collisions spare = {});
+    /// limit no longer counts it. The detector's own result is empty afterwards. `other` gives its storage for the next
+    /// result; what it held is dropped, and under a memory limit its storage as well. Swaps pointers, copies nothing.
+    void swap_result(Collisions& other);
+    /// The same for an answer that needs a place; `spare` may be one taken before that nobody needs any more.
+    Collisions take_result(Collisions spare = {}) {
+        swap_result(spare);
+        return spare;
+    }
 
     /// Asks the call that runs at this moment to end: it throws Error (cancelled) within some milliseconds, or returns
     /// its answer if that was all but there. Does nothing while no call runs: a call begins by forgetting earlier

@@ -79,12 +79,12 @@ const Collisions& SharedDetector::search(const MeshView& first, const MeshView* 
     return second ? detector_.find_between(first, *second, query) : detector_.find_self(first, query);
 }
 
-// The result moves out, so that Python's outlives the next call and the detector; storage of a dropped one moves in.
+// Storage moves in and comes back as the result, which outlives the detector and its next call.
 void SharedDetector::find(const MeshView& first, const MeshView* second, const Part* part, const Query& query,
                           Collisions& answer) {
-    detector_.take_result(std::move(answer));
+    detector_.swap_result(answer);
     search(first, second, part, query);
-    answer = detector_.take_result();
+    detector_.swap_result(answer);
 }
 
 bool SharedDetector::any(const MeshView& first, const MeshView* second, const Query& query) {

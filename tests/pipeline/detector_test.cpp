@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <set>
 #include <thread>
 
 #include "soups.h"
@@ -66,6 +68,25 @@ TEST(Detector, a_result_taken_over_outlives_the_detector_and_its_storage_can_be_
         EXPECT_EQ(detector.find_self(other.view()).pairs.data(), storage) << "spare storage is used";
     }
     EXPECT_EQ(difference(before, pairs_of(taken)), "");
+}
+
+TEST(Detector, two_results_that_are_swapped_serve_all_frames) {
+    const auto soup = test::random_soup(500, 0.2);
+    Detector detector;
+    const auto expected = pairs_of(detector.find_self(soup.view()));
+    std::array<Collisions, 2> results;
+    std::set<const Pair*> storage;
+    for (std::size_t frame = 0; frame < 6; ++frame) {
+        Collisions& result = results[frame % 2];
+        detector.swap_result(result);
+        EXPECT_EQ(result.statistics.pairs, frame == 0 ? static_cast<std::int64_t>(expected.size()) : 0);
+        detector.find_self(soup.view());
+        detector.swap_result(result);
+        EXPECT_EQ(difference(expected, pairs_of(result)), "");
+        EXPECT_EQ(result.statistics.pairs, static_cast<std::int64_t>(expected.size()));
+        if (frame >= 2) storage.insert(result.pairs.data());
+    }
+    EXPECT_EQ(storage.size(), 2U) << "nothing is allocated";
 }
 
 TEST(Detector, results_taken_over_do_not_count_under_a_memory_limit) {

@@ -1,0 +1,58 @@
+// Arrays that are metered and swapped.
+
+#include <gtest/gtest.h>
+
+#include "crumple/array.h"
+
+namespace crumple {
+namespace {
+
+using Ints = Array<int>;
+
+TEST(Array, swapped_elements_are_counted_where_they_lie) {
+    MemoryMeter meter;
+    Ints mine(&meter), others;
+    mine.assign(100, 7);
+    others.assign(1000, 8);
+    const int* const storage = others.data();
+    const std::size_t before = mine.capacity();
+    mine.swap_elements(others);
+    EXPECT_EQ(mine.data(), storage);
+    EXPECT_EQ(mine.size(), 1000U);
+    EXPECT_EQ(others[99], 7);
+    EXPECT_EQ(meter.used, static_cast<std::int64_t>(mine.capacity() * sizeof(int)));
+    mine.swap_elements(others);
+    EXPECT_EQ(meter.used, static_cast<std::int64_t>(before * sizeof(int)));
+    mine.release();
+    others.release();
+    EXPECT_EQ(meter.used, 0);
+}
+
+TEST(Array, arrays_of_two_meters_swap) {
+    MemoryMeter first, second;
+    Ints a(&first), b(&second);
+    a.assign(100, 7);
+    b.assign(1000, 8);
+    a.swap_elements(b);
+    EXPECT_EQ(first.used, static_cast<std::int64_t>(a.capacity() * sizeof(int)));
+    EXPECT_EQ(second.used, static_cast<std::int64_t>(b.capacity() * sizeof(int)));
+}
+
+TEST(Array, a_swap_beyond_a_limit_changes_nothing) {
+    for (const bool limited_is_first : {true, false}) {
+        MemoryMeter meter, unlimited;
+        meter.limit = 1000;
+        Ints small(&meter), large(&unlimited);
+        small.assign(100, 7);
+        large.assign(1000, 8);
+        const std::int64_t used = meter.used, others = unlimited.used;
+        EXPECT_THROW(limited_is_first ? small.swap_elements(large) : large.swap_elements(small), MemoryMeter::Exceeded);
+        EXPECT_EQ(small.size(), 100U);
+        EXPECT_EQ(large.size(), 1000U);
+        EXPECT_EQ(meter.used, used);
+        EXPECT_EQ(unlimited.used, others);
+    }
+}
+
+}  // namespace
+}  // namespace crumple
