@@ -6,7 +6,6 @@ import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from enum import IntEnum
-from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -93,6 +92,26 @@ class Contacts:
         return f"<crumple.Contacts: {len(self)} pairs, {len(self.points)} points>"
 
 
+if TYPE_CHECKING:
+    _computed_once = property
+else:
+
+    class _computed_once(property):
+        """functools.cached_property without the __dict__ that each result would be made with."""
+
+        def __get__(self, result, owner=None):
+            if result is None:
+                return self
+            try:
+                known = result._known
+            except AttributeError:
+                known = result._known = {}
+            name = self.fget.__name__
+            if name not in known:
+                known[name] = self.fget(result)
+            return known[name]
+
+
 class Result(Collisions):
     """Every colliding pair, once, in lexicographic order: the same bytes from every backend and thread count.
 
@@ -104,6 +123,8 @@ class Result(Collisions):
     show, save and to_html, but not copies: pictures show what is in them then.
     """
 
+    __slots__ = ("__weakref__", "_known")
+
     def _array(self, name: str) -> Any:
         array = getattr(self, "_" + name)
         return array.copy() if self._copy else array
@@ -112,27 +133,27 @@ class Result(Collisions):
     def _meshes(self) -> tuple[Mesh, Mesh | None]:
         return Mesh(*self._first), None if self._second is None else Mesh(*self._second)
 
-    @cached_property
+    @_computed_once
     def pairs(self) -> NDArray[np.int32]:
         """(k, 2) int32: the colliding pairs, sorted. One soup: first < second; two meshes: index in each."""
         return self._array("pairs")
 
-    @cached_property
+    @_computed_once
     def offsets(self) -> NDArray[np.int64]:
         """(m + 1,) int64: the pairs of which triangle i is the first are pairs[offsets[i]:offsets[i + 1]]."""
         return self._array("offsets")
 
-    @cached_property
+    @_computed_once
     def hit(self) -> NDArray[np.bool_]:
         """(m,) bool: which triangles (of the first mesh) collide."""
         return self._array("hit")
 
-    @cached_property
+    @_computed_once
     def hit_second(self) -> NDArray[np.bool_]:
         """(m of the second mesh,) bool: the same for the second mesh; empty for one soup."""
         return self._array("hit_second")
 
-    @cached_property
+    @_computed_once
     def contacts(self) -> Contacts | None:
         """Where the pairs meet, or None if `contacts=True` was not asked for."""
         if not self._has_contacts:

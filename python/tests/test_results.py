@@ -118,6 +118,16 @@ def test_a_result_that_was_looked_at_goes_with_its_last_reference(detector):
         gc.enable()
 
 
+def test_what_is_computed_once_stays(detector):
+    result = detector.find_self(soup(50), contacts=True)
+    for name in ("pairs", "offsets", "hit", "hit_second", "contacts"):
+        assert getattr(result, name) is getattr(result, name)
+        assert getattr(crumple.Result, name).__doc__
+    assert not hasattr(result, "__dict__")
+    with pytest.raises(AttributeError):
+        result.colour = "red"
+
+
 def test_storage_is_used_again_only_when_nobody_looks(detector):
     """A detector goes back and forth between two memories; who keeps more results makes it take new ones."""
     mesh, other = soup(300), soup(300, seed=2)
