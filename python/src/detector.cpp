@@ -24,7 +24,7 @@ namespace crumple::python {
 namespace {
 
 unsigned long main_thread = 0;
-nb::handle detector_class;  // never released, as types of a module are not
+nb::handle detector_class;  // the base of crumple.Detector
 
 }  // namespace
 

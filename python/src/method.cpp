@@ -1,5 +1,7 @@
 #include "method.h"
 
+#include <utility>
+
 #include <structmember.h>
 
 namespace nb = nanobind;
@@ -23,15 +25,16 @@ int visit_method(PyObject* self, visitproc visit, void* arg) {
     return 0;
 }
 
+// Somebody's __del__ may yet call it.
 int clear_method(PyObject* self) {
-    Py_CLEAR(reinterpret_cast<Method*>(self)->declaration);
-    Py_CLEAR(reinterpret_cast<Method*>(self)->parameters);
+    const nb::object old = nb::steal(std::exchange(reinterpret_cast<Method*>(self)->declaration, Py_NewRef(Py_None)));
     return 0;
 }
 
 void drop_method(PyObject* self) {
     PyObject_GC_UnTrack(self);
-    clear_method(self);
+    const nb::object declaration = nb::steal(method_of(self).declaration);
+    const nb::object parameters = nb::steal(method_of(self).parameters);
     const nb::object type = nb::steal(reinterpret_cast<PyObject*>(Py_TYPE(self)));
     PyObject_GC_Del(self);
 }
@@ -118,12 +121,11 @@ nb::object make_method(nb::handle declaration, std::span<const char* const> para
     bool as_defined = count == parameters.size();
     for (std::size_t i = 0; as_defined && i < count; ++i) as_defined = names[i].equal(nb::str(parameters[i]));
     if (!as_defined) refuse("a method is declared with other parameters than it is defined with");
-
+    const nb::object defaults = declaration.attr("__defaults__");
     static PyObject* const type = PyType_FromSpec(&method_spec);
     if (!type) throw nb::python_error();
     Method* const method = PyObject_GC_New(Method, reinterpret_cast<PyTypeObject*>(type));
     if (!method) throw nb::python_error();
-    const nb::object defaults = declaration.attr("__defaults__");
     method->call = call;
     method->declaration = nb::borrow(declaration).release().ptr();
     method->parameters = nb::object(names).release().ptr();
