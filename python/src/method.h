@@ -2,9 +2,8 @@
 
 // Methods that crumple/_detector.py declares, with signature, types and documentation, and that C++ defines.
 //
-// A search sweeps the caches, so that whatever runs around it comes from memory, line by line. A method of Python that
-// passes its arguments on to nanobind touches three times the lines that such a method touches: it has no frame, and
-// what is not given is neither passed nor read.
+// A search sweeps the caches, so that whatever runs around it comes from memory, line by line. So there are few lines:
+// no frame of Python, no overloads, and what is not given is neither passed nor read.
 
 #include <array>
 #include <cstddef>

@@ -1,0 +1,51 @@
+"""Where memory goes back to, and what happens without any. Each test has a process of its own."""
+
+import os
+import subprocess
+import sys
+import textwrap
+
+
+def run(program, **environment):
+    command = [sys.executable, "-c", textwrap.dedent(program)]
+    process = subprocess.run(command, capture_output=True, text=True, env={**os.environ, **environment})
+    assert process.returncode == 0, process.stderr
+    return process.stdout.split()
+
+
+def test_under_a_memory_limit_a_dropped_result_is_freed():
+    """Without one its memory waits for the detector's next call."""
+    program = """
+        import numpy as np, crumple
+        vertices = np.random.default_rng(1).random((9000, 3)).astype(np.float32)
+        faces = np.arange(9000, dtype=np.int32).reshape(-1, 3)
+
+        def resident():
+            return int(open("/proc/self/statm").read().split()[1]) * 4096
+
+        for limit in (0, 1 << 30):
+            detector = crumple.Detector(threads=1, memory_limit=limit)
+            result = detector.find_self(vertices, faces)
+            size, before = result.pairs.nbytes, resident()
+            del result
+            print((before - resident()) / size)
+    """
+    kept, freed = map(float, run(program, MALLOC_MMAP_THRESHOLD_="65536"))  # large arrays go back to the system at once
+    assert kept < 0.1 and freed > 0.9
+
+
+def test_a_machine_without_memory_is_a_memory_error():
+    program = """
+        import resource, crumple
+        few, many = (crumple.make_scene("soup", triangles=n) for n in (10, 400_000))
+        detector = crumple.Detector(threads=1)
+        detector.find_self(few)
+        used = int(open("/proc/self/statm").read().split()[0]) * 4096
+        resource.setrlimit(resource.RLIMIT_AS, (used + (20 << 20), -1))
+        try:
+            detector.find_self(many)
+        except MemoryError as error:
+            print(type(error).__name__)
+        print(len(detector.find_self(few)) >= 0)  # stays usable
+    """
+    assert run(program) == ["MemoryError", "True"]
