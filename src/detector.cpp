@@ -3,6 +3,7 @@
 
 #include "crumple/detector.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <limits>
@@ -84,6 +85,7 @@ struct Detector::Implementation {
     Backend working = Backend::cpu;  ///< what `backend` is
     std::unique_ptr<BackendBase> backend;
     std::string fallback;
+    std::int64_t kept_before_launch = 0;  ///< bytes that earlier calls have left
 
     explicit Implementation(const Options& o) : options(o) {
         check_options(o);
@@ -135,16 +137,19 @@ struct Detector::Implementation {
         try {
             check_query(a, b, query);
             if (part) check_part(*part, a, b);
+            std::int64_t kept = meter.used;
             try {
                 try {
                     attempt();
-                } catch (const MemoryMeter::Exceeded&) {
+                } catch (const MemoryMeter::Exceeded& exceeded) {
+                    if (exceeded.bytes - kept > meter.limit) throw;
                     // Perhaps it was what earlier calls have left: once more, with nothing kept.
                     forget();
+                    kept = 0;
                     attempt();
                 }
-            } catch (const MemoryMeter::Exceeded&) {
-                throw limit_error(bytes_needed(a, b, part, query));
+            } catch (const MemoryMeter::Exceeded& exceeded) {
+                throw_limit_error(exceeded.bytes - kept, [&] { return bytes_needed(a, b, part, query); });
             }
         } catch (...) {
             forget();
@@ -161,11 +166,15 @@ struct Detector::Implementation {
         ~Lifted() { meter.limit = limit; }
     };
 
-    Error limit_error(std::int64_t needed) const {
-        return Error(ErrorCode::memory_limit,
-                     "the memory limit of " + std::to_string(options.memory_limit) + " bytes is too small; " +
-                         std::to_string(needed) + " bytes suffice",
-                     Element::option, -1, needed);
+    // `least`: bytes that are needed at least; count() tells how many suffice.
+    template <class Count>
+    [[noreturn]] void throw_limit_error(std::int64_t least, Count count) {
+        const bool counted = options.count_bytes_needed;
+        const std::int64_t needed = counted ? count() : std::max(least, options.memory_limit + 1);
+        const std::string message = "the memory limit of " + std::to_string(options.memory_limit) +
+                                    " bytes is too small; " + (counted ? "" : "at least ") + std::to_string(needed) +
+                                    (counted ? " bytes suffice" : " bytes are needed");
+        throw Error(ErrorCode::memory_limit, message, Element::option, -1, needed, 0, !counted);
     }
 
     // The limit that suffices, counted with records beyond the limit but without storing pairs.
@@ -217,6 +226,7 @@ struct Detector::Implementation {
 
     void launch(const MeshView& a, const MeshView* b, const Query& query) {
         cancellation.begin();
+        kept_before_launch = meter.used;
         on_the_device(
             [&] {
                 check_query(a, b, query);
@@ -241,14 +251,14 @@ struct Detector::Implementation {
         return backend->bytes_needed_for_launched();
     }
     // A detector that throws holds an empty result and no kept memory.
-    template <class Work, class Needed>
-    void on_the_device(Work work, Needed bytes) {
+    template <class Work, class Count>
+    void on_the_device(Work work, Count count) {
         const FloatEnvironment environment;
         try {
             try {
                 work();
-            } catch (const MemoryMeter::Exceeded&) {
-                throw limit_error(bytes());
+            } catch (const MemoryMeter::Exceeded& exceeded) {
+                throw_limit_error(exceeded.bytes - kept_before_launch, count);
             }
         } catch (...) {
             forget();

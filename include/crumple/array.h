@@ -16,7 +16,9 @@ namespace crumple {
 /// Counts the bytes that a detector's arrays own, and refuses more than a limit.
 struct MemoryMeter {
     /// Thrown by a growing Array; the detector turns it into smaller chunks or into an Error.
-    struct Exceeded {};
+    struct Exceeded {
+        std::int64_t bytes = 0;  ///< more than the limit: what would be owned if all had gone well so far
+    };
 
     std::int64_t limit = 0;  ///< 0: none
     std::atomic<std::int64_t> used{0}, peak{0};
@@ -25,7 +27,7 @@ struct MemoryMeter {
         const std::int64_t now = used.fetch_add(bytes, std::memory_order_relaxed) + bytes;
         if (limit > 0 && bytes > 0 && now > limit) {
             used.fetch_sub(bytes, std::memory_order_relaxed);
-            throw Exceeded{};
+            throw Exceeded{now};
         }
         std::int64_t seen = peak.load(std::memory_order_relaxed);
         while (now > seen && !peak.compare_exchange_weak(seen, now, std::memory_order_relaxed)) {

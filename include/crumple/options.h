@@ -19,9 +19,13 @@ struct Options {
 
     /// Bytes that the detector may own, buffers kept between calls and the result included; the caller's arrays are
     /// not counted. 0: no limit. Work that exceeds it is cut into chunks, on one thread; if records or result cannot
-    /// fit even so, the call throws ErrorCode::memory_limit with a limit that suffices. To find that number it counts
-    /// the pairs, with records beyond the limit if need be, but without storing any.
+    /// fit even so, the call throws ErrorCode::memory_limit with a lower bound on the limit that suffices, as soon as
+    /// that is certain: at the latest when as many pairs were counted as the limit has room for.
     std::int64_t memory_limit = 0;
+
+    /// Before it throws, counts all pairs and names a limit that suffices. That takes as long as an answer without a
+    /// limit, on one thread, and has records beyond the limit if need be, but stores no pair.
+    bool count_bytes_needed = false;
 
     /// Parts of the first level of subdivision, 1 to 64 (the cuda backend makes at most 63 between two meshes); 0:
     /// chosen from the triangle count.

@@ -6,10 +6,12 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "cpu/align.h"
 #include "cpu/bounds.h"
+#include "cpu/copies.h"
 #include "cpu/kernels.h"
 #include "cpu/narrow.h"
 #include "cpu/output.h"
@@ -29,6 +31,9 @@ namespace {
 
 // Leaves with more interval tests than this are cut into tiles of about a quarter of it, for several workers.
 constexpr std::int64_t tile_work = std::int64_t{1} << 22;
+
+// Under a memory limit duplicated faces are counted when so many pairs a triangle were found: meshes have fewer.
+constexpr std::int64_t many_pairs = 8;
 
 /// Memory of one worker.
 struct Scratch {
@@ -56,9 +61,11 @@ class CpuBackend final : public BackendBase {
             if (scene.triangle_count() >= too_many_) {
                 find_in_chunks(scene, query, part, result);
             } else {
+                std::optional<PairBudget> budget;
                 try {
-                    find_at_once(scene, query, part, result);
+                    find_at_once(scene, query, part, result, budget);
                 } catch (const MemoryMeter::Exceeded&) {
+                    if (budget && budget->exceeded()) throw;
                     too_many_ = scene.triangle_count();
                     find_in_chunks(scene, query, part, result);
                 }
@@ -71,8 +78,9 @@ class CpuBackend final : public BackendBase {
         std::int64_t pairs = 0;
         workers_.run([&] {
             prepare_chunks(scene, query, part);
-            pass_over_chunks(scene, query,
-                             [&](const Array<Pair>& found) { pairs += static_cast<std::int64_t>(found.size()); });
+            pass_over_chunks(scene, query, [&](const Array<Pair>& found) {
+                for (const Pair& pair : found) pairs += copies_.count(pair);
+            });
         });
         return meter_.peak + result_bytes(scene, query, pairs);
     }
@@ -106,6 +114,7 @@ class CpuBackend final : public BackendBase {
         balls_ = Array<Ball>(&meter_);
         subdivision_ = std::make_unique<Subdivision>(&meter_);
         part_masks_ = Array<std::uint64_t>(&meter_);
+        copies_ = Copies(&meter_);
         output_ = OutputScratch(&meter_);
         warm_ = {};
         pairs_before_ = 0;
@@ -118,14 +127,23 @@ class CpuBackend final : public BackendBase {
     }
 
    private:
-    void find_at_once(const Scene& scene, const Query& query, const Part* part, Collisions& result) {
+    // Under a memory limit, `budget` is told of the pairs.
+    void find_at_once(const Scene& scene, const Query& query, const Part* part, Collisions& result,
+                      std::optional<PairBudget>& budget) {
         start(scene, query, part);
         Stopwatch watch;
         gather_leaves(balls_, scene.triangle_count(), 0, subdivision_->clusters, options_, kernels_, workers_, warm_,
                       *subdivision_);
         statistics_[Stage::subdivide] += watch.lap();
-        sweep_leaves(narrow_context(scene, query));
+        NarrowContext context = narrow_context(scene, query);
+        if (meter_.limit > 0) context.budget = &budget.emplace(asked(scene, query), meter_, 0, many_pairs);
+        sweep_leaves(context);
+        if (budget && !budget->stores()) throw MemoryMeter::Exceeded{};
         watch.lap();
+        if (!copies_.empty())
+            workers_.parallel_for(scratch_.size(), [&](std::size_t w, std::size_t) {
+                copies_.expand(scratch_[w]->narrow.pairs, cancellation_);
+            });
         write_output(scene, workers_, found_, output_, result);
         pairs_before_ = result.pairs.size();
         write_contacts(scene, query, result);
@@ -135,20 +153,26 @@ class CpuBackend final : public BackendBase {
     // Under a memory limit: first-level clusters one after another, on one thread, and twice: pairs are counted, then
     // written to their places ([MZ] sec. 3.1's use of prefix sums). Nothing is stored but records and the result.
     void find_in_chunks(const Scene& scene, const Query& query, const Part* part, Collisions& result) {
-        result.pairs.release();
-        result.contacts.points.release();
+        crumple::release(result);
         prepare_chunks(scene, query, part);
+        PairBudget budget(asked(scene, query), meter_, meter_.used, many_pairs);
         const auto n = static_cast<std::size_t>(scene.triangles[0]);
         result.offsets.assign(n + 1, 0);
         std::int64_t* offsets = result.offsets.data();
         pass_over_chunks(scene, query, [&](const Array<Pair>& found) {
-            for (const Pair& pair : found) ++offsets[pair.a + 1];
+            for (const Pair& first : found) {
+                budget.add(copies_.count(first));
+                copies_.for_each(first, cancellation_, [&](Pair pair) { ++offsets[pair.a + 1]; });
+            }
         });
         for (std::size_t i = 0; i < n; ++i) offsets[i + 1] += offsets[i];
         result.pairs.resize_discard(static_cast<std::size_t>(offsets[n]));
         const auto second = static_cast<std::int32_t>(scene.between ? scene.triangles[0] : 0);
         pass_over_chunks(scene, query, [&](const Array<Pair>& found) {
-            for (const Pair& pair : found) result.pairs[offsets[pair.a]++] = {pair.a, pair.b - second};
+            for (const Pair& first : found)
+                copies_.for_each(first, cancellation_, [&](Pair pair) {
+                    result.pairs[offsets[pair.a]++] = {pair.a, pair.b - second};
+                });
         });
         Stopwatch watch;
         for (std::size_t i = n; i > 0; --i) offsets[i] = offsets[i - 1];
@@ -201,7 +225,7 @@ class CpuBackend final : public BackendBase {
         }
         Stopwatch watch;
         rule_.prepare(query);
-        compute_bounds(scene, kernels_, workers_, *points_, balls_);
+        const bool repeats_corner = compute_bounds(scene, kernels_, workers_, *points_, balls_);
         if (part)
             crumple::part_masks(scene, *part, *this, part_masks_);
         else if (scene.between)
@@ -210,6 +234,11 @@ class CpuBackend final : public BackendBase {
             part_masks_.clear();
         if (scene.between) exclude_far(scene, workers_, balls_, part_masks_);
         part_index_ = part ? part->index : 0;
+        copies_.clear();
+        if (repeats_corner) {
+            copies_.find(scene, rule_, part_masks(), part_index_);
+            copies_.leave_out(part_masks_);
+        }
         statistics_[Stage::bounds] = watch.lap();
         place_clusters(balls_, scene.triangle_count(), part_masks(), part_index_, options_, kernels_, workers_, warm_,
                        *subdivision_);
@@ -247,6 +276,10 @@ class CpuBackend final : public BackendBase {
             if (most > 0) scratch->narrow.verdicts.make_room(most);
             scratch->narrow.pairs.reserve(share);
         }
+    }
+
+    PairBudget::Call asked(const Scene& scene, const Query& query) const {
+        return {scene, query, rule_, part_masks(), part_index_};
     }
 
     NarrowContext narrow_context(const Scene& scene, const Query& query) const {
@@ -345,6 +378,7 @@ class CpuBackend final : public BackendBase {
     std::unique_ptr<Subdivision> subdivision_;
     Array<std::uint64_t> part_masks_;  ///< by triangle; empty: all belong to the one part that is answered
     int part_index_ = 0;
+    Copies copies_{nullptr};
     OutputScratch output_{nullptr};
     WarmCentres warm_;
     std::size_t pairs_before_ = 0;                   ///< pairs of the call before

@@ -1,6 +1,7 @@
 #include "cpu/bounds.h"
 
 #include <algorithm>
+#include <atomic>
 
 #include "pipeline/normaliser.h"
 
@@ -28,7 +29,7 @@ void normalise(const Scene& scene, Workers& workers, Array<T>& points) {
 
 }  // namespace
 
-void compute_bounds(const Scene& scene, const Kernels& kernels, Workers& workers, Points& points, Array<Ball>& balls) {
+bool compute_bounds(const Scene& scene, const Kernels& kernels, Workers& workers, Points& points, Array<Ball>& balls) {
     PointRows rows;
     if (scene.float32) {
         normalise(scene, workers, points.f);
@@ -39,10 +40,13 @@ void compute_bounds(const Scene& scene, const Kernels& kernels, Workers& workers
     }
     const std::int64_t n = scene.triangle_count();
     balls.resize_discard(static_cast<std::size_t>(n + padding));
+    std::atomic<bool> repeats_corner{false};
     workers.parallel_for(chunks(n), [&](std::size_t part, std::size_t) {
-        const std::int64_t begin = static_cast<std::int64_t>(part) * chunk;
-        kernels.balls(rows, scene.corners, begin, std::min(n, begin + chunk), balls.data());
+        const std::int64_t begin = static_cast<std::int64_t>(part) * chunk, end = std::min(n, begin + chunk);
+        kernels.balls(rows, scene.corners, begin, end, balls.data());
+        if (kernels.repeats_corner(scene.corners, begin, end)) repeats_corner.store(true, std::memory_order_relaxed);
     });
+    return repeats_corner;
 }
 
 void exclude_far(const Scene& scene, Workers& workers, const Array<Ball>& balls, Array<std::uint64_t>& masks) {

@@ -35,6 +35,9 @@ struct Kernels {
     void (*balls)(const PointRows& points, const std::int32_t* corners, std::int64_t begin, std::int64_t end,
                   Ball* ball);
 
+    /// Whether a triangle of [begin, end) names a vertex twice.
+    bool (*repeats_corner)(const std::int32_t* corners, std::int64_t begin, std::int64_t end);
+
     /// Bit k of mask[i]: ball i may hold a point that is nearest to centre k (docs/subdivide.md). Adds the number of
     /// such balls to count[k].
     void (*assign)(const Ball* ball, std::int64_t n, const Centres& centres, std::uint64_t* mask, std::int64_t* count);

@@ -18,6 +18,13 @@ void balls(const PointRows& points, const std::int32_t* corners, std::int64_t be
     }
 }
 
+bool repeats_corner(const std::int32_t* corners, std::int64_t begin, std::int64_t end) {
+    bool repeats = false;
+    for (const std::int32_t* c = corners + 3 * begin; c != corners + 3 * end; c += 3)
+        repeats |= (c[0] == c[1]) | (c[1] == c[2]) | (c[2] == c[0]);
+    return repeats;
+}
+
 void assign(const Ball* ball, std::int64_t n, const Centres& centres, std::uint64_t* mask, std::int64_t* count) {
     float reach[max_clusters][max_clusters];
     for (int j = 0; j < centres.count; ++j)
@@ -156,7 +163,7 @@ void name_pairs(const std::uint32_t* packed, std::size_t count, const RowLink* r
 
 }  // namespace
 
-const Kernels scalar_kernels{"scalar",    balls,   assign, list_members, build,     quantise,
-                             split_boxes, scatter, sweep,  filter,       name_pairs};
+const Kernels scalar_kernels{"scalar", balls,       repeats_corner, assign, list_members, build,
+                             quantise, split_boxes, scatter,        sweep,  filter,       name_pairs};
 
 }  // namespace crumple::cpu

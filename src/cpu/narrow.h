@@ -14,6 +14,7 @@
 #include "crumple/collisions.h"
 #include "geometry/decide.h"
 #include "pipeline/cancellation.h"
+#include "pipeline/pair_budget.h"
 #include "pipeline/wanted.h"
 
 namespace crumple::cpu {
@@ -29,6 +30,7 @@ struct NarrowContext {
     std::atomic<bool>* found = nullptr;  ///< not null: set, and everybody stops, as soon as a worker has found a pair
     /// Takes the pairs of each chunk instead of letting them gather in NarrowScratch::pairs; null: they gather.
     const std::function<void(const Array<Pair>&)>* sink = nullptr;
+    PairBudget* budget = nullptr;  ///< told of pairs that gather; null: there is no limit
 
     /// Asked before each chunk. Throws if the call was cancelled.
     bool stop() const {

@@ -73,8 +73,7 @@ CRUMPLE_HD inline bool separated_in_float(const Record& a, const Record& b, unsi
                                           const PointRows& points, float reach) {
     const auto corner = [&](const Record& r, int k) {
         if (!points.f) return Vec3f{r.x[k], r.y[k], r.z[k]};
-        const float* row = points.f + 4 * static_cast<std::int64_t>(r.id[k]);
-        return Vec3f{row[0], row[1], row[2]};
+        return points.in_float(r.id[k]);
     };
     const Vec3f p[3] = {corner(a, 0), corner(a, 1), corner(a, 2)}, q[3] = {corner(b, 0), corner(b, 1), corner(b, 2)};
     const FlatError<float> error{points.f ? 0.0f : 2.1f * unit_roundoff * reach, turn_slack};

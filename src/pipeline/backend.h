@@ -19,7 +19,8 @@ namespace crumple {
 class BackendBase : public ParallelFor {
    public:
     /// Fills `result.pairs` (sorted, unique), offsets, hit flags, contacts if asked for, and the statistics' counts and
-    /// stage times. `part` null: the whole answer.
+    /// stage times. `part` null: the whole answer. Throws MemoryMeter::Exceeded if not even work in chunks fits the
+    /// limit, with what is needed at least.
     virtual void find(const Scene& scene, const Query& query, const Part* part, Collisions& result) = 0;
 
     /// Counts without storing pairs, and returns the memory limit with which find() will succeed. May use more than the

@@ -9,6 +9,8 @@
 
 #include <math.h>  // ilogb and ldexp, for host and device
 
+#include <limits>
+
 #include "geometry/vec.h"
 
 namespace crumple {
@@ -35,9 +37,13 @@ struct Normaliser {
     CRUMPLE_HD Vec3d operator()(Vec3d x) const {
         return {(x.x * pre - shift.x) * post, (x.y * pre - shift.y) * post, (x.z * pre - shift.z) * post};
     }
-    /// Back to the scene's coordinates, rounded.
+    /// Back to the scene's coordinates, rounded, and finite: 1 in float32 may stand for less in float64, and be beyond
+    /// the largest number.
     Vec3d inverse(Vec3d y) const {
-        return {(y.x / post + shift.x) / pre, (y.y / post + shift.y) / pre, (y.z / post + shift.z) / pre};
+        constexpr double most = std::numeric_limits<double>::max();
+        Vec3d x;
+        for (int axis = 0; axis < 3; ++axis) x[axis] = max(-most, min(most, (y[axis] / post + shift[axis]) / pre));
+        return x;
     }
 };
 

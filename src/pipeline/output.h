@@ -10,6 +10,17 @@
 
 namespace crumple {
 
+/// Gives the memory of all arrays back.
+inline void release(Collisions& result) {
+    result.pairs.release();
+    result.offsets.release();
+    result.hit.release();
+    result.hit_second.release();
+    result.contacts.kinds.release();
+    result.contacts.offsets.release();
+    result.contacts.points.release();
+}
+
 /// Offsets by first triangle and hit flags, from result.pairs (sorted).
 void index_pairs(const Scene& scene, Collisions& result);
 

@@ -8,6 +8,7 @@
 #include "geometry/rational_intersection.h"
 #include "pipeline/backend.h"
 #include "pipeline/output.h"
+#include "pipeline/pair_budget.h"
 #include "pipeline/part.h"
 #include "pipeline/wanted.h"
 
@@ -48,7 +49,12 @@ class Reference final : public BackendBase {
 
         const Stopwatch narrow;
         // Under a limit the pairs are counted first, so that they are stored without room to spare.
-        if (meter_.limit > 0) result.pairs.resize_discard(static_cast<std::size_t>(count(scene, query, part)));
+        if (meter_.limit > 0) {
+            crumple::release(result);
+            PairBudget budget({scene, query, rule_, part ? masks_.data() : nullptr, part ? part->index : 0}, meter_,
+                              meter_.used, 0);
+            result.pairs.resize_discard(static_cast<std::size_t>(count(scene, query, part, &budget)));
+        }
         statistics.box_overlaps = 0;
         result.pairs.clear();
         for_each_collision(scene, query, part, statistics.box_overlaps, [&](Pair pair, const RationalIntersection&) {
@@ -77,7 +83,7 @@ class Reference final : public BackendBase {
     std::int64_t bytes_needed(const Scene& scene, const Query& query, const Part* part) override {
         Statistics unused;
         prepare(scene, query, part, unused);
-        return meter_.used + result_bytes(scene, query, count(scene, query, part));
+        return meter_.used + result_bytes(scene, query, count(scene, query, part, nullptr));
     }
 
     bool any(const Scene& scene, const Query& query) override {
@@ -136,10 +142,11 @@ class Reference final : public BackendBase {
         }
     }
 
-    std::int64_t count(const Scene& scene, const Query& query, const Part* part) {
+    std::int64_t count(const Scene& scene, const Query& query, const Part* part, PairBudget* budget) {
         std::int64_t overlaps = 0, pairs = 0;
         for_each_collision(scene, query, part, overlaps, [&](Pair, const RationalIntersection&) {
             ++pairs;
+            if (budget) budget->add(1);
             return true;
         });
         return pairs;

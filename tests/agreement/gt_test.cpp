@@ -127,7 +127,8 @@ TEST_P(SelfTruth, IsFoundByEveryBackend) {
     const SelfCase scene = GetParam();
     const Truth expected = truth(scene.answer);
     for (const Precision precision : precisions(scene)) {
-        const io::TriangleMesh mesh = io::read_mesh(*folder / scene.mesh, {.precision = precision});
+        const io::TriangleMesh mesh =
+            io::read_mesh(*folder / scene.mesh, {.precision = precision, .triangulation = io::Triangulation::fan});
         for (const Backend backend : backends_for(mesh.triangle_count())) {
             SCOPED_TRACE(testing::Message()
                          << backend_name(backend) << ", " << (precision == Precision::float32 ? "float32" : "float64"));
@@ -147,7 +148,8 @@ constexpr std::int64_t most_overlaps = 200'000;
 #endif
 TEST_P(SelfTruth, IsFoundByBruteForce) {
     const SelfCase scene = GetParam();
-    const io::TriangleMesh mesh = io::read_mesh(*folder / scene.mesh, {.precision = scene.precision});
+    const io::TriangleMesh mesh =
+        io::read_mesh(*folder / scene.mesh, {.precision = scene.precision, .triangulation = io::Triangulation::fan});
     if (mesh.triangle_count() > 20'000) GTEST_SKIP() << "too large";
     if (backends_for(mesh.triangle_count()).size() > 1) GTEST_SKIP() << "small, so compared in IsFoundByEveryBackend";
     Detector detector = detector_of(tested), reference = detector_of(Backend::reference);
@@ -159,7 +161,8 @@ TEST_P(SelfTruth, IsFoundByBruteForce) {
 // Other numbers of parts for each scene: all together have each from 1 to 64.
 TEST_P(SelfTruth, IsTheUnionOfItsParts) {
     const SelfCase scene = GetParam();
-    const io::TriangleMesh mesh = io::read_mesh(*folder / scene.mesh, {.precision = scene.precision});
+    const io::TriangleMesh mesh =
+        io::read_mesh(*folder / scene.mesh, {.precision = scene.precision, .triangulation = io::Triangulation::fan});
     Detector detector = detector_of(tested);
     const std::vector<Pair> whole = test::pairs_of(detector.find_self(mesh.view()));
     for (const int count : part_counts(scene)) {
@@ -235,7 +238,8 @@ TEST_P(WeldedTruth, IsFoundWhenEqualPositionsAreOneVertex) {
     Query query;
     query.weld = true;
     for (const Precision precision : precisions(scene)) {
-        const io::TriangleMesh mesh = io::read_mesh(*folder / scene.mesh, {.precision = precision});
+        const io::TriangleMesh mesh =
+            io::read_mesh(*folder / scene.mesh, {.precision = precision, .triangulation = io::Triangulation::fan});
         EXPECT_TRUE(same_pairs(detector.find_self(mesh.view(), query).pairs.span(), expected));
     }
 }
@@ -268,8 +272,10 @@ TEST_P(BetweenTruth, IsFoundForOneMeshAgainstAnother) {
 
     Detector detector = detector_of(tested);
     for (const Precision precision : {single, twofold}) {
-        const io::TriangleMesh a = io::read_mesh(*folder / scene.a, {.precision = precision});
-        const io::TriangleMesh b = io::read_mesh(*folder / scene.b, {.precision = precision});
+        const io::TriangleMesh a =
+            io::read_mesh(*folder / scene.a, {.precision = precision, .triangulation = io::Triangulation::fan});
+        const io::TriangleMesh b =
+            io::read_mesh(*folder / scene.b, {.precision = precision, .triangulation = io::Triangulation::fan});
         Query query;
         EXPECT_TRUE(same_pairs(detector.find_between(a.view(), b.view(), query).pairs.span(), all));
         EXPECT_TRUE(detector.has_collision(a.view(), b.view(), query));

@@ -181,6 +181,39 @@ inline SoupBuilder duplicates(int copies) {
     return soup;
 }
 
+/// A grid soup padded with copies of points and segments, in every order of corners and in groups of their own, at
+/// places where triangles pass and at positions of others.
+inline SoupBuilder padded_soup(int copies) {
+    SoupBuilder soup = grid_soup(4, 40, 50, 6);
+    const auto any_vertex = [&] { return soup.random.integer(40); };
+    for (int place = 0; place < 6; ++place) {
+        const std::int32_t a = any_vertex(), b = place % 2 ? any_vertex() : a;
+        for (int i = 0; i < copies; ++i) {
+            switch (soup.random.integer(6)) {
+                case 0:
+                    soup.triangle(a, a, b);
+                    break;
+                case 1:
+                    soup.triangle(a, b, a);
+                    break;
+                case 2:
+                    soup.triangle(b, a, a);
+                    break;
+                case 3:
+                    soup.triangle(a, b, b);
+                    break;
+                case 4:
+                    soup.triangle(b, a, b);
+                    break;
+                default:
+                    soup.triangle(b, b, a);
+                    break;
+            }
+        }
+    }
+    return soup;
+}
+
 inline std::vector<NamedMesh> hard_soups() {
     std::vector<NamedMesh> soups;
     const auto add = [&](const std::string& name, const SoupBuilder& soup) {
@@ -196,6 +229,7 @@ inline std::vector<NamedMesh> hard_soups() {
     add("degenerate", degenerate_soup(100));
     add("one line", collinear_soup(60));
     add("duplicates", duplicates(40));
+    add("padded", padded_soup(12));
     const SoupBuilder grid = grid_soup(5, 60, 60, 3);
     soups.push_back({"huge, float32", grid.mesh<float>(0x1p125)});
     soups.push_back({"huge, float64", grid.mesh<double>(0x1p1021)});

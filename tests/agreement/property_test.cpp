@@ -23,6 +23,14 @@ Grid any_soup() {
     const auto corner = rc::gen::inRange<std::int32_t>(0, static_cast<std::int32_t>(soup.vertices.size()));
     soup.triangles = *rc::gen::container<std::vector<std::array<std::int32_t, 3>>>(
         rc::gen::container<std::array<std::int32_t, 3>>(corner));
+    // Degenerate ones, again and again.
+    for (int copies = *rc::gen::inRange(0, 4); copies > 0; --copies) {
+        const std::int32_t a = *corner, b = *corner;
+        const std::array<std::int32_t, 3> copied = *rc::gen::element(
+            std::array{a, a, a}, std::array{a, a, b}, std::array{a, b, a}, std::array{b, a, a}, std::array{b, b, a});
+        const auto place = *rc::gen::inRange<std::size_t>(0, soup.triangles.size() + 1);
+        soup.triangles.insert(soup.triangles.begin() + static_cast<std::ptrdiff_t>(place), 6, copied);
+    }
     soup.groups = *rc::gen::container<std::vector<std::int32_t>>(soup.triangles.size(), rc::gen::inRange(0, 3));
     return soup;
 }

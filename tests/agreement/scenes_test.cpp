@@ -15,6 +15,7 @@
 #include "agreement/compare.h"
 #include "agreement/hard_soups.h"
 #include "crumple/error.h"
+#include "error_of.h"
 #include "halves.h"
 #include "scenes/scenes.h"
 
@@ -273,9 +274,10 @@ TEST_P(Agreement, UnderAnyMemoryLimit) {
     Query query;
     query.contacts = true;
     const Options unlimited{.backend = tested, .leaf_size = 100};
-    const auto limited = [&](std::int64_t bytes) {
+    const auto limited = [&](std::int64_t bytes, bool count = true) {
         Options options = unlimited;
         options.memory_limit = bytes;
+        options.count_bytes_needed = count;
         return Detector(options);
     };
     const Collisions expected = Detector(unlimited).find_self(view(), query);
@@ -290,7 +292,13 @@ TEST_P(Agreement, UnderAnyMemoryLimit) {
             ASSERT_EQ(error.code, ErrorCode::memory_limit) << error.what();
             needed = error.bytes_needed;
             EXPECT_GT(needed, limit);
+            EXPECT_FALSE(error.bytes_needed_at_least);
         }
+        Detector hasty = limited(limit, false);
+        const Error least = error_of([&] { hasty.find_self(view(), query); });
+        EXPECT_TRUE(least.bytes_needed_at_least);
+        EXPECT_GT(least.bytes_needed, limit);
+        EXPECT_LE(least.bytes_needed, needed);
         Detector enough = limited(needed);
         EXPECT_NO_THROW(EXPECT_TRUE(same_answer(enough.find_self(view(), query), expected)))
             << needed << " bytes do not suffice";

@@ -60,11 +60,21 @@ std::vector<Call> calls() {
     static const MeshView mesh = sheet.view();
     static const std::vector<GroupPair> excluded{{0, 1}, {2, 2}};
     static const test::Halves half(mesh);
+    // Two segments that reach through the sheet, a thousand times each.
+    static const test::Soup<float> padded = [] {
+        test::Soup<float> soup = test::wavy_sheet(60);
+        for (int i = 0; i < 1000; ++i) {
+            soup.triangles.push_back({5, 5, 1700});
+            soup.triangles.push_back({2, 3000, 3000});
+        }
+        return soup;
+    }();
     return {
         {"self", [](Detector& d) { d.find_self(mesh); }},
         {"contacts", [](Detector& d) { d.find_self(mesh, {.contacts = true}); }},
         {"welded", [](Detector& d) { d.find_self(mesh, {.weld = true}); }},
         {"groups", [](Detector& d) { d.find_self(mesh, {.excluded_groups = excluded}); }},
+        {"copies", [](Detector& d) { d.find_self(padded.view()); }},
         {"between", [](Detector& d) { d.find_between(half.a, half.b); }},
         {"any", [](Detector& d) { d.has_collision(mesh, {.wanted = Wanted::within, .excluded_groups = excluded}); }}};
 }

@@ -1,13 +1,16 @@
-// The memory limit: never exceeded by a call that succeeds, and a call that fails names a limit that suffices.
+// The memory limit: never exceeded by a call that succeeds, and a call that fails names a lower bound, or a limit that
+// suffices if it is asked to count.
 
 #include <gtest/gtest.h>
 
+#include "error_of.h"
 #include "soups.h"
 
 namespace crumple {
 namespace {
 
 using test::difference;
+using test::error_of;
 using test::pairs_of;
 
 TEST(MemoryLimit, a_smaller_limit_gives_the_same_answer_or_says_what_suffices) {
@@ -23,7 +26,8 @@ TEST(MemoryLimit, a_smaller_limit_gives_the_same_answer_or_says_what_suffices) {
                 const Collisions expected = free.find_self(mesh, query);
                 std::int64_t needed = 0;
                 for (std::int64_t limit = expected.statistics.peak_memory_bytes; limit > 10000; limit = limit * 3 / 5) {
-                    Detector limited({.backend = backend, .threads = 2, .memory_limit = limit});
+                    Detector limited(
+                        {.backend = backend, .threads = 2, .memory_limit = limit, .count_bytes_needed = true});
                     try {
                         const Collisions& found = limited.find_self(mesh, query);
                         EXPECT_EQ(difference(pairs_of(expected), pairs_of(found)), "") << limit << " bytes";
@@ -32,7 +36,14 @@ TEST(MemoryLimit, a_smaller_limit_gives_the_same_answer_or_says_what_suffices) {
                     } catch (const Error& error) {
                         ASSERT_EQ(error.code, ErrorCode::memory_limit) << error.what();
                         EXPECT_GT(error.bytes_needed, limit);
+                        EXPECT_FALSE(error.bytes_needed_at_least);
                         needed = error.bytes_needed;
+                        Detector hasty({.backend = backend, .threads = 2, .memory_limit = limit});
+                        const Error least = error_of([&] { hasty.find_self(mesh, query); });
+                        EXPECT_EQ(least.code, ErrorCode::memory_limit) << least.what();
+                        EXPECT_TRUE(least.bytes_needed_at_least);
+                        EXPECT_GT(least.bytes_needed, limit);
+                        EXPECT_LE(least.bytes_needed, needed);
                         Detector enough({.backend = backend, .threads = 2, .memory_limit = needed});
                         EXPECT_EQ(difference(pairs_of(expected), pairs_of(enough.find_self(mesh, query))), "")
                             << "the limit that the error named, " << needed;
@@ -56,7 +67,7 @@ TEST(MemoryLimit, holds_between_two_meshes_with_welding_and_groups) {
     Detector free;
     const auto expected = pairs_of(free.find_between(a.view(), b.view(), query));
     ASSERT_GT(expected.size(), 100u);
-    Detector tiny({.memory_limit = 1});
+    Detector tiny({.memory_limit = 1, .count_bytes_needed = true});
     try {
         tiny.find_between(a.view(), b.view(), query);
         FAIL() << "one byte sufficed";
@@ -72,7 +83,7 @@ TEST(MemoryLimit, what_earlier_calls_have_left_is_dropped_before_a_call_fails) {
     Query query;
     query.weld = true;
     const auto needed = [](auto call) {
-        Detector tiny({.memory_limit = 1});
+        Detector tiny({.memory_limit = 1, .count_bytes_needed = true});
         try {
             call(tiny);
         } catch (const Error& error) {
@@ -87,6 +98,94 @@ TEST(MemoryLimit, what_earlier_calls_have_left_is_dropped_before_a_call_fails) {
         EXPECT_NO_THROW(within(enough));
         EXPECT_NO_THROW(between(enough));
     }
+}
+
+/// One triangle again and again, by index or by position.
+test::Soup<float> stack(std::int32_t count, bool by_index) {
+    test::Soup<float> soup;
+    for (std::int32_t i = 0; i < count; ++i) {
+        const std::int32_t first = by_index ? 0 : 3 * i;
+        if (i == 0 || !by_index) soup.vertices.insert(soup.vertices.end(), {{0, 0, 0}, {1, 0, 0.3f}, {0.2f, 1, 0}});
+        soup.triangles.push_back({first, first + 1, first + 2});
+    }
+    return soup;
+}
+
+// The bound holds all the pairs, which nobody can have counted one by one in the time that a test may take.
+TEST(MemoryLimit, duplicated_faces_that_do_not_fit_are_noticed_without_counting_their_pairs) {
+    const std::int32_t n = 20000;
+    const std::int64_t pairs = std::int64_t{n} * (n - 1) / 2;
+    for (const bool by_index : {true, false}) {
+        const auto soup = stack(n, by_index);
+        const auto half = stack(n / 2, by_index);
+        for (const Backend backend : {Backend::cpu, Backend::reference}) {
+            SCOPED_TRACE(testing::Message() << by_index << ", backend " << static_cast<int>(backend));
+            Detector detector({.backend = backend, .threads = 2, .memory_limit = 50'000'000});
+            for (int round = 0; round < 2; ++round) {
+                const Error error = error_of([&] { detector.find_self(soup.view()); });
+                EXPECT_EQ(error.code, ErrorCode::memory_limit);
+                EXPECT_TRUE(error.bytes_needed_at_least);
+                EXPECT_GE(error.bytes_needed, 8 * pairs);
+                EXPECT_LT(error.bytes_needed, 8 * pairs + 1'000 * n);
+                EXPECT_NE(std::string(error.what()).find("at least " + std::to_string(error.bytes_needed) + " bytes"),
+                          std::string::npos)
+                    << error.what();
+            }
+            const Error between = error_of([&] { detector.find_between(half.view(), half.view()); });
+            EXPECT_GE(between.bytes_needed, std::int64_t{8} * (n / 2) * (n / 2));
+            EXPECT_TRUE(detector.has_collision(soup.view()));
+            const Part part = detector.partition(soup.view(), 2)[0];
+            Detector fresh({.backend = backend, .memory_limit = 50'000'000});
+            const Error of_part = error_of([&] { fresh.find_self(soup.view(), part); });
+            EXPECT_GE(of_part.bytes_needed, 8 * pairs);
+        }
+    }
+}
+
+TEST(MemoryLimit, counting_ends_when_the_pairs_alone_exceed_it) {
+    const auto soup = test::random_soup(4000, 1);
+    Detector free;
+    const Collisions expected = free.find_self(soup.view());
+    const auto pairs = static_cast<std::int64_t>(expected.pairs.size());
+    ASSERT_GT(pairs, 200'000);
+    const std::int64_t limit = pairs * 8 / 4;
+    for (const int threads : {1, 2}) {
+        Detector detector({.threads = threads, .memory_limit = limit});
+        const Error error = error_of([&] { detector.find_self(soup.view()); });
+        EXPECT_GT(error.bytes_needed, limit);
+        EXPECT_LT(error.bytes_needed, 8 * pairs / 2) << "it was counted on";
+    }
+}
+
+// Where pairs cannot be stored while they are found, they are counted; if that says that they fit, chunks follow.
+TEST(MemoryLimit, pairs_that_fit_in_chunks_only_are_found) {
+    const auto soup = test::random_soup(3000, 0.7);
+    Detector free;
+    const auto expected = pairs_of(free.find_self(soup.view()));
+    Detector tiny({.memory_limit = 1, .count_bytes_needed = true});
+    const std::int64_t limit = error_of([&] { tiny.find_self(soup.view()); }).bytes_needed;
+    for (const int threads : {1, 2}) {
+        Detector detector({.threads = threads, .memory_limit = limit});
+        for (int round = 0; round < 2; ++round) {
+            const Collisions& found = detector.find_self(soup.view());
+            EXPECT_EQ(difference(expected, pairs_of(found)), "");
+            EXPECT_LE(found.statistics.peak_memory_bytes, limit);
+        }
+    }
+}
+
+// What earlier calls have left is no reason to fail, nor part of what is said to be needed.
+TEST(MemoryLimit, what_earlier_calls_have_left_is_not_needed) {
+    const auto small = test::wavy_sheet(60), large = test::wavy_sheet(80);
+    const auto soup = stack(60000, true);
+    const auto least_of = [&](Detector& detector) {
+        return error_of([&] { detector.find_self(soup.view()); }).bytes_needed;
+    };
+    Detector fresh({.memory_limit = 20'000'000}), used({.memory_limit = 20'000'000});
+    for (const auto* mesh : {&large, &small}) used.find_self(mesh->view(), {.weld = true, .contacts = true});
+    const std::int64_t least = least_of(fresh);
+    EXPECT_LE(least_of(used), least);
+    EXPECT_GT(least, std::int64_t{8} * 60000 / 2 * 59999);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <numeric>
 
 #include "error_of.h"
@@ -87,6 +88,24 @@ TEST(Part, parts_of_other_meshes_are_refused) {
     EXPECT_EQ(error_of([&] { detector.find_self(large.view(), pair); }).code, ErrorCode::invalid_argument);
     EXPECT_EQ(error_of([&] { detector.find_between(large.view(), small.view(), pair); }).code,
               ErrorCode::invalid_argument);
+}
+
+// Centres are found in float32, where the largest number rounds up.
+TEST(Part, a_scene_as_large_as_numbers_are_has_parts) {
+    constexpr double most = std::numeric_limits<double>::max();
+    test::Soup<double> soup;
+    soup.vertices = {{-most, most, -most}, {-most, most, 0}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    soup.triangles = {{0, 0, 0}, {0, 0, 0}, {0, 0, 1}, {2, 3, 4}};
+    Detector detector;
+    const auto whole = pairs_of(detector.find_self(soup.view(), {.weld = true}));
+    for (const int count : {1, 2, 4}) {
+        std::vector<Pair> all;
+        for (const Part& part : detector.partition(soup.view(), count)) {
+            for (const Pair& pair : detector.find_self(soup.view(), part, {.weld = true}).pairs) all.push_back(pair);
+        }
+        std::sort(all.begin(), all.end());
+        EXPECT_EQ(difference(whole, all), "") << count << " parts";
+    }
 }
 
 TEST(Part, parts_overlap_little) {

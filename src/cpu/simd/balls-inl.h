@@ -1,4 +1,5 @@
-// Balls around triangles (stage `bounds`), one triangle in each block of 128 bits.
+// Balls around triangles (stage `bounds`), one triangle in each block of 128 bits. And whether triangles name a vertex
+// twice, a vector of triangles at a time.
 
 #if defined(CRUMPLE_CPU_SIMD_BALLS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef CRUMPLE_CPU_SIMD_BALLS_INL_H_
@@ -48,6 +49,20 @@ inline void balls(const PointRows& points, const std::int32_t* corners, std::int
         balls_from(Points32(points.f), corners, begin, end, ball);
     else
         balls_from(Points64(points.d), corners, begin, end, ball);
+}
+
+inline bool repeats_corner(const std::int32_t* HWY_RESTRICT corners, std::int64_t begin, std::int64_t end) {
+    const hn::ScalableTag<std::int32_t> d;
+    using V = hn::Vec<decltype(d)>;
+    const auto lanes = static_cast<std::int64_t>(hn::Lanes(d));
+    auto repeats = hn::FirstN(d, 0);
+    std::int64_t t = begin;
+    for (; t + lanes <= end; t += lanes) {
+        V a, b, c;
+        hn::LoadInterleaved3(d, corners + 3 * t, a, b, c);
+        repeats = hn::Or(repeats, hn::Or(hn::Eq(a, b), hn::Or(hn::Eq(b, c), hn::Eq(c, a))));
+    }
+    return !hn::AllFalse(d, repeats) || scalar_kernels.repeats_corner(corners, t, end);
 }
 
 }  // namespace HWY_NAMESPACE

@@ -41,6 +41,7 @@ inline void filter(const SortedLeaf& leaf, const Candidates& candidates, const P
 
 const Kernels table{hwy::TargetName(HWY_TARGET),
                     balls,
+                    repeats_corner,
                     assign,
                     list_members,
                     build,
