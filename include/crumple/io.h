@@ -5,6 +5,7 @@
 #include <iosfwd>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -20,17 +21,36 @@ enum class Precision : std::uint8_t { automatic, float32, float64 };
 /// STL names no vertices; `automatic` welds it by exact position (-0 equals +0) and leaves the other formats alone.
 enum class Weld : std::uint8_t { automatic, yes, no };
 
+/// How polygons are cut into triangles, n - 2 for n corners. `fan`: from the first corner. `ears`: the same for a
+/// convex polygon; a concave one is cut without overlaps, by clipping ears, and one that crosses itself is fanned, with
+/// a warning. Which it is, exact predicates tell, along the axis in which the polygon's Newell normal is largest.
+enum class Triangulation : std::uint8_t { ears, fan };
+
 struct ReadOptions {
     Precision precision = Precision::automatic;
     Weld weld = Weld::automatic;
     std::string group_property = {};  ///< PLY: integer face property that holds the groups; empty: none
+    Triangulation triangulation = Triangulation::ears;
+    bool strict = false;  ///< what would be a warning is an error
 };
 
-/// A triangle soup that owns its arrays. Polygons of the file are fanned from their first corner, in file order.
+/// The polygons that a file's triangles were cut from. All arrays are empty where each triangle is a face of the file.
+struct Polygons {
+    std::vector<std::int32_t> of_triangle;  ///< m: the polygon that each triangle is a part of, ascending
+    std::vector<std::int64_t> offsets;      ///< p + 1: corners of polygon i are corners[offsets[i]] to [offsets[i + 1]]
+    std::vector<std::int32_t> corners;      ///< vertices, in the order of the file
+
+    bool empty() const { return of_triangle.empty(); }
+    std::int64_t count() const { return empty() ? 0 : static_cast<std::int64_t>(offsets.size()) - 1; }
+};
+
+/// A triangle soup that owns its arrays, triangles in the order of the file's faces.
 struct TriangleMesh {
     std::variant<std::vector<float>, std::vector<double>> vertices;  ///< 3n coordinates
     std::vector<std::int32_t> triangles;                             ///< 3m indices
-    std::vector<std::int32_t> groups;                                ///< m ids or empty
+    std::vector<std::int32_t> groups = {};                           ///< m ids or empty
+    Polygons polygons = {};                                          ///< of the file; writers of meshes ignore them
+    std::vector<std::string> warnings = {};                          ///< what was odd about the file, a sentence each
 
     std::int64_t vertex_count() const;
     std::int64_t triangle_count() const { return static_cast<std::int64_t>(triangles.size() / 3); }
@@ -44,10 +64,15 @@ struct TriangleMesh {
 /// Throws crumple::Error (file, format) that names the file and the line or byte: truncated, hostile or absurd content,
 /// faces with fewer than three corners, indices out of range, coordinates that are not finite or overflow the
 /// precision. Error::index is then a line, counted from 1, or a byte, counted from 0. Never answers with part of a mesh
-/// that a file announces. Normals, colours and texture coordinates are skipped.
+/// that a file announces. Normals, colours and texture coordinates are skipped. What each format's reader accepts,
+/// warns of and refuses: docs/input.md.
 ///
-/// One pass over the file, which is held in memory meanwhile: hundreds of MB a second.
+/// One pass over the file, which is held in memory meanwhile: hundreds of MB a second. A concave polygon of n corners
+/// takes O(n log n) as a rule, O(n^2) at worst.
 TriangleMesh read_mesh(const std::filesystem::path& path, const ReadOptions& options = {});
+
+/// The same of a stream, to its end. `name` stands in messages, and its extension for the file's.
+TriangleMesh read_mesh(std::istream& in, const std::string& name, const ReadOptions& options = {});
 
 /// Writes .ply (binary little endian), .obj, .stl (binary) or .off by extension. Throws crumple::Error (file,
 /// invalid_argument, index_out_of_range, not_finite); the file then stays as it was.
@@ -57,13 +82,37 @@ TriangleMesh read_mesh(const std::filesystem::path& path, const ReadOptions& opt
 /// Precision::float32. Groups are kept by .ply only, as the face property `group`.
 void write_mesh(const std::filesystem::path& path, const TriangleMesh& mesh);
 
-/// Writes a mesh with colliding triangles coloured, the others grey: .ply, .obj (with .mtl beside it) or .glb. `second`
-/// may be null; its triangles follow those of the first. Throws as write_mesh does.
+enum class MeshFormat : std::uint8_t { automatic, ply, obj, stl, off, glb, html };
+
+/// The same to a stream, as ply, obj, stl or off. Throws as well if the stream fails.
+void write_mesh(std::ostream& out, const TriangleMesh& mesh, MeshFormat format);
+
+/// Writes a mesh with colliding triangles coloured, the others grey: .ply, .obj (with .mtl beside it), .glb or .html.
+/// `second` may be null; its triangles follow those of the first. Throws as write_mesh does, also if the .mtl beside an
+/// .obj holds other materials than those that this function writes: these are not replaced.
 ///
 /// .ply colours faces, and vertices of colliding faces, because some viewers show only either. .glb holds float32: a
-/// float64 mesh far from the origin is moved there, by its node's translation.
+/// float64 mesh far from the origin is moved there, by its node's translation. .html is a page that shows the meshes
+/// and contacts in WebGL, to turn and zoom, without a network; about 100 bytes a triangle.
 void write_coloured(const std::filesystem::path& path, const TriangleMesh& mesh, const TriangleMesh* second,
                     const Collisions& collisions);
+
+/// The same to a stream, as ply, glb or html.
+void write_coloured(std::ostream& out, const TriangleMesh& mesh, const TriangleMesh* second,
+                    const Collisions& collisions, MeshFormat format);
+
+/// A piece of HTML as high as this many pixels, of which a page may hold several; otherwise as write_coloured makes it.
+std::string to_html(const TriangleMesh& mesh, const TriangleMesh* second, const Collisions& collisions,
+                    int height = 480);
+
+/// What collides, by polygons of the files instead of triangles: ids, offsets and hits are those of polygons, each pair
+/// once. (p, p) is a polygon of which two triangles collide. The collisions are those of all triangles of the meshes;
+/// `second` may be null. Contacts are left out: they belong to triangles. O(pairs log pairs). Throws crumple::Error
+/// (invalid_argument) unless the collisions are of these meshes.
+Collisions by_polygon(const TriangleMesh& mesh, const TriangleMesh* second, const Collisions& collisions);
+
+/// Writes bytes into a file, which appears whole or stays as it was. Throws crumple::Error (file).
+void write_bytes(const std::filesystem::path& path, std::string_view bytes);
 
 /// Frames with their colliding triangles coloured, as one animated .glb that common viewers play. Frames may differ in
 /// everything, their topology as well. Holds all frames in memory: 12 bytes a vertex and 12 a triangle each.
@@ -81,6 +130,7 @@ class ColouredAnimation {
 
     /// Writes the frames so far; others may follow. Throws crumple::Error (file, invalid_argument).
     void write(const std::filesystem::path& path);
+    void write(std::ostream& out);
 
    private:
     struct Implementation;
@@ -103,9 +153,13 @@ void write_pairs(const std::filesystem::path& path, const Collisions& collisions
 /// The same to a stream; `automatic` is txt.
 void write_pairs(std::ostream& out, const Collisions& collisions, PairFormat format = PairFormat::automatic);
 
-/// Reads the pairs of a file, in its order: .csv, .json (the member `pairs`) and .npz (the array `pairs`, of 32 or 64
-/// bits) by extension, as write_pairs writes them; any other is text, the first two numbers of each line, with what
-/// follows them, blank lines and comments (#) skipped. Throws crumple::Error (file, format) that names the place.
+/// Reads the pairs of a file, in its order: .csv, .json (the member `pairs`), .npz (the array `pairs`) and .npy, of 32
+/// or 64 bits, by extension; any other is text, the first two numbers of each line, with or without a comma between,
+/// with what follows them, blank lines and comments (#) skipped. Throws crumple::Error (file, format) that names the
+/// place.
 std::vector<Pair> read_pairs(const std::filesystem::path& path);
+
+/// The same of a stream, to its end. `name` stands in messages, and its extension for the file's.
+std::vector<Pair> read_pairs(std::istream& in, const std::string& name);
 
 }  // namespace crumple::io

@@ -28,7 +28,14 @@ fs::path temporary_name(const fs::path& target) {
 
 AtomicFile::AtomicFile(const fs::path& target) : target_(target) {
     std::error_code error;
-    if (fs::is_symlink(target, error)) target_ = fs::weakly_canonical(target, error);  // keeps the link
+    constexpr int most_links = 40;
+    for (int i = 0; i < most_links && fs::is_symlink(target_, error);
+         ++i)  // the link stays, and may point to nothing yet
+        target_ = target_.parent_path() / fs::read_symlink(target_, error);
+    if (fs::is_symlink(target_, error)) {
+        target_ = target;
+        fail(ELOOP);
+    }
     const fs::file_status status = fs::status(target_, error);
     if (fs::is_directory(status)) fail("it is a directory", EISDIR);
     if (!target_.has_filename()) fail("it names no file");
@@ -36,29 +43,44 @@ AtomicFile::AtomicFile(const fs::path& target) : target_(target) {
     if (fs::exists(status) && faccessat(AT_FDCWD, target_.c_str(), W_OK, AT_EACCESS) != 0) fail(errno);
     direct_ = fs::exists(status) && !fs::is_regular_file(status);
     written_ = direct_ ? target_ : temporary_name(target_);
-    errno = 0;
-    stream_.open(written_, std::ios::binary | std::ios::trunc);
-    if (!stream_) fail(errno);
+    if (!direct_) unfinished_.begin(written_);
+    constexpr mode_t readable = 0666;  // by all whom the umask leaves
+    buffer_.open(::open(written_.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | (direct_ ? O_TRUNC : O_EXCL), readable));
+    if (buffer_.descriptor() < 0) direct_ ? fail(errno) : fail_to_create(errno);
     if (fs::is_regular_file(status)) fs::permissions(written_, status.permissions(), error);  // as it was, if possible
 }
 
-AtomicFile::~AtomicFile() {
-    std::error_code ignored;
-    if (stream_.is_open()) stream_.close();
-    if (!written_.empty() && !direct_) fs::remove(written_, ignored);
+AtomicFile::~AtomicFile() { close(); }
+
+/// What a close reports has not been written: over a network that may be when it shows.
+void AtomicFile::close() {
+    if (buffer_.descriptor() >= 0 && ::close(buffer_.descriptor()) != 0 && !buffer_.reason()) buffer_.fail(errno);
+    buffer_.open(-1);
+}
+
+void AtomicFile::complete() {
+    stream_.flush();
+    close();
+    if (buffer_.reason()) fail(buffer_.reason());
+    if (!stream_) fail("the write failed");
 }
 
 void AtomicFile::commit() {
-    errno = 0;
-    const bool wrote = static_cast<bool>(stream_.flush());
-    const int reason = errno;
-    stream_.close();
-    if (reason && (!wrote || !stream_)) fail(reason);
-    if (!wrote || !stream_) fail("the write failed");
+    complete();
     std::error_code error;
     if (!direct_) fs::rename(written_, target_, error);
     if (error) fail(error.value());
-    written_.clear();
+    unfinished_.finish();
+}
+
+/// A file that cannot be made beside the target is the folder's fault.
+void AtomicFile::fail_to_create(int system_error) const {
+    const fs::path folder = target_.has_parent_path() ? target_.parent_path() : fs::path(".");
+    std::error_code error;
+    const fs::file_status status = fs::status(folder, error);
+    if (!fs::exists(status)) fail("there is no folder " + folder.string(), ENOENT);
+    if (!fs::is_directory(status)) fail(folder.string() + " is no folder", ENOTDIR);
+    fail("in the folder " + folder.string() + ": " + std::generic_category().message(system_error), system_error);
 }
 
 void AtomicFile::fail(const std::string& reason, int system_error) const {

@@ -4,14 +4,18 @@
 // a regular file (a pipe, /dev/stdout) cannot be renamed over and is written directly.
 
 #include <filesystem>
-#include <fstream>
+#include <ostream>
+#include <string>
+
+#include "io/file_buffer.h"
+#include "io/unfinished_files.h"
 
 namespace crumple::io {
 
 class AtomicFile {
    public:
-    /// Throws Error (file) that names the target: no such folder, a directory, a file that
-    /// must not be written, not permitted.
+    /// Throws Error (file) that names the target, or the folder that is the cause: no such folder, a directory, a file
+    /// that must not be written, not permitted.
     explicit AtomicFile(const std::filesystem::path& target);
     AtomicFile(const AtomicFile&) = delete;
     AtomicFile& operator=(const AtomicFile&) = delete;
@@ -20,15 +24,23 @@ class AtomicFile {
 
     std::ostream& stream() { return stream_; }
 
-    /// Throws Error (file) if anything could not be written; the target then is as it was.
+    /// Throws Error (file) if anything could not be written; the target then is as it was. Of several files that belong
+    /// together, complete all before the first is committed.
+    void complete();
+    /// Completes the file and gives it its name.
     void commit();
 
    private:
     [[noreturn]] void fail(const std::string& reason, int system_error = 0) const;
     [[noreturn]] void fail(int system_error) const;
+    [[noreturn]] void fail_to_create(int system_error) const;
+
+    void close();
 
     std::filesystem::path target_, written_;
-    std::ofstream stream_;
+    UnfinishedFile unfinished_;
+    FileBuffer buffer_;
+    std::ostream stream_{&buffer_};
     bool direct_;
 };
 

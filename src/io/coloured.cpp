@@ -1,19 +1,47 @@
 // Meshes with colliding triangles coloured: one soup of the one or two meshes, and the format by extension.
 
 #include <algorithm>
+#include <cerrno>
+#include <fstream>
+#include <string>
 
 #include "io/atomic_file.h"
 #include "io/formats.h"
+#include "io/polygons.h"
 #include "pipeline/float_environment.h"
 
 namespace crumple::io {
 
 namespace {
 
+/// Corners and ids of the second mesh follow those of the first.
+void append(std::vector<std::int32_t>& to, const std::vector<std::int32_t>& more, std::int64_t shift) {
+    for (const std::int32_t value : more) to.push_back(static_cast<std::int32_t>(value + shift));
+}
+
+/// Each triangle as a polygon, where the other mesh has polygons.
+Polygons polygons_of(const TriangleMesh& mesh) {
+    if (!mesh.polygons.empty()) return mesh.polygons;
+    Polygons polygons{{}, {0}, mesh.triangles};
+    for (std::int32_t t = 0; t < mesh.triangle_count(); ++t) {
+        polygons.of_triangle.push_back(t);
+        polygons.offsets.push_back(3 * (std::int64_t{t} + 1));
+    }
+    return polygons;
+}
+
+bool has_hits_of_polygons(const TriangleMesh& mesh, const Array<std::uint8_t>& hit) {
+    return static_cast<std::int64_t>(hit.size()) != mesh.triangle_count();
+}
+
 ColouredMesh join(const TriangleMesh& mesh, const TriangleMesh* second, const Collisions& collisions) {
-    ColouredMesh result{mesh, {collisions.hit.begin(), collisions.hit.end()}};
+    ColouredMesh result{mesh, hit_triangles(mesh, collisions.hit)};
+    const bool of_polygons =
+        has_hits_of_polygons(mesh, collisions.hit) || (second && has_hits_of_polygons(*second, collisions.hit_second));
+    result.mesh.polygons = of_polygons ? polygons_of(mesh) : Polygons();
     if (!second) return result;
-    result.hit.insert(result.hit.end(), collisions.hit_second.begin(), collisions.hit_second.end());
+    const std::vector<std::uint8_t> more_hits = hit_triangles(*second, collisions.hit_second);
+    result.hit.insert(result.hit.end(), more_hits.begin(), more_hits.end());
     if (mesh.precision() != second->precision()) {
         result.mesh.vertices =
             std::visit([](const auto& xyz) { return std::vector<double>(xyz.begin(), xyz.end()); }, mesh.vertices);
@@ -26,8 +54,15 @@ ColouredMesh join(const TriangleMesh& mesh, const TriangleMesh* second, const Co
     if (result.mesh.vertex_count() > INT32_MAX) {
         throw Error(ErrorCode::invalid_argument, "more vertices than 32-bit ids can name");
     }
-    const auto shift = static_cast<std::int32_t>(mesh.vertex_count());
-    for (const std::int32_t corner : second->triangles) result.mesh.triangles.push_back(corner + shift);
+    append(result.mesh.triangles, second->triangles, mesh.vertex_count());
+    if (of_polygons) {
+        const Polygons more = polygons_of(*second);
+        Polygons& polygons = result.mesh.polygons;
+        append(polygons.of_triangle, more.of_triangle, polygons.count());
+        const std::int64_t corners = polygons.offsets.back();
+        for (std::size_t i = 1; i < more.offsets.size(); ++i) polygons.offsets.push_back(corners + more.offsets[i]);
+        append(polygons.corners, more.corners, mesh.vertex_count());
+    }
     // Groups are kept if both have them: a made-up group could be taken for a real one.
     if (second->groups.empty()) result.mesh.groups.clear();
     if (!result.mesh.groups.empty()) {
@@ -37,45 +72,88 @@ ColouredMesh join(const TriangleMesh& mesh, const TriangleMesh* second, const Co
 }
 
 void check_hits(const TriangleMesh& mesh, const Array<std::uint8_t>& hit) {
-    if (static_cast<std::int64_t>(hit.size()) != mesh.triangle_count()) {
+    const auto hits = static_cast<std::int64_t>(hit.size());
+    if (hits != mesh.triangle_count() && hits != polygon_count(mesh)) {
         throw Error(ErrorCode::invalid_argument, "the collisions are of " + std::to_string(hit.size()) +
                                                      " triangles, the mesh has " +
                                                      std::to_string(mesh.triangle_count()));
     }
 }
 
+/// Materials of somebody else, of an input perhaps, are not replaced.
+void check_materials(const std::filesystem::path& path) {
+    std::ifstream in(path, std::ios::binary);
+    std::string first_line;
+    if (!in || (std::getline(in, first_line) && first_line == title_of_materials)) return;
+    throw Error(ErrorCode::file,
+                "cannot write " + path.string() + ": it holds the materials of another mesh; choose another name",
+                Element::none, -1, 0, EEXIST);
+}
+
+/// Both appear, or neither.
+void write_obj_files(const std::filesystem::path& path, const ColouredMesh& coloured) {
+    const std::filesystem::path materials = std::filesystem::path(path).replace_extension(".mtl");
+    check_materials(materials);
+    AtomicFile file(path), material_file(materials);
+    write_coloured_obj(file.stream(), coloured, materials.filename().string());
+    write_materials(material_file.stream());
+    file.complete();
+    material_file.commit();
+    file.commit();
+}
+
+void write(std::ostream& out, const TriangleMesh& mesh, const TriangleMesh* second, const Collisions& collisions,
+           MeshFormat format) {
+    if (format == MeshFormat::html) {
+        check_collisions(mesh, second, collisions);
+        return write_html(out, mesh, second, collisions);
+    }
+    const ColouredMesh coloured = coloured_mesh(mesh, second, collisions);
+    format == MeshFormat::ply ? write_coloured_ply(out, coloured) : write_coloured_glb(out, coloured);
+}
+
 }  // namespace
 
-ColouredMesh coloured_mesh(const TriangleMesh& mesh, const TriangleMesh* second, const Collisions& collisions) {
+void check_collisions(const TriangleMesh& mesh, const TriangleMesh* second, const Collisions& collisions) {
     validate(mesh);
     check_hits(mesh, collisions.hit);
-    if (second) {
-        validate(*second);
-        check_hits(*second, collisions.hit_second);
-    }
+    if (!second) return;
+    validate(*second);
+    check_hits(*second, collisions.hit_second);
+}
+
+ColouredMesh coloured_mesh(const TriangleMesh& mesh, const TriangleMesh* second, const Collisions& collisions) {
+    check_collisions(mesh, second, collisions);
     return join(mesh, second, collisions);
+}
+
+bool has_colours(MeshFormat format) {
+    return format == MeshFormat::ply || format == MeshFormat::obj || format == MeshFormat::glb ||
+           format == MeshFormat::html;
+}
+
+void write_coloured(std::ostream& out, const TriangleMesh& mesh, const TriangleMesh* second,
+                    const Collisions& collisions, MeshFormat format) {
+    const FloatEnvironment environment;
+    if (!has_colours(format) || format == MeshFormat::obj) {
+        throw Error(ErrorCode::invalid_argument,
+                    "coloured meshes are written to a stream as ply, glb or html; obj needs a second file");
+    }
+    write(out, mesh, second, collisions, format);
+    if (!out.flush()) throw Error(ErrorCode::file, "cannot write a coloured mesh to the stream");
 }
 
 void write_coloured(const std::filesystem::path& path, const TriangleMesh& mesh, const TriangleMesh* second,
                     const Collisions& collisions) {
     const FloatEnvironment environment;
-    const std::string extension = extension_of(path);
-    if (extension != ".ply" && extension != ".obj" && extension != ".glb") {
+    const MeshFormat format = mesh_format_of(extension_of(path));
+    if (format == MeshFormat::obj) return write_obj_files(path, coloured_mesh(mesh, second, collisions));
+    if (!has_colours(format)) {
         throw Error(ErrorCode::invalid_argument,
-                    "cannot write " + path.string() + ": coloured meshes are written as .ply, .obj or .glb");
+                    "cannot write " + path.string() + ": coloured meshes are written as .ply, .obj, .glb or .html");
     }
-    const ColouredMesh coloured = coloured_mesh(mesh, second, collisions);
-
     AtomicFile file(path);
-    if (extension == ".ply") write_coloured_ply(file.stream(), coloured);
-    if (extension == ".glb") write_coloured_glb(file.stream(), coloured);
-    if (extension == ".obj") {
-        const std::filesystem::path materials = std::filesystem::path(path).replace_extension(".mtl");
-        write_coloured_obj(file.stream(), coloured, materials.filename().string());
-        AtomicFile material_file(materials);
-        write_materials(material_file.stream());
-        material_file.commit();
-    }
+    write(file.stream(), mesh, second, collisions, format);
     file.commit();
 }
 

@@ -66,10 +66,16 @@ void ColouredAnimation::add(const TriangleMesh& mesh, const TriangleMesh* second
 }
 
 void ColouredAnimation::write(const std::filesystem::path& path) {
-    const FloatEnvironment environment;
     if (extension_of(path) != ".glb") {
         throw Error(ErrorCode::invalid_argument, "cannot write " + path.string() + ": animations are written as .glb");
     }
+    AtomicFile file(path);
+    write(file.stream());
+    file.commit();
+}
+
+void ColouredAnimation::write(std::ostream& out) {
+    const FloatEnvironment environment;
     // What is added for the animation is taken away again: frames may follow.
     tinygltf::Model& model = implementation_->model;
     const std::size_t bytes = model.buffers.empty() ? 0 : model.buffers[0].data.size(),
@@ -80,9 +86,7 @@ void ColouredAnimation::write(const std::filesystem::path& path) {
         if (implementation_->nodes[i]) implementation_->add_channel(model, animation, i);
     }
     if (!animation.channels.empty()) model.animations = {animation};
-    AtomicFile file(path);
-    write_glb(file.stream(), model);
-    file.commit();
+    write_glb(out, model);
     model.animations.clear();
     model.accessors.resize(accessors);
     model.bufferViews.resize(views);

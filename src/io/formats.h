@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <iosfwd>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -12,10 +13,11 @@
 
 namespace crumple::io {
 
-TriangleMesh read_ply(const Source& source, const ReadOptions& options);
-TriangleMesh read_obj(const Source& source, const ReadOptions& options);
-TriangleMesh read_stl(const Source& source, const ReadOptions& options);  ///< three vertices a triangle, not welded
-TriangleMesh read_off(const Source& source, const ReadOptions& options);
+TriangleMesh read_ply(const Source& source, const ReadOptions& options, Warnings& warnings);
+TriangleMesh read_obj(const Source& source, const ReadOptions& options, Warnings& warnings);
+/// Three vertices a triangle, not welded.
+TriangleMesh read_stl(const Source& source, const ReadOptions& options, Warnings& warnings);
+TriangleMesh read_off(const Source& source, const ReadOptions& options, Warnings& warnings);
 
 /// 84 bytes and 50 for each of the triangles that it announces: a file of text would need 7 GB for that.
 bool is_binary_stl(const Source& source);
@@ -24,13 +26,35 @@ bool is_off_header(std::string_view word);
 /// A statement that OBJ files begin with.
 bool starts_obj(std::string_view word);
 
-/// Triangles that the writers colour: one soup of one or two meshes, and which of its triangles collide.
+/// What the writers colour: one soup of one or two meshes, with polygons if these are coloured instead of triangles.
 struct ColouredMesh {
     TriangleMesh mesh;
-    std::vector<std::uint8_t> hit;
+    std::vector<std::uint8_t> hit;  ///< which triangles collide, or whose polygons do
+
+    bool has_polygons() const { return !mesh.polygons.empty(); }
 };
 
+/// Calls f(corners, first triangle) for each triangle of the mesh, or for each polygon.
+template <class F>
+void for_each_face(const TriangleMesh& mesh, bool polygons, F f) {
+    if (!polygons) {
+        for (std::size_t t = 0; t < mesh.triangles.size() / 3; ++t)
+            f(std::span<const std::int32_t>(&mesh.triangles[3 * t], 3), t);
+        return;
+    }
+    std::size_t triangle = 0;
+    for (std::size_t i = 0; i + 1 < mesh.polygons.offsets.size(); ++i) {
+        const auto begin = static_cast<std::size_t>(mesh.polygons.offsets[i]);
+        const std::size_t corners = static_cast<std::size_t>(mesh.polygons.offsets[i + 1]) - begin;
+        f(std::span<const std::int32_t>(&mesh.polygons.corners[begin], corners), triangle);
+        triangle += corners - 2;
+    }
+}
+
 /// Throws unless both meshes are sound and the collisions are theirs. `second` may be null.
+void check_collisions(const TriangleMesh& mesh, const TriangleMesh* second, const Collisions& collisions);
+
+/// The same, and both meshes as one.
 ColouredMesh coloured_mesh(const TriangleMesh& mesh, const TriangleMesh* second, const Collisions& collisions);
 
 struct Colour {
@@ -46,16 +70,28 @@ void write_off(std::ostream& out, const TriangleMesh& mesh);
 
 void write_coloured_ply(std::ostream& out, const ColouredMesh& coloured);
 void write_coloured_obj(std::ostream& out, const ColouredMesh& coloured, const std::string& material_file);
+/// Materials of the file above, which begin with this line.
 void write_materials(std::ostream& out);
+inline constexpr std::string_view title_of_materials = "# Crumple: materials of free and of colliding triangles";
 void write_coloured_glb(std::ostream& out, const ColouredMesh& coloured);
+/// A page of its own, or for a height in pixels a piece of one. The collisions are those of the meshes.
+void write_html(std::ostream& out, const TriangleMesh& mesh, const TriangleMesh* second, const Collisions& collisions,
+                int height = 0);
 
 void write_pairs_json(std::ostream& out, const Collisions& collisions);
 void write_pairs_npz(std::ostream& out, const Collisions& collisions);
 std::vector<Pair> read_pairs_json(const Source& source);
+std::vector<Pair> read_pairs_npy(const Source& source);
 std::vector<Pair> read_pairs_npz(const Source& source);
 
 /// Lower-case extension, with its dot.
 std::string extension_of(const std::filesystem::path& path);
+/// The format that an extension, in lower case and with its dot, names; automatic for none of them.
+MeshFormat mesh_format_of(std::string_view extension);
+PairFormat pair_format_of(std::string_view extension);
+/// Whether meshes are written so, or those with colours.
+bool holds_meshes(MeshFormat format);
+bool has_colours(MeshFormat format);
 
 /// Throws unless the arrays have the right sizes, indices are in range and coordinates finite.
 void validate(const TriangleMesh& mesh);

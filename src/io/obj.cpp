@@ -1,9 +1,12 @@
 // OBJ: statements, one a line. `v` and `f` make the mesh; the other statements of the format are known and skipped,
-// except free-form surfaces, which would leave a part of the scene out. An unknown statement is an error.
+// except free-form surfaces, which would leave a part of the scene out. What exporters have added to the format is
+// skipped with a warning.
 
 #include <algorithm>
+#include <cctype>
+#include <span>
 
-#include "io/fan.h"
+#include "io/faces.h"
 #include "io/formats.h"
 #include "io/sink.h"
 #include "io/text.h"
@@ -18,51 +21,81 @@ constexpr std::string_view skipped[] = {
     "stech",  "cstype", "deg",    "bmat",       "step",      "curv", "curv2", "parm",     "sp",       "end",
 };
 
-bool is_skipped(std::string_view word) {
-    return std::find(std::begin(skipped), std::end(skipped), word) != std::end(skipped);
+constexpr std::string_view surfaces[] = {"surf", "trim", "hole", "scrv", "con", "bsp", "bzp", "cdc", "cdp", "res"};
+
+bool is_one_of(std::span<const std::string_view> words, std::string_view word) {
+    return std::find(words.begin(), words.end(), word) != words.end();
+}
+
+/// What an exporter could call a statement of its own; anything else is damage.
+bool is_identifier(std::string_view word) {
+    return !std::isdigit(static_cast<unsigned char>(word[0])) &&
+           std::all_of(word.begin(), word.end(), [](unsigned char c) { return std::isalnum(c) || c == '_'; });
 }
 
 template <class Scalar>
 class ObjReader {
    public:
-    explicit ObjReader(const Source& source)
-        : in_(source, {.lines = true, .comments = true, .continuation = true}), furthest_place_(source.begin()) {}
+    ObjReader(const Source& source, const ReadOptions& options, Warnings& warnings)
+        : in_(source, {.lines = true, .comments = true, .continuation = true}),
+          options_(options),
+          warnings_(warnings),
+          furthest_place_(source.begin()) {}
 
     TriangleMesh read() {
+        Tally unknown;
+        std::string first_unknown;
         for (; in_.next_line_with_items(); in_.skip_line()) {
             const char* const place = in_.position();
             const std::string_view statement = in_.word();
             if (statement == "v") {
-                // What follows is a weight, which polygons ignore, or a colour.
-                for (int axis = 0; axis < 3; ++axis) xyz_.push_back(in_.real<Scalar>());
+                read_vertex(place);
             } else if (statement == "f" || statement == "fo") {
                 read_face(place);
-            } else if (!is_skipped(statement)) {
-                in_.fail(place, "unknown statement " + in_quotes(statement));
+            } else if (is_one_of(surfaces, statement)) {
+                in_.fail(place, in_quotes(statement) + ": free-form surfaces are not read; convert them to polygons");
+            } else if (!is_one_of(skipped, statement)) {
+                if (!is_identifier(statement)) in_.fail(place, in_quotes(statement) + " is no statement");
+                unknown.add(place);
+                if (unknown.count == 1) first_unknown = in_quotes(statement);
             }
         }
         if (furthest_ >= vertex_count()) fail_range(furthest_place_, furthest_ + 1);
-        return {std::move(xyz_), std::move(triangles_), {}};
+        if (unknown.count > 0) {
+            if (xyz_.empty()) in_.fail(unknown.first, first_unknown + " is no statement of an OBJ file");
+            warnings_.at_line(unknown.first,
+                              "the unknown statement " + first_unknown + " is skipped" + unknown.others());
+        }
+        return faces_.mesh(std::move(xyz_), options_.triangulation, warnings_, true);
     }
 
    private:
     std::int64_t vertex_count() const { return static_cast<std::int64_t>(xyz_.size() / 3); }
 
+    /// What may follow the coordinates: a weight, which polygons ignore; a colour; both, or a colour with its opacity.
+    void read_vertex(const char* place) {
+        for (int axis = 0; axis < 3; ++axis) xyz_.push_back(in_.real<Scalar>());
+        int more = 0;
+        for (; !in_.finished(); ++more) in_.template real<double>();
+        if (more == 2 || more > 4) {
+            in_.fail(place, "a vertex has " + std::to_string(3 + more) +
+                                " numbers: a weight (1), a colour (3) or both may follow its coordinates");
+        }
+    }
+
     void read_face(const char* place) {
-        Fan fan(triangles_);
-        while (!in_.finished()) fan.add(read_corner());
-        if (fan.corners() < 3) in_.fail(place, "a face has " + std::to_string(fan.corners()) + " corners");
+        faces_.begin(place);
+        while (!in_.finished()) faces_.add(read_corner());
+        if (faces_.corners() < 3) in_.fail(place, "a face has " + std::to_string(faces_.corners()) + " corners");
+        faces_.end();
     }
 
     /// v, v/vt, v//vn or v/vt/vn. Negative indices count back from the last vertex so far.
     std::int32_t read_corner() {
         const char* const place = in_.position();
         const std::int64_t written = in_.leading_integer("a vertex index");
-        for (const char c : in_.rest_of_word()) {
-            if (c != '/' && c != '-' && (c < '0' || c > '9')) in_.fail(place, "a face's corner is not v/vt/vn");
-        }
         if (const std::string_view rest = in_.rest_of_word(); !rest.empty()) {
-            if (rest[0] != '/') in_.fail(place, "a face's corner is not v/vt/vn");
+            if (!are_further_indices(rest)) in_.fail(place, "a face's corner is none of v, v/vt, v//vn, v/vt/vn");
             in_.word();
         }
         const std::int64_t index = written > 0 ? written - 1 : vertex_count() + written;
@@ -74,13 +107,35 @@ class ObjReader {
         return static_cast<std::int32_t>(index);
     }
 
+    /// /vt, //vn or /vt/vn: integers that are not looked at any further.
+    static bool are_further_indices(std::string_view text) {
+        const auto integer = [&] {
+            std::size_t digits = text.starts_with('-') ? 1 : 0;
+            const std::size_t begin = digits;
+            while (digits < text.size() && text[digits] >= '0' && text[digits] <= '9') ++digits;
+            text.remove_prefix(digits);
+            return digits > begin;
+        };
+        const auto slash = [&] {
+            const bool found = text.starts_with('/');
+            text.remove_prefix(found);
+            return found;
+        };
+        if (!slash()) return false;
+        const bool texture = integer();
+        if (text.empty()) return texture;
+        return slash() && integer() && text.empty();
+    }
+
     [[noreturn]] void fail_range(const char* place, std::int64_t written) const {
         in_.fail(place, "a face names vertex " + std::to_string(written) + " of " + std::to_string(vertex_count()));
     }
 
     Scanner in_;
+    const ReadOptions& options_;
+    Warnings& warnings_;
     std::vector<Scalar> xyz_;
-    std::vector<std::int32_t> triangles_;
+    Faces faces_;
     std::int64_t furthest_ = -1;
     const char* furthest_place_;
 };
@@ -95,9 +150,10 @@ void write_vertices(Sink& sink, const TriangleMesh& mesh) {
         mesh.vertices);
 }
 
-void write_face(Sink& sink, const std::int32_t* corner) {
-    sink << "f " << std::int64_t{corner[0]} + 1 << ' ' << std::int64_t{corner[1]} + 1 << ' '
-         << std::int64_t{corner[2]} + 1 << '\n';
+void write_face(Sink& sink, std::span<const std::int32_t> corners) {
+    sink << 'f';
+    for (const std::int32_t corner : corners) sink << ' ' << std::int64_t{corner} + 1;
+    sink << '\n';
 }
 
 void write_material(Sink& sink, const char* name, const Colour& colour) {
@@ -115,32 +171,34 @@ bool starts_obj(std::string_view word) {
     return false;
 }
 
-TriangleMesh read_obj(const Source& source, const ReadOptions& options) {
+TriangleMesh read_obj(const Source& source, const ReadOptions& options, Warnings& warnings) {
     return in_precision(options.precision, ScalarType::float64,
-                        [&](auto zero) { return ObjReader<decltype(zero)>(source).read(); });
+                        [&](auto zero) { return ObjReader<decltype(zero)>(source, options, warnings).read(); });
 }
 
 void write_obj(std::ostream& out, const TriangleMesh& mesh) {
     Sink sink(out);
+    if (mesh.vertex_count() == 0) sink << "# nothing\n";  // an empty file is none
     write_vertices(sink, mesh);
-    for (std::size_t i = 0; i < mesh.triangles.size(); i += 3) write_face(sink, &mesh.triangles[i]);
+    for (std::size_t i = 0; i < mesh.triangles.size(); i += 3) write_face(sink, {&mesh.triangles[i], 3});
 }
 
 void write_coloured_obj(std::ostream& out, const ColouredMesh& coloured, const std::string& material_file) {
     Sink sink(out);
     sink << "mtllib " << material_file << '\n';
     write_vertices(sink, coloured.mesh);
-    int material = -1;  // triangles keep their order, so that ids stay what they are
-    for (std::size_t t = 0; t < coloured.hit.size(); ++t) {
-        const int wanted = coloured.hit[t] != 0;
+    int material = -1;  // faces keep their order, so that ids stay what they are
+    for_each_face(coloured.mesh, coloured.has_polygons(), [&](auto corners, std::size_t triangle) {
+        const int wanted = coloured.hit[triangle] != 0;
         if (wanted != material) sink << (wanted ? "usemtl colliding\n" : "usemtl free\n");
         material = wanted;
-        write_face(sink, &coloured.mesh.triangles[3 * t]);
-    }
+        write_face(sink, corners);
+    });
 }
 
 void write_materials(std::ostream& out) {
     Sink sink(out);
+    sink << title_of_materials << '\n';
     write_material(sink, "free", free_colour);
     write_material(sink, "colliding", colliding_colour);
 }

@@ -1,7 +1,7 @@
 // OFF: counts, then a vertex a line, then a face a line. The header's prefixes (ST, C, N) announce what else a vertex
 // line holds after its coordinates; that is skipped, as are colours after a face's corners.
 
-#include "io/fan.h"
+#include "io/faces.h"
 #include "io/formats.h"
 #include "io/sink.h"
 #include "io/text.h"
@@ -15,7 +15,7 @@ class OffReader {
    public:
     explicit OffReader(const Source& source) : in_(source, {.lines = true, .comments = true}) {}
 
-    TriangleMesh read() {
+    TriangleMesh read(const ReadOptions& options, Warnings& warnings) {
         read_header();
         const std::int64_t vertices = read_count("vertices", 6);  // "0 0 0" and the line's end
         const std::int64_t faces = read_count("faces", 8);        // "3 0 1 2"
@@ -30,15 +30,14 @@ class OffReader {
             for (int axis = 0; axis < 3; ++axis) xyz.push_back(in_.real<Scalar>());
             in_.skip_line();
         }
-        std::vector<std::int32_t> triangles;
-        triangles.reserve(3 * static_cast<std::size_t>(faces));
+        faces_.reserve(faces);
         for (std::int64_t f = 0; f < faces; ++f) {
             next_line("a face");
-            read_face(vertices, triangles);
+            read_face(vertices);
             in_.skip_line();
         }
         if (in_.next_line_with_items()) in_.fail("data follows the last face that the header announces");
-        return {std::move(xyz), std::move(triangles), {}};
+        return faces_.mesh(std::move(xyz), options.triangulation, warnings, true);
     }
 
    private:
@@ -67,21 +66,23 @@ class OffReader {
         return count;
     }
 
-    void read_face(std::int64_t vertices, std::vector<std::int32_t>& triangles) {
+    void read_face(std::int64_t vertices) {
         const char* const place = in_.position();
         const std::int64_t corners = in_.integer("a count of corners");
         if (corners < 3) in_.fail(place, "a face has " + std::to_string(corners) + " corners");
-        Fan fan(triangles);
+        faces_.begin(place);
         for (std::int64_t i = 0; i < corners; ++i) {
             const std::int64_t index = in_.integer("a corner");
             if (index < 0 || index >= vertices) {
                 in_.fail(place, "a face names vertex " + std::to_string(index) + " of " + std::to_string(vertices));
             }
-            fan.add(static_cast<std::int32_t>(index));
+            faces_.add(static_cast<std::int32_t>(index));
         }
+        faces_.end();
     }
 
     Scanner in_;
+    Faces faces_;
 };
 
 }  // namespace
@@ -93,9 +94,9 @@ bool is_off_header(std::string_view word) {
     return word == "OFF";
 }
 
-TriangleMesh read_off(const Source& source, const ReadOptions& options) {
+TriangleMesh read_off(const Source& source, const ReadOptions& options, Warnings& warnings) {
     return in_precision(options.precision, ScalarType::float64,
-                        [&](auto zero) { return OffReader<decltype(zero)>(source).read(); });
+                        [&](auto zero) { return OffReader<decltype(zero)>(source).read(options, warnings); });
 }
 
 void write_off(std::ostream& out, const TriangleMesh& mesh) {

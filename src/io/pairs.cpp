@@ -76,17 +76,15 @@ void write(std::ostream& out, const Collisions& collisions, PairFormat format) {
     }
 }
 
-PairFormat format_by_extension(const std::filesystem::path& path) {
-    const std::string extension = extension_of(path);
+}  // namespace
+
+PairFormat pair_format_of(std::string_view extension) {
     if (extension == ".txt") return PairFormat::txt;
     if (extension == ".csv") return PairFormat::csv;
     if (extension == ".json") return PairFormat::json;
     if (extension == ".npz") return PairFormat::npz;
-    throw Error(ErrorCode::invalid_argument,
-                "cannot write " + path.string() + ": pairs are written as .txt, .csv, .json or .npz");
+    return PairFormat::automatic;
 }
-
-}  // namespace
 
 void write_pairs(std::ostream& out, const Collisions& collisions, PairFormat format) {
     const FloatEnvironment environment;
@@ -97,7 +95,11 @@ void write_pairs(std::ostream& out, const Collisions& collisions, PairFormat for
 
 void write_pairs(const std::filesystem::path& path, const Collisions& collisions, PairFormat format) {
     const FloatEnvironment environment;
-    if (format == PairFormat::automatic) format = format_by_extension(path);
+    if (format == PairFormat::automatic) format = pair_format_of(extension_of(path));
+    if (format == PairFormat::automatic) {
+        throw Error(ErrorCode::invalid_argument,
+                    "cannot write " + path.string() + ": pairs are written as .txt, .csv, .json or .npz");
+    }
     validate(collisions);
     AtomicFile file(path);
     write(file.stream(), collisions, format);

@@ -3,8 +3,9 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
 
-#include "io/fan.h"
+#include "io/faces.h"
 #include "io/formats.h"
 #include "io/ply_body.h"
 #include "io/ply_header.h"
@@ -25,6 +26,10 @@ class BodyReader {
           face_(header.element(source, "face")),
           xyz_{scalar(vertex_, "x"), scalar(vertex_, "y"), scalar(vertex_, "z")},
           corners_(face_.find(source, {"vertex_indices", "vertex_index"})) {
+        for (const PlyElement& element : header.elements) {
+            if (element.name != "tristrips" || element.count == 0) continue;
+            source.fail_at_line(element.place, "triangle strips ('tristrips') are not read; convert them to faces");
+        }
         if (!corners_ || !corners_->count_type || !is_integer(corners_->type)) {
             source.fail_at_line(face_.place, "faces have no list of integers 'vertex_indices'");
         }
@@ -46,14 +51,14 @@ class BodyReader {
     }
 
     template <class Scalar>
-    TriangleMesh read() {
-        TriangleMesh mesh;
+    TriangleMesh read(Triangulation triangulation, Warnings& warnings) {
+        std::vector<Scalar> xyz;
         for (const PlyElement& element : header_.elements) {
             check_count(element);
             if (&element == &vertex_)
-                mesh.vertices = read_vertices<Scalar>();
+                xyz = read_vertices<Scalar>();
             else if (&element == &face_)
-                read_faces(mesh);
+                read_faces();
             else
                 skip_rows(element);
         }
@@ -63,6 +68,9 @@ class BodyReader {
         if (left.find_first_not_of(" \t\r\n") != left.npos) {
             body_.fail(rest, "data follows the last row that the header announces");
         }
+        const bool lines = header_.encoding == PlyEncoding::ascii;
+        TriangleMesh mesh = faces_.mesh(std::move(xyz), triangulation, warnings, lines);
+        mesh.groups = std::move(groups_);
         return mesh;
     }
 
@@ -129,27 +137,27 @@ class BodyReader {
         return xyz;
     }
 
-    void read_faces(TriangleMesh& mesh) {
-        mesh.triangles.reserve(3 * static_cast<std::size_t>(face_.count));
+    void read_faces() {
+        faces_.reserve(face_.count);
         for (std::int64_t row = 0; row < face_.count; ++row) {
             std::int32_t group = 0;
             for (const PlyProperty& property : face_.properties) {
                 if (&property == corners_)
-                    read_polygon(mesh.triangles);
+                    read_polygon();
                 else if (&property == group_)
                     group = read_group();
                 else
                     skip_value(property);
             }
-            if (group_) mesh.groups.resize(mesh.triangles.size() / 3, group);
+            if (group_) groups_.resize(faces_.triangle_count(), group);
         }
     }
 
-    void read_polygon(std::vector<std::int32_t>& triangles) {
+    void read_polygon() {
         const char* const place = body_.position();
         const std::int64_t count = list_count(*corners_);
         if (count < 3) body_.fail(place, "a face has " + std::to_string(count) + " corners");
-        Fan fan(triangles);
+        faces_.begin(place);
         for (std::int64_t i = 0; i < count; ++i) {
             const char* const corner = body_.position();
             const std::int64_t index = body_.integer(corners_->type);
@@ -157,8 +165,9 @@ class BodyReader {
                 body_.fail(corner,
                            "a face names vertex " + std::to_string(index) + " of " + std::to_string(vertex_.count));
             }
-            fan.add(static_cast<std::int32_t>(index));
+            faces_.add(static_cast<std::int32_t>(index));
         }
+        faces_.end();
     }
 
     std::int32_t read_group() {
@@ -175,39 +184,47 @@ class BodyReader {
     std::array<const PlyProperty*, 3> xyz_;
     const PlyProperty* corners_;
     const PlyProperty* group_ = nullptr;
+    Faces faces_;
+    std::vector<std::int32_t> groups_;
 };
 
 template <class Body>
-TriangleMesh read(const Source& source, const PlyHeader& header, const ReadOptions& options) {
+TriangleMesh read(const Source& source, const PlyHeader& header, const ReadOptions& options, Warnings& warnings) {
     BodyReader<Body> reader(source, header, options.group_property);
-    return in_precision(options.precision, reader.precision(),
-                        [&](auto zero) { return reader.template read<decltype(zero)>(); });
+    return in_precision(options.precision, reader.precision(), [&](auto zero) {
+        return reader.template read<decltype(zero)>(options.triangulation, warnings);
+    });
 }
 
 constexpr std::string_view colour_properties = "property uchar red\nproperty uchar green\nproperty uchar blue\n";
 
+void write_header(Sink& sink, const TriangleMesh& mesh, std::int64_t faces, bool colours, bool long_lists) {
+    const char* const scalar = mesh.precision() == ScalarType::float32 ? "float" : "double";
+    sink << "ply\nformat binary_little_endian 1.0\nelement vertex " << mesh.vertex_count() << '\n';
+    for (const char* const axis : {"x", "y", "z"}) sink << "property " << scalar << ' ' << axis << '\n';
+    if (colours) sink << colour_properties;
+    sink << "element face " << faces << "\nproperty list " << (long_lists ? "int" : "uchar") << " int vertex_indices\n";
+    if (!mesh.groups.empty()) sink << "property int group\n";
+    if (colours) sink << colour_properties;
+    sink << "end_header\n";
+}
+
 /// `hit` may be null: no colours.
-void write(std::ostream& out, const TriangleMesh& mesh, const std::vector<std::uint8_t>* hit) {
-    const std::vector<std::int32_t>& corners = mesh.triangles;
-    const std::string scalar = mesh.precision() == ScalarType::float32 ? "float" : "double";
+void write(std::ostream& out, const TriangleMesh& mesh, bool polygons, const std::vector<std::uint8_t>* hit) {
+    using Corners = std::span<const std::int32_t>;
     std::vector<std::uint8_t> hit_vertices(hit ? static_cast<std::size_t>(mesh.vertex_count()) : 0);
-    for (std::size_t i = 0; hit && i < corners.size(); ++i) {
-        if ((*hit)[i / 3]) hit_vertices[static_cast<std::size_t>(corners[i])] = 1;
-    }
+    bool long_lists = false;
+    for_each_face(mesh, polygons, [&](Corners corners, std::size_t triangle) {
+        long_lists = long_lists || corners.size() > UINT8_MAX;
+        if (!hit || !(*hit)[triangle]) return;
+        for (const std::int32_t corner : corners) hit_vertices[static_cast<std::size_t>(corner)] = 1;
+    });
     Sink sink(out);
     const auto colour = [&](bool collides) {
         const Colour& c = collides ? colliding_colour : free_colour;
         sink.little(c.red, c.green, c.blue);
     };
-
-    sink << "ply\nformat binary_little_endian 1.0\nelement vertex " << mesh.vertex_count() << '\n';
-    for (const char* const axis : {"x", "y", "z"}) sink << "property " << scalar << ' ' << axis << '\n';
-    if (hit) sink << colour_properties;
-    sink << "element face " << mesh.triangle_count() << "\nproperty list uchar int vertex_indices\n";
-    if (!mesh.groups.empty()) sink << "property int group\n";
-    if (hit) sink << colour_properties;
-    sink << "end_header\n";
-
+    write_header(sink, mesh, polygons ? mesh.polygons.count() : mesh.triangle_count(), hit != nullptr, long_lists);
     std::visit(
         [&](const auto& xyz) {
             for (std::size_t v = 0; v < xyz.size() / 3; ++v) {
@@ -216,23 +233,29 @@ void write(std::ostream& out, const TriangleMesh& mesh, const std::vector<std::u
             }
         },
         mesh.vertices);
-    for (std::size_t t = 0; t < corners.size() / 3; ++t) {
-        sink.little(std::uint8_t{3}, corners[3 * t], corners[3 * t + 1], corners[3 * t + 2]);
-        if (!mesh.groups.empty()) sink.little(mesh.groups[t]);
-        if (hit) colour((*hit)[t]);
-    }
+    for_each_face(mesh, polygons, [&](Corners corners, std::size_t triangle) {
+        if (long_lists)
+            sink.little(static_cast<std::int32_t>(corners.size()));
+        else
+            sink.little(static_cast<std::uint8_t>(corners.size()));
+        for (const std::int32_t corner : corners) sink.little(corner);
+        if (!mesh.groups.empty()) sink.little(mesh.groups[triangle]);
+        if (hit) colour((*hit)[triangle] != 0);
+    });
 }
 
 }  // namespace
 
-TriangleMesh read_ply(const Source& source, const ReadOptions& options) {
+TriangleMesh read_ply(const Source& source, const ReadOptions& options, Warnings& warnings) {
     const PlyHeader header = read_ply_header(source);
-    return header.encoding == PlyEncoding::ascii ? read<AsciiBody>(source, header, options)
-                                                 : read<BinaryBody>(source, header, options);
+    return header.encoding == PlyEncoding::ascii ? read<AsciiBody>(source, header, options, warnings)
+                                                 : read<BinaryBody>(source, header, options, warnings);
 }
 
-void write_ply(std::ostream& out, const TriangleMesh& mesh) { write(out, mesh, nullptr); }
+void write_ply(std::ostream& out, const TriangleMesh& mesh) { write(out, mesh, false, nullptr); }
 
-void write_coloured_ply(std::ostream& out, const ColouredMesh& coloured) { write(out, coloured.mesh, &coloured.hit); }
+void write_coloured_ply(std::ostream& out, const ColouredMesh& coloured) {
+    write(out, coloured.mesh, coloured.has_polygons(), &coloured.hit);
+}
 
 }  // namespace crumple::io

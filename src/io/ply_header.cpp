@@ -70,7 +70,13 @@ class HeaderReader {
    private:
     Words next_line() {
         line_ = next_;
-        const char* const end = std::find(line_, source_.end(), '\n');
+        const char* end = std::find(line_, source_.end(), line_end_);
+        if (line_end_ == 0) {  // the first line tells how lines end: a binary body may begin with either character
+            end = std::find_if(line_, source_.end(), [](char c) { return c == '\n' || c == '\r'; });
+            if (end != source_.end())
+                line_end_ = *end == '\r' && end + 1 != source_.end() && end[1] == '\n' ? '\n' : *end;
+            if (end != source_.end() && *end != line_end_) ++end;
+        }
         if (end == source_.end()) fail("the header has no end");
         next_ = end + 1;
         return split({line_, static_cast<std::size_t>(end - line_)});
@@ -118,6 +124,7 @@ class HeaderReader {
     const Source& source_;
     const char* line_ = nullptr;
     const char* next_;
+    char line_end_ = 0;  ///< LF, after CR or not, or CR; 0 until the first line is read
     PlyHeader header_;
 };
 
@@ -140,8 +147,11 @@ const PlyElement& PlyHeader::element(const Source& source, std::string_view name
         if (found) source.fail_at_line(candidate.place, "a second element " + in_quotes(name));
         found = &candidate;
     }
-    if (!found) source.fail_at_line(body - 1, "the header has no element " + in_quotes(name));
-    return *found;
+    if (found) return *found;
+    const bool strips =
+        std::any_of(elements.begin(), elements.end(), [](const auto& e) { return e.name == "tristrips"; });
+    source.fail_at_line(body - 1, "the header has no element " + in_quotes(name) +
+                                      (strips ? "; triangle strips are not read, convert them to faces" : ""));
 }
 
 PlyHeader read_ply_header(const Source& source) { return HeaderReader(source).read(); }

@@ -31,38 +31,51 @@ Format format_of(const Source& source, const std::string& extension) {
                 Element::byte, 0);
 }
 
-TriangleMesh read(const Source& source, Format format, const ReadOptions& options) {
+TriangleMesh read(const Source& source, Format format, const ReadOptions& options, Warnings& warnings) {
     switch (format) {
         case Format::ply:
-            return read_ply(source, options);
+            return read_ply(source, options, warnings);
         case Format::obj:
-            return read_obj(source, options);
+            return read_obj(source, options, warnings);
         case Format::stl:
-            return read_stl(source, options);
+            return read_stl(source, options, warnings);
         default:
-            return read_off(source, options);
+            return read_off(source, options, warnings);
+    }
+}
+
+TriangleMesh read(const Source& source, const ReadOptions& options) {
+    const FloatEnvironment environment;
+    if (source.text().find_first_not_of(" \t\r\n") == source.text().npos) {
+        source.fail_at_byte(source.begin(), "the file is empty");
+    }
+    const Format format = format_of(source, extension_of(source.name()));
+    if (!options.group_property.empty() && format != Format::ply) {
+        throw Error(ErrorCode::invalid_argument, source.name() + ": only PLY files have properties", Element::option);
+    }
+    try {
+        Warnings warnings(source, options.strict);
+        TriangleMesh mesh = read(source, format, options, warnings);
+        if (mesh.vertex_count() > INT32_MAX || mesh.triangle_count() > INT32_MAX) {
+            throw Error(ErrorCode::format, source.name() + ": more vertices or triangles than 32-bit ids can name");
+        }
+        if (options.weld == Weld::yes || (options.weld == Weld::automatic && format == Format::stl)) weld(mesh);
+        if (mesh.triangles.empty()) warnings.of_file("it holds no triangles");
+        mesh.warnings = warnings.take();
+        return mesh;
+    } catch (const std::bad_alloc&) {
+        throw Error(ErrorCode::file, "cannot read " + source.name() + ": its mesh does not fit in memory");
     }
 }
 
 }  // namespace
 
 TriangleMesh read_mesh(const std::filesystem::path& path, const ReadOptions& options) {
-    const FloatEnvironment environment;
-    const Source source(path);
-    const Format format = format_of(source, extension_of(path));
-    if (!options.group_property.empty() && format != Format::ply) {
-        throw Error(ErrorCode::invalid_argument, source.name() + ": only PLY files have properties", Element::option);
-    }
-    try {
-        TriangleMesh mesh = read(source, format, options);
-        if (mesh.vertex_count() > INT32_MAX || mesh.triangle_count() > INT32_MAX) {
-            throw Error(ErrorCode::format, source.name() + ": more vertices or triangles than 32-bit ids can name");
-        }
-        if (options.weld == Weld::yes || (options.weld == Weld::automatic && format == Format::stl)) weld(mesh);
-        return mesh;
-    } catch (const std::bad_alloc&) {
-        throw Error(ErrorCode::file, "cannot read " + source.name() + ": its mesh does not fit in memory");
-    }
+    return read(Source(path), options);
+}
+
+TriangleMesh read_mesh(std::istream& in, const std::string& name, const ReadOptions& options) {
+    return read(Source(in, name), options);
 }
 
 }  // namespace crumple::io

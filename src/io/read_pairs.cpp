@@ -16,7 +16,7 @@ std::vector<Pair> read_txt(const Source& source) {
     const auto read_index = [&] {
         in.finished();
         const char* const place = in.position();
-        const std::int64_t written = in.integer("a triangle");
+        const std::int64_t written = in.leading_integer("a triangle");
         const auto index = triangle_index(written);
         if (!index) in.fail(place, std::to_string(written) + " names no triangle");
         return *index;
@@ -24,7 +24,10 @@ std::vector<Pair> read_txt(const Source& source) {
     std::vector<Pair> pairs;
     for (; in.next_line_with_items(); in.skip_line()) {
         const std::int32_t a = read_index();
-        pairs.push_back({a, read_index()});
+        if (!in.skip(',')) in.end_word();
+        const std::int32_t b = read_index();
+        if (!in.skip(',')) in.end_word();
+        pairs.push_back({a, b});
     }
     return pairs;
 }
@@ -79,20 +82,24 @@ std::vector<Pair> read_csv(const Source& source) {
     return pairs;
 }
 
-}  // namespace
-
-std::vector<Pair> read_pairs(const std::filesystem::path& path) {
+std::vector<Pair> read(const Source& source) {
     const FloatEnvironment environment;
-    const Source source(path);
-    const std::string extension = extension_of(path);
+    const std::string extension = extension_of(source.name());
     try {
         if (extension == ".csv") return read_csv(source);
         if (extension == ".json") return read_pairs_json(source);
+        if (extension == ".npy") return read_pairs_npy(source);
         if (extension == ".npz") return read_pairs_npz(source);
         return read_txt(source);
     } catch (const std::bad_alloc&) {
         throw Error(ErrorCode::file, "cannot read " + source.name() + ": its pairs do not fit in memory");
     }
 }
+
+}  // namespace
+
+std::vector<Pair> read_pairs(const std::filesystem::path& path) { return read(Source(path)); }
+
+std::vector<Pair> read_pairs(std::istream& in, const std::string& name) { return read(Source(in, name)); }
 
 }  // namespace crumple::io

@@ -33,9 +33,16 @@ Source::Source(const fs::path& path) : name_(path.string()) {
     errno = 0;
     std::ifstream in(path, std::ios::binary);
     if (!in) fail_to_read(path, errno);
-    const std::uintmax_t hint = fs::is_regular_file(status) ? fs::file_size(path, error) : 0;
+    const std::uintmax_t size = fs::is_regular_file(status) ? fs::file_size(path, error) : 0;
+    read(in, error ? 0 : size);
+}
+
+Source::Source(std::istream& in, const std::string& name) : name_(name) { read(in, 0); }
+
+void Source::read(std::istream& in, std::size_t hint) {
+    errno = 0;
     try {
-        bytes_.resize(std::max<std::size_t>(error ? 0 : hint, 4095) + 1);  // one more, to see the end in one go
+        bytes_.resize(std::max<std::size_t>(hint, 4095) + 1);  // one more, to see the end in one go
         std::size_t size = 0;
         while (true) {
             in.read(bytes_.data() + size, static_cast<std::streamsize>(bytes_.size() - size));
@@ -45,20 +52,26 @@ Source::Source(const fs::path& path) : name_(path.string()) {
         }
         bytes_.resize(size);
     } catch (const std::bad_alloc&) {
-        fail_to_read(path, "it does not fit in memory", ENOMEM);
+        fail_to_read(name_, "it does not fit in memory", ENOMEM);
     }
-    if (in.bad()) fail_to_read(path, errno);
+    if (in.bad()) fail_to_read(name_, errno);
 }
 
-void Source::fail_at_line(const char* place, const std::string& what) const {
-    const std::int64_t line = 1 + std::count(begin(), place, '\n');
-    throw Error(ErrorCode::format, name_ + ", line " + std::to_string(line) + ": " + what, Element::line, line);
+Error Source::error_at_line(const char* place, const std::string& what) const {
+    std::int64_t line = 1;
+    for (const char* p = begin(); p != place; ++p)
+        line += *p == '\n' || (*p == '\r' && (p + 1 == end() || p[1] != '\n'));
+    return Error(ErrorCode::format, name_ + ", line " + std::to_string(line) + ": " + what, Element::line, line);
 }
 
-void Source::fail_at_byte(const char* place, const std::string& what) const {
+Error Source::error_at_byte(const char* place, const std::string& what) const {
     const std::int64_t byte = place - begin();
-    throw Error(ErrorCode::format, name_ + ", byte " + std::to_string(byte) + ": " + what, Element::byte, byte);
+    return Error(ErrorCode::format, name_ + ", byte " + std::to_string(byte) + ": " + what, Element::byte, byte);
 }
+
+void Source::fail_at_line(const char* place, const std::string& what) const { throw error_at_line(place, what); }
+
+void Source::fail_at_byte(const char* place, const std::string& what) const { throw error_at_byte(place, what); }
 
 std::string in_quotes(std::string_view word) {
     constexpr std::size_t longest = 40;

@@ -1,10 +1,12 @@
 #pragma once
 
-// A file's bytes, read once, and the errors that name a place in it. Lines are counted only when an error needs them.
+// A file's bytes, read once, and the errors and warnings that name a place in it. Lines are counted only for those.
 
 #include <filesystem>
+#include <iosfwd>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "crumple/array.h"
 #include "crumple/error.h"
@@ -15,6 +17,8 @@ class Source {
    public:
     /// Reads the whole file. Throws Error (file): missing, a directory, a device, not permitted, too large for memory.
     explicit Source(const std::filesystem::path& path);
+    /// Reads a stream to its end. `name` is for messages. Throws Error (file).
+    Source(std::istream& in, const std::string& name);
 
     const char* begin() const { return bytes_.begin(); }
     /// Where text begins: after the byte order mark that some editors put before UTF-8.
@@ -28,8 +32,50 @@ class Source {
     [[noreturn]] void fail_at_byte(const char* place, const std::string& what) const;
 
    private:
+    friend class Warnings;
+    void read(std::istream& in, std::size_t hint);
+    Error error_at_line(const char* place, const std::string& what) const;
+    Error error_at_byte(const char* place, const std::string& what) const;
+
     std::string name_;
     Array<char> bytes_;
+};
+
+/// What is odd about a file that is read nevertheless, a sentence each: errors to those who want to be strict.
+class Warnings {
+   public:
+    Warnings(const Source& source, bool strict) : source_(source), strict_(strict) {}
+
+    void at_line(const char* place, const std::string& what) { add(source_.error_at_line(place, what)); }
+    void at_byte(const char* place, const std::string& what) { add(source_.error_at_byte(place, what)); }
+    void of_file(const std::string& what) {
+        add(Error(ErrorCode::format, source_.name() + ": " + what, Element::none));
+    }
+    std::vector<std::string> take() { return std::move(sentences_); }
+
+   private:
+    void add(const Error& error) {
+        if (strict_) throw error;
+        sentences_.emplace_back(error.what());
+    }
+
+    const Source& source_;
+    bool strict_;
+    std::vector<std::string> sentences_;
+};
+
+/// Places of one kind that one warning tells of: the first of them, and how many there are.
+struct Tally {
+    const char* first = nullptr;
+    std::int64_t count = 0;
+
+    void add(const char* place) {
+        if (count++ == 0) first = place;
+    }
+    /// ", and 3 more like it", or nothing.
+    std::string others() const {
+        return count < 2 ? "" : ", and " + std::to_string(count - 1) + " more like " + (count == 2 ? "it" : "that");
+    }
 };
 
 /// A word of a file for a message: short and printable, whatever the file holds.

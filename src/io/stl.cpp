@@ -1,5 +1,6 @@
 // STL: triangles by their coordinates. Binary: 80 bytes of anything, a count, and 50 bytes a triangle (normal, three
-// vertices, 16 bits). Ascii: `solid`, facets, `endsolid`, as often as there are solids. Normals are skipped.
+// vertices, 16 bits). Ascii: `solid`, facets, `endsolid`, as often as there are solids. Normals are skipped. Either may
+// begin with "solid": a file of just the size that it announces, or with a zero byte near its begin, is binary.
 
 #include <algorithm>
 #include <array>
@@ -7,7 +8,6 @@
 #include <numeric>
 
 #include "io/bytes.h"
-#include "io/fan.h"
 #include "io/formats.h"
 #include "io/sink.h"
 #include "io/text.h"
@@ -23,10 +23,16 @@ bool equal_ignoring_case(std::string_view a, std::string_view b) {
                       [](unsigned char x, unsigned char y) { return std::tolower(x) == std::tolower(y); });
 }
 
+std::size_t announced_count(const Source& source) {
+    return load<std::uint32_t>(source.begin() + header_size, std::endian::little);
+}
+
+bool is_text(const Source& source) { return source.text().substr(0, 512).find('\0') == std::string_view::npos; }
+
 template <class Scalar>
 TriangleMesh read_binary(const Source& source) {
     const char* record = source.begin() + prologue_size;
-    const std::size_t count = (source.text().size() - prologue_size) / record_size;
+    const std::size_t count = announced_count(source);
     std::vector<Scalar> xyz(9 * count);
     for (std::size_t t = 0; t < count; ++t, record += record_size) {
         for (std::size_t i = 0; i < 9; ++i) {
@@ -38,7 +44,7 @@ TriangleMesh read_binary(const Source& source) {
     }
     std::vector<std::int32_t> triangles(3 * count);
     std::iota(triangles.begin(), triangles.end(), 0);
-    return {std::move(xyz), std::move(triangles), {}};
+    return {std::move(xyz), std::move(triangles)};
 }
 
 template <class Scalar>
@@ -49,15 +55,20 @@ class AsciiReader {
     TriangleMesh read() {
         do read_solid();
         while (!in_.finished());
-        return {std::move(xyz_), std::move(triangles_), {}};
+        std::vector<std::int32_t> triangles(xyz_.size() / 3);
+        std::iota(triangles.begin(), triangles.end(), 0);
+        return {std::move(xyz_), std::move(triangles)};
     }
 
    private:
     void read_solid() {
+        const char* const solid = next();
         expect("solid");
         in_.skip_line();  // a name: anything
+        if (in_.finished() && in_.at_end()) in_.fail(solid, "no line follows this one, which holds the solid's name");
         while (true) {
             const char* const place = next();
+            if (in_.at_end()) in_.fail("endsolid is missing: the file has lost its end");
             const std::string_view word = in_.word("endsolid");
             if (equal_ignoring_case(word, "endsolid")) break;
             if (!equal_ignoring_case(word, "facet")) in_.fail(place, in_quotes(word) + " instead of facet or endsolid");
@@ -71,18 +82,18 @@ class AsciiReader {
         for (int axis = 0; axis < 3; ++axis) in_.word("a normal");
         expect("outer");
         expect("loop");
-        Fan fan(triangles_);
+        std::int64_t corners = 0;
         while (true) {
             const char* const place = next();
             const std::string_view word = in_.word("endloop");
             if (equal_ignoring_case(word, "endloop")) {
-                if (fan.corners() < 3) in_.fail(place, "a facet has " + std::to_string(fan.corners()) + " corners");
+                if (corners != 3) in_.fail(place, "a facet has " + std::to_string(corners) + " corners instead of 3");
                 break;
             }
             if (!equal_ignoring_case(word, "vertex"))
                 in_.fail(place, in_quotes(word) + " instead of vertex or endloop");
-            fan.add(static_cast<std::int32_t>(xyz_.size() / 3));
             for (int axis = 0; axis < 3; ++axis) xyz_.push_back(in_.real<Scalar>());
+            ++corners;
         }
         expect("endfacet");
     }
@@ -99,7 +110,6 @@ class AsciiReader {
 
     Scanner in_;
     std::vector<Scalar> xyz_;
-    std::vector<std::int32_t> triangles_;
 };
 
 /// Unit normal, or zero of a degenerate triangle. float32 coordinates neither overflow nor underflow here.
@@ -119,26 +129,26 @@ std::array<float, 3> normal_of(const std::array<std::array<float, 3>, 3>& corner
 
 bool is_binary_stl(const Source& source) {
     const std::size_t size = source.text().size();
-    return size >= prologue_size &&
-           size == prologue_size + record_size * load<std::uint32_t>(source.begin() + header_size, std::endian::little);
+    return size >= prologue_size && size == prologue_size + record_size * announced_count(source);
 }
 
-TriangleMesh read_stl(const Source& source, const ReadOptions& options) {
-    if (is_binary_stl(source)) {
-        constexpr std::uint32_t most = INT32_MAX / 3;  // three vertices each, ids int32
-        if (load<std::uint32_t>(source.begin() + header_size, std::endian::little) > most) {
-            source.fail_at_byte(source.begin() + header_size, "more than " + std::to_string(most) + " triangles");
-        }
-        return in_precision(options.precision, ScalarType::float32,
-                            [&](auto zero) { return read_binary<decltype(zero)>(source); });
+TriangleMesh read_stl(const Source& source, const ReadOptions& options, Warnings& warnings) {
+    const std::size_t size = source.text().size();
+    if (!is_binary_stl(source) && is_text(source)) {
+        return in_precision(options.precision, ScalarType::float64,
+                            [&](auto zero) { return AsciiReader<decltype(zero)>(source).read(); });
     }
-    const bool text = source.text().substr(0, 512).find('\0') == std::string_view::npos;
-    if (!text) {
-        const char* const place = source.begin() + std::min(header_size, source.text().size());
-        source.fail_at_byte(place, "the size of the file is not that of the triangles announced here");
+    const char* const place = source.begin() + std::min(header_size, size);
+    const std::size_t end = size < prologue_size ? SIZE_MAX : prologue_size + record_size * announced_count(source);
+    if (end > size) source.fail_at_byte(place, "the file is too short for the triangles announced here");
+    constexpr std::size_t most = INT32_MAX / 3;  // three vertices each, ids int32
+    if (announced_count(source) > most) source.fail_at_byte(place, "more than " + std::to_string(most) + " triangles");
+    if (end < size) {
+        warnings.at_byte(source.begin() + end,
+                         std::to_string(size - end) + " bytes after the triangles that the file announces are skipped");
     }
-    return in_precision(options.precision, ScalarType::float64,
-                        [&](auto zero) { return AsciiReader<decltype(zero)>(source).read(); });
+    return in_precision(options.precision, ScalarType::float32,
+                        [&](auto zero) { return read_binary<decltype(zero)>(source); });
 }
 
 void write_stl(std::ostream& out, const TriangleMesh& mesh) {

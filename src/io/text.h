@@ -1,7 +1,7 @@
 #pragma once
 
-// Scanner: words and numbers of a text file, without copies. Numbers are rounded once, directly to the type asked for
-// (std::from_chars), whatever the locale. Every error names the line.
+// Scanner: words and numbers of a text file, without copies. Lines end with LF, CR LF or CR. Numbers are rounded once,
+// directly to the type asked for (std::from_chars), whatever the locale. Every error names the line.
 
 #include <charconv>
 #include <cmath>
@@ -35,7 +35,7 @@ inline bool underflows(std::string_view decimal) {
         std::int64_t written = 0;
         const auto [end, error] = std::from_chars(digits, decimal.data() + decimal.size(), written);
         if (error == std::errc::result_out_of_range) return negative;
-        exponent += written;
+        return written <= -exponent;
     }
     return exponent <= 0;
 }
@@ -59,12 +59,12 @@ class Scanner {
     /// Skips blanks; true if nothing else is left (of the line, if the syntax has lines).
     bool finished() {
         while (p_ != end_) {
-            if (is_blank(*p_) || (*p_ == '\n' && !syntax_.lines)) {
+            if (is_blank(*p_) || (ends_line(*p_) && !syntax_.lines)) {
                 ++p_;
             } else if (const std::size_t length = continuation(p_)) {
                 p_ += length;
             } else {
-                return *p_ == '\n' || (*p_ == '#' && syntax_.comments);
+                return ends_line(*p_) || (*p_ == '#' && syntax_.comments);
             }
         }
         return true;
@@ -79,7 +79,7 @@ class Scanner {
     /// To the start of the next line. A comment ends with its line even if it ends with a backslash.
     void skip_line() {
         const bool comment = p_ != end_ && *p_ == '#' && syntax_.comments;
-        while (p_ != end_ && *p_ != '\n') p_ += comment ? 1 : std::max<std::size_t>(1, continuation(p_));
+        while (p_ != end_ && !ends_line(*p_)) p_ += comment ? 1 : std::max<std::size_t>(1, continuation(p_));
         if (p_ != end_) ++p_;
     }
 
@@ -94,8 +94,22 @@ class Scanner {
     /// The next integer, a word of its own.
     std::int64_t integer(const char* what = "an integer") {
         const std::int64_t value = leading_integer(what);
-        if (p_ != end_of_word()) fail("in " + std::string(what) + ": " + in_quotes(rest_of_word()) + " is left over");
+        end_word(what);
         return value;
+    }
+
+    /// After an item: nothing of its word may be left.
+    void end_word(const char* what = "an integer") const {
+        if (p_ != end_of_word()) fail("in " + std::string(what) + ": " + in_quotes(rest_of_word()) + " is left over");
+    }
+
+    /// Skips this character, and blanks before it, if it is next.
+    bool skip(char c) {
+        const char* p = p_;
+        while (p != end_ && is_blank(*p)) ++p;
+        if (p == end_ || *p != c) return false;
+        p_ = p + 1;
+        return true;
     }
 
     /// The next word's integer, up to the first character that is not a digit.
@@ -138,16 +152,16 @@ class Scanner {
     [[noreturn]] void fail(const char* place, const std::string& what) const { source_.fail_at_line(place, what); }
 
    private:
-    static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f'; }
+    static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; }
+    static bool ends_line(char c) { return c == '\n' || c == '\r'; }  // CR LF ends an empty line, too
 
     /// Length of a backslash with the line's end after it, or 0.
     std::size_t continuation(const char* p) const {
-        if (*p != '\\' || !syntax_.continuation) return 0;
-        if (end_ - p >= 2 && p[1] == '\n') return 2;
-        return end_ - p >= 3 && p[1] == '\r' && p[2] == '\n' ? 3 : 0;
+        if (*p != '\\' || !syntax_.continuation || end_ - p < 2 || !ends_line(p[1])) return 0;
+        return end_ - p >= 3 && p[1] == '\r' && p[2] == '\n' ? 3 : 2;
     }
     bool ends_word(const char* p) const {
-        return p == end_ || is_blank(*p) || *p == '\n' || (*p == '#' && syntax_.comments) || continuation(p) > 0;
+        return p == end_ || is_blank(*p) || ends_line(*p) || (*p == '#' && syntax_.comments) || continuation(p) > 0;
     }
     const char* end_of_word() const {
         const char* p = p_;

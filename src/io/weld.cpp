@@ -11,7 +11,7 @@ namespace crumple::io {
 namespace {
 
 template <class Scalar>
-void weld(std::vector<Scalar>& xyz, std::vector<std::int32_t>& triangles) {
+void weld(std::vector<Scalar>& xyz, std::vector<std::int32_t>& triangles, std::vector<std::int32_t>& corners) {
     const std::size_t count = xyz.size() / 3;
     const PositionHash hash;
     const std::size_t mask = std::bit_ceil(2 * count + 1) - 1;
@@ -32,13 +32,15 @@ void weld(std::vector<Scalar>& xyz, std::vector<std::int32_t>& triangles) {
     }
     xyz.resize(3 * static_cast<std::size_t>(kept));
     xyz.shrink_to_fit();
-    for (std::int32_t& corner : triangles) corner = renamed[static_cast<std::size_t>(corner)];
+    for (std::vector<std::int32_t>* const names : {&triangles, &corners}) {
+        for (std::int32_t& corner : *names) corner = renamed[static_cast<std::size_t>(corner)];
+    }
 }
 
 }  // namespace
 
 void weld(TriangleMesh& mesh) {
-    std::visit([&](auto& xyz) { weld(xyz, mesh.triangles); }, mesh.vertices);
+    std::visit([&](auto& xyz) { weld(xyz, mesh.triangles, mesh.polygons.corners); }, mesh.vertices);
 }
 
 }  // namespace crumple::io

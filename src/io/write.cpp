@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <utility>
 
 #include "io/atomic_file.h"
 #include "io/formats.h"
@@ -16,7 +17,30 @@ std::string extension_of(const std::filesystem::path& path) {
     return extension;
 }
 
+namespace {
+
+/// Polygons whose corners and triangles are those of the mesh.
+void validate_polygons(const TriangleMesh& mesh) {
+    const auto& [of_triangle, offsets, corners] = mesh.polygons;
+    if (of_triangle.empty()) return;
+    bool sound = static_cast<std::int64_t>(of_triangle.size()) == mesh.triangle_count() && !offsets.empty() &&
+                 offsets[0] == 0 && offsets.back() == static_cast<std::int64_t>(corners.size());
+    std::size_t triangle = 0;
+    for (std::size_t i = 0; sound && i + 1 < offsets.size(); ++i) {
+        const std::int64_t triangles = offsets[i + 1] - offsets[i] - 2;
+        sound = triangles >= 1 && triangles <= static_cast<std::int64_t>(of_triangle.size() - triangle);
+        for (std::int64_t k = 0; sound && k < triangles; ++k)
+            sound = of_triangle[triangle++] == static_cast<std::int32_t>(i);
+    }
+    sound = sound && triangle == of_triangle.size();
+    for (const std::int32_t corner : corners) sound = sound && corner >= 0 && corner < mesh.vertex_count();
+    if (!sound) throw Error(ErrorCode::invalid_argument, "the polygons are not those of the mesh's triangles");
+}
+
+}  // namespace
+
 void validate(const TriangleMesh& mesh) {
+    validate_polygons(mesh);
     const std::size_t scalars = std::visit([](const auto& xyz) { return xyz.size(); }, mesh.vertices);
     if (scalars % 3 != 0 || mesh.triangles.size() % 3 != 0) {
         throw Error(ErrorCode::invalid_argument, "vertices and triangles must have three numbers each");
@@ -49,14 +73,52 @@ void validate(const TriangleMesh& mesh) {
     }
 }
 
+namespace {
+
+using Writer = void (*)(std::ostream&, const TriangleMesh&);
+
+Writer writer_of(MeshFormat format) {
+    switch (format) {
+        case MeshFormat::ply:
+            return write_ply;
+        case MeshFormat::obj:
+            return write_obj;
+        case MeshFormat::stl:
+            return write_stl;
+        case MeshFormat::off:
+            return write_off;
+        default:
+            return nullptr;
+    }
+}
+
+}  // namespace
+
+bool holds_meshes(MeshFormat format) { return writer_of(format) != nullptr; }
+
+MeshFormat mesh_format_of(std::string_view extension) {
+    constexpr std::pair<std::string_view, MeshFormat> known[] = {
+        {".ply", MeshFormat::ply}, {".obj", MeshFormat::obj}, {".stl", MeshFormat::stl},
+        {".off", MeshFormat::off}, {".glb", MeshFormat::glb}, {".html", MeshFormat::html},
+    };
+    for (const auto& [name, format] : known) {
+        if (extension == name) return format;
+    }
+    return MeshFormat::automatic;
+}
+
+void write_mesh(std::ostream& out, const TriangleMesh& mesh, MeshFormat format) {
+    const FloatEnvironment environment;
+    const Writer write = writer_of(format);
+    if (!write) throw Error(ErrorCode::invalid_argument, "meshes are written as ply, obj, stl or off");
+    validate(mesh);
+    write(out, mesh);
+    if (!out.flush()) throw Error(ErrorCode::file, "cannot write a mesh to the stream");
+}
+
 void write_mesh(const std::filesystem::path& path, const TriangleMesh& mesh) {
     const FloatEnvironment environment;
-    const std::string extension = extension_of(path);
-    void (*write)(std::ostream&, const TriangleMesh&) = nullptr;
-    if (extension == ".ply") write = write_ply;
-    if (extension == ".obj") write = write_obj;
-    if (extension == ".stl") write = write_stl;
-    if (extension == ".off") write = write_off;
+    const Writer write = writer_of(mesh_format_of(extension_of(path)));
     if (!write) {
         throw Error(ErrorCode::invalid_argument,
                     "cannot write " + path.string() + ": meshes are written as .ply, .obj, .stl or .off");
@@ -64,6 +126,12 @@ void write_mesh(const std::filesystem::path& path, const TriangleMesh& mesh) {
     validate(mesh);
     AtomicFile file(path);
     write(file.stream(), mesh);
+    file.commit();
+}
+
+void write_bytes(const std::filesystem::path& path, std::string_view bytes) {
+    AtomicFile file(path);
+    file.stream().write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
     file.commit();
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <sstream>
 
 #include "io/formats.h"
 #include "samples.h"
@@ -66,6 +67,132 @@ TEST(Coloured, ObjKeepsTheOrderOfTrianglesAndNamesMaterials) {
     const std::string materials = bytes_of(folder / "a.mtl");
     EXPECT_NE(materials.find("newmtl free\nKd 0.69"), materials.npos) << materials;
     EXPECT_NE(materials.find("newmtl colliding\nKd 0.83"), materials.npos) << materials;
+}
+
+/// A square, and a triangle beside it that a second square crosses.
+TriangleMesh mesh_with_polygons() {
+    return read_bytes("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 5 0 0\nv 5 1 0\nv 6 0 0\nf 5 6 7\nf 1 2 3 4\n", "a.obj");
+}
+
+/// Triangle 0 meets triangle 2, the second one of polygon 1; and the two of polygon 1 meet.
+Collisions hits_of_polygons() {
+    Collisions collisions;
+    for (const Pair pair : {Pair{0, 1}, {0, 2}, {1, 2}}) collisions.pairs.push_back(pair);
+    for (const std::int64_t offset : {0, 2, 3, 3}) collisions.offsets.push_back(offset);
+    for (const std::uint8_t hit : std::vector<std::uint8_t>{1, 1, 1}) collisions.hit.push_back(hit);
+    return collisions;
+}
+
+TEST(ByPolygon, CountsEachPairOfPolygonsOnce) {
+    const Collisions found = by_polygon(mesh_with_polygons(), nullptr, hits_of_polygons());
+    EXPECT_EQ(std::vector<Pair>(found.pairs.begin(), found.pairs.end()), (std::vector<Pair>{{0, 1}, {1, 1}}));
+    EXPECT_EQ(std::vector<std::int64_t>(found.offsets.begin(), found.offsets.end()),
+              (std::vector<std::int64_t>{0, 1, 2}));
+    EXPECT_EQ(std::vector<std::uint8_t>(found.hit.begin(), found.hit.end()), (std::vector<std::uint8_t>{1, 1}));
+    const TriangleMesh second = sample_mesh();
+    const TriangleMesh first = mesh_with_polygons();
+    Collisions between = one_hit();
+    between.pairs.push_back({1, 2});
+    for (const std::uint8_t hit : std::vector<std::uint8_t>{0, 0, 1}) between.hit_second.push_back(hit);
+    const Collisions both = by_polygon(first, &second, between);
+    EXPECT_EQ(std::vector<Pair>(both.pairs.begin(), both.pairs.end()), (std::vector<Pair>{{1, 2}}));
+    EXPECT_EQ(both.hit.size(), 2u);
+    EXPECT_EQ(both.hit_second.size(), 3u) << "without polygons each triangle is one";
+    EXPECT_EQ(error_of([&] { by_polygon(first, nullptr, Collisions()); }).code, ErrorCode::invalid_argument);
+}
+
+TEST(ByPolygon, PolygonsStayPolygonsAndHaveOneColour) {
+    const Folder folder;
+    const TriangleMesh mesh = mesh_with_polygons(), second = sample_mesh();
+    Collisions found = by_polygon(mesh, nullptr, hits_of_polygons());
+    found.hit[0] = 0;
+    for (const char* const name : {"a.ply", "a.obj"}) {
+        write_coloured(folder / name, mesh, nullptr, found);
+        const TriangleMesh again = read_mesh(folder / name);
+        EXPECT_EQ(again.polygons.corners, mesh.polygons.corners) << name;
+        EXPECT_EQ(again.triangles, mesh.triangles) << name;
+    }
+    EXPECT_EQ(face_channel(folder / "a.ply", "red"), (std::vector<std::int32_t>{178, 213, 213}));
+    write_coloured(folder / "t.ply", mesh, nullptr, hits_of_polygons());
+    EXPECT_TRUE(read_mesh(folder / "t.ply").polygons.empty()) << "hits of triangles colour triangles";
+    for (const std::uint8_t hit : std::vector<std::uint8_t>{0, 0, 1}) found.hit_second.push_back(hit);
+    write_coloured(folder / "b.ply", mesh, &second, found);
+    EXPECT_EQ(read_mesh(folder / "b.ply").polygons.of_triangle, (std::vector<std::int32_t>{0, 1, 1, 2, 3, 4}));
+    EXPECT_EQ(face_channel(folder / "b.ply", "red"), (std::vector<std::int32_t>{178, 213, 213, 178, 178, 213}));
+}
+
+TEST(ByPolygon, AFaceMayHaveHundredsOfCorners) {
+    const Folder folder;
+    std::string text, face = "f";
+    for (int i = 0; i < 300; ++i) {
+        text += "v " + std::to_string(i) + ' ' + std::to_string(i * i) + " 0\n";
+        face += ' ' + std::to_string(i + 1);
+    }
+    const TriangleMesh mesh = read_bytes(text + face + '\n', "a.obj");
+    Collisions none;
+    none.hit.push_back(0);
+    write_coloured(folder / "a.ply", mesh, nullptr, none);
+    EXPECT_EQ(read_mesh(folder / "a.ply").polygons.corners, mesh.polygons.corners);
+}
+
+TEST(ByPolygon, PolygonsThatAreNotTheMeshsAreRefused) {
+    const Folder folder;
+    const auto refused = [&](auto change) {
+        TriangleMesh mesh = mesh_with_polygons();
+        change(mesh.polygons);
+        const auto write = [&] { write_coloured(folder / "a.ply", mesh, nullptr, hits_of_polygons()); };
+        EXPECT_EQ(error_of(write).code, ErrorCode::invalid_argument);
+    };
+    refused([](Polygons& p) { p.of_triangle.pop_back(); });
+    refused([](Polygons& p) { p.of_triangle[0] = 1; });
+    refused([](Polygons& p) { p.offsets.clear(); });
+    refused([](Polygons& p) { p.offsets[1] = 4; });
+    refused([](Polygons& p) { p.offsets[1] = -5; });
+    refused([](Polygons& p) { p.corners[0] = 7; });
+    refused([](Polygons& p) { p.corners.push_back(0); });
+}
+
+TEST(Coloured, MaterialsOfSomebodyElseStay) {
+    const Folder folder;
+    folder.write("a.mtl", "newmtl mine\n");
+    const auto write = [&] { write_coloured(folder / "a.obj", sample_mesh(), nullptr, one_hit()); };
+    EXPECT_EQ(error_of(write).code, ErrorCode::file);
+    EXPECT_EQ(bytes_of(folder / "a.mtl"), "newmtl mine\n");
+    EXPECT_FALSE(fs::exists(folder / "a.obj"));
+    fs::remove(folder / "a.mtl");
+    write();
+    write();  // its own are replaced
+}
+
+TEST(Coloured, HtmlHoldsCornersColoursAndContacts) {
+    const Folder folder;
+    Collisions found = one_hit();
+    found.pairs.push_back({1, 2});
+    found.contacts.kinds.push_back(ContactKind::segment);
+    for (const std::int64_t offset : {0, 2}) found.contacts.offsets.push_back(offset);
+    for (const double x : {0.25, 0.75}) found.contacts.points.push_back({x, x, 0});
+    write_coloured(folder / "a.html", sample_mesh(), nullptr, found);
+    const std::string page = bytes_of(folder / "a.html"), piece = to_html(sample_mesh(), nullptr, found, 320);
+    EXPECT_TRUE(page.starts_with("<!DOCTYPE html>"));
+    EXPECT_TRUE(piece.starts_with("<div id=\"crumple-"));
+    EXPECT_NE(piece.find("height:320px"), piece.npos);
+    const auto length = [&](const std::string& name) {  // of what is encoded in base64
+        const std::size_t begin = page.find('"' + name + "\": \"") + name.size() + 5, end = page.find('"', begin);
+        return (end - begin) / 4 * 3 - static_cast<std::size_t>(std::count(&page[end] - 2, &page[end], '='));
+    };
+    EXPECT_EQ(length("corners"), 3 * 9 * sizeof(float));
+    EXPECT_EQ(length("colours"), 3 * 9u);
+    EXPECT_EQ(length("lines"), 2 * 3 * sizeof(float));
+    EXPECT_EQ(length("points"), 0u);
+    EXPECT_EQ(length("contact"), 3u);
+    EXPECT_EQ(error_of([&] { to_html(sample_mesh(), nullptr, found, 0); }).code, ErrorCode::invalid_argument);
+    EXPECT_EQ(error_of([&] { to_html(sample_mesh(), nullptr, {}, 9); }).code, ErrorCode::invalid_argument);
+    std::ostringstream out;
+    write_coloured(out, sample_mesh(), nullptr, found, MeshFormat::glb);
+    write_coloured(folder / "a.glb", sample_mesh(), nullptr, found);
+    EXPECT_EQ(out.str(), bytes_of(folder / "a.glb"));
+    const auto obj = [&] { write_coloured(out, sample_mesh(), nullptr, found, MeshFormat::obj); };
+    EXPECT_EQ(error_of(obj).code, ErrorCode::invalid_argument);
 }
 
 tinygltf::Model load_glb(const fs::path& path) {

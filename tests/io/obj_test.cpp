@@ -10,7 +10,7 @@ std::vector<std::int32_t> triangles(const std::string& text) { return read_bytes
 using Indices = std::vector<std::int32_t>;
 
 TEST(Obj, CornersMayNameTextureCoordinatesAndNormals) {
-    EXPECT_EQ(triangles(four + "f 1/1 2/2 3/3\nf 1//1 2//2 3//3\nf 1/1/1 3/2/2 4/3/3\nf 1/-1/-1 2/ 3\n"),
+    EXPECT_EQ(triangles(four + "f 1/1 2/2 3/3\nf 1//1 2//2 3//3\nf 1/1/1 3/2/2 4/3/3\nf 1/-1/-1 2/-2 3\n"),
               (Indices{0, 1, 2, 0, 1, 2, 0, 2, 3, 0, 1, 2}));
 }
 
@@ -23,8 +23,8 @@ TEST(Obj, AFaceMayNameAVertexThatComesLater) {
     expect_bad("\nf 1 2 5\n" + four, "a.obj", Element::line, 2, "vertex 5 of 4");
 }
 
-TEST(Obj, PolygonsAreFannedFromTheirFirstCorner) {
-    EXPECT_EQ(triangles(four + "f 2 3 4 1\n"), (Indices{1, 2, 3, 1, 3, 0}));
+TEST(Obj, ConvexPolygonsAreFannedFromTheirFirstCorner) {
+    EXPECT_EQ(triangles(four + "v 1 1 0\nf 2 5 3 1\n"), (Indices{1, 4, 2, 1, 2, 0}));
 }
 
 TEST(Obj, ObjectsAndGroupsAreNotGroups) {
@@ -42,8 +42,8 @@ TEST(Obj, ACommentEndsWithItsLine) {
 }
 
 TEST(Obj, FurtherComponentsOfAVertexAreSkipped) {
-    const auto mesh = read_bytes("v 1 2 3 4\nv 1 2 3 .1 .2 .3\nv\t1  2 3\t\nf 1 2 3", "a.obj");
-    EXPECT_EQ(coordinates(mesh), (std::vector<double>{1, 2, 3, 1, 2, 3, 1, 2, 3}));
+    const auto mesh = read_bytes("v 1 2 3 4\nv 1 2 3 .1 .2 .3\nv\t1  2 3\t\nv 1 2 3 1 .1 .2 .3\nf 1 2 3", "a.obj");
+    EXPECT_EQ(coordinates(mesh), (std::vector<double>{1, 2, 3, 1, 2, 3, 1, 2, 3, 1, 2, 3}));
 }
 
 TEST(Obj, MistakesAreErrorsThatNameTheLine) {
@@ -66,9 +66,33 @@ TEST(Obj, MistakesAreErrorsThatNameTheLine) {
     bad("v 1 2\n", 5, "a number is missing");
     bad("v 1 2 \n3\n", 5, "a number is missing");
     bad("v 1 2 nan\n", 5, "'nan'");
-    bad("w 1 2 3\n", 5, "unknown statement 'w'");
-    bad("surf 0 1 0 1 1 2 3 4\n", 5, "unknown statement 'surf'");
-    bad("\x1b[2J\n", 5, "'?[2J'");
+    for (const char* const large :
+         {"1e9223372036854775807", "10e9223372036854775807", "1e99999999999999999999", "1e309"})
+        bad("v " + std::string(large) + " 0 0\n", 5, "overflows float64");
+    bad("v 1 2 3 4 5\n", 5, "a vertex has 5 numbers");
+    bad("v 1 2 3 4 5 6 7 8\n", 5, "a vertex has 8 numbers");
+    bad("v 1 2 3 red\n", 5, "'red' is not a finite number");
+    bad("f 1/ 2 3\n", 5, "v/vt/vn");
+    bad("f 1/ 1 2/ 1\n", 5, "v/vt/vn");
+    bad("f 1// 2 3\n", 5, "v/vt/vn");
+    bad("f 1/2/ 2 3\n", 5, "v/vt/vn");
+    bad("f 1/2/3/4 2 3\n", 5, "v/vt/vn");
+    bad("f 1 2 3\n4\n", 6, "'4' is no statement");
+    bad("\x1b[2J\n", 5, "'?[2J' is no statement");
+    bad("surf 0 1 0 1 1 2 3 4\n", 5, "'surf': free-form surfaces are not read");
+}
+
+TEST(Obj, UnknownStatementsAreSkippedWithOneWarning) {
+    const std::string text = four + "seam 1 2\nf 1 2 3\npart_2 x\nseam 3 4\n";
+    const TriangleMesh mesh = read_bytes(text, "a.obj");
+    EXPECT_EQ(mesh.triangles, (Indices{0, 1, 2}));
+    ASSERT_EQ(mesh.warnings.size(), 1u);
+    EXPECT_NE(mesh.warnings[0].find("a.obj, line 5: the unknown statement 'seam' is skipped, and 2 more like that"),
+              std::string::npos)
+        << mesh.warnings[0];
+    expect_bad(text, "a.obj", Element::line, 5, "the unknown statement 'seam'", {.strict = true});
+    expect_bad("hello world\nf 1 2 3\n", "a.obj", Element::line, 2, "vertex 3 of 0");
+    expect_bad("\nhello world\n", "a.obj", Element::line, 2, "'hello' is no statement of an OBJ file");
 }
 
 TEST(Obj, PointsAndLinesAreNoTriangles) {

@@ -172,5 +172,17 @@ TEST(Ply, AnEmptyMeshIsAMesh) {
     EXPECT_EQ(mesh.triangle_count(), 0);
 }
 
+TEST(Ply, TriangleStripsAreRefusedByName) {
+    const std::string vertices =
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+        "property float z\n";
+    const std::string faces = "element face 0\nproperty list uchar int vertex_indices\n";
+    const std::string strips =
+        "element tristrips 1\nproperty list int int vertex_indices\nend_header\n"
+        "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+    expect_bad(vertices + strips, "a.ply", Element::line, 9, "triangle strips are not read, convert them to faces");
+    expect_bad(vertices + faces + strips, "a.ply", Element::line, 9, "triangle strips ('tristrips') are not read");
+}
+
 }  // namespace
 }  // namespace crumple::io::test

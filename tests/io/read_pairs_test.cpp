@@ -39,6 +39,7 @@ TEST(ReadPairs, TextMayHaveCommentsAndMore) {
     EXPECT_TRUE(read_pairs(folder.write("empty.txt", "")).empty());
     EXPECT_EQ(read_pairs(folder.write("b.txt", "# a b\r\n3 4\r\n\r\n  5\t6 7 8 # more\n1 2")),
               (Pairs{{3, 4}, {5, 6}, {1, 2}}));
+    EXPECT_EQ(read_pairs(folder.write("d.txt", "0,1\n2, 3\n4 ,5,6\r7,8")), (Pairs{{0, 1}, {2, 3}, {4, 5}, {7, 8}}));
     EXPECT_EQ(read_pairs(folder.write("c.txt",
                                       "\xef\xbb\xbf"
                                       "3 4\n")),
@@ -47,8 +48,8 @@ TEST(ReadPairs, TextMayHaveCommentsAndMore) {
 
 TEST(ReadPairs, MistakesInTextAreErrorsThatNameTheLine) {
     const Folder folder;
-    for (const char* const bad :
-         {"1", "a b", "1 b", "-1 2", "1 2147483648", "1.5 2", "1 99999999999999999999", "1,2"}) {
+    for (const char* const bad : {"1", "a b", "1 b", "-1 2", "1 2147483648", "1.5 2", "1 99999999999999999999", "1;2",
+                                  "1,,2", ",1 2", "1, ", "1x 2", "1 2x"}) {
         const Error error =
             error_of([&] { read_pairs(folder.write("a.txt", std::string("0 1\n\n") + bad + "\n4 5\n")); });
         EXPECT_EQ(error.code, ErrorCode::format) << bad;
@@ -122,7 +123,9 @@ TEST(ReadPairs, NpzMayHoldIntegersOfAnyOrderAndSize) {
     using std::endian;
     const Folder folder;
     const auto read = [&](const std::string& array, bool compressed = false) {
-        return read_pairs(folder.write("a.npz", archive_of("pairs.npy", array, compressed)));
+        const auto pairs = read_pairs(folder.write("a.npz", archive_of("pairs.npy", array, compressed)));
+        EXPECT_EQ(read_pairs(folder.write("a.npy", array)), pairs);
+        return pairs;
     };
     const Pairs expected{{0, 1}, {2, 300}};
     EXPECT_EQ(read(npy("<i4", "(2, 2)", packed(endian::little, 0, 1, 2, 300))), expected);
@@ -140,12 +143,13 @@ TEST(ReadPairs, NpzMayHoldIntegersOfAnyOrderAndSize) {
 TEST(ReadPairs, MistakesInNpzAreErrors) {
     const auto expect_bad = [](const std::string& array, const std::string& what) {
         expect_bad_list(archive_of("pairs.npy", array), "a.npz", what);
+        expect_bad_list(array, "a.npy", what);
     };
     const std::string two = packed(std::endian::little, 0, 1, 2, 3);
     expect_bad_list("", "a.npz", "archive");
     expect_bad_list("PK\x03\x04 and nothing else", "a.npz", "archive");
     expect_bad_list(archive_of("hits.npy", npy("<i4", "(2, 2)", two)), "a.npz", "no array 'pairs'");
-    expect_bad("not an array", "no .npy");
+    expect_bad("not an array", "no array of NumPy");
     expect_bad("\x93NUMPY", "truncated");
     expect_bad(npy("<i4", "(4,)", two), "shape");
     expect_bad(npy("<i4", "(2, 3)", two), "shape");

@@ -2,9 +2,11 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cfenv>
 #include <cmath>
+#include <sstream>
 
 #include "samples.h"
 
@@ -35,6 +37,64 @@ TEST(Read, WindowsLineEndsMakeNoDifferenceInText) {
         std::string bytes;
         for (const char c : sample.bytes) bytes += c == '\n' ? "\r\n" : std::string(1, c);
         expect_same(read_bytes(bytes, sample.name), read_bytes(sample.bytes, sample.name));
+    }
+}
+
+TEST(Read, AncientLineEndsMakeNoDifferenceInText) {
+    for (const Sample& sample : samples()) {
+        if (sample.bytes.find('\0') != std::string::npos) continue;
+        SCOPED_TRACE(sample.name);
+        std::string bytes = sample.bytes;
+        std::replace(bytes.begin(), bytes.end(), '\n', '\r');
+        expect_same(read_bytes(bytes, sample.name), read_bytes(sample.bytes, sample.name));
+    }
+    expect_bad("v 0 0 0\rv 1 0 0\r\nv x 0 0\n", "a.obj", Element::line, 3, "'x'");
+}
+
+TEST(Read, AHeaderTellsWhereABinaryBodyBegins) {
+    for (const std::endian order : {std::endian::little, std::endian::big}) {
+        const std::string bytes = binary_ply(order);
+        const std::size_t end = bytes.find("end_header\n") + 11;
+        std::string header = bytes.substr(0, end), body = bytes.substr(end);
+        for (const char* const line_end : {"\n", "\r", "\r\n"}) {
+            std::string changed;
+            for (const char c : header) changed += c == '\n' ? line_end : std::string(1, c);
+            expect_same(read_bytes(changed + body, "a.ply"), sample_mesh());
+        }
+    }
+    // The body's first byte looks like the second half of CR LF.
+    const std::string header =
+        "ply\rformat binary_little_endian 1.0\relement tag 1\rproperty uchar a\relement vertex 0\r"
+        "property float x\rproperty float y\rproperty float z\relement face 0\r"
+        "property list uchar int vertex_indices\rend_header\r";
+    EXPECT_EQ(read_bytes(header + "\n", "a.ply").vertex_count(), 0);
+}
+
+TEST(Read, OfAStreamIsAsOfAFile) {
+    for (const Sample& sample : samples()) {
+        SCOPED_TRACE(sample.name);
+        std::istringstream in(sample.bytes);
+        expect_same(read_mesh(in, "-"), read_bytes(sample.bytes, sample.name));
+        std::istringstream cut(sample.bytes.substr(0, 7));
+        EXPECT_NE(std::string(error_of([&] { read_mesh(cut, "standard input"); }).what()).find("standard input"),
+                  std::string::npos);
+    }
+}
+
+TEST(Read, AnEmptyFileIsAnErrorAndNoTrianglesAWarning) {
+    for (const char* const name : {"a.obj", "a.ply", "a.stl", "a.off", "a.dat"}) {
+        for (const char* const bytes : {"", "\n \r\n"}) expect_bad(bytes, name, Element::byte, 0, "the file is empty");
+    }
+    for (const Sample& sample : std::vector<Sample>{{"a.obj", "# nothing\n"},
+                                                    {"a.obj", "v 0 0 0\n"},
+                                                    {"a.off", "OFF 0 0 0\n"},
+                                                    {"a.stl", "solid\nendsolid\n"}}) {
+        const TriangleMesh mesh = read_bytes(sample.bytes, sample.name);
+        EXPECT_EQ(mesh.triangle_count(), 0);
+        ASSERT_EQ(mesh.warnings.size(), 1u) << sample.bytes;
+        EXPECT_NE(mesh.warnings[0].find(sample.name + ": it holds no triangles"), std::string::npos)
+            << mesh.warnings[0];
+        EXPECT_EQ(error_of([&] { read_bytes(sample.bytes, sample.name, {.strict = true}); }).code, ErrorCode::format);
     }
 }
 
@@ -166,7 +226,7 @@ TEST(Read, AByteOrderMarkBeforeTextIsNoPartOfIt) {
             expect_same(read_bytes(mark + sample.bytes, name, {.precision = Precision::float64}), sample_mesh());
     }
     expect_bad(mark + "v 0 0 0\nv 1 x 0\n", "a.obj", Element::line, 2, "'x'");
-    expect_bad(mark + mark + "v 0 0 0\n", "a.obj", Element::line, 1, "unknown statement");
+    expect_bad(mark + mark + "v 0 0 0\n", "a.obj", Element::line, 1, "is no statement");
 }
 
 TEST(Read, TheOperatingSystemsReasonIsTold) {

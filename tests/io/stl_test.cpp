@@ -33,21 +33,27 @@ TEST(Stl, AnEmptySolidHasNoTriangles) {
     EXPECT_EQ(read_bytes(std::string(84, '\0'), "a.stl").triangle_count(), 0);
 }
 
-TEST(Stl, PolygonalFacetsAreFanned) {
-    const TriangleMesh mesh = read_bytes(
-        "solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n"
-        "vertex 1 1 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid\n",
-        "a.stl");
-    EXPECT_EQ(mesh.triangles, (std::vector<std::int32_t>{0, 1, 2, 0, 2, 3}));
+TEST(Stl, BytesAfterTheTrianglesAreSkippedWithAWarning) {
+    for (std::string bytes : {binary_stl() + "x", binary_stl() + std::string(1000, '\0')}) {
+        for (const char* const title : {"solid", "other"}) {
+            bytes.replace(0, 5, title);
+            const TriangleMesh mesh = read_bytes(bytes, "a.stl");
+            expect_same(mesh, read_bytes(binary_stl(), "a.stl"));
+            ASSERT_EQ(mesh.warnings.size(), 1u);
+            const std::string skipped =
+                "byte 234: " + std::to_string(bytes.size() - 234) + " bytes after the triangles";
+            EXPECT_NE(mesh.warnings[0].find(skipped), std::string::npos) << mesh.warnings[0];
+            expect_bad(bytes, "a.stl", Element::byte, 234, "bytes after the triangles", {.strict = true});
+        }
+    }
 }
 
-TEST(Stl, ASizeThatIsNotThatOfTheTrianglesIsAnError) {
-    for (std::string bytes : {binary_stl() + "x", binary_stl().substr(0, 200)}) {
-        expect_bad(bytes, "a.stl", Element::byte, 80, "size of the file");
-        bytes.replace(0, 5, "other");
-        expect_bad(bytes, "a.stl", Element::byte, 80, "size of the file");
-    }
-    expect_bad(std::string(20, '\0'), "a.stl", Element::byte, 20, "size of the file");
+TEST(Stl, AFileThatIsShorterThanItsTrianglesIsAnError) {
+    std::string bytes = binary_stl().substr(0, 200);
+    expect_bad(bytes, "a.stl", Element::byte, 80, "too short for the triangles announced here");
+    bytes.replace(0, 5, "other");
+    expect_bad(bytes, "a.stl", Element::byte, 80, "too short for the triangles announced here");
+    expect_bad(std::string(20, '\0'), "a.stl", Element::byte, 20, "too short");
 }
 
 TEST(Stl, BinaryCoordinatesThatAreNotFiniteNameTheByte) {
@@ -70,10 +76,14 @@ TEST(Stl, AsciiMistakesAreErrorsThatNameTheLine) {
         SCOPED_TRACE(text);
         expect_bad(text, "a.stl", Element::line, line, what);
     };
-    bad("solid\n" + facet, 9, "endsolid is missing");
+    bad("solid\n" + facet, 9, "endsolid is missing: the file has lost its end");
+    bad("solid a facet normal 0 0 1 outer loop vertex 0 0 0 vertex 1 0 0 vertex 1 1 0 endloop endfacet endsolid", 1,
+        "no line follows this one, which holds the solid's name");
+    bad("solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 1 1 0\nvertex 0 1 0\nendloop\n", 8,
+        "a facet has 4 corners instead of 3");
     bad("solid\n" + facet + "endsolid\nfacet\n", 10, "instead of solid");
     bad("solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nendloop\nendfacet\nendsolid\n", 6,
-        "2 corners");
+        "a facet has 2 corners instead of 3");
     bad("solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 inf\n", 4, "'inf'");
     bad("solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0\nvertex 1 0 0\n", 5, "'vertex'");
     bad("solid\nsphere 1\nendsolid\n", 2, "'sphere'");

@@ -5,8 +5,11 @@
 
 #include <cerrno>
 #include <csignal>
+#include <cstdlib>
 #include <limits>
+#include <sstream>
 
+#include "io/atomic_file.h"
 #include "samples.h"
 
 namespace crumple::io::test {
@@ -106,6 +109,85 @@ TEST(Write, AFileThatMustNotBeWrittenStays) {
     EXPECT_EQ(error->system_error, EACCES) << error->what();
     EXPECT_EQ(bytes_of(path), "old");
     EXPECT_EQ(files_in(folder.path()), 1u);
+}
+
+TEST(Write, ALinkMayPointToNothingYetButNotToItself) {
+    const Folder folder;
+    fs::create_directory(folder / "sub");
+    fs::create_symlink("sub/target.ply", folder / "link.ply");
+    fs::create_symlink("link.ply", folder / "twice.ply");
+    write_mesh(folder / "twice.ply", sample_mesh());
+    EXPECT_TRUE(fs::is_symlink(folder / "link.ply") && fs::is_symlink(folder / "twice.ply"));
+    expect_same(read_mesh(folder / "sub/target.ply"), sample_mesh());
+    fs::create_symlink("loop.ply", folder / "loop.ply");
+    const Error error = error_of([&] { write_mesh(folder / "loop.ply", sample_mesh()); });
+    EXPECT_EQ(error.system_error, ELOOP) << error.what();
+    EXPECT_NE(std::string(error.what()).find("loop.ply"), std::string::npos) << error.what();
+}
+
+TEST(Write, ErrorsNameTheFolderThatIsTheCause) {
+    const Folder folder;
+    folder.write("file", "x");
+    const auto error = [&](const char* name) { return error_of([&] { write_mesh(folder / name, sample_mesh()); }); };
+    EXPECT_EQ(error("missing/a.ply").system_error, ENOENT);
+    EXPECT_NE(std::string(error("missing/a.ply").what()).find("there is no folder " + (folder / "missing").string()),
+              std::string::npos)
+        << error("missing/a.ply").what();
+    EXPECT_EQ(error("file/a.ply").system_error, ENOTDIR);
+    EXPECT_NE(std::string(error("file/a.ply").what()).find("file is no folder"), std::string::npos);
+}
+
+TEST(Write, NothingUnfinishedOutlivesTheProcess) {
+    const Folder folder;
+    const auto begin = [&] {
+        static AtomicFile* const file = new AtomicFile(folder / "a.txt");  // as in a thread that is still at it
+        file->stream() << "half";
+        file->stream().flush();
+        ASSERT_EQ(files_in(folder.path()), 1u);
+    };
+    EXPECT_EXIT(
+        {
+            begin();
+            std::exit(0);
+        },
+        testing::ExitedWithCode(0), "");
+    EXPECT_EQ(files_in(folder.path()), 0u);
+    EXPECT_EXIT(
+        {
+            begin();
+            remove_unfinished_files();  // as a handler of signals does
+            std::_Exit(0);
+        },
+        testing::ExitedWithCode(0), "");
+    EXPECT_EQ(files_in(folder.path()), 0u);
+}
+
+TEST(Write, AnUnfinishedFileThatIsGoneIsAnError) {
+    const Folder folder;
+    folder.write("a.txt", "old");
+    AtomicFile file(folder / "a.txt"), other(folder / "b.txt");
+    file.stream() << "new";
+    remove_unfinished_files();
+    EXPECT_EQ(error_of([&] { file.commit(); }).code, ErrorCode::file);
+    EXPECT_EQ(bytes_of(folder / "a.txt"), "old");
+}
+
+TEST(Write, ToAStreamIsAsToAFile) {
+    const Folder folder;
+    for (const auto& [name, format] : {std::pair("a.ply", MeshFormat::ply),
+                                       {"a.obj", MeshFormat::obj},
+                                       {"a.stl", MeshFormat::stl},
+                                       {"a.off", MeshFormat::off}}) {
+        std::ostringstream out;
+        write_mesh(out, sample_mesh(), format);
+        write_mesh(folder / name, sample_mesh());
+        EXPECT_EQ(out.str(), bytes_of(folder / name)) << name;
+    }
+    std::ostringstream out;
+    for (const MeshFormat format : {MeshFormat::automatic, MeshFormat::glb, MeshFormat::html})
+        EXPECT_EQ(error_of([&] { write_mesh(out, sample_mesh(), format); }).code, ErrorCode::invalid_argument);
+    out.setstate(std::ios::badbit);
+    EXPECT_EQ(error_of([&] { write_mesh(out, sample_mesh(), MeshFormat::ply); }).code, ErrorCode::file);
 }
 
 TEST(Write, ADeviceIsWrittenAndNotReplaced) {

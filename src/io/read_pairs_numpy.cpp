@@ -1,6 +1,6 @@
-// Pairs from NumPy: the array `pairs` of a .npz, a zip archive of .npy files, stored or compressed. A .npy file is
-// "\x93NUMPY", a version, the length of a header, the header (a Python dictionary of type, order and shape), and the
-// array's bytes.
+// Pairs from NumPy: a .npy file, or the array `pairs` of a .npz, a zip archive of .npy files, stored or compressed. A
+// .npy file is "\x93NUMPY", a version, the length of a header, the header (a Python dictionary of type, order and
+// shape), and the array's bytes.
 
 #include <zip.h>
 
@@ -18,6 +18,23 @@ namespace {
 [[noreturn]] void fail(const Source& source, const std::string& what) {
     throw Error(ErrorCode::format, source.name() + ": " + what);
 }
+
+/// A .npy file, from the left.
+class File {
+   public:
+    explicit File(const Source& source) : source_(source), place_(source.begin()) {}
+
+    std::string read(std::size_t size) {
+        if (size > static_cast<std::size_t>(source_.end() - place_)) fail(source_, "the array is truncated");
+        place_ += size;
+        return {place_ - size, size};
+    }
+    bool at_end() const { return place_ == source_.end(); }
+
+   private:
+    const Source& source_;
+    const char* place_;
+};
 
 /// The archive's file `pairs.npy`, from the left.
 class Entry {
@@ -95,12 +112,12 @@ std::vector<Pair> pairs_from(const Source& source, const std::string& bytes, std
     return pairs;
 }
 
-}  // namespace
-
-std::vector<Pair> read_pairs_npz(const Source& source) {
-    Entry entry(source);
+/// `entry` is a File or an Entry.
+template <class Npy>
+std::vector<Pair> read_npy(const Source& source, Npy entry) {
     const std::string prologue = entry.read(8);
-    if (!prologue.starts_with("\x93NUMPY") || prologue[6] < 1 || prologue[6] > 3) fail(source, "'pairs' is no .npy");
+    if (!prologue.starts_with("\x93NUMPY") || prologue[6] < 1 || prologue[6] > 3)
+        fail(source, "'pairs' is no array of NumPy");
     const std::size_t length = prologue[6] == 1
                                    ? std::size_t{load<std::uint16_t>(entry.read(2).data(), std::endian::little)}
                                    : std::size_t{load<std::uint32_t>(entry.read(4).data(), std::endian::little)};
@@ -122,5 +139,11 @@ std::vector<Pair> read_pairs_npz(const Source& source) {
     if (kind == "i8'") return pairs_from<std::int64_t>(source, bytes, order, by_column);
     return pairs_from<std::uint64_t>(source, bytes, order, by_column);
 }
+
+}  // namespace
+
+std::vector<Pair> read_pairs_npy(const Source& source) { return read_npy(source, File(source)); }
+
+std::vector<Pair> read_pairs_npz(const Source& source) { return read_npy(source, Entry(source)); }
 
 }  // namespace crumple::io

@@ -1,0 +1,49 @@
+#include "io/faces.h"
+
+#include <numeric>
+
+#include "io/triangulate.h"
+
+namespace crumple::io {
+
+/// At the fourth corner of the first face that has one: the faces before it were triangles.
+void Faces::begin_polygons() {
+    has_polygons_ = true;
+    const std::size_t faces = triangles_.size() / 3 - 2;
+    polygons_.corners.assign(triangles_.begin(), triangles_.end() - 3);
+    polygons_.offsets.resize(faces + 1);
+    for (std::size_t i = 0; i <= faces; ++i) polygons_.offsets[i] = static_cast<std::int64_t>(3 * i);
+    polygons_.of_triangle.resize(faces);
+    std::iota(polygons_.of_triangle.begin(), polygons_.of_triangle.end(), 0);
+}
+
+void Faces::end_polygon() {
+    const auto index = static_cast<std::int32_t>(polygons_.offsets.size() - 1);
+    if (corners_ > 3) to_cut_.push_back({index, place_});
+    polygons_.offsets.push_back(static_cast<std::int64_t>(polygons_.corners.size()));
+    polygons_.of_triangle.resize(triangles_.size() / 3, index);
+}
+
+/// Those that cross themselves stay fanned.
+Tally Faces::cut_polygons(const std::function<Vec3d(std::int32_t)>& point) {
+    Triangulator triangulator;
+    std::vector<Vec3d> points;
+    std::vector<std::int32_t> local;
+    Tally crossing;
+    for (const Polygon& polygon : to_cut_) {
+        const auto i = static_cast<std::size_t>(polygon.index);
+        const auto begin = static_cast<std::size_t>(polygons_.offsets[i]);
+        const std::size_t corners = static_cast<std::size_t>(polygons_.offsets[i + 1]) - begin;
+        points.clear();
+        for (std::size_t k = 0; k < corners; ++k) points.push_back(point(polygons_.corners[begin + k]));
+        local.clear();
+        if (!triangulator.cut(points, local)) crossing.add(polygon.place);
+        // The polygons before have two triangles less than corners, each.
+        std::int32_t* const triangles = &triangles_[3 * (begin - 2 * i)];
+        for (std::size_t k = 0; k < local.size(); ++k)
+            triangles[k] = polygons_.corners[begin + static_cast<std::size_t>(local[k])];
+    }
+    return crossing;
+}
+
+}  // namespace crumple::io

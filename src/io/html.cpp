@@ -1,0 +1,235 @@
+// A page that shows the meshes in WebGL (viewer.html), with colliding triangles and contacts coloured. It needs no
+// package and no network. Corners, not indices: each triangle has its own colour, and old WebGL has no 32-bit indices.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <sstream>
+
+#include "crumple/io.h"
+#include "io/formats.h"
+#include "io/grouped.h"
+#include "io/pairs.h"
+#include "io/polygons.h"
+#include "io/sink.h"
+#include "pipeline/float_environment.h"
+
+namespace crumple::io {
+namespace {
+
+#include "viewer_html.h"
+
+constexpr std::string_view viewer_page =
+    "<!DOCTYPE html>\n<html lang=\"en\">\n<head><meta charset=\"utf-8\"><title>Crumple</title>"
+    "<style>body { margin: 0; }</style></head>\n";
+
+using Point = std::array<double, 3>;
+
+struct Side {
+    const TriangleMesh* mesh;
+    std::vector<std::uint8_t> hit;  ///< of its triangles
+    Colour free, colliding;
+};
+
+constexpr Colour colours[2][2] = {{{199, 204, 209}, {217, 64, 50}}, {{164, 184, 204}, {237, 145, 33}}};
+constexpr Colour contact_colour{20, 20, 20};
+
+Point corner_of(const TriangleMesh& mesh, std::size_t corner) {
+    const auto vertex = 3 * static_cast<std::size_t>(mesh.triangles[corner]);
+    return std::visit(
+        [&](const auto& xyz) {
+            return Point{static_cast<double>(xyz[vertex]), static_cast<double>(xyz[vertex + 1]),
+                         static_cast<double>(xyz[vertex + 2])};
+        },
+        mesh.vertices);
+}
+
+/// Bytes as base64, three at a time.
+class Base64 {
+   public:
+    explicit Base64(Sink& sink) : sink_(sink) {}
+
+    void byte(std::uint8_t value) {
+        bits_ = bits_ << 8 | value;
+        if (++count_ == 3) flush(0);
+    }
+    void number(float value) {
+        for (const char c : little_endian(value)) byte(static_cast<std::uint8_t>(c));
+    }
+    void colour(const Colour& c) {
+        byte(c.red);
+        byte(c.green);
+        byte(c.blue);
+    }
+    void end() {
+        const int missing = (3 - count_) % 3;
+        if (missing == 0) return;
+        for (; count_ < 3; ++count_) bits_ <<= 8;
+        flush(missing);
+    }
+
+   private:
+    void flush(int missing) {
+        constexpr std::string_view digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+        for (int i = 0; i < 4; ++i) sink_ << (i < 4 - missing ? digits[bits_ >> (18 - 6 * i) & 63] : '=');
+        bits_ = 0;
+        count_ = 0;
+    }
+
+    Sink& sink_;
+    std::uint32_t bits_ = 0;
+    int count_ = 0;
+};
+
+/// Takes what is drawn into the unit ball. Nothing over- or underflows, wherever the coordinates lie: halves are added,
+/// quotients are squared.
+class Normalised {
+   public:
+    explicit Normalised(const std::vector<Side>& sides) {
+        Point low, high;
+        low.fill(std::numeric_limits<double>::infinity());
+        high.fill(-std::numeric_limits<double>::infinity());
+        for (const Side& side : sides) {
+            for (std::size_t i = 0; i < side.mesh->triangles.size(); ++i) {
+                const Point p = corner_of(*side.mesh, i);
+                for (std::size_t axis = 0; axis < 3; ++axis) {
+                    low[axis] = std::min(low[axis], p[axis]);
+                    high[axis] = std::max(high[axis], p[axis]);
+                }
+            }
+        }
+        if (low[0] > high[0]) return;
+        Point half;
+        double extent = 0, squares = 0;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            centre_[axis] = low[axis] / 2 + high[axis] / 2;
+            half[axis] = high[axis] / 2 - low[axis] / 2;
+            extent = std::max(extent, half[axis]);
+        }
+        if (extent == 0) return;
+        extent_ = extent;
+        for (const double h : half) squares += (h / extent) * (h / extent);
+        radius_ = std::sqrt(squares);
+    }
+
+    void write(Base64& out, const Point& p) const {
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            out.number(static_cast<float>((p[axis] - centre_[axis]) / extent_ / radius_));
+    }
+
+   private:
+    Point centre_{};
+    double extent_ = 1, radius_ = 1;
+};
+
+/// `"name": "..."` of the page's data; `before` is what precedes a member.
+template <class Write>
+void member(Sink& sink, const char* before, const char* name, Write write) {
+    sink << before << '"' << name << "\": \"";
+    Base64 out(sink);
+    write(out);
+    out.end();
+    sink << '"';
+}
+
+void write_data(Sink& sink, const std::vector<Side>& sides, const Collisions& collisions) {
+    const Normalised normalised(sides);
+    member(sink, "{", "corners", [&](Base64& out) {
+        for (const Side& side : sides) {
+            for (std::size_t i = 0; i < side.mesh->triangles.size(); ++i)
+                normalised.write(out, corner_of(*side.mesh, i));
+        }
+    });
+    member(sink, ", ", "colours", [&](Base64& out) {
+        for (const Side& side : sides) {
+            for (std::size_t i = 0; i < side.mesh->triangles.size(); ++i)
+                out.colour(side.hit[i / 3] ? side.colliding : side.free);
+        }
+    });
+    const std::size_t pairs = has_contacts(collisions) ? collisions.pairs.size() : 0;
+    member(sink, ", ", "lines", [&](Base64& out) {
+        for (std::size_t i = 0; i < pairs; ++i) {
+            const auto points = points_of_pair(collisions, i);
+            const std::size_t lines = points.size() < 3 ? points.size() - 1 : points.size();  // an area is closed
+            for (std::size_t k = 0; k < lines; ++k) {
+                normalised.write(out, points[k]);
+                normalised.write(out, points[(k + 1) % points.size()]);
+            }
+        }
+    });
+    member(sink, ", ", "points", [&](Base64& out) {
+        for (std::size_t i = 0; i < pairs; ++i) {
+            const auto points = points_of_pair(collisions, i);
+            if (points.size() == 1) normalised.write(out, points[0]);
+        }
+    });
+    member(sink, ", ", "contact", [&](Base64& out) { out.colour(contact_colour); });
+    sink << "}";
+}
+
+void write_legend(Sink& sink, const std::vector<Side>& sides, bool contacts) {
+    const auto entry = [&](const Colour& c, const std::string& text) {
+        sink << "<span class=\"entry\"><i style=\"background:rgb(" << int{c.red} << ',' << int{c.green} << ','
+             << int{c.blue} << ")\"></i>" << text << "</span>\n";
+    };
+    for (std::size_t i = 0; i < sides.size(); ++i) {
+        const std::string mesh = sides.size() == 1 ? "" : i == 0 ? "first mesh: " : "second mesh: ";
+        entry(sides[i].colliding, mesh + "collides");
+        entry(sides[i].free, mesh + "free");
+    }
+    if (contacts) entry(contact_colour, "contact");
+}
+
+/// A name for the page's elements: a notebook holds many pages.
+std::string unique_name() {
+    std::random_device random;
+    std::string name = "crumple-";
+    for (int i = 0; i < 32; ++i) name += "0123456789abcdef"[random() % 16];
+    return name;
+}
+
+}  // namespace
+
+void write_html(std::ostream& out, const TriangleMesh& mesh, const TriangleMesh* second, const Collisions& collisions,
+                int height) {
+    std::vector<Side> sides{{&mesh, hit_triangles(mesh, collisions.hit), colours[0][0], colours[0][1]}};
+    if (second) sides.push_back({second, hit_triangles(*second, collisions.hit_second), colours[1][0], colours[1][1]});
+    std::size_t triangles = 0;
+    for (const Side& side : sides) triangles += side.hit.size();
+    const std::size_t faces = collisions.hit.size() + (second ? collisions.hit_second.size() : 0);
+
+    Sink sink(out);
+    const std::string name = unique_name();
+    std::string_view text = viewer_html;
+    const bool page = height == 0;
+    if (page) sink << viewer_page;
+    while (true) {  // copied up to each @NAME@, for which something else is written
+        const std::size_t begin = text.find('@'), end = text.find('@', begin + 1);
+        sink << text.substr(0, begin);
+        if (begin == text.npos) break;
+        const std::string_view key = text.substr(begin + 1, end - begin - 1);
+        if (key == "ID") sink << name;
+        if (key == "HEIGHT") sink << (page ? std::string("100vh") : std::to_string(height) + "px");
+        if (key == "CAPTION") {
+            sink << grouped(static_cast<std::int64_t>(collisions.pairs.size())) << " colliding pairs of "
+                 << grouped(static_cast<std::int64_t>(faces)) << (faces == triangles ? " triangles" : " polygons");
+        }
+        if (key == "LEGEND") write_legend(sink, sides, has_contacts(collisions));
+        if (key == "DATA") write_data(sink, sides, collisions);
+        text.remove_prefix(end + 1);
+    }
+    if (page) sink << "</html>\n";
+}
+
+std::string to_html(const TriangleMesh& mesh, const TriangleMesh* second, const Collisions& collisions, int height) {
+    const FloatEnvironment environment;
+    if (height < 1) throw Error(ErrorCode::invalid_argument, "height must be at least 1 pixel", Element::option);
+    check_collisions(mesh, second, collisions);
+    std::ostringstream out;
+    write_html(out, mesh, second, collisions, height);
+    return std::move(out).str();
+}
+
+}  // namespace crumple::io

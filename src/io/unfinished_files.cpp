@@ -1,0 +1,68 @@
+#include "io/unfinished_files.h"
+
+#include <unistd.h>
+
+#include <cstdlib>
+#include <cstring>
+#include <new>
+
+namespace crumple::io {
+
+/// Whoever takes the name out of its slot removes the file. A handler never frees the name: the heap is not safe there.
+/// Nor does anybody else then, who cannot know whether the handler is through; but `given` still names it.
+struct UnfinishedFile::Slot {
+    std::atomic<bool> taken{true};
+    std::atomic<char*> name{nullptr};
+    char* given = nullptr;
+    Slot* next = nullptr;
+};
+
+std::atomic<UnfinishedFile::Slot*> UnfinishedFile::slots_{nullptr};
+
+namespace {
+
+struct AtExit {
+    ~AtExit() { remove_unfinished_files(); }
+} at_exit;
+
+}  // namespace
+
+void remove_unfinished_files() noexcept {
+    for (auto* slot = UnfinishedFile::slots_.load(); slot; slot = slot->next) {
+        if (const char* const name = slot->name.exchange(nullptr)) ::unlink(name);
+    }
+}
+
+void UnfinishedFile::begin(const std::filesystem::path& name) {
+    char* const copy = ::strdup(name.c_str());
+    if (!copy) throw std::bad_alloc();
+    for (Slot* slot = slots_.load(); slot && !slot_; slot = slot->next) {
+        if (!slot->taken.exchange(true)) slot_ = slot;
+    }
+    if (!slot_) {
+        slot_ = new Slot;
+        slot_->next = slots_.load();
+        while (!slots_.compare_exchange_weak(slot_->next, slot_)) {
+        }
+    }
+    slot_->given = copy;
+    slot_->name = copy;
+}
+
+void UnfinishedFile::finish() {
+    if (!slot_) return;
+    std::free(slot_->name.exchange(nullptr));
+    slot_->taken = false;
+    slot_ = nullptr;
+}
+
+void UnfinishedFile::remove() {
+    if (!slot_) return;
+    if (char* const name = slot_->name.exchange(nullptr)) {
+        ::unlink(name);
+        std::free(name);
+    }
+    finish();
+}
+
+}  // namespace crumple::io
