@@ -12,7 +12,7 @@ enum Status : int {
     done = 0,
     collided = 1,       ///< detect and sequence with --check: something collides; verify: the list is wrong
     failed = 2,         ///< wrong use, bad input, a file that cannot be written
-    out_of_memory = 3,  ///< under --memory-limit the message names the limit that suffices
+    out_of_memory = 3,  ///< under --memory-limit the message tells how many bytes are needed
     interrupted = 130   ///< Ctrl-C
 };
 

@@ -2,44 +2,85 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
+
+#include <fmt/format.h>
 
 #include "cli/commands.h"
 #include "cli/search.h"
 #include "cli/statistics_table.h"
 #include "cli/terminal.h"
 #include "crumple/error.h"
+#include "io/formats.h"
 
 namespace crumple::cli {
 namespace {
 
+constexpr const char* formats =
+    "pairs are written as .txt, .csv, .json or .npz, coloured meshes as .ply, .obj, .glb or .html";
+
 struct Detect {
     std::vector<std::string> files, outputs;
+    std::string format;
     AnswerOptions answer;
     Options options;
     bool check = false, stats = false;
 
-    static bool is_list(const std::string& path) {
-        const std::string e = extension_of(path);
-        return e == ".txt" || e == ".csv" || e == ".json" || e == ".npz";
+    static std::optional<io::PairFormat> list_format(const std::string& extension) {
+        const io::PairFormat format = io::pair_format_of(extension);
+        return format == io::PairFormat::automatic ? std::nullopt : std::optional(format);
     }
-    static bool is_picture(const std::string& path) {
-        const std::string e = extension_of(path);
-        return e == ".ply" || e == ".obj" || e == ".glb";
+    static std::optional<io::MeshFormat> picture_format(const std::string& extension) {
+        const io::MeshFormat format = io::mesh_format_of(extension);
+        return io::has_colours(format) ? std::optional(format) : std::nullopt;
+    }
+
+    [[noreturn]] static void fail(const std::string& what) {
+        throw Error(ErrorCode::invalid_argument, what, Element::option);
     }
 
     void check_output_formats() const {
+        check_format(outputs, format);
+        bool shows_contacts = false;
         for (const std::string& path : outputs) {
-            if (!is_list(path) && !is_picture(path)) {
-                throw Error(ErrorCode::invalid_argument,
-                            "-o " + (path.empty() ? "''" : path) +
-                                ": pairs are written as .txt, .csv, .json or .npz, coloured meshes as .ply, .obj or "
-                                ".glb");
-            }
+            const std::string extension = extension_of(path, format);
+            if (!list_format(extension) && !picture_format(extension))
+                fail("-o " + (path.empty() ? "''" : path) + (is_standard(path) ? " --format " + format : "") + ": " +
+                     formats);
+            if (is_standard(path) && extension == ".obj")
+                fail("-o - --format obj: a coloured .obj needs a file beside it");
+            shows_contacts = shows_contacts || list_format(extension) || extension == ".html";
         }
-        if (answer.contacts && !outputs.empty() && std::none_of(outputs.begin(), outputs.end(), is_list)) {
-            throw Error(ErrorCode::invalid_argument,
-                        "--contacts: coloured meshes hold no contacts; write a .txt, .csv, .json or .npz");
+        if (!answer.contacts || shows_contacts) return;
+        if (!outputs.empty())
+            fail("--contacts: coloured meshes hold no contacts; write a .txt, .csv, .json, .npz or .html");
+        if (check) fail("--contacts are not printed with --check, unless by -o");
+    }
+
+    void write(const std::string& path, const Input& input, const Collisions& found) const {
+        const std::string extension = extension_of(path, format);
+        const auto list = list_format(extension);
+        if (!is_standard(path)) {
+            if (list) return io::write_pairs(path, found);
+            return io::write_coloured(path, input.first, input.second_or_null(), found);
         }
+        to_standard_output([&](std::ostream& out) {
+            if (list) return io::write_pairs(out, found, *list);
+            io::write_coloured(out, input.first, input.second_or_null(), found, *picture_format(extension));
+        });
+    }
+
+    /// The answer in one line: "925 pairs, 941 of 54,928 triangles, 4.4 ms".
+    std::string summary(const Collisions& found) const {
+        const std::size_t all = found.hit.size() + found.hit_second.size();
+        const char* const what = answer.polygons ? "polygons" : "triangles";
+        const auto pairs = static_cast<std::int64_t>(found.pairs.size());
+        if (pairs == 0)
+            return fmt::format("nothing collides: {} {}, {:.1f} ms\n", grouped(static_cast<std::int64_t>(all)), what,
+                               found.statistics.milliseconds);
+        return fmt::format("{} pair{}, {} of {} {}, {:.1f} ms\n", grouped(pairs), pairs == 1 ? "" : "s",
+                           grouped(count_hits(found)), grouped(static_cast<std::int64_t>(all)), what,
+                           found.statistics.milliseconds);
     }
 
     int run() const {
@@ -47,17 +88,24 @@ struct Detect {
         check_outputs(outputs, files, answer);
         Search search(answer, options);
         const Input input = read_input(files, answer);
-        const Collisions& found = search.find(input);
-        if (stats) print_statistics(found.statistics, count_hits(found));
-        for (const std::string& path : outputs) {
-            if (is_list(path)) {
-                io::write_pairs(path, found);
-            } else {
-                io::write_coloured(path, input.first, input.second_or_null(), found);
-            }
-        }
+        if (check && outputs.empty() && !stats) return report(search.any(input));
+        const Collisions& of_triangles = search.find(input);
+        if (stats) print_statistics(of_triangles.statistics, count_hits(of_triangles));
+        if (check && outputs.empty()) return report(!of_triangles.pairs.empty());
+
+        Collisions of_polygons;
+        if (answer.polygons) of_polygons = io::by_polygon(input.first, input.second_or_null(), of_triangles);
+        const Collisions& found = answer.polygons ? of_polygons : of_triangles;
+        for (const std::string& path : outputs) write(path, input, found);
         if (outputs.empty()) to_standard_output([&](std::ostream& out) { io::write_pairs(out, found); });
+        if (!stats && !std::all_of(outputs.begin(), outputs.end(), is_standard)) say(summary(found));
         return check && !found.pairs.empty() ? collided : done;
+    }
+
+    static int report(bool collides) {
+        to_standard_output(
+            [&](std::ostream& out) { out << (collides ? "something collides\n" : "nothing collides\n"); });
+        return collides ? collided : done;
     }
 };
 
@@ -66,19 +114,27 @@ struct Detect {
 Command add_detect(CLI::App& app) {
     const auto detect = std::make_shared<Detect>();
     CLI::App& command = *app.add_subcommand("detect", "Find every pair of colliding triangles");
-    command.add_option("FILE", detect->files, "A mesh (PLY, OBJ, STL, OFF) against itself, or two against each other")
+    command
+        .add_option("FILE", detect->files,
+                    "A mesh (PLY, OBJ, STL, OFF) against itself, or two against each other; - is standard input")
         ->type_name("FILE [FILE_B]")
         ->required()
         ->expected(1, 2);
     command
         .add_option("-o,--output", detect->outputs,
-                    "Pairs as .txt, .csv, .json or .npz, or the mesh with colliding triangles coloured as .ply, .obj "
-                    "or .glb; may be repeated. Without it pairs go to standard output, `i j` a line")
+                    "Pairs as .txt, .csv, .json or .npz, or the mesh with colliding triangles coloured as .ply, .obj, "
+                    ".glb or .html, a page to turn and zoom; may be repeated. - is standard output, see --format. "
+                    "Without it pairs go there, `i j` a line")
         ->type_name("OUT")
         ->allow_extra_args(false);
+    add_format_option(command, detect->format, "txt|csv|json|npz|ply|glb|html");
     add_answer_options(command, detect->answer);
+    add_polygons_option(command, detect->answer);
     command.add_flag("--contacts", detect->answer.contacts, "Also where each pair meets: its kind and its points");
-    command.add_flag("--check", detect->check, "Exit with status 1 if anything collides");
+    command.add_flag(
+        "--check", detect->check,
+        "Exit with status 1 if anything collides. Without -o that is all that is searched for, and one line is "
+        "printed");
     command.add_flag("--stats", detect->stats, "Print times and counts of the stages to standard error");
     add_cost_options(command, detect->options);
     command.footer("Example: crumple detect dress.ply body.obj -o dress.glb -o pairs.csv --contacts");

@@ -11,6 +11,7 @@ Frames::Frames(std::vector<std::string> files, const std::string& scene, const s
     if (scene.empty() == files_.empty()) {
         throw Error(ErrorCode::invalid_argument, "sequence needs either frames or a --scene", Element::option);
     }
+    check_standard_input(files_);
     if (scene.empty()) return;
     scene_.emplace(scene, parameters);
     scene_frames_ = static_cast<std::size_t>(scene_->description().frames);

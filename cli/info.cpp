@@ -84,7 +84,9 @@ Command add_info(CLI::App& app) {
     };
     const auto info = std::make_shared<Info>();
     CLI::App& command = *app.add_subcommand("info", "Tell what a mesh file holds, and what is odd about it");
-    command.add_option("FILE", info->file, "A mesh (PLY, OBJ, STL, OFF)")->type_name("FILE")->required();
+    command.add_option("FILE", info->file, "A mesh (PLY, OBJ, STL, OFF), or - for standard input")
+        ->type_name("FILE")
+        ->required();
     add_reading_options(command, info->reading);
     // Like --version, which CLI11 has this for: no file is needed, the text is printed, and that is all.
     command.set_version_flag("--devices", describe_devices,
@@ -94,7 +96,7 @@ Command add_info(CLI::App& app) {
         "index, so files without shared vertices want --weld.\n"
         "Example: crumple info part.stl");
     return {&command, [info] {
-                const io::TriangleMesh mesh = io::read_mesh(info->file, read_options(info->reading));
+                const io::TriangleMesh mesh = read_mesh(info->file, info->reading);
                 to_standard_output([&](std::ostream& out) { print_information(out, mesh); });
                 return static_cast<int>(done);
             }};

@@ -1,6 +1,7 @@
 #include <array>
 #include <csignal>
 #include <exception>
+#include <ios>
 #include <memory>
 #include <new>
 #include <string>
@@ -8,6 +9,7 @@
 #include "cli/commands.h"
 #include "cli/help.h"
 #include "cli/misuse.h"
+#include "cli/signals.h"
 #include "cli/terminal.h"
 #include "crumple/error.h"
 #include "crumple/version.h"
@@ -23,7 +25,7 @@ int run(int argc, char** argv) {
     app.require_subcommand(0, 1);  // so that a file may be called like a command
     app.footer(
         "Exit status: 0 done; 1 something collides (with --check) or a list is wrong (verify); 2 wrong use or bad\n"
-        "input; 3 out of memory, with the limit that suffices; 130 interrupted.\n\n"
+        "input; 3 out of memory, with the bytes that are needed; 130 interrupted.\n\n"
         "Example: crumple detect bunny.ply -o pairs.txt --stats");
     const std::array commands{add_detect(app), add_sequence(app), add_info(app), add_verify(app), add_make(app)};
     try {
@@ -47,6 +49,8 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
     std::signal(SIGPIPE, SIG_IGN);  // a reader that left early shows as an error of the write instead
+    clean_up_when_killed();
+    std::ios::sync_with_stdio(false);
     try {
         return run(argc, argv);
     } catch (const crumple::Error& error) {

@@ -11,13 +11,14 @@
 #include "cli/options.h"
 #include "cli/terminal.h"
 #include "crumple/error.h"
+#include "io/formats.h"
 #include "scenes/scenes.h"
 
 namespace crumple::cli {
 namespace {
 
 struct Make {
-    std::string scene, output;
+    std::string scene, output, format;
     scenes::Parameters parameters;
     std::optional<int> frame;
     int last_frame = 0;
@@ -36,12 +37,14 @@ struct Make {
         }
         if (scene.empty()) fail("make needs a SCENE; --list names them");
         if (output.empty()) fail("make needs a file to write: -o FILE");
-        const std::string extension = extension_of(output);  // now, not after minutes of simulation
-        if (extension != ".ply" && extension != ".obj" && extension != ".stl" && extension != ".off") {
+        check_format({output}, format);
+        const io::MeshFormat mesh_format = io::mesh_format_of(extension_of(output, format));
+        if (!io::holds_meshes(mesh_format)) {  // now, not after minutes of simulation
             throw Error(ErrorCode::invalid_argument,
                         "cannot write " + output + ": meshes are written as .ply, .obj, .stl or .off");
         }
         if (all_frames && frame) fail("--all-frames and --frame exclude each other");
+        if (all_frames && is_standard(output)) fail("--all-frames needs files: -o FILE");
         std::optional<Progress> bar;
         scenes::Animation animation(scene, parameters, [&](int reached, int wanted) {
             if (!bar) bar.emplace(static_cast<std::size_t>(all_frames ? last_frame : wanted));
@@ -52,7 +55,11 @@ struct Make {
         if (!all_frames) {
             const io::TriangleMesh mesh = animation.frame(frame.value_or(last_frame));
             bar.reset();
-            io::write_mesh(output, mesh);
+            if (!is_standard(output)) {
+                io::write_mesh(output, mesh);
+            } else {
+                to_standard_output([&](std::ostream& out) { io::write_mesh(out, mesh, mesh_format); });
+            }
             return done;
         }
         for (int i = 0; i < frames; ++i) {
@@ -83,7 +90,11 @@ Command add_make(CLI::App& app) {
     command.add_option("--seed", make->parameters.seed, "Other numbers give other scenes of the same kind")
         ->type_name("N")
         ->check(CLI::Range(std::int64_t{0}, std::numeric_limits<std::int64_t>::max()).description(""));
-    command.add_option("-o,--output", make->output, "Mesh file: .ply, .obj, .stl or .off")->type_name("FILE");
+    command
+        .add_option("-o,--output", make->output,
+                    "Mesh file: .ply, .obj, .stl or .off; - is standard output, see --format")
+        ->type_name("FILE");
+    add_format_option(command, make->format, "ply|obj|stl|off");
     command.footer(
         "A simulated scene takes seconds to minutes; its frames are kept under $XDG_CACHE_HOME/crumple or\n"
         "~/.cache/crumple for the next time.\n\n"

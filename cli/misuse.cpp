@@ -3,7 +3,9 @@
 #include "cli/misuse.h"
 
 #include <algorithm>
+#include <numeric>
 #include <regex>
+#include <utility>
 #include <vector>
 
 namespace crumple::cli {
@@ -21,6 +23,37 @@ std::string commands_of(const CLI::App& app) {
     return names;
 }
 
+/// How many letters have to be added, taken away or changed to make one word of the other.
+std::size_t edit_distance(const std::string& a, const std::string& b) {
+    std::vector<std::size_t> row(b.size() + 1);
+    std::iota(row.begin(), row.end(), std::size_t{0});
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        std::size_t diagonal = std::exchange(row[0], i + 1);
+        for (std::size_t k = 0; k < b.size(); ++k) {
+            const std::size_t changed = diagonal + (a[i] != b[k]);
+            diagonal = std::exchange(row[k + 1], std::min({changed, row[k] + 1, row[k + 1] + 1}));
+        }
+    }
+    return row.back();
+}
+
+/// "; did you mean --neighbours?" if the command has an option of nearly this name.
+std::string suggestion(const std::string& option, const CLI::App& command) {
+    const std::string word = option.substr(0, option.find('='));
+    std::string nearest;
+    std::size_t least = word.size() / 3 + (word.size() > 8);  // below: a third of its letters, or one of a short word
+    for (const CLI::Option* const known : command.get_options()) {
+        for (const std::string& name : known->get_lnames()) {
+            const bool begins = ("--" + name).starts_with(word) && word.size() > 3;
+            const std::size_t distance = begins ? 0 : edit_distance(word, "--" + name);
+            if (distance >= least) continue;
+            least = distance;
+            nearest = "--" + name;
+        }
+    }
+    return nearest.empty() ? "" : "; did you mean " + nearest + "?";
+}
+
 /// Words that nothing takes.
 std::string explain_extras(const CLI::App& app) {
     std::vector<std::string> words = app.remaining(true);
@@ -28,6 +61,8 @@ std::string explain_extras(const CLI::App& app) {
     const bool known_command = !app.get_subcommands().empty();
     const std::string command = known_command ? app.get_subcommands()[0]->get_name() : "crumple";
     if (option != words.end() && (known_command || words.front() == *option)) {
+        const std::string meant = suggestion(*option, known_command ? *app.get_subcommands()[0] : app);
+        if (!meant.empty()) return command + " has no option " + *option + meant;
         return command + " has no option " + *option + "; see crumple " + (known_command ? command + " " : "") +
                "--help";
     }

@@ -80,6 +80,23 @@ void add_reading_options(CLI::App& app, ReadingOptions& options) {
         app, "--precision", options.precision,
         {{"auto", io::Precision::automatic}, {"float32", io::Precision::float32}, {"float64", io::Precision::float64}},
         "Precision that coordinates are rounded to; auto loses no bit of the file");
+    add_choice<io::Triangulation, io::Triangulation>(
+        app, "--triangulation", options.triangulation,
+        {{"ears", io::Triangulation::ears}, {"fan", io::Triangulation::fan}},
+        "How polygons become triangles: concave ones without overlaps (ears, the default), or all from their first "
+        "corner (fan)");
+    app.add_flag("--strict", options.strict, "What would be a warning about a file is an error");
+}
+
+void add_polygons_option(CLI::App& app, AnswerOptions& options) {
+    app.add_flag(
+        "--polygons", options.polygons,
+        "Ids are those of the file's faces, of as many corners as they have, not those of triangles. `p p` is a "
+        "polygon that collides with itself");
+}
+
+void add_format_option(CLI::App& app, std::string& format, const std::string& words) {
+    app.add_option("--format", format, "What -o - writes to standard output")->type_name(words);
 }
 
 void add_answer_options(CLI::App& app, AnswerOptions& options) {
@@ -88,7 +105,10 @@ void add_answer_options(CLI::App& app, AnswerOptions& options) {
         "Triangles that share a vertex collide if they meet elsewhere too (geometric, the default), or never (skip)");
     add_choice<Intersections, Intersections>(
         app, "--intersections", options.intersections, {{"all", Intersections::all}, {"proper", Intersections::proper}},
-        "Touching counts (all, the default), or only edges that strictly cross the inside of a triangle (proper)");
+        "Touching counts (all, the default), or only edges that strictly cross the inside of a triangle (proper). The "
+        "latter leaves out triangles that cross only at edges and vertices: two boxes, one shifted along all axes, "
+        "have "
+        "no proper intersection");
     add_reading_options(app, options);
     app.add_option("--groups", options.groups,
                    "What the groups of --wanted are: the connected components, the integers in a file (one a line for "
@@ -105,6 +125,8 @@ void add_answer_options(CLI::App& app, AnswerOptions& options) {
 }
 
 void AnswerOptions::check() const {
+    if (polygons && part) fail("--part is of triangles: polygons of several parts would be listed in each of them");
+    if (polygons && contacts) fail("--contacts belong to triangles, and --polygons lists none");
     if (groups.empty() && wanted && *wanted != Wanted::both) fail("--wanted between and within need --groups");
     if (!groups.empty() && !wanted) fail("--groups changes nothing without --wanted");
 }
@@ -132,9 +154,15 @@ void add_cost_options(CLI::App& app, Options& options) {
            "--memory-limit", [&options](const std::string& text) { options.memory_limit = parse_bytes(text); },
            "Most memory that the search may own: 2GiB, 500MB, 1.5g or a number of bytes")
         ->type_name("SIZE");
+    app.add_flag(
+        "--count-bytes-needed", options.count_bytes_needed,
+        "Where --memory-limit is too small, count all pairs to name one that suffices, which may take minutes; "
+        "without it the message names a lower bound at once");
 }
 
 void check_cost_options(const Options& options) {
+    if (options.count_bytes_needed && !options.memory_limit)
+        fail("--count-bytes-needed changes nothing without --memory-limit");
     if (options.device && (options.backend == Backend::reference || options.backend == Backend::cpu))
         fail("--device applies to --backend cuda only");
     if (options.threads && options.backend == Backend::cuda)
@@ -147,7 +175,13 @@ void check_cost_options(const Options& options) {
 void check_outputs(const std::vector<std::string>& outputs, std::vector<std::string> inputs,
                    const AnswerOptions& options) {
     inputs.push_back(options.groups);
+    std::vector<std::string> written = outputs;
     for (const std::string& output : outputs) {
+        if (extension_of(output) == ".obj")
+            written.push_back(std::filesystem::path(output).replace_extension(".mtl").string());
+    }
+    for (const std::string& output : written) {
+        if (is_standard(output)) continue;
         for (const std::string& input : inputs) {
             std::error_code missing;  // then they are not the same file
             if (!std::filesystem::equivalent(output, input, missing)) continue;
@@ -157,7 +191,19 @@ void check_outputs(const std::vector<std::string>& outputs, std::vector<std::str
     }
 }
 
-std::string extension_of(const std::string& path) {
+void check_standard_input(const std::vector<std::string>& inputs) {
+    if (std::count_if(inputs.begin(), inputs.end(), is_standard) > 1) fail("standard input, -, can be read once");
+}
+
+void check_format(const std::vector<std::string>& outputs, const std::string& format) {
+    const bool to_standard = std::any_of(outputs.begin(), outputs.end(), is_standard);
+    if (to_standard && format.empty()) fail("-o - needs --format, which says what is written");
+    if (!to_standard && !format.empty()) fail("--format is for -o -: a file's extension says what it holds");
+    if (std::count_if(outputs.begin(), outputs.end(), is_standard) > 1) fail("-o - is possible once");
+}
+
+std::string extension_of(const std::string& path, const std::string& format) {
+    if (is_standard(path)) return "." + format;
     std::string extension = std::filesystem::path(path).extension().string();
     std::transform(extension.begin(), extension.end(), extension.begin(),
                    [](unsigned char c) { return static_cast<char>(std::tolower(c)); });

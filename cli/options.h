@@ -23,6 +23,8 @@ struct PartOfMany {
 struct ReadingOptions {
     std::optional<bool> weld;  ///< absent: STL files are welded, others are not
     io::Precision precision = io::Precision::automatic;
+    io::Triangulation triangulation = io::Triangulation::ears;
+    bool strict = false;
 };
 
 /// What changes the answer.
@@ -33,6 +35,7 @@ struct AnswerOptions : ReadingOptions {
     std::optional<Wanted> wanted;  ///< absent: both
     std::optional<PartOfMany> part;
     bool contacts = false;
+    bool polygons = false;  ///< ids are those of polygons
 
     /// Throws Error (invalid_argument) for options that change nothing without another one.
     void check() const;
@@ -46,11 +49,26 @@ void add_cost_options(CLI::App& app, Options& options);
 /// Throws Error (invalid_argument) for options that the backend has no use for.
 void check_cost_options(const Options& options);
 
-/// Throws Error (invalid_argument) if what is to be written is one of the files that are read, under whatever name.
+/// `--polygons`, for commands whose pairs have ids.
+void add_polygons_option(CLI::App& app, AnswerOptions& options);
+/// `--format`, which tells what `-o -` writes.
+void add_format_option(CLI::App& app, std::string& format, const std::string& words);
+
+/// Throws Error (invalid_argument) if what is to be written is one of the files that are read, under whatever name, or
+/// a file that comes with it is.
 void check_outputs(const std::vector<std::string>& outputs, std::vector<std::string> inputs,
                    const AnswerOptions& options);
 
-/// Lower case, with its dot; empty if there is none.
-std::string extension_of(const std::string& path);
+/// Standard input or output.
+inline bool is_standard(const std::string& path) { return path == "-"; }
+
+/// Lower case, with its dot; empty if there is none. That of `-` is what `--format` says.
+std::string extension_of(const std::string& path, const std::string& format = {});
+
+/// Throws Error (invalid_argument) if standard input is named twice.
+void check_standard_input(const std::vector<std::string>& inputs);
+
+/// Throws Error (invalid_argument) unless `--format` is there where one of the outputs is `-`, and only there.
+void check_format(const std::vector<std::string>& outputs, const std::string& format);
 
 }  // namespace crumple::cli

@@ -1,6 +1,7 @@
 #include "cli/search.h"
 
 #include <filesystem>
+#include <iostream>
 #include <utility>
 
 #ifdef CRUMPLE_WITH_TBB
@@ -48,10 +49,17 @@ void group_by_file(Input& input, const std::string& path) {
     if (input.second) input.second->groups.assign(middle, groups.end());
 }
 
+io::TriangleMesh read(const std::string& path, const io::ReadOptions& how) {
+    io::TriangleMesh mesh =
+        is_standard(path) ? io::read_mesh(std::cin, "standard input", how) : io::read_mesh(path, how);
+    for (const std::string& warning : mesh.warnings) print_warning(warning);
+    return mesh;
+}
+
 /// A name that is no property of the mesh may have been meant as that of a file.
-io::TriangleMesh read_mesh(const std::string& path, const io::ReadOptions& how) {
+io::TriangleMesh read_with_groups(const std::string& path, const io::ReadOptions& how) {
     try {
-        return io::read_mesh(path, how);
+        return read(path, how);
     } catch (const Error& error) {
         if (how.group_property.empty() || error.element != Element::option) throw;
         throw Error(ErrorCode::invalid_argument,
@@ -67,11 +75,16 @@ GroupSource group_source(const AnswerOptions& options) {
     return std::filesystem::exists(options.groups) ? GroupSource::file : GroupSource::property;
 }
 
-}  // namespace
-
 io::ReadOptions read_options(const ReadingOptions& options) {
     const io::Weld weld = !options.weld ? io::Weld::automatic : *options.weld ? io::Weld::yes : io::Weld::no;
-    return {.precision = options.precision, .weld = weld};
+    return {
+        .precision = options.precision, .weld = weld, .triangulation = options.triangulation, .strict = options.strict};
+}
+
+}  // namespace
+
+io::TriangleMesh read_mesh(const std::string& path, const ReadingOptions& options) {
+    return read(path, read_options(options));
 }
 
 Input read_input(const std::vector<std::string>& files, const AnswerOptions& options) {
@@ -79,10 +92,11 @@ Input read_input(const std::vector<std::string>& files, const AnswerOptions& opt
     const GroupSource source = group_source(options);
     if (source == GroupSource::property) how.group_property = options.groups;
 
-    Input input{files[0], read_mesh(files[0], how), {}};
+    check_standard_input(files);
+    Input input{files[0], read_with_groups(files[0], how), {}};
     if (files.size() > 1) {
         input.name += ", " + files[1];
-        input.second = read_mesh(files[1], how);
+        input.second = read_with_groups(files[1], how);
     }
     if (source == GroupSource::components) group_by_components(input);
     if (source == GroupSource::file) group_by_file(input, options.groups);
@@ -130,24 +144,52 @@ Search::Search(const AnswerOptions& answer, const Options& options)
 
 Search::~Search() = default;
 
-const Collisions& Search::find(const Input& input) {
+Query Search::query() const {
     Query query;
     query.neighbours = answer_.neighbours;
     query.intersections = answer_.intersections;
     query.weld = answer_.weld.value_or(false);
     query.contacts = answer_.contacts;
     query.wanted = answer_.wanted.value_or(Wanted::both);
+    return query;
+}
+
+namespace {
+
+/// Calls work(); an Error names the input.
+template <class Work>
+decltype(auto) named(const Input& input, Work work) {
+    try {
+        return work();
+    } catch (const Error& error) {
+        const char* const hint = error.bytes_needed_at_least ? " (--count-bytes-needed counts how many suffice)" : "";
+        throw Error(error.code, input.name + ": " + error.what() + hint, error.element, error.index, error.bytes_needed,
+                    error.system_error, error.bytes_needed_at_least);
+    }
+}
+
+}  // namespace
+
+const Collisions& Search::find(const Input& input) {
     const MeshView a = input.first.view();
     const MeshView b = input.second ? input.second->view() : MeshView();
-    try {
-        if (!answer_.part) return input.second ? detector_.find_between(a, b, query) : detector_.find_self(a, query);
+    return named(input, [&]() -> const Collisions& {
+        if (!answer_.part)
+            return input.second ? detector_.find_between(a, b, query()) : detector_.find_self(a, query());
         const auto [index, count] = *answer_.part;
         const auto parts = input.second ? detector_.partition(a, b, count) : detector_.partition(a, count);
         const Part& part = parts[static_cast<std::size_t>(index) - 1];
-        return input.second ? detector_.find_between(a, b, part, query) : detector_.find_self(a, part, query);
-    } catch (const Error& error) {
-        throw Error(error.code, input.name + ": " + error.what(), error.element, error.index, error.bytes_needed);
-    }
+        return input.second ? detector_.find_between(a, b, part, query()) : detector_.find_self(a, part, query());
+    });
+}
+
+bool Search::any(const Input& input) {
+    if (answer_.part) return !find(input).pairs.empty();
+    return named(input, [&] {
+        const MeshView a = input.first.view();
+        return input.second ? detector_.has_collision(a, input.second->view(), query())
+                            : detector_.has_collision(a, query());
+    });
 }
 
 }  // namespace crumple::cli

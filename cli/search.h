@@ -22,7 +22,8 @@ struct Input {
     std::int64_t triangle_count() const { return first.triangle_count() + (second ? second->triangle_count() : 0); }
 };
 
-io::ReadOptions read_options(const ReadingOptions& options);
+/// Reads a file, or standard input for `-`, and prints what is odd about it. Throws Error that names file and place.
+io::TriangleMesh read_mesh(const std::string& path, const ReadingOptions& options);
 
 /// Reads one file or two. Throws Error that names the file and the place.
 Input read_input(const std::vector<std::string>& files, const AnswerOptions& options);
@@ -40,9 +41,12 @@ class Search {
 
     /// Valid until the next call. Throws Error that names the input.
     const Collisions& find(const Input& input);
+    /// Whether there is any pair. Ends at the first that is found, unless only a part is wanted. Throws as find does.
+    bool any(const Input& input);
 
    private:
     struct Threads;
+    Query query() const;
     AnswerOptions answer_;
     std::unique_ptr<Threads> threads_;
     Detector detector_;

@@ -1,7 +1,7 @@
 // crumple sequence: the frames of an animation, one after another, by one detector that stays warm.
 //
-// Every frame is a row, written as soon as it is known, so that what there is survives an interruption; coloured frames
-// are a file each, as soon, or one animation at the end, of what there is. A table is not touched before the first row.
+// Every frame is a row; coloured frames are a file each, or one animation. After Ctrl-C tables and animations are those
+// of the frames so far; after an error they stay as they were.
 
 #include <algorithm>
 #include <csignal>
@@ -16,6 +16,7 @@
 #include "cli/numbered.h"
 #include "cli/search.h"
 #include "cli/sequence_output.h"
+#include "cli/signals.h"
 #include "cli/statistics_table.h"
 #include "cli/terminal.h"
 #include "crumple/error.h"
@@ -23,54 +24,53 @@
 namespace crumple::cli {
 namespace {
 
-volatile std::sig_atomic_t stop = 0;
-
-/// The first Ctrl-C ends the sequence after the frame at hand, the second one the process.
-void catch_interrupt() {
-    struct sigaction action {};
-    action.sa_handler = [](int) { stop = 1; };
-    action.sa_flags = static_cast<int>(SA_RESETHAND);
-    sigaction(SIGINT, &action, nullptr);
-}
+volatile std::sig_atomic_t stop = 0;  // after the frame at hand
 
 struct Sequence {
     std::vector<std::string> files, outputs;
-    std::string scene;
+    std::string scene, format;
     scenes::Parameters parameters;
     AnswerOptions answer;
     Options options;
     bool json = false, check = false, stats = false;
 
     int run() const {
+        if (!outputs.empty() || !format.empty()) check_format(outputs, format);
         std::vector<Table> tables;
         std::vector<std::string> pictures;
+        std::string standard = outputs.empty() ? (json ? ".json" : ".csv") : "";  // what standard output is given
         for (const std::string& path : outputs) {
-            const std::string extension = extension_of(path);
-            if (extension == ".csv" || extension == ".json") {
-                if (json && extension == ".csv") {
-                    throw Error(ErrorCode::invalid_argument, path + ": --json writes no .csv");
-                }
-                tables.emplace_back(path, extension == ".json");
-            } else if (extension == ".glb" || extension == ".ply" || extension == ".obj") {
-                pictures.push_back(path);
-            } else {
-                throw Error(ErrorCode::invalid_argument,
-                            path + ": a sequence is written as .csv or .json, coloured frames as .glb, .ply or .obj");
+            const std::string extension = extension_of(path, format);
+            const bool table = extension == ".csv" || extension == ".json";
+            if (json && extension == ".csv") fail(path + ": --json writes no .csv");
+            if (!table && extension != ".glb" && (is_standard(path) || (extension != ".ply" && extension != ".obj"))) {
+                fail(path + ": a sequence is written as .csv or .json, coloured frames as .glb, .ply or .obj" +
+                     (is_standard(path) ? ", to standard output as csv, json or glb" : ""));
             }
+            if (is_standard(path))
+                standard = extension;
+            else if (table)
+                tables.emplace_back(path, extension == ".json");
+            else
+                pictures.push_back(path);
         }
-        if (scene.empty() && (parameters.triangles || parameters.seed != scenes::Parameters().seed)) {
-            throw Error(ErrorCode::invalid_argument, "--triangles and --seed are for a --scene", Element::option);
-        }
+        if (scene.empty() && (parameters.triangles || parameters.seed != scenes::Parameters().seed))
+            fail("--triangles and --seed are for a --scene");
         Frames frames(files, scene, parameters);
         check_outputs(files_written(pictures, frames.count()), files, answer);
         Search search(answer, options);
-        if (!outputs.empty()) return find(search, frames, tables, pictures);
+        if (standard.empty()) return find(search, frames, tables, {pictures, nullptr, frames.count()});
         int status = done;
         to_standard_output([&](std::ostream& out) {
-            tables.emplace_back(out, json);
-            status = find(search, frames, tables, pictures);
+            const bool animated = standard == ".glb";
+            if (!animated) tables.emplace_back(out, standard == ".json");
+            status = find(search, frames, tables, {pictures, animated ? &out : nullptr, frames.count()});
         });
         return status;
+    }
+
+    [[noreturn]] static void fail(const std::string& what) {
+        throw Error(ErrorCode::invalid_argument, what, Element::option);
     }
 
     /// The outputs, and the numbered ones of them that are there already.
@@ -85,20 +85,13 @@ struct Sequence {
         return written;
     }
 
-    int find(Search& search, Frames& frames, std::vector<Table>& tables,
-             const std::vector<std::string>& coloured) const {
-        catch_interrupt();
+    int find(Search& search, Frames& frames, std::vector<Table>& tables, Pictures pictures) const {
+        stop_at_first_interrupt(stop);
         Statistics sum;
         std::int64_t hits = 0;
-        Pictures pictures(coloured, frames.count());
         Progress progress(frames.count());
         std::size_t i = 0;
         const auto well = [](const Table& table) { return table.well(); };
-        const auto finish = [&] {
-            progress.clear();
-            for (Table& table : tables) table.finish();
-            pictures.finish();
-        };
         try {
             for (; i < frames.count() && !stop && std::all_of(tables.begin(), tables.end(), well); ++i) {
                 progress.show(i, frames.name(i));
@@ -111,10 +104,12 @@ struct Sequence {
                 hits += count_hits(found);
             }
         } catch (...) {
-            finish();
+            for (Table& table : tables) table.give_up();
             throw;
         }
-        finish();
+        progress.clear();
+        for (Table& table : tables) table.finish();
+        pictures.finish();
         if (stats) print_statistics(sum, hits);
         if (stop) {
             print_error(fmt::format("interrupted after {} of {} frames", i, frames.count()));
@@ -142,13 +137,15 @@ Command add_sequence(CLI::App& app) {
         ->type_name("N")
         ->check(CLI::Range(std::int64_t{0}, std::numeric_limits<std::int64_t>::max()).description(""));
     command
-        .add_option("-o,--output", sequence->outputs,
-                    "Table of triangles, pairs, time and stages, a row a frame, as .csv or .json; or coloured meshes, "
-                    "as one animated .glb or numbered .ply or .obj. May be repeated. Without it CSV goes to standard "
-                    "output")
+        .add_option(
+            "-o,--output", sequence->outputs,
+            "Table of triangles, pairs, time and stages, a row a frame, as .csv or .json; or coloured meshes, "
+            "as one animated .glb or numbered .ply or .obj. May be repeated. - is standard output, see --format. "
+            "Without it CSV goes there")
         ->type_name("OUT")
         ->allow_extra_args(false);
     command.add_flag("--json", sequence->json, "JSON instead of CSV on standard output");
+    add_format_option(command, sequence->format, "csv|json|glb");
     add_answer_options(command, sequence->answer);
     command.add_flag("--contacts", sequence->answer.contacts,
                      "Also compute where each pair meets; the time is a part of the stage output");

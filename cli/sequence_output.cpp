@@ -1,8 +1,6 @@
 #include "cli/sequence_output.h"
 
-#include <cerrno>
 #include <cmath>
-#include <cstring>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -49,9 +47,8 @@ std::string json_row(const std::string& frame, const Statistics& s) {
 
 void Table::add(const std::string& frame, const Statistics& statistics) {
     if (!out_) {
-        file_ = std::make_unique<std::ofstream>(path_);
-        if (!*file_) throw Error(ErrorCode::file, "cannot write " + path_ + ": " + std::strerror(errno));
-        out_ = file_.get();
+        file_ = std::make_unique<io::AtomicFile>(path_);
+        out_ = &file_->stream();
     }
     if (json_) {
         *out_ << (count_ ? ",\n" : "[\n") << json_row(frame, statistics);
@@ -62,16 +59,25 @@ void Table::add(const std::string& frame, const Statistics& statistics) {
     ++count_;
 }
 
-void Table::finish() {
-    if (count_ == 0) return;
+void Table::end_rows() {
     if (json_) *out_ << "\n]\n";
     out_->flush();
-    if (file_ && !*file_) throw Error(ErrorCode::file, "cannot write " + path_);
 }
 
-Pictures::Pictures(const std::vector<std::string>& outputs, std::size_t frames) : frames_(frames) {
+void Table::finish() {
+    if (count_ == 0) return;
+    end_rows();
+    if (file_) file_->commit();
+}
+
+void Table::give_up() {
+    if (count_ > 0 && !file_) end_rows();
+}
+
+Pictures::Pictures(const std::vector<std::string>& outputs, std::ostream* stream, std::size_t frames)
+    : stream_(stream), frames_(frames) {
     for (const std::string& path : outputs) (extension_of(path) == ".glb" ? animated_ : numbered_).push_back(path);
-    if (!animated_.empty()) animation_.emplace();
+    if (!animated_.empty() || stream) animation_.emplace();
 }
 
 void Pictures::add(const Input& input, const Collisions& found) {
@@ -85,6 +91,7 @@ void Pictures::add(const Input& input, const Collisions& found) {
 void Pictures::finish() {
     if (count_ == 0) return;
     for (const std::string& path : animated_) animation_->write(path);
+    if (stream_) animation_->write(*stream_);
 }
 
 }  // namespace crumple::cli

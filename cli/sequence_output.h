@@ -3,7 +3,6 @@
 // What a sequence leaves behind: a table with a row a frame, and coloured frames.
 
 #include <cstddef>
-#include <fstream>
 #include <memory>
 #include <optional>
 #include <ostream>
@@ -12,10 +11,11 @@
 
 #include "cli/search.h"
 #include "crumple/io.h"
+#include "io/atomic_file.h"
 
 namespace crumple::cli {
 
-/// Rows of a table, as CSV or JSON, each written out at once. Nothing is touched before the first row.
+/// Rows of a table, as CSV or JSON, each written out at once. A file appears when it is finished, and only then.
 class Table {
    public:
     /// A file.
@@ -23,17 +23,21 @@ class Table {
     /// A stream, which must outlive the table.
     Table(std::ostream& out, bool json) : out_(&out), json_(json) {}
 
-    /// Throws Error (file) if the file cannot be opened.
+    /// Throws Error (file) if the file cannot be made.
     void add(const std::string& frame, const Statistics& statistics);
     /// Whether everything could be written so far.
     bool well() const { return !out_ || *out_; }
-    /// Throws Error (file) if the file could not be written.
+    /// Throws Error (file) if the file could not be written. A table without rows is none.
     void finish();
+    /// After a failure: what a stream was given becomes a table, and a file stays as it was.
+    void give_up();
 
    private:
     std::string path_;  ///< empty: a stream
-    std::unique_ptr<std::ofstream> file_;
+    std::unique_ptr<io::AtomicFile> file_;
     std::ostream* out_ = nullptr;
+    void end_rows();
+
     bool json_;
     std::size_t count_ = 0;
 };
@@ -42,7 +46,8 @@ class Table {
 /// the end. Throws as io::write_coloured and io::ColouredAnimation do.
 class Pictures {
    public:
-    Pictures(const std::vector<std::string>& outputs, std::size_t frames);
+    /// Files, and an animation to a stream, which may be null and must outlive the pictures.
+    Pictures(const std::vector<std::string>& outputs, std::ostream* stream, std::size_t frames);
 
     void add(const Input& input, const Collisions& found);
     /// Writes what has been added, unless that is nothing.
@@ -50,6 +55,7 @@ class Pictures {
 
    private:
     std::vector<std::string> numbered_, animated_;
+    std::ostream* stream_;
     std::size_t frames_, count_ = 0;
     std::optional<io::ColouredAnimation> animation_;
 };

@@ -8,50 +8,16 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <streambuf>
 
 #include <fmt/format.h>
 
 #include "crumple/error.h"
+#include "io/file_buffer.h"
 
 namespace crumple::cli {
 
-namespace {
-
-/// Writes to standard output and remembers why it failed: std::cout leaves that to errno, which others overwrite.
-class StandardOutput : public std::streambuf {
-   public:
-    StandardOutput() { setp(buffer_.data(), buffer_.data() + buffer_.size()); }
-    int reason() const { return reason_; }
-
-   private:
-    int sync() override {
-        const char* from = pbase();
-        while (from != pptr() && !reason_) {
-            const ssize_t written = ::write(STDOUT_FILENO, from, static_cast<std::size_t>(pptr() - from));
-            if (written >= 0) {
-                from += written;
-            } else if (errno != EINTR) {
-                reason_ = errno;
-            }
-        }
-        setp(buffer_.data(), buffer_.data() + buffer_.size());
-        return reason_ ? -1 : 0;
-    }
-    int_type overflow(int_type c) override {
-        if (sync() != 0) return traits_type::eof();
-        if (!traits_type::eq_int_type(c, traits_type::eof())) sputc(traits_type::to_char_type(c));
-        return traits_type::not_eof(c);
-    }
-
-    std::array<char, 1 << 16> buffer_;
-    int reason_ = 0;
-};
-
-}  // namespace
-
 void to_standard_output(const std::function<void(std::ostream&)>& write) {
-    StandardOutput buffer;
+    io::FileBuffer buffer(STDOUT_FILENO);
     std::ostream out(&buffer);
     try {
         write(out);
@@ -70,28 +36,26 @@ void say(std::string_view text) {
     std::fflush(stderr);
 }
 
-void print_error(std::string_view message) {
+namespace {
+
+void print_line(std::string_view title, fmt::terminal_color colour, std::string_view message) {
     std::string line(message);
     while (!line.empty() && line.back() == '\n') line.pop_back();
     std::replace(line.begin(), line.end(), '\n', ' ');
-    say(on_terminal(2, fmt::fg(fmt::terminal_color::red) | fmt::emphasis::bold), "crumple:");
+    say(on_terminal(2, fmt::fg(colour) | fmt::emphasis::bold), "{}", title);
     say(" {}\n", line);
 }
+
+}  // namespace
+
+void print_error(std::string_view message) { print_line("crumple:", fmt::terminal_color::red, message); }
+
+void print_warning(std::string_view message) { print_line("crumple: warning:", fmt::terminal_color::yellow, message); }
 
 fmt::text_style on_terminal(int stream, fmt::text_style style) {
     const char* const no_colour = std::getenv("NO_COLOR");
     const bool plain = (no_colour && *no_colour) || !isatty(stream);
     return plain ? fmt::text_style() : style;
-}
-
-std::string grouped(std::int64_t number) {
-    const std::string digits = std::to_string(number);
-    std::string result;
-    for (std::size_t i = 0; i < digits.size(); ++i) {
-        if (i > 0 && (digits.size() - i) % 3 == 0) result += ',';
-        result += digits[i];
-    }
-    return result;
 }
 
 std::string readable_bytes(std::int64_t bytes) {

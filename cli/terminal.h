@@ -12,6 +12,8 @@
 #include <fmt/color.h>
 #include <fmt/format.h>
 
+#include "io/grouped.h"
+
 namespace crumple::cli {
 
 /// Calls write(out) and sees that everything arrives. That whoever reads has left (`crumple ... | head`) is no error.
@@ -31,12 +33,13 @@ void say(fmt::text_style style, fmt::format_string<Args...> format, Args&&... ar
 
 /// `crumple: message` in one line on standard error.
 void print_error(std::string_view message);
+/// `crumple: warning: message` in one line on standard error.
+void print_warning(std::string_view message);
 
 /// The style where the stream (1 or 2) is a terminal and NO_COLOR is not set, else none.
 fmt::text_style on_terminal(int stream, fmt::text_style style);
 
-/// 63,602; the number is not negative.
-std::string grouped(std::int64_t number);
+using io::grouped;
 /// 12.3 MiB
 std::string readable_bytes(std::int64_t bytes);
 

@@ -1,6 +1,7 @@
 // crumple verify: is somebody's list of pairs the answer?
 
 #include <algorithm>
+#include <iostream>
 #include <iterator>
 #include <memory>
 
@@ -47,14 +48,23 @@ void print_some(std::ostream& out, std::string_view what, const std::vector<Pair
 
 struct Verify {
     std::vector<std::string> files;  // meshes, then the list
+    std::string format;
     AnswerOptions answer;
     Options options;
 
     int run() const {
+        if (!format.empty() && !is_standard(files.back()))
+            throw Error(ErrorCode::invalid_argument, "--format is for a list from standard input, -", Element::option);
         Search search(answer, options);
-        std::vector<Pair> list = io::read_pairs(files.back());
+        check_standard_input(files);
+        std::vector<Pair> list = is_standard(files.back())
+                                     ? io::read_pairs(std::cin, "standard input" + (format.empty() ? "" : "." + format))
+                                     : io::read_pairs(files.back());
         const Input input = read_input({files.begin(), files.end() - 1}, answer);
-        const Array<Pair>& pairs = search.find(input).pairs;
+        Collisions of_polygons;
+        const Collisions& found = search.find(input);
+        if (answer.polygons) of_polygons = io::by_polygon(input.first, input.second_or_null(), found);
+        const Array<Pair>& pairs = answer.polygons ? of_polygons.pairs : found.pairs;
         const Comparison comparison = compare(std::move(list), pairs, !input.second);
         const bool right = comparison.right();
         const auto colour = fmt::fg(right ? fmt::terminal_color::green : fmt::terminal_color::red);
@@ -78,14 +88,18 @@ Command add_verify(CLI::App& app) {
     CLI::App& command =
         *app.add_subcommand("verify", "Tell whether a list of pairs is the whole answer and nothing else");
     command
-        .add_option(
-            "FILE", verify->files,
-            "One mesh or two, then a list of pairs in any order: a .csv, .json or .npz as detect -o writes it, or "
-            "text, the first two integers of each line")
+        .add_option("FILE", verify->files,
+                    "One mesh or two, then a list of pairs in any order: a .csv, .json or .npz as detect -o writes it, "
+                    "a .npy, or "
+                    "text, the first two integers of each line. One of them may be -, standard input")
         ->type_name("FILE [FILE_B] PAIRS")
         ->required()
         ->expected(2, 3);
+    command
+        .add_option("--format", verify->format, "What the list holds that comes from standard input; text without it")
+        ->type_name("txt|csv|json|npz|npy");
     add_answer_options(command, verify->answer);
+    add_polygons_option(command, verify->answer);
     add_cost_options(command, verify->options);
     command.footer(
         "Prints the counts and the first few of what is missing, extra or repeated; exits with status 1 if anything "

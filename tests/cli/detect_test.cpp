@@ -22,6 +22,14 @@ class Detect : public Cli {
         EXPECT_EQ(outcome.err, "") << arguments;
         return outcome.out;
     }
+    /// Standard error of a run that succeeds and prints no pairs: one line.
+    std::string summary(const std::string& arguments) const {
+        const Outcome outcome = crumple("detect " + arguments);
+        EXPECT_EQ(outcome.status, 0) << arguments;
+        EXPECT_EQ(outcome.out, "") << arguments;
+        EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+        return outcome.err;
+    }
 };
 
 TEST_F(Detect, WritesPairsToStandardOutput) { EXPECT_EQ(pairs("five.off"), five_pairs); }
@@ -122,7 +130,7 @@ TEST_F(Detect, PartsTogetherAreTheAnswer) {
 }
 
 TEST_F(Detect, WritesLists) {
-    EXPECT_EQ(pairs("five.off -o p.txt -o p.csv -o p.json -o p.npz"), "");
+    EXPECT_TRUE(summary("five.off -o p.txt -o p.csv -o p.json -o p.npz").starts_with("3 pairs, 5 of 5 triangles, "));
     EXPECT_EQ(read("p.txt"), five_pairs);
     EXPECT_EQ(read("p.csv"), "a,b\n0,1\n0,3\n2,4\n");
     const auto json = nlohmann::json::parse(read("p.json"));
@@ -133,14 +141,14 @@ TEST_F(Detect, WritesLists) {
 }
 
 TEST_F(Detect, WritesContactsToLists) {
-    EXPECT_EQ(pairs("five.off --contacts --output p.csv -o p.json"), "");
+    summary("five.off --contacts --output p.csv -o p.json");
     EXPECT_TRUE(contains(read("p.csv"), "0,3,point,1,0,0,0,"));
     EXPECT_EQ(nlohmann::json::parse(read("p.json"))["contacts"][0].dump(),
               R"({"kind":"segment","points":[[1,1,0],[2,2,0]]})");
 }
 
 TEST_F(Detect, WritesColouredMeshes) {
-    EXPECT_EQ(pairs("-o c.ply -o c.obj -o c.glb five.off two.off"), "");
+    EXPECT_TRUE(summary("-o c.ply -o c.obj -o c.glb five.off two.off").starts_with("4 pairs, 6 of 7 triangles, "));
     EXPECT_EQ(io::read_mesh(file("c.ply")).triangle_count(), 7);
     EXPECT_TRUE(contains(read("c.ply"), "property uchar red"));
     EXPECT_EQ(io::read_mesh(file("c.obj")).triangle_count(), 7);
@@ -150,10 +158,82 @@ TEST_F(Detect, WritesColouredMeshes) {
 
 TEST_F(Detect, ChecksByExitStatus) {
     EXPECT_EQ(crumple("detect five.off --check").status, 1);
-    EXPECT_EQ(crumple("detect five.off --check").out, five_pairs);
+    EXPECT_EQ(crumple("detect five.off --check").out, "something collides\n");
+    EXPECT_EQ(crumple("detect near.off --check").out, "nothing collides\n");
+    for (const char* options : {"", " --stats", " --part 1/1", " --polygons", " --backend reference"}) {
+        const Outcome outcome = crumple(std::string("detect five.off two.off --check") + options);
+        EXPECT_EQ(outcome.status, 1) << options;
+        EXPECT_EQ(outcome.out, "something collides\n") << options;
+    }
     EXPECT_EQ(crumple("detect five.off --check -o p.txt").status, 1);
     EXPECT_EQ(read("p.txt"), five_pairs);
     EXPECT_EQ(crumple("detect near.off --check").status, 0);
+}
+
+TEST_F(Detect, TellsInOneLineWhatAFileHolds) {
+    EXPECT_TRUE(summary("near.off -o p.txt").starts_with("nothing collides: 2 triangles, "));
+    write("one.off", "OFF\n6 2 0\n0 0 0\n2 0 0\n0 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n3 3 4 5\n");
+    EXPECT_TRUE(summary("one.off -o p.txt").starts_with("1 pair, 2 of 2 triangles, "));
+    EXPECT_FALSE(contains(crumple("detect one.off -o p.txt --stats").err, "1 pair,"));
+}
+
+TEST_F(Detect, WritesAPage) {
+    summary("five.off two.off --contacts -o p.html");
+    const std::string page = read("p.html");
+    EXPECT_TRUE(page.starts_with("<!DOCTYPE html>"));
+    EXPECT_TRUE(page.ends_with("</html>\n"));
+    EXPECT_TRUE(contains(page, "4 colliding pairs of 7 triangles"));
+    for (const char* entry : {"first mesh: collides", "first mesh: free", "second mesh: collides", "contact"})
+        EXPECT_TRUE(contains(page, entry)) << entry;
+    EXPECT_FALSE(contains(page, "@ID@") || contains(page, "@DATA@"));
+}
+
+TEST_F(Detect, ListsPolygons) {
+    // Two squares that cross, each cut in two, and a triangle that touches the first.
+    write("squares.obj",
+          "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 -1 -1\nv 1 3 -1\nv 1 3 1\nv 1 -1 1\nv 9 0 0\nv 9 1 0\nv 2 1 0\n"
+          "f 1 2 3 4\nf 5 6 7 8\nf 9 10 11\n");
+    EXPECT_EQ(pairs("squares.obj"), "0 2\n0 3\n0 4\n1 2\n1 3\n");
+    EXPECT_EQ(pairs("squares.obj --polygons"), "0 1\n0 2\n");
+    EXPECT_EQ(pairs("squares.obj squares.obj --polygons"), "0 0\n0 1\n0 2\n1 0\n1 1\n2 0\n2 2\n");
+    EXPECT_TRUE(summary("squares.obj --polygons -o c.ply -o c.obj -o c.html -o c.glb -o c.json")
+                    .starts_with("2 pairs, 3 of 3 polygons, "));
+    EXPECT_TRUE(contains(read("c.ply"), "element face 3"));
+    EXPECT_TRUE(contains(read("c.obj"), "usemtl colliding\nf 1 2 3 4\nf 5 6 7 8\nf 9 10 11\n")) << read("c.obj");
+    EXPECT_TRUE(contains(read("c.html"), "2 colliding pairs of 3 polygons"));
+    EXPECT_EQ(io::read_mesh(file("c.ply")).polygons.count(), 3);
+    EXPECT_EQ(shell("$crumple detect squares.obj --polygons | $crumple verify squares.obj - --polygons").status, 0);
+    write("folded.obj", "v 0 0 0\nv 4 0 0\nv 0 4 0\nv 4 0 0.5\nv 1 1 -1\nv 1 1 1\nv 3 3 0\nf 5 6 7\nf 1 2 3\n");
+    EXPECT_EQ(pairs("folded.obj --polygons"), "0 1\n");
+    const Outcome contacts = crumple("detect squares.obj --polygons --contacts");
+    EXPECT_EQ(contacts.status, 2);
+    EXPECT_TRUE(contains(contacts.err, "--contacts belong to triangles")) << contacts.err;
+    EXPECT_EQ(crumple("detect squares.obj --polygons --part 1/2").status, 2);
+}
+
+TEST_F(Detect, APolygonMayCollideWithItself) {
+    write("bow.obj", "v 0 0 0\nv 3 3 0\nv 3 0 0\nv 0 3 0\nf 1 2 3 4\n");
+    const Outcome fan = crumple("detect bow.obj --polygons");
+    EXPECT_EQ(fan.out, "0 0\n");
+    EXPECT_EQ(fan.err, "crumple: warning: bow.obj, line 5: a polygon crosses itself and is fanned\n");
+    EXPECT_EQ(crumple("detect bow.obj --strict").status, 2);
+}
+
+TEST_F(Detect, CutsConcavePolygonsOrFansThem) {
+    write("chevron.obj", "v 4 -2 0\nv 1 0 0\nv 4 2 0\nv 0 0 0\nf 1 2 3 4\n");
+    EXPECT_EQ(pairs("chevron.obj"), "");
+    EXPECT_EQ(pairs("chevron.obj --triangulation ears"), "");
+    EXPECT_EQ(pairs("chevron.obj --triangulation fan"), "0 1\n");
+}
+
+TEST_F(Detect, WarnsInALineEach) {
+    write("odd.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nseam 1 2\nseam 2 3\n");
+    const Outcome outcome = crumple("detect odd.obj");
+    EXPECT_EQ(outcome.status, 0);
+    EXPECT_EQ(outcome.err,
+              "crumple: warning: odd.obj, line 4: the unknown statement 'seam' is skipped, and 1 more like it\n"
+              "crumple: warning: odd.obj: it holds no triangles\n");
+    EXPECT_EQ(crumple("info odd.obj --strict").status, 2);
 }
 
 TEST_F(Detect, PrintsStatisticsToStandardError) {
@@ -167,9 +247,19 @@ TEST_F(Detect, PrintsStatisticsToStandardError) {
     }
 }
 
-TEST_F(Detect, MemoryLimitNamesTheLimitThatSuffices) {
+TEST_F(Detect, MemoryLimitNamesALowerBoundAndTheOptionThatCounts) {
     ASSERT_EQ(crumple("make bodies --triangles 3000 -o bodies.ply").status, 0);
     const Outcome outcome = crumple("detect bodies.ply --memory-limit 1000");
+    EXPECT_EQ(outcome.status, 3);
+    EXPECT_TRUE(is_error_line(outcome.err)) << outcome.err;
+    EXPECT_TRUE(contains(outcome.err, "crumple: bodies.ply: ")) << outcome.err;
+    EXPECT_TRUE(contains(outcome.err, "of 1000 bytes is too small; at least ")) << outcome.err;
+    EXPECT_TRUE(contains(outcome.err, " bytes are needed (--count-bytes-needed counts")) << outcome.err;
+}
+
+TEST_F(Detect, MemoryLimitNamesTheLimitThatSufficesIfAskedTo) {
+    ASSERT_EQ(crumple("make bodies --triangles 3000 -o bodies.ply").status, 0);
+    const Outcome outcome = crumple("detect bodies.ply --memory-limit 1000 --count-bytes-needed");
     EXPECT_EQ(outcome.status, 3);
     EXPECT_EQ(outcome.out, "");
     EXPECT_TRUE(is_error_line(outcome.err)) << outcome.err;

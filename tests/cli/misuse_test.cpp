@@ -23,7 +23,11 @@ TEST_F(Misuse, OfTheCommandLine) {
     expect_refused("--fast", "crumple has no option --fast");
     expect_refused("detect", "detect: FILE is required");
     expect_refused("detect five.off five.off five.off", "FILE is given 3 times, and at most 2 are possible");
-    expect_refused("detect five.off --fast", "detect has no option --fast");
+    expect_refused("detect five.off --fast", "detect has no option --fast; see crumple detect --help");
+    expect_refused("detect five.off --neighbors skip", "no option --neighbors; did you mean --neighbours?");
+    expect_refused("info five.off --wels", "info has no option --wels; did you mean --weld?");
+    expect_refused("detect five.off --out x.txt", "detect has no option --out; did you mean --output?");
+    expect_refused("--verison", "crumple has no option --verison; did you mean --version?");
     expect_refused("detect five.off --threads 1 --threads 2", "--threads is given 2 times, and at most 1 is possible");
     expect_refused("detect five.off -o", "--output needs a value: OUT");
     expect_refused("verify five.off", "FILE: at least 2 are needed, not 1");
@@ -67,7 +71,16 @@ TEST_F(Misuse, OfOptionsThatDoNotGoTogether) {
     expect_refused("detect five.off --groups components", "--wanted");
     expect_refused("detect five.off --backend reference --threads 2", "--threads does not apply");
     expect_refused("detect five.off --backend reference --clusters 2", "--clusters does not apply");
+    expect_refused("detect five.off --count-bytes-needed", "changes nothing without --memory-limit");
     expect_refused("detect five.off --contacts -o x.glb", "hold no contacts");
+    expect_refused("detect five.off --contacts --check", "--contacts are not printed with --check");
+    expect_refused("detect five.off -o -", "-o - needs --format");
+    expect_refused("detect five.off -o - --format obj", "needs a file beside it");
+    expect_refused("detect five.off -o - --format doc", "-o - --format doc: pairs are written as");
+    expect_refused("detect five.off -o x.txt --format csv", "--format is for -o -");
+    expect_refused("make cloth -o -", "-o - needs --format");
+    expect_refused("make cutting --all-frames -o - --format ply", "--all-frames needs files");
+    expect_refused("detect - -", "standard input, -, can be read once");
     expect_refused("sequence five.off --json -o x.csv", "--json");
 }
 
@@ -76,6 +89,14 @@ TEST_F(Misuse, OfOutputs) {
     expect_refused("detect five.off -o x.doc", "x.doc");
     expect_refused("detect five.off -o ''", "-o '': ");
     expect_refused("detect five.off -o x", ".txt, .csv, .json or .npz");
+    expect_refused("detect five.off -o no/folder/x.txt", "there is no folder no/folder");
+    expect_refused("detect five.off -o five.off/x.txt", "five.off is no folder");
+    write("x.mtl", "newmtl mine\n");
+    expect_refused("detect five.off -o x.obj", "x.mtl: it holds the materials of another mesh");
+    EXPECT_EQ(read("x.mtl"), "newmtl mine\n");
+    EXPECT_FALSE(fs::exists(file("x.obj")));
+    write("g.mtl", "0\n0\n0\n0\n0\n");
+    expect_refused("detect five.off --groups g.mtl --wanted between -o g.obj", "g.mtl would overwrite the input g.mtl");
     expect_refused("detect five.off -o no/such/folder.txt", "no/such");
     expect_refused("sequence five.off -o x.txt", ".csv or .json");
     expect_refused("sequence five.off -o no/such/folder.csv", "no/such");
@@ -130,7 +151,7 @@ TEST_F(Misuse, OfFiles) {
     expect_refused("detect ''", "cannot read '': ");
     expect_refused("detect .", "crumple: ");
     expect_refused("detect five.off missing.ply", "missing.ply");
-    refused("empty.ply", "", "");
+    refused("empty.ply", "", "the file is empty");
     refused("text.txt", "Dear reader,\n", "PLY, OBJ, STL or OFF");
     refused("short.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n", "line");
     refused("index.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n", "line 6");

@@ -34,6 +34,16 @@ TEST_F(Pipe, FullDiskIsAnError) {
     }
 }
 
+TEST_F(Pipe, AFileThatMayNotGrowIsAnErrorAndLeavesTheOldOne) {
+    write("old.ply", "precious");
+    const Outcome outcome =
+        shell("ulimit -f 16; $crumple detect big.ply -o old.ply; status=$?; ls -A >names; exit $status");
+    EXPECT_EQ(outcome.status, 2);
+    EXPECT_TRUE(is_error_line(outcome.err) && contains(outcome.err, "old.ply: File too large")) << outcome.err;
+    EXPECT_EQ(read("old.ply"), "precious");
+    EXPECT_FALSE(contains(read("names"), ".old.ply")) << read("names");
+}
+
 // What is told on standard error may be lost; the work and the status may not.
 TEST_F(Pipe, NobodyNeedsToReadStandardError) {
     for (const std::string nowhere : {"2>/dev/full", "2>&-", "2> >(true)"}) {
@@ -48,6 +58,32 @@ TEST_F(Pipe, NobodyNeedsToReadStandardError) {
 TEST_F(Pipe, ReadsAPipe) {
     EXPECT_EQ(shell("cat five.off | $crumple detect /dev/stdin").out, five_pairs);
     EXPECT_EQ(shell("$crumple detect five.off | $crumple verify five.off /dev/stdin").status, 0);
+}
+
+TEST_F(Pipe, ADashIsStandardInputOrOutput) {
+    EXPECT_EQ(shell("cat five.off | $crumple detect -").out, five_pairs);
+    EXPECT_EQ(shell("cat five.off | $crumple detect five.off - --check").status, 1);
+    EXPECT_EQ(shell("$crumple detect five.off | $crumple verify five.off -").status, 0);
+    for (const std::string format : {"txt", "csv", "json", "npz"}) {
+        const std::string list = "$crumple detect five.off -o - --format " + format;
+        EXPECT_EQ(shell(list + " | $crumple verify five.off - --format " + format).status, 0) << format;
+    }
+    EXPECT_TRUE(contains(shell("cat five.off | $crumple info -").out, "triangles             5"));
+    EXPECT_EQ(shell("cat five.off | $crumple sequence - --check >/dev/null").status, 1);
+    EXPECT_EQ(shell("$crumple make lattice --triangles 20000 -o - --format ply | cmp - big.ply").status, 0);
+    for (const char* format : {"txt", "csv", "json", "npz", "ply", "glb", "html"}) {
+        const std::string name = std::string("out.") + format;
+        EXPECT_EQ(shell("$crumple detect five.off -o " + name).status, 0);
+        const Outcome outcome = shell(std::string("$crumple detect five.off -o - --format ") + format);
+        EXPECT_EQ(outcome.err, "") << format;
+        if (std::string(format) == "json" || std::string(format) == "html") {  // times, names of elements
+            EXPECT_EQ(outcome.out.substr(0, 40), read(name).substr(0, 40));
+        } else {
+            EXPECT_TRUE(outcome.out == read(name)) << format;
+        }
+    }
+    const Outcome bad = shell("printf 'OFF 1 1 0 x' | $crumple detect -");
+    EXPECT_TRUE(contains(bad.err, "crumple: standard input, line 1: ")) << bad.err;
 }
 
 TEST_F(Pipe, ColourIsForTerminals) {

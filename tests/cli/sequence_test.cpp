@@ -25,19 +25,26 @@ class Sequence : public Cli {
         return result;
     }
     /// Starts a sequence of thousands of frames, presses Ctrl-C after the first rows, and returns the exit status.
-    int interrupt(const std::string& output) const {
+    int interrupt(const std::string& output, const std::string& signal = "INT") const {
         EXPECT_EQ(crumple("make soup --triangles 5000 -o frame.ply").status, 0);
         std::string command = "exec $crumple sequence -o " + output;
         for (int i = 0; i < 5000; ++i) command += " frame.ply";
-        const std::string rows = file(output.substr(0, output.find(' '))).string();
         std::thread keyboard([&] {
-            while (lines(text_of(rows)).size() < 4) std::this_thread::sleep_for(std::chrono::milliseconds(5));
-            EXPECT_EQ(std::system(("kill -INT $(cat " + file("pid").string() + ")").c_str()), 0);
+            while (lines(text_of(unfinished())).size() < 4) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+            EXPECT_EQ(std::system(("kill -" + signal + " $(cat " + file("pid").string() + ")").c_str()), 0);
         });
         const Outcome outcome = shell("{ trap - INT; echo $BASHPID >pid; " + command + "; } & wait $!");
         keyboard.join();
-        EXPECT_TRUE(contains(outcome.err, "interrupted after ")) << outcome.err;
+        EXPECT_EQ(contains(outcome.err, "interrupted after "), signal == "INT") << outcome.err;
+        EXPECT_EQ(unfinished(), "") << "nothing hidden stays";
         return outcome.status;
+    }
+
+    /// The file that is being written, or nothing.
+    std::string unfinished() const {
+        for (const auto& entry : fs::directory_iterator(file("")))
+            if (entry.path().filename().string().starts_with(".t.")) return entry.path().string();
+        return "";
     }
 };
 
@@ -106,11 +113,28 @@ TEST_F(Sequence, WritesColouredFrames) {
     EXPECT_FALSE(fs::exists(file("c2.ply")));
 }
 
-TEST_F(Sequence, LeavesTheFramesBeforeABadOne) {
-    EXPECT_EQ(crumple("sequence a.off missing.off -o c.glb").status, 2);
-    EXPECT_TRUE(read("c.glb").starts_with("glTF"));
-    EXPECT_EQ(crumple("sequence missing.off -o none.glb").status, 2);
-    EXPECT_FALSE(fs::exists(file("none.glb")));
+TEST_F(Sequence, ABadFrameLeavesTablesAndAnimationsAsTheyWere) {
+    write("old.csv", "precious\n");
+    write("old.glb", "precious\n");
+    for (const char* const frames : {"missing.off a.off", "a.off missing.off", "a.off a.off missing.off"}) {
+        EXPECT_EQ(crumple(std::string("sequence -o old.csv -o new.json -o old.glb ") + frames).status, 2);
+        EXPECT_EQ(read("old.csv"), "precious\n");
+        EXPECT_EQ(read("old.glb"), "precious\n");
+        EXPECT_FALSE(fs::exists(file("new.json")));
+    }
+    EXPECT_EQ(crumple("sequence a.off -o old.csv").status, 0);
+    EXPECT_EQ(lines(read("old.csv")).size(), 2u);
+    EXPECT_EQ(std::distance(fs::directory_iterator(file("")), fs::directory_iterator()), 6) << "no hidden files";
+}
+
+TEST_F(Sequence, WritesToStandardOutputWhatTheFormatSays) {
+    EXPECT_EQ(lines(crumple("sequence a.off a.off -o - --format csv").out).size(), 3u);
+    EXPECT_EQ(nlohmann::json::parse(crumple("sequence a.off a.off -o - --format json -o t.csv").out).size(), 2u);
+    EXPECT_TRUE(crumple("sequence a.off a.off -o - --format glb").out.starts_with("glTF"));
+    EXPECT_EQ(lines(read("t.csv")).size(), 3u);
+    for (const char* wrong :
+         {"-o -", "-o - --format ply", "--format csv", "-o t.csv --format csv", "-o - -o - --format csv"})
+        EXPECT_EQ(crumple(std::string("sequence a.off ") + wrong).status, 2) << wrong;
 }
 
 TEST_F(Sequence, RefusesWhatMakesNoSense) {
@@ -148,18 +172,7 @@ TEST_F(Sequence, KeepsTheRowsBeforeABadFrame) {
     EXPECT_EQ(outcome.status, 2);
     EXPECT_TRUE(is_error_line(outcome.err) && contains(outcome.err, "missing.off")) << outcome.err;
     EXPECT_EQ(lines(outcome.out).size(), 2u);
-    EXPECT_EQ(crumple("sequence a.off missing.off -o t.json").status, 2);
-    EXPECT_EQ(nlohmann::json::parse(read("t.json")).size(), 1u);
-}
-
-TEST_F(Sequence, TouchesNoFileBeforeTheFirstRow) {
-    write("old.csv", "precious\n");
-    EXPECT_EQ(crumple("sequence missing.off a.off -o old.csv").status, 2);
-    EXPECT_EQ(read("old.csv"), "precious\n");
-    EXPECT_EQ(crumple("sequence missing.off -o new.json").status, 2);
-    EXPECT_FALSE(fs::exists(file("new.json")));
-    EXPECT_EQ(crumple("sequence a.off -o old.csv").status, 0);
-    EXPECT_EQ(lines(read("old.csv")).size(), 2u);
+    EXPECT_EQ(nlohmann::json::parse(crumple("sequence --json a.off missing.off").out).size(), 1u);
 }
 
 TEST_F(Sequence, WritesTimesInMicroseconds) {
@@ -176,6 +189,12 @@ TEST_F(Sequence, SurvivesCtrlC) {
     EXPECT_LT(rows.size(), 5000u);
     EXPECT_EQ(rows.front(), header);
     EXPECT_EQ(std::count(rows.back().begin(), rows.back().end(), ','), 10) << rows.back();
+}
+
+TEST_F(Sequence, LeavesNothingHiddenWhenKilled) {
+    write("t.csv", "precious\n");
+    EXPECT_EQ(interrupt("t.csv", "TERM"), 128 + SIGTERM);
+    EXPECT_EQ(read("t.csv"), "precious\n");
 }
 
 TEST_F(Sequence, LeavesAnAnimationAfterCtrlC) {
