@@ -8,8 +8,8 @@
     result = detector.find_self(vertices, faces, contacts=True)       # result.pairs, .offsets, .hit, .contacts
     result.save("collisions.png")
 
-Vertices are (n, 3) float32 or float64, faces (m, 3) integers: NumPy arrays, or anything that speaks DLPack. Any
-triangle soup will do. What counts as a collision: docs/contract.md.
+Vertices are (n, 3) float32 or float64, faces (m, 3) integers or flat: NumPy arrays, or anything that speaks DLPack.
+Any triangle soup will do. What counts as a collision: docs/contract.md.
 """
 
 from ._core import Part, Statistics, __version__
@@ -23,9 +23,9 @@ from ._detector import (
     has_intersections_between,
     list_devices,
 )
-from ._errors import BackendUnavailable, Error, FileError, InvalidInput, InvalidType, MemoryLimit
+from ._errors import BackendUnavailable, Error, FileError, FileWarning, InvalidInput, InvalidType, MemoryLimit
 from ._files import Scene, make_scene, read_mesh, read_pairs, scenes, write_mesh
-from ._mesh import Mesh, as_mesh
+from ._mesh import FileMesh, Mesh, Polygons, as_mesh
 from ._result import ContactKind, Contacts, Result
 
 __all__ = [
@@ -37,11 +37,14 @@ __all__ = [
     "DeviceList",
     "Error",
     "FileError",
+    "FileMesh",
+    "FileWarning",
     "InvalidInput",
     "InvalidType",
     "MemoryLimit",
     "Mesh",
     "Part",
+    "Polygons",
     "Result",
     "Scene",
     "Statistics",

@@ -28,6 +28,67 @@ def _kind_of_device(device: Any, name: str) -> int:
         raise InvalidType(f"{name} do not tell where they lie, by __dlpack_device__: {error}") from error
 
 
+def _refuse_mask(array: Any, name: str, **place: Any) -> None:
+    if isinstance(array, np.ma.MaskedArray) and np.ma.is_masked(array):
+        first = np.argwhere(np.ma.getmaskarray(array))[0].tolist()
+        if "element" in place:
+            place["index"] = first[0]
+        raise InvalidInput(
+            f"{name} masked at {tuple(first)}: a masked array must have no masked value; leave out what is masked, "
+            "numpy.ma.filled it, or pass its .data, which has no mask",
+            **place,
+        )
+
+
+def refuse_masked(array: Any, kind: str, which: str) -> None:
+    """For arrays that are read in place. A mask that masks nothing is none."""
+    name, element = {
+        "vertices": ("vertices are", "vertex"),
+        "faces": ("faces are", "triangle"),
+        "groups": ("groups are", "group"),
+        "group_pairs": ("excluded_groups are", "group"),
+    }[kind]
+    _refuse_mask(array, which + name, element=element)
+
+
+def _name_of_type(thing: Any) -> str:
+    return "None" if thing is None else type(thing).__name__
+
+
+def _length(row: Any) -> int | None:
+    try:
+        return None if isinstance(row, (str, bytes)) else len(row)
+    except TypeError:
+        return None
+
+
+def _ragged(rows: Any) -> str:
+    """Which rows are of unequal length; "" if none are."""
+    lengths = [_length(row) for row in rows]
+
+    def told(i: int) -> str:
+        return f"row {i} is {_name_of_type(rows[i])}" if lengths[i] is None else f"row {i} has {lengths[i]} elements"
+
+    other = next((i for i, length in enumerate(lengths) if length != lengths[0]), 0)
+    return f"{told(other)}, {told(0)}" if other else ""
+
+
+def _what_objects(array: Any, objects: np.ndarray) -> str:
+    """What an array of Python's objects holds instead of numbers, as far as can be told."""
+    if objects.ndim == 0:
+        return f"not {_name_of_type(array)}"
+    if objects.ndim == 1 and any(_length(row) is not None for row in objects):
+        return f"not of rows: {_ragged(objects) or 'numpy.stack joins them'}"
+    integers = True
+    for place, element in np.ndenumerate(objects):
+        if isinstance(element, bool) or not isinstance(element, (int, float, np.integer, np.floating)):
+            return f"but element {place} is {_name_of_type(element)}"
+        integers = integers and isinstance(element, (int, np.integer))
+        if integers and not -(2**63) <= element < 2**64:
+            return f"but element {place} is {element}, which no integer of 64 bits can hold"
+    return f"not of objects; convert it, for instance by .astype({'int64' if integers else 'float64'!r})"
+
+
 def host_array(array: Any, name: str, in_place: str = "") -> np.ndarray:
     """The array, which must lie in host memory. `in_place`: what the cuda backend reads where it lies."""
     device = getattr(array, "__dlpack_device__", None)
@@ -40,12 +101,37 @@ def host_array(array: Any, name: str, in_place: str = "") -> np.ndarray:
             raise InvalidInput(f"{name} lie in {memory} memory, but are wanted in the host's: {_TO_HOST}")
     try:
         speaks_dlpack_only = device is not None and not hasattr(array, "__array__")
-        result = np.from_dlpack(array) if speaks_dlpack_only else np.asarray(array)
+        result = np.from_dlpack(array) if speaks_dlpack_only else np.asanyarray(array)
+    except MemoryError as error:
+        why = str(error) or "the machine has no memory left"
+        raise MemoryError(f"{name} cannot be read as an array: {why}") from error
     except Exception as error:
-        raise InvalidInput(f"{name} cannot be read as an array: {error}") from error
+        why = _ragged(array) if isinstance(error, ValueError) and _is_sequence(array) else ""
+        raise InvalidInput(f"{name} cannot be read as an array: {why or error}") from error
+    _refuse_mask(result, f"{name} are")
+    for row in array if _is_sequence(array) else ():
+        _refuse_mask(row, f"{name}: a row is")
+    result = np.asarray(result)
     if result.dtype == object:
-        raise InvalidInput(f"{name} must be an array of numbers, not {type(array).__name__}")
+        raise InvalidInput(f"{name} must be an array of numbers, {_what_objects(array, result)}")
     return result
+
+
+def _triangles(array: np.ndarray, name: str) -> np.ndarray:
+    """(m, 3), of an array that may be flat."""
+    if array.ndim != 1:
+        return _rows(array, 3, name)
+    if len(array) and len(array) % 4 == 0 and (array[::4] == 3).all():
+        raise InvalidInput(
+            f"{name} look like cells with their sizes, (3, a, b, c, 3, d, e, f, ...): "
+            "pass .reshape(-1, 4)[:, 1:] of them"
+            + (", or .reshape(-1, 3) if they are triangles nevertheless" if len(array) % 3 == 0 else "")
+        )
+    if len(array) % 3:
+        raise InvalidInput(
+            f"{name} must have shape (n, 3), or be flat with three indices a triangle, not {array.shape}"
+        )
+    return array.reshape(-1, 3)
 
 
 def _rows(array: np.ndarray, columns: int, name: str) -> np.ndarray:
@@ -89,7 +175,7 @@ def vertices(array: Any, which: str) -> np.ndarray:
 def faces(array: Any, which: str) -> np.ndarray:
     """(m, 3) of int64. Nothing is truncated: what int64 cannot hold names no vertex."""
     name = which + "faces"
-    result = _rows(_integers(array, name, "(m, 3) of int32, uint32 or int64"), 3, name)
+    result = _triangles(_integers(array, name, "(m, 3) or (3m) of int32, uint32 or int64"), name)
     if result.dtype.kind == "u" and result.dtype.itemsize == 8 and result.size:
         too_large = np.argwhere(result > np.iinfo(np.int64).max)
         if len(too_large):

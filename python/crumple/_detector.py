@@ -6,6 +6,8 @@ from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeVar
 
 from . import _core
+from ._errors import InvalidInput
+from ._names import suggesting
 from ._result import Result
 
 if TYPE_CHECKING:
@@ -50,7 +52,9 @@ class Detector(_core.Detector):
             "automatic" is "cuda" where it was built and a device is there, else "cpu".
         threads: 0: as many as the machine has; they start when the detector is made.
         memory_limit: bytes that the detector may own, 0: no limit. Results in Python's hands are not counted.
-            Work that exceeds the limit is cut into chunks, on one thread.
+            Work that exceeds the limit is cut into chunks, on one thread; what does not fit even so raises MemoryLimit.
+        count_bytes_needed: before it raises MemoryLimit, count all pairs to name a limit that suffices, which may take
+            minutes. Without it a lower bound is named at once.
         clusters: parts of the first level of subdivision, 1 to 64; 0: chosen from the number of triangles.
         leaf_size: triangles that a leaf should have; larger clusters are subdivided again.
         fuzziness: t of fuzzy C-means, above 1.
@@ -61,7 +65,8 @@ class Detector(_core.Detector):
         simd: instruction set: "automatic" takes the best that the machine has.
         device: number of the device that the cuda backend works on.
 
-    No option changes an answer, only its cost. Raises InvalidInput for options out of range, BackendUnavailable for
+    No option changes an answer, only its cost. A detector keeps its options: a second __init__ is refused. Raises
+    InvalidInput for options out of range, BackendUnavailable for
     what this machine or build lacks.
 
     Source: D. Mainzer, G. Zachmann, "Collision Detection Based on Fuzzy Scene Subdivision", Algorithm 1: clusters by
@@ -71,12 +76,14 @@ class Detector(_core.Detector):
 
     __slots__ = ("__weakref__", "_options")
 
+    @suggesting
     def __init__(
         self,
         *,
         backend: Backend = "automatic",
         threads: int = 0,
         memory_limit: int = 0,
+        count_bytes_needed: bool = False,
         clusters: int = 0,
         leaf_size: int = 3000,
         fuzziness: float = 2.0,
@@ -88,13 +95,16 @@ class Detector(_core.Detector):
         device: int = 0,
     ) -> None:
         options = {name: value for name, value in locals().items() if name != "self"}
-        _core.Detector.__init__(self, **options)
+        super().__init__(**options)
         self._options = options
 
     @property
     def options(self) -> dict[str, Any]:
         """What the detector was made with."""
-        return dict(self._options)
+        try:
+            return dict(self._options)
+        except AttributeError:
+            raise InvalidInput("crumple.Detector.__init__ has not been called", element="option") from None
 
     @property
     def backend(self) -> str:
@@ -115,7 +125,11 @@ class Detector(_core.Detector):
         super().cancel()
 
     def __repr__(self) -> str:
-        return "crumple.Detector(" + ", ".join(f"{name}={value!r}" for name, value in self._options.items()) + ")"
+        try:
+            options = self._options
+        except AttributeError:
+            return "<crumple.Detector whose __init__ has not been called>"
+        return "crumple.Detector(" + ", ".join(f"{name}={value!r}" for name, value in options.items()) + ")"
 
     @_in_c_plus_plus
     def find_self(
@@ -137,7 +151,7 @@ class Detector(_core.Detector):
 
         Args:
             vertices: (n, 3) float32 or float64; or a mesh, and then no `faces`.
-            faces: (m, 3) integers.
+            faces: (m, 3) integers, or flat: three a triangle.
             groups: (m,) integers that fit int32, one a triangle; None: the mesh's, or all in group 0.
             neighbours: pairs that share a vertex. "geometric": they collide only if they meet outside the hull of what
                 they share (a fold counts, a hinge does not); "skip": never reported.
@@ -218,6 +232,7 @@ class Detector(_core.Detector):
         """
         raise NotImplementedError
 
+    @suggesting
     def partition(self, mesh: Any, second: Any = None, *, count: int) -> list[_core.Part]:
         """Cuts a scene of one mesh or two into `count` (1 to 64) overlapping, independent parts.
 

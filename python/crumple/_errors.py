@@ -11,7 +11,8 @@ class Error(Exception):
             "format", "cancelled" or "device".
         element: what `index` counts: "vertex", "triangle", "group", "option", "line", "byte" or "none".
         index: the first offending element, -1 if there is none.
-        bytes_needed: MemoryLimit: the limit, in bytes, that suffices; otherwise 0.
+        bytes_needed: MemoryLimit: the limit, in bytes, that suffices, or a lower bound on it; otherwise 0.
+        bytes_needed_at_least: `bytes_needed` is a lower bound; Detector(count_bytes_needed=True) names what suffices.
     """
 
     def __init__(
@@ -22,19 +23,25 @@ class Error(Exception):
         element: str = "none",
         index: int = -1,
         bytes_needed: int = 0,
+        bytes_needed_at_least: bool = False,
     ) -> None:
         super().__init__(message)
         self.code = code
         self.element = element
         self.index = index
         self.bytes_needed = bytes_needed
+        self.bytes_needed_at_least = bytes_needed_at_least
 
     def __reduce__(self):
-        return _restore, (type(self), str(self), self.code, self.element, self.index, self.bytes_needed)
+        place = {name: getattr(self, name) for name in _PLACE}
+        return _restore, (type(self), str(self), place)
 
 
-def _restore(kind, message, code, element, index, bytes_needed):
-    return kind(message, code=code, element=element, index=index, bytes_needed=bytes_needed)
+_PLACE = ("code", "element", "index", "bytes_needed", "bytes_needed_at_least")
+
+
+def _restore(kind, message, place):
+    return kind(message, **place)
 
 
 class InvalidInput(Error, ValueError):
@@ -46,11 +53,15 @@ class InvalidType(InvalidInput, TypeError):
 
 
 class MemoryLimit(Error, MemoryError):
-    """Records or result do not fit the detector's memory limit; `bytes_needed` is a limit that suffices."""
+    """Records or result do not fit the detector's memory limit; `bytes_needed` tells how much is needed."""
 
 
 class BackendUnavailable(Error):
     """The backend or instruction set asked for was not built or is not on this machine."""
+
+
+class FileWarning(UserWarning):
+    """A file is read, but something about it is odd. The sentence names the file and the line or byte."""
 
 
 class FileError(Error, OSError):

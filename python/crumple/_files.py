@@ -3,23 +3,29 @@
 from __future__ import annotations
 
 import os
+import warnings
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 from . import _core
-from ._mesh import Mesh
+from ._errors import FileWarning
+from ._mesh import FileMesh, Mesh, Polygons
+from ._names import suggesting
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
 
+@suggesting
 def read_mesh(
     path: str | os.PathLike[str],
     *,
     precision: Literal["automatic", "float32", "float64"] = "automatic",
     weld: Literal["automatic", "yes", "no"] = "automatic",
     group_property: str = "",
-) -> Mesh:
+    triangulation: Literal["ears", "fan"] = "ears",
+    strict: bool = False,
+) -> FileMesh:
     """Reads PLY, OBJ, STL or OFF, told apart by content first and extension second.
 
     Args:
@@ -27,12 +33,24 @@ def read_mesh(
         precision: of the coordinates; "automatic" loses no bit of the file.
         weld: whether to join vertices at equal positions; "automatic": STL only, which names no vertices.
         group_property: PLY: the integer face property that holds the groups.
+        triangulation: how polygons become triangles. "ears": convex ones as a fan, concave ones without overlaps; "fan":
+            all from their first corner.
+        strict: raise InvalidInput for what would be a FileWarning.
 
-    Returns a Mesh of (n, 3) float32 or float64, (m, 3) int32 and, if asked for, (m,) int32. Polygons are fanned. Raises
-    FileError, and InvalidInput that names the file and the line or byte; never gives a part of a mesh. Hundreds of MB a
-    second, during which Ctrl-C waits.
+    Returns a FileMesh of (n, 3) float32 or float64, (m, 3) int32 and, if asked for, (m,) int32; it is a Mesh that also
+    tells the polygon of each triangle. Warns of what is odd about the file by FileWarning. Raises FileError, and
+    InvalidInput that names the file and the line or byte; never gives a part of a mesh. Hundreds of MB a second, during
+    which Ctrl-C waits. docs/input.md tells what the readers accept, warn of and refuse.
     """
-    return Mesh(*_core.read_mesh(path, precision, weld, group_property))
+    (vertices, faces, groups, polygons), odd = _core.read_mesh(
+        path, precision, weld, group_property, triangulation, strict
+    )
+    for message in odd:
+        warnings.warn(message, FileWarning, stacklevel=3)  # whoever called, past `suggesting`
+    mesh = FileMesh(vertices, faces, groups)
+    if polygons is not None:
+        mesh.polygons = Polygons(*polygons)
+    return mesh
 
 
 def write_mesh(path: str | os.PathLike[str], mesh: Any) -> None:
@@ -67,6 +85,7 @@ def scenes() -> list[Scene]:
     return [Scene(*description) for description in _core.scenes()]
 
 
+@suggesting
 def make_scene(name: str, *, triangles: int = 0, frame: int | None = None, seed: int = 1) -> Mesh:
     """Makes a procedural scene, the same bits on every machine.
 
@@ -79,4 +98,4 @@ def make_scene(name: str, *, triangles: int = 0, frame: int | None = None, seed:
     Returns a Mesh with groups. Raises InvalidInput. Simulated scenes take seconds to minutes, the first time; Ctrl-C
     ends them between two frames.
     """
-    return Mesh(*_core.make_scene(name, triangles, frame, seed))
+    return Mesh(*_core.make_scene(name, triangles, frame, seed)[:3])

@@ -12,13 +12,40 @@ class Mesh(NamedTuple):
 
     Attributes:
         vertices: (n, 3) float32 or float64: NumPy, or anything that speaks DLPack or the buffer protocol; any strides.
-        faces: (m, 3) integers, indices into `vertices`.
+        faces: (m, 3) integers, indices into `vertices`; or flat, three a triangle.
         groups: (m,) integers that fit int32, one group a face, or None: all in group 0.
     """
 
     vertices: Any
     faces: Any
     groups: Any = None
+
+
+class Polygons(NamedTuple):
+    """The polygons that a file's triangles were cut from.
+
+    `numpy.unique(numpy.sort(polygons.of_triangle[result.pairs]), axis=0)` are the pairs of polygons of one mesh that
+    collide; (p, p) is a polygon that collides with itself.
+
+    Attributes:
+        of_triangle: (m,) int32, the polygon of each triangle, ascending.
+        offsets: (p + 1,) int64; the corners of polygon i are corners[offsets[i]:offsets[i + 1]].
+        corners: (k,) int32, indices into the vertices, in the order of the file.
+    """
+
+    of_triangle: Any
+    offsets: Any
+    corners: Any
+
+
+class FileMesh(Mesh):
+    """A Mesh that was read from a file.
+
+    Attributes:
+        polygons: the file's Polygons, or None where each of its faces is a triangle.
+    """
+
+    polygons: Polygons | None = None
 
 
 def as_mesh(mesh: Any) -> Mesh:

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import io
 import os
 from collections.abc import Iterator
-from contextlib import contextmanager
 from enum import IntEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ._core import Collisions, Statistics, set_result_class
-from ._errors import FileError, InvalidInput, InvalidType
+from . import _core
+from ._core import Collisions, Statistics, duplicate, set_result_class
+from ._errors import InvalidInput, InvalidType
 from ._mesh import Mesh
 
 if TYPE_CHECKING:
@@ -18,8 +19,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _PAIR_FILES = {".txt", ".csv", ".json", ".npz"}
-_MESH_FILES = {".ply", ".obj", ".glb"}
-_PICTURES = {".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff"}
+_MESH_FILES = {".ply", ".obj", ".glb", ".html"}
+_PICTURES = {".png": "PNG", ".jpg": "JPEG", ".jpeg": "JPEG", ".bmp": "BMP", ".tif": "TIFF", ".tiff": "TIFF"}
 
 
 def _file_name(path: Any) -> str:
@@ -33,15 +34,6 @@ def _file_name(path: Any) -> str:
     except UnicodeError:
         pass
     raise InvalidInput("path cannot be the name of a file")
-
-
-@contextmanager
-def _writing(name: str) -> Iterator[None]:
-    try:
-        yield
-    except OSError as error:
-        shown = os.fsencode(name).decode("utf-8", "backslashreplace")
-        raise FileError(f"cannot write {shown}: {error.strerror or error}", code="file", errno=error.errno) from error
 
 
 class ContactKind(IntEnum):
@@ -121,6 +113,11 @@ class Result(Collisions):
 
     `len(result)` is the number of pairs, and a result without pairs is false. A result keeps the input arrays too, for
     show, save and to_html, but not copies: pictures show what is in them then.
+
+    copy.copy shares all of that memory, copy.deepcopy none of it, the input arrays included. A pickled result is the
+    answer and its meshes as NumPy arrays, which have to lie on the host: 8 bytes a pair and 9 a triangle, 1 more for
+    each of the second mesh, with contacts 9 a pair and 24 a point, and what the meshes take. Neither carries what was
+    written into the arrays of copy=True. Unpickling checks that all of it fits together, or raises InvalidInput.
     """
 
     __slots__ = ("__weakref__", "_known")
@@ -165,6 +162,19 @@ class Result(Collisions):
         """Counts and times of the stages."""
         return self._statistics
 
+    def __reduce__(self) -> Any:
+        from ._pickling import restore, state_of
+
+        return restore, (state_of(self),)
+
+    def __copy__(self) -> Result:
+        return duplicate(self)
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Result:
+        from ._pickling import deep_copy
+
+        return deep_copy(self, memo)
+
     def __repr__(self) -> str:
         s = self.statistics
         return f"<crumple.Result: {s.pairs} colliding pairs of {s.triangles} triangles, {s.milliseconds:.3g} ms>"
@@ -185,35 +195,30 @@ class Result(Collisions):
         - .ply, .obj, .glb: the meshes with colliding triangles coloured
         - .png, .jpg, .jpeg, .bmp, .tif, .tiff: a picture, as show paints it; needs PyVista. `options`, for instance
           window_size=(1600, 1200), go to pyvista.Plotter.screenshot
-        - .html: a page to turn and zoom, as to_html makes it; `options`: height
+        - .html: a page to turn and zoom, which fills the window; with the option `height` a piece of one, as to_html
+          makes it
 
-        What shows a mesh needs its arrays on the host. Ctrl-C waits until the file is written. Raises InvalidInput for
-        other extensions and for options that a file has not, FileError, and ModuleNotFoundError without PyVista.
+        A file appears when it is whole; the old one stays until then. What shows a mesh needs its arrays on the host.
+        Ctrl-C waits until the file is written. Raises InvalidInput for other extensions and for options that a file has
+        not, FileError, and ModuleNotFoundError without PyVista.
         """
         name = _file_name(path)
         extension = Path(name).suffix.lower()
-        data = extension in _PAIR_FILES | _MESH_FILES
         for option in options:
-            if data or (extension == ".html" and option != "height"):
+            if extension in _PAIR_FILES | _MESH_FILES and (extension, option) != (".html", "height"):
                 raise InvalidType(f"{option} is no option of {extension} files")
         if extension in _PAIR_FILES:
-            from ._core import write_pairs
-
-            write_pairs(path, self)
+            _core.write_pairs(path, self)
+        elif extension == ".html" and options:
+            _core.write_bytes(path, self.to_html(**options).encode())
         elif extension in _MESH_FILES:
-            from ._core import write_coloured
-
-            write_coloured(path, self)
-        elif extension == ".html":
-            page = self.to_html(**options)
-            with _writing(name):
-                Path(name).write_text(page, encoding="utf-8")
+            _core.write_coloured(path, self)
         elif extension in _PICTURES:
             from ._pictures import image
 
-            picture = image(self, **options)
-            with _writing(name):
-                picture.save(name)
+            picture = io.BytesIO()
+            image(self, **options).save(picture, format=_PICTURES[extension])
+            _core.write_bytes(path, picture.getvalue())
         else:
             raise InvalidInput(
                 f"{name}: a result is saved as .txt, .csv, .json, .npz (pairs), .ply, .obj, .glb (coloured "
@@ -221,16 +226,12 @@ class Result(Collisions):
             )
 
     def to_html(self, height: int = 480) -> str:
-        """A self-contained piece of HTML that shows the meshes in WebGL: drag to turn, wheel to zoom.
+        """A self-contained piece of HTML that shows the meshes and contacts in WebGL, to turn, zoom and move.
 
         For a notebook: IPython.display.HTML(result.to_html()). It needs no package and no network. About 100 bytes a
-        triangle. `height` is in pixels. Raises InvalidType.
+        triangle. `height` is in pixels. Raises InvalidInput.
         """
-        from ._html import page
-
-        if not hasattr(height, "__index__"):
-            raise InvalidType(f"height must be an integer, not {type(height).__name__}")
-        return page(self, height)
+        return _core.to_html(self, height)
 
 
 set_result_class(Result)

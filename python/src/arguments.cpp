@@ -2,6 +2,8 @@
 
 #include <initializer_list>
 
+#include "gil.h"
+
 namespace nb = nanobind;
 
 namespace crumple::python {
@@ -48,7 +50,7 @@ std::string_view text(std::string_view argument, nb::handle value) {
 }
 
 double real(std::string_view argument, nb::handle value) {
-    const double number = PyFloat_AsDouble(value.ptr());
+    const double number = in_python([&] { return PyFloat_AsDouble(value.ptr()); });
     if (number != -1.0 || !PyErr_Occurred()) return number;
     const bool too_large = PyErr_ExceptionMatches(PyExc_OverflowError);
     check_cause({PyExc_TypeError, PyExc_OverflowError});
@@ -58,7 +60,7 @@ double real(std::string_view argument, nb::handle value) {
 
 std::filesystem::path path(std::string_view argument, nb::handle value) {
     PyObject* encoded = nullptr;
-    if (!PyUnicode_FSConverter(value.ptr(), &encoded)) {
+    if (!in_python([&] { return PyUnicode_FSConverter(value.ptr(), &encoded); })) {
         const bool wrong_type = PyErr_ExceptionMatches(PyExc_TypeError);
         check_cause({PyExc_TypeError, PyExc_ValueError});
         if (!wrong_type) refuse(std::string(argument) + " cannot be the name of a file");
@@ -69,7 +71,7 @@ std::filesystem::path path(std::string_view argument, nb::handle value) {
 }
 
 nb::object any_integer(std::string_view argument, nb::handle value) {
-    PyObject* const number = PyNumber_Index(value.ptr());
+    PyObject* const number = in_python([&] { return PyNumber_Index(value.ptr()); });
     if (number) return nb::steal(number);
     check_cause({PyExc_TypeError, PyExc_OverflowError});
     refuse_type(argument, "an integer", value);

@@ -1,6 +1,7 @@
 #include "arrays.h"
 
 #include "errors.h"
+#include "gil.h"
 
 #include <nanobind/stl/string.h>
 
@@ -8,6 +9,7 @@
 #define NPY_TARGET_VERSION NPY_1_22_API_VERSION
 #include <numpy/arrayobject.h>
 
+#include <cstring>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -59,8 +61,22 @@ bool are_vertices(const BorrowedArray& a) {
     return has_rows_of(3, a) && (a.number == Number::float32 || a.number == Number::float64);
 }
 
+// Flat cells with their sizes before them: (3, a, b, c, 3, d, e, f, ...). In host memory alone one can look.
+bool may_be_cells(const BorrowedArray& a) {
+    if (a.device != BorrowedArray::on_host || a.shape[0] == 0 || a.shape[0] % 4 != 0) return false;
+    const std::size_t size = a.number == Number::int64 ? sizeof(std::int64_t) : sizeof(std::int32_t);
+    for (std::int64_t i = 0; i < a.shape[0]; i += 4) {
+        std::int64_t index = 0;  // its low bytes come first, or no index is 3
+        std::memcpy(&index, static_cast<const std::byte*>(a.data) + i * a.strides[0], size);
+        if (index != 3) return false;
+    }
+    return true;
+}
+
 bool are_faces(const BorrowedArray& a) {
-    return has_rows_of(3, a) && (a.number == Number::int32 || a.number == Number::uint32 || a.number == Number::int64);
+    const bool flat = a.dimensions == 1 && a.shape[0] % 3 == 0;
+    const bool integers = a.number == Number::int32 || a.number == Number::uint32 || a.number == Number::int64;
+    return integers && (flat ? !may_be_cells(a) : has_rows_of(3, a));
 }
 
 bool are_groups(const BorrowedArray& a) {
@@ -76,7 +92,6 @@ bool are_group_pairs(const BorrowedArray& a) {
 }
 
 bool borrow_numpy(nb::handle object, BorrowedArray& result) {
-    if (PyArray_ImportNumPyAPI() != 0) throw nb::python_error();  // at the first array, to keep `import crumple` quick
     if (!PyArray_Check(object.ptr())) return false;
     const auto array = reinterpret_cast<PyArrayObject*>(object.ptr());
     result.data = PyArray_DATA(array);
@@ -89,11 +104,28 @@ bool borrow_numpy(nb::handle object, BorrowedArray& result) {
     return true;
 }
 
+// What __dlpack__ gives; null where there is none, or it refuses. nanobind would call it, too, but not in_python.
+nb::object capsule_of(nb::handle object) {
+    const nb::object method = nb::steal(in_python([&] { return PyObject_GetAttrString(object.ptr(), "__dlpack__"); }));
+    nb::object capsule;
+    if (method) capsule = nb::steal(in_python([&] { return PyObject_CallNoArgs(method.ptr()); }));
+    if (method && !capsule && PyErr_ExceptionMatches(PyExc_BufferError)) {  // read-only, which it can say since 1.0
+        PyErr_Clear();
+        const nb::tuple none;
+        nb::dict version;
+        version["max_version"] = nb::make_tuple(nb::dlpack::major_version, nb::dlpack::minor_version);
+        capsule = nb::steal(in_python([&] { return PyObject_Call(method.ptr(), none.ptr(), version.ptr()); }));
+    }
+    if (!capsule) PyErr_Clear();
+    return capsule;
+}
+
 // One on a device is ready for what is given to the legacy default stream: DLPack's rule for whoever names no stream.
 bool borrow_dlpack(nb::handle object, BorrowedArray& result, Kept& kept) {
     using Tensor = nb::ndarray<nb::ro>;
     Tensor tensor;
-    if (!nb::try_cast(object, tensor)) return false;
+    const nb::object capsule = capsule_of(object);
+    if (!nb::try_cast(capsule ? nb::handle(capsule) : object, tensor)) return false;
     switch (tensor.device_type()) {
         case nb::device::cpu::value:
         case nb::device::cuda_host::value:
@@ -122,9 +154,12 @@ bool borrow_dlpack(nb::handle object, BorrowedArray& result, Kept& kept) {
 BorrowedArray borrow_array(nb::handle object, bool (*accepted)(const BorrowedArray&), const char* converter,
                            const char* which, Kept& kept) {
     BorrowedArray array;
+    import_numpy();
+    if (!PyArray_CheckExact(object.ptr()) && PyArray_Check(object.ptr()))
+        call_python("crumple._arrays", "refuse_masked", {object, nb::str(converter), nb::str(which)});
     if (borrow_numpy(object, array) || borrow_dlpack(object, array, kept))
         if (accepted(array)) return array;
-    const nb::object converted = nb::module_::import_("crumple._arrays").attr(converter)(object, which);
+    const nb::object converted = call_python("crumple._arrays", converter, {object, nb::str(which)});
     kept.push_back(converted);
     array = BorrowedArray();
     if ((borrow_numpy(converted, array) || borrow_dlpack(converted, array, kept)) && accepted(array)) return array;
@@ -135,8 +170,10 @@ std::string place(int device) {
     return device == BorrowedArray::on_host ? "host memory" : "the memory of CUDA device " + std::to_string(device);
 }
 
+// Rows of an (n, 3) array, or of a flat one.
 template <class Type>
 ArrayView<Type> rows_of_three(const BorrowedArray& array, Type type) {
+    if (array.dimensions == 1) return {array.data, array.shape[0] / 3, 3 * array.strides[0], array.strides[0], type};
     return {array.data, array.shape[0], array.strides[0], array.strides[1], type};
 }
 
@@ -151,12 +188,16 @@ IndexType index_type(const BorrowedArray& array) {
 
 }  // namespace
 
+void import_numpy() {
+    if (in_python([] { return PyArray_ImportNumPyAPI(); }) != 0) throw nb::python_error();
+}
+
 GivenMesh given_mesh(nb::handle mesh) {
     const auto item = [&](Py_ssize_t i) { return nb::borrow(PyTuple_GetItem(mesh.ptr(), i)); };
     const Py_ssize_t items = PyTuple_Check(mesh.ptr()) ? PyTuple_Size(mesh.ptr()) : 0;
     if (items == 2) return {item(0), item(1), nb::none()};
     if (items == 3) return {item(0), item(1), item(2)};
-    return given_mesh(nb::module_::import_("crumple._mesh").attr("as_mesh")(mesh));
+    return given_mesh(call_python("crumple._mesh", "as_mesh", {mesh}));
 }
 
 BorrowedMesh::BorrowedMesh(const GivenMesh& mesh, const char* which)
@@ -174,8 +215,8 @@ BorrowedMesh::BorrowedMesh(const GivenMesh& mesh, const char* which)
     groups_ = borrow_array(mesh.groups, are_groups, "groups", which, kept_);
     check_place(groups_, "groups");
     // No groups at all are None. An empty array would be taken for that.
-    if (groups_.shape[0] != faces_.shape[0])
-        refuse(std::string(which) + "groups must be one for each of the " + std::to_string(faces_.shape[0]) +
+    if (groups_.shape[0] != view_.triangles.rows)
+        refuse(std::string(which) + "groups must be one for each of the " + std::to_string(view_.triangles.rows) +
                " faces, not " + std::to_string(groups_.shape[0]));
     view_.groups = {static_cast<const std::int32_t*>(groups_.data), static_cast<std::size_t>(groups_.shape[0])};
 }

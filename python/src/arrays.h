@@ -3,8 +3,9 @@
 // Arrays on their way in: views of what Python holds, without a copy wherever the library can read it in place.
 //
 // Accepted as they are: NumPy's arrays, and whatever speaks DLPack, in host memory or CUDA's; vertices (n, 3) of
-// float32 or float64, faces (m, 3) of int32, uint32 or int64, groups (m) of int32 without gaps; any strides. Everything
-// else goes through crumple/_arrays.py, which converts what can be converted without loss and refuses the rest by name.
+// float32 or float64, faces (m, 3) or flat (3m) of int32, uint32 or int64, groups (m) of int32 without gaps; any
+// strides. Everything else goes through crumple/_arrays.py, which converts what can be converted without loss and
+// refuses the rest by name.
 //
 // NumPy's arrays are read by its C API, where they lie, and not by a protocol: a search sweeps the caches, so that each
 // line of code and data that is touched around it comes from memory.
@@ -40,6 +41,9 @@ struct BorrowedArray {
 struct GivenMesh {
     nanobind::object vertices, faces, groups;
 };
+
+/// Imports NumPy before the first array that comes or goes, to keep `import crumple` quick.
+void import_numpy();
 
 /// What crumple/_mesh.py takes for a mesh.
 GivenMesh given_mesh(nanobind::handle mesh);

@@ -13,6 +13,7 @@
 #include "arguments.h"
 #include "arrays.h"
 #include "crumple/device.h"
+#include "gil.h"
 #include "method.h"
 #include "names.h"
 #include "part.h"
@@ -39,7 +40,10 @@ SharedDetector::SharedDetector(const Options& options) : detector_(options) { de
 SharedDetector::Turn::Turn(SharedDetector& detector) : detector_(detector) {
     const std::thread::id self = std::this_thread::get_id();
     if (detector_.caller_ == self) refuse("a signal handler cannot call the detector whose call it interrupts");
-    while (detector_.caller_ != std::thread::id()) detector_.wait_for_another_turn();
+    while (detector_.caller_ != std::thread::id()) {
+        if (interpreter_ends()) throw Error(ErrorCode::cancelled, "the interpreter ends in another thread's call");
+        detector_.wait_for_another_turn();
+    }
     detector_.caller_ = self;
 }
 
@@ -57,7 +61,7 @@ void SharedDetector::wait_for_another_turn() {
     {
         std::unique_lock lock(mutex_);
         const std::uint64_t seen = turns_;
-        const nb::gil_scoped_release released;
+        const WithoutGil released;
         turn_ended_.wait_for(lock, std::chrono::milliseconds(20), [&] { return turns_ != seen; });
         lock.unlock();
     }
@@ -147,15 +151,19 @@ struct GivenQuery {
 };
 
 template <class Work>
-auto without_gil(Work work) {
-    const nb::gil_scoped_release released;
+auto without_gil(Work work, Detector* detector = nullptr) {
+    const WithoutGil released(WithoutGil::AtExit::given_up, detector);
     return work();
+}
+
+void check_self(nb::handle self) {
+    if (!PyObject_TypeCheck(self.ptr(), reinterpret_cast<PyTypeObject*>(detector_class.ptr())))
+        refuse_type("self", "a crumple.Detector", self);
 }
 
 // The detector that a method is called on. A class of Python may leave it without what __init__ makes.
 SharedDetector& detector_of(nb::handle self) {
-    if (!PyObject_TypeCheck(self.ptr(), reinterpret_cast<PyTypeObject*>(detector_class.ptr())))
-        refuse_type("self", "a crumple.Detector", self);
+    check_self(self);
     if (!nb::inst_ready(self)) refuse("crumple.Detector.__init__ has not been called");
     return *nb::inst_ptr<SharedDetector>(self);
 }
@@ -177,7 +185,8 @@ nb::object find(SharedDetector& self, Meshes meshes, const GivenQuery& given, nb
     const bool copied = copy && flag("copy", copy);
     const SharedDetector::Turn turn(self);
     Result result{self.storage(), std::move(meshes.a), std::move(meshes.b), query.contacts, copied};
-    without_gil([&] { self.find(meshes.first.view(), meshes.second_or_null(), of, query, *result.storage); });
+    without_gil([&] { self.find(meshes.first.view(), meshes.second_or_null(), of, query, *result.storage); },
+                &self.library());
     return make_result(std::move(result));
 }
 
@@ -185,7 +194,8 @@ nb::object any(SharedDetector& self, const Meshes& meshes, const GivenQuery& giv
     std::vector<GroupPair> excluded;
     const Query query = given.read(excluded);
     const SharedDetector::Turn turn(self);
-    return nb::bool_(without_gil([&] { return self.any(meshes.first.view(), meshes.second_or_null(), query); }));
+    return nb::bool_(
+        without_gil([&] { return self.any(meshes.first.view(), meshes.second_or_null(), query); }, &self.library()));
 }
 
 nb::object find_self(const Given<12>& given) {
@@ -250,11 +260,13 @@ void bind_detector(nb::module_& module) {
     nb::class_<SharedDetector> type(module, "Detector", "The library's detector; crumple.Detector is one.");
     detector_class = type;
     type.def("__init__",
-             [](SharedDetector* self, const nb::kwargs& options) {
-                 new (self) SharedDetector({
+             [](nb::handle self, const nb::kwargs& options) {
+                 check_self(self);
+                 const Options given{
                      .backend = named(backend_names, "backend", options["backend"]),
                      .threads = integer<int>("threads", options["threads"]),
                      .memory_limit = integer<std::int64_t>("memory_limit", options["memory_limit"]),
+                     .count_bytes_needed = flag("count_bytes_needed", options["count_bytes_needed"]),
                      .clusters = integer<int>("clusters", options["clusters"]),
                      .leaf_size = integer<int>("leaf_size", options["leaf_size"]),
                      .fuzziness = real("fuzziness", options["fuzziness"]),
@@ -264,7 +276,11 @@ void bind_detector(nb::module_& module) {
                      .first_stop = real("first_stop", options["first_stop"]),
                      .simd = named(simd_names, "simd", options["simd"]),
                      .device = integer<int>("device", options["device"]),
-                 });
+                 };
+                 // From here on no code of Python runs, and no other thread.
+                 if (nb::inst_ready(self)) refuse("crumple.Detector.__init__ has been called already");
+                 new (nb::inst_ptr<SharedDetector>(self)) SharedDetector(given);
+                 nb::inst_mark_ready(self);
              })
         .def_prop_ro("backend", [](nb::handle self) { return name_of(backend_names, detector_of(self).backend()); })
         .def_prop_ro("fallback", [](nb::handle self) { return detector_of(self).fallback(); })
@@ -277,7 +293,8 @@ void bind_detector(nb::module_& module) {
                                                        : Meshes{self, given_mesh(first), given_mesh(second)};
                 const int parts = integer<int>("count", count);
                 const SharedDetector::Turn turn(self);
-                return without_gil([&] { return self.partition(meshes.first.view(), meshes.second_or_null(), parts); });
+                return without_gil([&] { return self.partition(meshes.first.view(), meshes.second_or_null(), parts); },
+                                   &self.library());
             },
             "first"_a.none(), "second"_a.none(), "count"_a.none());
     module.def("method", method, "declaration"_a);

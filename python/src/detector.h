@@ -55,6 +55,7 @@ class SharedDetector {
 
     /// Ends the call that runs, from any thread; one that waits for its turn goes on waiting.
     void cancel() { detector_.cancel(); }
+    Detector& library() { return detector_; }
 
    private:
     const Collisions& search(const MeshView& first, const MeshView* second, const Part* part, const Query& query);

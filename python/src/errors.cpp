@@ -7,6 +7,8 @@
 
 #include <nanobind/stl/string.h>
 
+#include "gil.h"
+
 namespace nb = nanobind;
 
 namespace crumple::python {
@@ -45,24 +47,41 @@ const char* class_of(const Error& error) {
     return "InvalidInput";
 }
 
+void raise(const Error& error) {
+    const nb::object type = nb::module_::import_("crumple._errors").attr(class_of(error));
+    // The name of a file need not be UTF-8: its other bytes are written as \x80.
+    const std::string_view what = error.what();
+    const nb::object message =
+        nb::steal(PyUnicode_DecodeUTF8(what.data(), static_cast<Py_ssize_t>(what.size()), "backslashreplace"));
+    const nb::tuple given = nb::make_tuple(message);
+    nb::dict place;
+    place["code"] = name_of(error.code);
+    place["element"] = name_of(error.element);
+    place["index"] = error.index;
+    place["bytes_needed"] = error.bytes_needed;
+    place["bytes_needed_at_least"] = error.bytes_needed_at_least;
+    const nb::object exception =
+        nb::steal(in_python([&] { return PyObject_Call(type.ptr(), given.ptr(), place.ptr()); }));
+    if (!exception) throw nb::python_error();
+    if (error.system_error) {
+        exception.attr("errno") = error.system_error;
+        exception.attr("strerror") = std::generic_category().message(error.system_error);
+    }
+    PyErr_SetObject(type.ptr(), exception.ptr());
+}
+
 void translate(const std::exception_ptr& pointer, void*) {
+    if (!pointer) hang();  // no exception of C++: the thread is being unwound
+    const Error* known = nullptr;
     try {
         std::rethrow_exception(pointer);
     } catch (const Error& error) {
-        const nb::object type = nb::module_::import_("crumple._errors").attr(class_of(error));
-        // The name of a file need not be UTF-8: its other bytes are written as \x80.
-        const std::string_view what = error.what();
-        const nb::object message =
-            nb::steal(PyUnicode_DecodeUTF8(what.data(), static_cast<Py_ssize_t>(what.size()), "backslashreplace"));
-        const nb::object exception =
-            type(message, nb::arg("code") = name_of(error.code), nb::arg("element") = name_of(error.element),
-                 nb::arg("index") = error.index, nb::arg("bytes_needed") = error.bytes_needed);
-        if (error.system_error) {
-            exception.attr("errno") = error.system_error;
-            exception.attr("strerror") = std::generic_category().message(error.system_error);
-        }
-        PyErr_SetObject(type.ptr(), exception.ptr());
+        known = &error;
+    } catch (const std::bad_alloc&) {
+        PyErr_SetString(PyExc_MemoryError, "the machine has no memory left for this call");
+        return;
     }
+    raise(*known);
 }
 
 }  // namespace
@@ -74,8 +93,6 @@ void raise_in_python(const std::exception_ptr& pointer) {
         translate(pointer, nullptr);
     } catch (nb::python_error& error) {
         error.restore();
-    } catch (const std::bad_alloc&) {
-        PyErr_NoMemory();
     } catch (const std::exception& error) {
         PyErr_SetString(PyExc_RuntimeError, error.what());
     }

@@ -2,6 +2,7 @@
 
 #include <cstring>
 #include <optional>
+#include <system_error>
 #include <type_traits>
 #include <utility>
 #include <variant>
@@ -14,6 +15,7 @@
 #include "arrays.h"
 #include "crumple/io.h"
 #include "detector.h"
+#include "gil.h"
 #include "names.h"
 #include "result.h"
 #include "scenes/scenes.h"
@@ -26,8 +28,9 @@ namespace {
 
 using Path = std::filesystem::path;
 
-// (vertices, faces, groups or None): NumPy arrays over the mesh's own memory, which they share.
+// (vertices, faces, groups or None, polygons or None): NumPy arrays over the mesh's own memory, which they share.
 nb::tuple give(io::TriangleMesh&& mesh) {
+    import_numpy();
     const auto shared = new io::TriangleMesh(std::move(mesh));
     const nb::capsule owner(shared, [](void* p) noexcept { delete static_cast<io::TriangleMesh*>(p); });
     const auto vertex_count = static_cast<std::size_t>(shared->vertex_count());
@@ -41,8 +44,16 @@ nb::tuple give(io::TriangleMesh&& mesh) {
     nb::object groups = nb::none();
     if (!shared->groups.empty())
         groups = nb::cast(nb::ndarray<nb::numpy, std::int32_t>(shared->groups.data(), {triangle_count}, owner));
-    return nb::make_tuple(
-        vertices, nb::ndarray<nb::numpy, std::int32_t>(shared->triangles.data(), {triangle_count, 3}, owner), groups);
+    nb::object polygons = nb::none();
+    if (!shared->polygons.empty()) {
+        auto& [of_triangle, offsets, corners] = shared->polygons;
+        polygons = nb::make_tuple(nb::ndarray<nb::numpy, std::int32_t>(of_triangle.data(), {triangle_count}, owner),
+                                  nb::ndarray<nb::numpy, std::int64_t>(offsets.data(), {offsets.size()}, owner),
+                                  nb::ndarray<nb::numpy, std::int32_t>(corners.data(), {corners.size()}, owner));
+    }
+    return nb::make_tuple(vertices,
+                          nb::ndarray<nb::numpy, std::int32_t>(shared->triangles.data(), {triangle_count, 3}, owner),
+                          groups, polygons);
 }
 
 template <class To, class From, class Type>
@@ -87,6 +98,38 @@ io::TriangleMesh copy_of(const MeshView& view) {
     return mesh;
 }
 
+// The meshes of a result, in place, and copied for those who draw them.
+struct BorrowedMeshes {
+    explicit BorrowedMeshes(const Result& result) : first(result.first, "") {
+        if (result.second) second.emplace(*result.second, "");
+    }
+    BorrowedMesh first;
+    std::optional<BorrowedMesh> second;
+};
+
+struct CopiedMeshes {
+    explicit CopiedMeshes(const BorrowedMeshes& borrowed) : first(copy_of(borrowed.first.view())) {
+        if (borrowed.second) second = copy_of(borrowed.second->view());
+    }
+    const io::TriangleMesh* second_or_null() const { return second ? &*second : nullptr; }
+    io::TriangleMesh first;
+    std::optional<io::TriangleMesh> second;
+};
+
+// Text for people: the name of a file need not be UTF-8.
+nb::object shown(const std::string& text) {
+    return nb::steal(PyUnicode_DecodeUTF8(text.data(), static_cast<Py_ssize_t>(text.size()), "backslashreplace"));
+}
+
+// A file is written to its end, so that no part of it lies about. What is no regular file, such as a pipe, may never
+// end, and has no temporary file beside it.
+WithoutGil::AtExit at_exit(const Path& written) {
+    std::error_code ignored;
+    const std::filesystem::file_status status = std::filesystem::status(written, ignored);
+    const bool special = std::filesystem::exists(status) && !std::filesystem::is_regular_file(status);
+    return special ? WithoutGil::AtExit::given_up : WithoutGil::AtExit::finished;
+}
+
 // 0 for a scene that does not exist, whose name scenes::make then refuses.
 int last_frame(std::string_view scene) {
     for (const scenes::Description& d : scenes::descriptions())
@@ -99,26 +142,31 @@ int last_frame(std::string_view scene) {
 void bind_files(nb::module_& module) {
     module.def(
         "read_mesh",
-        [](nb::handle path, nb::handle precision, nb::handle weld, nb::handle group_property) {
+        [](nb::handle path, nb::handle precision, nb::handle weld, nb::handle group_property, nb::handle triangulation,
+           nb::handle strict) {
             const Path from = python::path("path", path);
-            const io::ReadOptions options{named(precision_names, "precision", precision),
-                                          named(weld_names, "weld", weld),
-                                          std::string(text("group_property", group_property))};
+            const io::ReadOptions options{
+                named(precision_names, "precision", precision), named(weld_names, "weld", weld),
+                std::string(text("group_property", group_property)),
+                named(triangulation_names, "triangulation", triangulation), flag("strict", strict)};
             io::TriangleMesh mesh;
             {
-                const nb::gil_scoped_release released;
+                const WithoutGil released;
                 mesh = io::read_mesh(from, options);
             }
-            return give(std::move(mesh));
+            nb::list warnings;
+            for (const std::string& warning : mesh.warnings) warnings.append(shown(warning));
+            return nb::make_tuple(give(std::move(mesh)), warnings);
         },
-        "path"_a.none(), "precision"_a.none(), "weld"_a.none(), "group_property"_a.none());
+        "path"_a.none(), "precision"_a.none(), "weld"_a.none(), "group_property"_a.none(), "triangulation"_a.none(),
+        "strict"_a.none());
     module.def(
         "write_mesh",
         [](nb::handle path, nb::handle mesh) {
             const Path to = python::path("path", path);
             const GivenMesh given = given_mesh(mesh);
             const BorrowedMesh borrowed(given, "");
-            const nb::gil_scoped_release released;
+            const WithoutGil released(at_exit(to));
             io::write_mesh(to, copy_of(borrowed.view()));
         },
         "path"_a.none(), "mesh"_a);
@@ -127,21 +175,41 @@ void bind_files(nb::module_& module) {
         [](nb::handle path, nb::handle object) {
             const Path to = python::path("path", path);
             const Result& result = result_of(object);
-            const BorrowedMesh a(result.first, "");
-            std::optional<BorrowedMesh> b;
-            if (result.second) b.emplace(*result.second, "");
-            const nb::gil_scoped_release released;
-            std::optional<io::TriangleMesh> copy;
-            if (b) copy = copy_of(b->view());
-            io::write_coloured(to, copy_of(a.view()), copy ? &*copy : nullptr, result.collisions());
+            const BorrowedMeshes meshes(result);
+            const WithoutGil released(at_exit(to));
+            const CopiedMeshes copies(meshes);
+            io::write_coloured(to, copies.first, copies.second_or_null(), result.collisions());
         },
         "path"_a.none(), "result"_a);
+    module.def(
+        "to_html",
+        [](nb::handle object, nb::handle height) {
+            const int pixels = integer<int>("height", height);
+            const Result& result = result_of(object);
+            const BorrowedMeshes meshes(result);
+            std::string page;
+            {
+                const WithoutGil released;
+                const CopiedMeshes copies(meshes);
+                page = io::to_html(copies.first, copies.second_or_null(), result.collisions(), pixels);
+            }
+            return page;
+        },
+        "result"_a, "height"_a.none());
+    module.def(
+        "write_bytes",
+        [](nb::handle path, nb::bytes bytes) {
+            const Path to = python::path("path", path);
+            const WithoutGil released(at_exit(to));
+            io::write_bytes(to, {bytes.c_str(), bytes.size()});
+        },
+        "path"_a.none(), "bytes"_a);
     module.def(
         "write_pairs",
         [](nb::handle path, nb::handle object) {
             const Path to = python::path("path", path);
             const Result& result = result_of(object);
-            const nb::gil_scoped_release released;
+            const WithoutGil released(at_exit(to));
             io::write_pairs(to, result.collisions());
         },
         "path"_a.none(), "result"_a);
@@ -149,10 +217,11 @@ void bind_files(nb::module_& module) {
         "read_pairs",
         [](nb::handle path) {
             const Path from = python::path("path", path);
+            import_numpy();
             const auto pairs = new std::vector<Pair>;
             const nb::capsule owner(pairs, [](void* p) noexcept { delete static_cast<std::vector<Pair>*>(p); });
             {
-                const nb::gil_scoped_release released;
+                const WithoutGil released;
                 *pairs = io::read_pairs(from);
             }
             return nb::ndarray<nb::numpy, std::int32_t>(pairs->data(), {pairs->size(), 2}, owner);
@@ -167,8 +236,11 @@ void bind_files(nb::module_& module) {
                                                 integer<std::uint64_t>("seed", seed)};
             io::TriangleMesh mesh;
             {
-                const nb::gil_scoped_release released;
-                mesh = scenes::make(scene, parameters, [](int, int) { handle_signals(); });
+                const WithoutGil released(WithoutGil::AtExit::finished);
+                mesh = scenes::make(scene, parameters, [&](int, int) {
+                    if (!released.wanted()) throw Error(ErrorCode::cancelled, "the interpreter has ended");
+                    handle_signals();
+                });
             }
             return give(std::move(mesh));
         },

@@ -1,8 +1,11 @@
 #include "method.h"
 
 #include <utility>
+#include <vector>
 
 #include <structmember.h>
+
+#include "gil.h"
 
 namespace nb = nanobind;
 
@@ -110,7 +113,15 @@ bool bind_arguments(PyObject* self, PyObject* const* arguments, std::size_t flag
 }
 
 PyObject* refuse_arguments(PyObject* self, PyObject* const* arguments, std::size_t flags, PyObject* keywords) {
-    return PyObject_Vectorcall(method_of(self).declaration, arguments, flags, keywords);
+    const nb::object names = nb::steal(in_python([] { return PyImport_ImportModule("crumple._names"); }));
+    const nb::object refuse = names ? nb::steal(PyObject_GetAttrString(names.ptr(), "refuse")) : nb::object();
+    if (!refuse) return nullptr;
+    const Py_ssize_t positional = PyVectorcall_NARGS(flags);
+    const Py_ssize_t count = positional + (keywords ? PyTuple_Size(keywords) : 0);
+    std::vector<PyObject*> given{method_of(self).declaration};
+    given.insert(given.end(), arguments, arguments + count);
+    const auto before_keywords = static_cast<std::size_t>(positional) + 1;
+    return in_python([&] { return PyObject_Vectorcall(refuse.ptr(), given.data(), before_keywords, keywords); });
 }
 
 nb::object make_method(nb::handle declaration, std::span<const char* const> parameters, Call call) {

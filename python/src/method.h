@@ -13,6 +13,7 @@
 #include <nanobind/nanobind.h>
 
 #include "errors.h"
+#include "gil.h"
 
 namespace crumple::python {
 
@@ -38,12 +39,15 @@ PyObject* call_method(PyObject* method, PyObject* const* arguments, std::size_t 
     Given<definition.parameters.size()> given;
     if (!bind_arguments(method, arguments, flags, keywords, given))
         return refuse_arguments(method, arguments, flags, keywords);
+    std::exception_ptr thrown;
     try {
         return definition.body(given).release().ptr();
     } catch (...) {
-        raise_in_python(std::current_exception());
-        return nullptr;
+        thrown = std::current_exception();
+        if (!thrown) hang();  // no exception of C++: the thread is being unwound
     }
+    raise_in_python(thrown);
+    return nullptr;
 }
 
 using Call = PyObject* (*)(PyObject*, PyObject* const*, std::size_t, PyObject*) noexcept;

@@ -6,14 +6,19 @@
 #include "detector.h"
 #include "errors.h"
 #include "files.h"
+#include "gil.h"
 #include "part.h"
+#include "pickling.h"
 #include "result.h"
 
 NB_MODULE(_core, module) {
     module.doc() = "The C++ library behind crumple. Private.";
     module.attr("__version__") = CRUMPLE_VERSION;
+    nanobind::set_leak_warnings(false);  // what daemon threads hold at exit is theirs, and no news for anybody
+    crumple::python::WithoutGil::watch_exit();
     crumple::python::translate_errors();
     crumple::python::bind_result(module);
+    crumple::python::bind_pickling(module);
     crumple::python::bind_part(module);
     crumple::python::bind_detector(module);
     crumple::python::bind_files(module);

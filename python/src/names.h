@@ -35,6 +35,8 @@ inline constexpr Names<Wanted, 3> wanted_names{
 inline constexpr Names<io::Precision, 3> precision_names{{{"automatic", io::Precision::automatic},
                                                           {"float32", io::Precision::float32},
                                                           {"float64", io::Precision::float64}}};
+inline constexpr Names<io::Triangulation, 2> triangulation_names{
+    {{"ears", io::Triangulation::ears}, {"fan", io::Triangulation::fan}}};
 inline constexpr Names<io::Weld, 3> weld_names{
     {{"automatic", io::Weld::automatic}, {"yes", io::Weld::yes}, {"no", io::Weld::no}}};
 

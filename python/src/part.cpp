@@ -13,6 +13,7 @@
 #include <nanobind/stl/vector.h>
 
 #include "arguments.h"
+#include "arrays.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -29,6 +30,7 @@ const Part& part_of(nb::handle object, std::string_view argument) {
 
 template <class T>
 nb::ndarray<nb::numpy, const T> column(nb::handle owner, const std::vector<T>& values) {
+    import_numpy();
     return {values.data(), {values.size()}, owner};
 }
 
@@ -51,6 +53,7 @@ void bind_part(nb::module_& module) {
             "centres",
             [](nb::handle self) {
                 const auto& centres = part_of(self, "this").centres;
+                import_numpy();
                 return nb::ndarray<nb::numpy, const double>(centres.empty() ? nullptr : centres[0].data(),
                                                             {centres.size(), 3}, self);
             },

@@ -8,6 +8,8 @@
 
 #include "arguments.h"
 #include "errors.h"
+#include "gil.h"
+#include "pickling.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -19,6 +21,7 @@ namespace {
 template <class Number, class Element, class... Columns>
 nb::object view(const Result& result, const Array<Element>& array, Columns... columns) {
     using Owner = std::shared_ptr<Collisions>;
+    import_numpy();
     const nb::capsule capsule(new Owner(result.storage), [](void* p) noexcept { delete static_cast<Owner*>(p); });
     const void* const data = array.data();
     return nb::cast(nb::ndarray<nb::numpy, const Number>(static_cast<const Number*>(data),
@@ -37,8 +40,12 @@ nb::typed<nb::dict, nb::str, double> stage_milliseconds(const Statistics& statis
 
 void bind_statistics(nb::module_& module) {
     using S = Statistics;
-    nb::class_<S>(module, "Statistics", "What a call did. Times are in milliseconds.")
-        .def_ro("milliseconds", &S::milliseconds, "Wall-clock time of the call inside the library.")
+    nb::class_<S> type(
+        module, "Statistics",
+        "What a call did. Times are in milliseconds. A plain value: equal if all of it is, and it can be\n"
+        "copied and pickled.");
+    type.attr("__hash__") = nb::none();
+    type.def_ro("milliseconds", &S::milliseconds, "Wall-clock time of the call inside the library.")
         .def_prop_ro(
             "stage_milliseconds", stage_milliseconds,
             "Milliseconds by stage, summed over threads: bounds, subdivide, align, sort, sweep, narrow, output.")
@@ -58,13 +65,24 @@ void bind_statistics(nb::module_& module) {
         .def_ro("threads", &S::threads, "Threads of the detector.")
         .def_ro("backend", &S::backend, "\"cpu\", \"cuda\" or \"reference\".")
         .def_ro("simd", &S::simd, "Instruction set that was used; empty for the reference backend.")
-        .def("__repr__", [](const S& s) {
-            return nb::str(
-                       "Statistics(milliseconds={:.3f}, triangles={}, box_overlaps={}, exact_tests={}, pairs={}, "
-                       "threads={}, backend={!r}, simd={!r})")
-                .format(s.milliseconds, s.triangles, s.box_overlaps, s.exact_tests, s.pairs, s.threads, s.backend,
-                        s.simd);
-        });
+        .def("__repr__",
+             [](const S& s) {
+                 return nb::str(
+                            "Statistics(milliseconds={:.3f}, triangles={}, box_overlaps={}, exact_tests={}, pairs={}, "
+                            "threads={}, backend={!r}, simd={!r})")
+                     .format(s.milliseconds, s.triangles, s.box_overlaps, s.exact_tests, s.pairs, s.threads, s.backend,
+                             s.simd);
+             })
+        .def(
+            "__eq__",
+            [](const S& s, nb::handle other) -> nb::object {
+                if (!nb::isinstance<S>(other) || !nb::inst_ready(other)) return nb::borrow(Py_NotImplemented);
+                return nb::bool_(state_of(s).equal(state_of(*nb::inst_ptr<S>(other))));
+            },
+            "other"_a.none())
+        .def("__getstate__", [](const S& s) { return state_of(s); })
+        .def(
+            "__setstate__", [](S& s, nb::handle state) { new (&s) S(statistics_of(state)); }, "state"_a.none());
 }
 
 // crumple.Result, which the package names when it is imported; never released, as types of a module are not.
@@ -163,7 +181,7 @@ PyObject* base_class = nullptr;
 
 nb::object make_result(Result&& result) {
     const auto type = reinterpret_cast<PyTypeObject*>(result_class.ptr());
-    PyObject* const object = PyType_GenericAlloc(type, 0);
+    PyObject* const object = in_python([&] { return PyType_GenericAlloc(type, 0); });
     if (!object) throw nb::python_error();
     new (&in(object)) Result(std::move(result));
     return nb::steal(object);

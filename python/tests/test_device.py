@@ -29,6 +29,17 @@ def on_device(array):
     return torch.from_numpy(np.ascontiguousarray(array)).cuda()
 
 
+def _cupy(array):
+    return pytest.importorskip("cupy").asarray(array)
+
+
+def _jax(array):
+    jax = pytest.importorskip("jax")
+    if not any(device.platform in ("gpu", "cuda") for device in jax.devices()):
+        pytest.skip("JAX sees no device")
+    return jax.device_put(array)
+
+
 def mesh_on_device(mesh):
     return crumple.Mesh(*(None if array is None else on_device(array) for array in mesh))
 
@@ -68,10 +79,25 @@ def test_every_type(cuda, cpu, scalar, index):
     assert_same(cuda.find_self(mesh_on_device(crumple.Mesh(*mesh)), contacts=True), expected)
 
 
+@pytest.mark.skipif(ON_CPU, reason="their arrays need a device")
+@pytest.mark.parametrize("place", [_cupy, _jax])
+def test_other_packages(cuda, cpu, place):
+    mesh = crumple.Mesh(*map(place, MESH[:2]))
+    assert_same(cuda.find_self(mesh, contacts=True), cpu.find_self(MESH.vertices, MESH.faces, contacts=True))
+
+
 def test_strides(cuda, cpu):
     columns, rows = on_device(MESH.vertices.T), on_device(np.repeat(MESH.faces, 2, axis=0))
     mesh = (OnDevice(columns.array.T), OnDevice(rows.array[::2])) if ON_CPU else (columns.T, rows[::2])
     assert_same(cuda.find_self(*mesh), cpu.find_self(*MESH[:2]))
+
+
+@pytest.mark.parametrize("index", [np.int32, np.int64])
+def test_flat_faces(cuda, cpu, index):
+    flat = MESH.faces.ravel().astype(index)
+    assert_same(cuda.find_self(on_device(MESH.vertices), on_device(flat)), cpu.find_self(*MESH[:2]))
+    with pytest.raises(crumple.InvalidInput, match=r"^faces in CUDA memory must be \(m, 3\) or \(3m\) of int32"):
+        cuda.find_self(on_device(MESH.vertices), on_device(flat[:-1]))
 
 
 @pytest.mark.parametrize("query", [{}, {"wanted": "between"}, {"weld": True}, {"excluded_groups": [(0, 1)]}])

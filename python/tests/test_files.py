@@ -4,6 +4,8 @@ import errno
 import json
 import os
 import pickle
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -86,7 +88,7 @@ def test_results_are_saved_by_extension(tmp_path, crossing, detector):
     np.savez_compressed(tmp_path / "long.npz", pairs=np.array([[5, 6], [7, 8]], np.int64, order="F"))
     assert crumple.read_pairs(tmp_path / "long.npz").tolist() == [[5, 6], [7, 8]]
     for name in ("mesh.html", "pairs.csv"):
-        with pytest.raises(crumple.FileError, match=f"cannot write .*{name}: No such file") as caught:
+        with pytest.raises(crumple.FileError, match=f"cannot write .*{name}: there is no folder .*none") as caught:
             result.save(tmp_path / "none" / name)
         assert caught.value.errno == errno.ENOENT
     result.save(os.fsencode(tmp_path / "bytes.txt"))
@@ -151,7 +153,7 @@ def test_a_message_can_be_printed_whatever_the_name(name, tmp_path, crossing, de
     path = os.fsencode(tmp_path) + b"/\xff/" + name.encode()
     with pytest.raises(crumple.FileError) as caught:
         detector.find_self(crossing).save(path)
-    assert str(caught.value) == rf"cannot write {tmp_path}/\xff/{name}: No such file or directory"
+    assert str(caught.value) == rf"cannot write {tmp_path}/\xff/{name}: there is no folder {tmp_path}/\xff"
     with pytest.raises(crumple.FileError, match=r"\\xff") as caught:
         crumple.read_mesh(path)
 
@@ -187,3 +189,66 @@ def test_scenes_are_the_same_everywhere():
         crumple.make_scene("tea")
     with pytest.raises(crumple.InvalidInput, match="has no frame 60; its frames are 0 to 59"):
         crumple.make_scene("bodies", frame=60)
+
+
+CHEVRON = "v 4 -2 0\nv 1 0 0\nv 4 2 0\nv 0 0 0\nf 1 2 3 4\nf 1 2 3\n"
+
+
+def test_polygons_are_cut_without_overlaps_and_keep_their_names(tmp_path, detector):
+    (tmp_path / "a.obj").write_text(CHEVRON)
+    mesh = crumple.read_mesh(tmp_path / "a.obj")
+    assert isinstance(mesh, crumple.Mesh) and isinstance(mesh, crumple.FileMesh)
+    vertices, faces, groups = mesh
+    assert faces.shape == (3, 3) and groups is None
+    assert mesh.polygons.of_triangle.tolist() == [0, 0, 1] and mesh.polygons.offsets.tolist() == [0, 4, 7]
+    assert mesh.polygons.corners.tolist() == [0, 1, 2, 3, 0, 1, 2]
+    assert mesh.polygons.of_triangle.dtype == np.int32 and mesh.polygons.offsets.dtype == np.int64
+    assert not detector.find_self(vertices, faces[:2])
+    fan = crumple.read_mesh(tmp_path / "a.obj", triangulation="fan")
+    result = detector.find_self(fan)
+    assert result.pairs.tolist()[0] == [0, 1]
+    by_polygon = np.unique(np.sort(fan.polygons.of_triangle[result.pairs]), axis=0)
+    assert by_polygon.tolist() == [[0, 0], [0, 1]]
+    copy = pickle.loads(pickle.dumps(mesh))
+    assert copy.polygons.corners.tolist() == mesh.polygons.corners.tolist() and copy.faces.tolist() == faces.tolist()
+    crumple.write_mesh(tmp_path / "b.off", mesh)
+    assert crumple.read_mesh(tmp_path / "b.off").polygons is None
+    with pytest.raises(crumple.InvalidInput, match='triangulation must be one of "ears", "fan", not "cut"'):
+        crumple.read_mesh(tmp_path / "a.obj", triangulation="cut")
+
+
+def test_what_is_odd_about_a_file_is_a_warning_or_with_strict_an_error(tmp_path):
+    (tmp_path / "a.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nseam 1\nseam 2\nf 1 2 3\n")
+    with pytest.warns(crumple.FileWarning, match="a.obj, line 4: the unknown statement 'seam' is skipped") as caught:
+        crumple.read_mesh(tmp_path / "a.obj")
+    assert len(caught) == 1 and caught[0].filename == __file__
+    with pytest.raises(crumple.InvalidInput, match="line 4") as error:
+        crumple.read_mesh(tmp_path / "a.obj", strict=True)
+    assert (error.value.code, error.value.element, error.value.index) == ("format", "line", 4)
+    with pytest.raises(crumple.InvalidType, match="strict must be True or False, not int"):
+        crumple.read_mesh(tmp_path / "a.obj", strict=1)
+
+
+def test_an_old_file_stays_until_the_new_one_is_whole(tmp_path):
+    """A limit on the size of files stands for the full disk."""
+    code = f"""
+import resource, signal, crumple, numpy
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+result = crumple.Detector().find_self(crumple.make_scene("lattice", triangles=5000))
+resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))
+for name in ("a.html", "a.ply", "a.csv", "a.png"):
+    try:
+        path = {str(tmp_path)!r} + "/" + name
+        if name == "a.png":  # as pictures are written, without PyVista
+            crumple._core.write_bytes(path, bytes(9999))
+        result.save(path)
+    except crumple.FileError as error:
+        assert error.errno == 27, error
+    else:
+        raise AssertionError(name)
+"""
+    for name in ("a.html", "a.ply", "a.csv", "a.png"):
+        (tmp_path / name).write_text("precious")
+    subprocess.run([sys.executable, "-c", code], check=True)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.csv", "a.html", "a.ply", "a.png"]
+    assert all(path.read_text() == "precious" for path in tmp_path.iterdir())

@@ -48,6 +48,43 @@ def test_every_layout_and_type(layout, scalar, index, detector):
     assert detector.find_self(vertices, faces).pairs.tolist() == expected and len(expected) > 10
 
 
+@pytest.mark.parametrize("index", ["int8", "int32", "uint32", "int64", "uint64"])
+def test_faces_may_be_flat(index, tmp_path, detector):
+    flat = MESH.faces.ravel()[:120].astype(index)
+    expected = [pair for pair in EXPECTED if max(pair) < 40]
+    every_third = np.repeat(flat, 3)[::3]
+    for faces in (flat, every_third, flat[::-1].copy()[::-1], flat.tolist(), OnDevice(flat, kind=1), memoryview(flat)):
+        result = detector.find_self(MESH.vertices, faces, groups=[0] * 40)
+        assert result.pairs.tolist() == expected and len(result.hit) == 40
+        assert detector.find_between((MESH.vertices, faces), MESH).offsets.shape == (41,)
+        result.save(tmp_path / "page.html")
+        crumple.write_mesh(tmp_path / "mesh.ply", (MESH.vertices, faces))
+        assert crumple.read_mesh(tmp_path / "mesh.ply").faces.tolist() == MESH.faces[:40].tolist()
+    with pytest.raises(crumple.InvalidInput, match="^groups must be one for each of the 40 faces, not 120$"):
+        detector.find_self(MESH.vertices, flat, groups=[0] * 120)
+    for none in ([], np.zeros(0, index)):
+        assert not detector.find_self(MESH.vertices, none)
+
+
+def test_flat_faces_are_not_copied(detector):
+    """A broadcast index takes four bytes; a copy of sixty million would take 240 MB."""
+    import resource
+
+    faces = np.broadcast_to(np.int32(7), 60_000_000)
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    with pytest.raises(crumple.InvalidInput, match="triangle 0 names vertex 7 of 3"):
+        detector.has_intersections(np.zeros((3, 3)), faces)
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 50_000  # KiB
+
+
+def test_flat_faces_that_look_like_cells_can_be_given_as_rows(detector):
+    tetrahedron = np.array([[3, 0, 1], [0, 3, 2], [1, 2, 3], [0, 1, 2]])
+    with pytest.raises(crumple.InvalidInput, match="^faces look like cells"):
+        detector.find_self(MESH.vertices[:4], tetrahedron.ravel())
+    assert not detector.find_self(MESH.vertices[:4], tetrahedron)
+    assert not detector.find_self(MESH.vertices[:4], tetrahedron[::-1].ravel())
+
+
 def test_the_layouts_are_what_they_are_called():
     packed = LAYOUTS["packed records"](MESH.vertices)
     assert packed.strides[0] % packed.itemsize != 0
@@ -99,6 +136,24 @@ def bad_faces(row, column, value, dtype=np.int64):
     return faces
 
 
+def holes(array, hole=None):
+    objects = array.astype(object)
+    objects[4, 1] = hole
+    return objects
+
+
+def rows(array, cut=None):
+    """A one-dimensional array of rows, one of which is shorter."""
+    objects = np.empty(len(array), object)
+    for i, row in enumerate(array):
+        objects[i] = row[:2] if i == cut else row
+    return objects
+
+
+def cells(faces):
+    return np.insert(faces, 0, 3, axis=1).ravel()
+
+
 V, F = MESH.vertices, MESH.faces
 WRONG = [
     ("vertices of two columns", V[:, :2], F, r"^vertices must have shape \(n, 3\), not \(180, 2\)$"),
@@ -114,9 +169,26 @@ WRONG = [
     ("float faces", V, F.astype(float), r"^faces must be integers, not float64$"),
     ("boolean faces", V, F.astype(bool), r"^faces must be integers, not bool$"),
     ("words", [["a", "b", "c"]], F, r"^vertices must be float32 or float64, not <U1"),
-    ("None", None, F, r"^vertices must be an array of numbers, not NoneType$"),
-    ("ragged", [[0, 0, 0], [1]], F, r"^vertices cannot be read as an array"),
-    ("huge numbers", V, [[0, 1, 10**30]], r"^faces must be an array of numbers, not list$"),
+    ("None", None, F, r"^vertices must be an array of numbers, not None$"),
+    ("ragged", [[0, 0, 0], [1]], F, r"^vertices .* an array.*: row 1 has 1 elements, row 0 has 3 elements$"),
+    ("a row that is none", [[0, 0, 0], 1], F, r"^vertices .* an array.*: row 1 is int, row 0 has 3 elements$"),
+    ("a first row that is none", V, [1, [0, 0, 0]], r"^faces .* an array.*: row 1 has 3 elements, row 0 is int$"),
+    ("objects", V.astype(object), F, r"^vertices must be .*, not of objects; .*\.astype\('float64'\)$"),
+    ("integer objects", V, F.astype(object), r"^faces must be .*, not of objects; .*\.astype\('int64'\)$"),
+    ("holes", holes(V), F, r"^vertices must be an array of numbers, but element \(4, 1\) is None$"),
+    ("words among objects", holes(V, "x"), F, r"^vertices must be an array of numbers, but element \(4, 1\) is str$"),
+    ("ragged objects", V, rows(F, cut=7), r"^faces must be .*, not of rows: row 7 has 2 elements, row 0 has 3 "),
+    ("rows as objects", V, rows(F), r"^faces must be .*, not of rows: numpy.stack joins them$"),
+    ("flat faces that are cut", V, F.ravel()[:-1], r"^faces must have .*, or be flat with .*, not \(179,\)$"),
+    ("flat cells", V, cells(F), r"^faces look like cells .*: pass .reshape\(-1, 4\)\[:, 1:\] of them, or "),
+    ("a list of cells", V, cells(F[:59]).tolist(), r"^faces look like cells .*: pass .reshape.* of them$"),
+    ("flat indices out of range", V, bad_faces(4, 1, 180).ravel(), r"^triangle 4 names vertex 180 of 180$"),
+    (
+        "huge numbers",
+        V,
+        [[0, 1, 10**30]],
+        r"^faces must be .*, but element \(0, 2\) is 10{30}, which no integer of 64 bits",
+    ),
     ("NaN", bad_vertices(17, 2, np.nan), F, r"^vertex 17 is not finite$"),
     ("infinity", bad_vertices(3, 0, -np.inf), F, r"^vertex 3 is not finite$"),
     ("infinity, strided", np.asfortranarray(bad_vertices(3, 0, np.inf)), F, r"^vertex 3 is not finite$"),
@@ -148,6 +220,55 @@ def test_what_is_wrong_is_named(vertices, faces, message, detector):
             call()
         assert isinstance(caught.value, ValueError) and isinstance(caught.value, crumple.Error)
     assert detector.find_self(MESH).pairs.tolist() == EXPECTED, "the detector stays usable"
+
+
+@pytest.mark.parametrize("name", ["vertices", "faces", "groups", "excluded_groups"])
+@pytest.mark.parametrize("in_place", [True, False])
+def test_masked_values_are_refused(name, in_place, detector):
+    arrays = {
+        "vertices": MESH.vertices,
+        "faces": MESH.faces,
+        "groups": np.zeros(60, np.int32),
+        "excluded_groups": np.array([[1, 2]] * 6, np.int32),
+    }
+    expected = detector.find_self(**arrays).pairs.tolist()
+    array = arrays[name] if in_place else arrays[name].astype(arrays[name].dtype.newbyteorder())
+    for nothing in (np.ma.nomask, False, np.zeros(array.shape)):
+        unmasked = np.ma.array(array, mask=nothing)
+        assert detector.find_self(**{**arrays, name: unmasked}).pairs.tolist() == expected
+    mask = np.zeros(array.shape, bool)
+    mask[5] = True
+    where = 5 if name == "groups" else (5, 0)
+    masked = re.escape(f"{name} are masked at ({', '.join(map(str, np.atleast_1d(where)))}{',' * (name == 'groups')})")
+    for given in (np.ma.array(array, mask=mask), GivesMasked(array, mask)):
+        with pytest.raises(crumple.InvalidInput, match=f"^{masked}: .*numpy.ma.filled"):
+            detector.find_self(**{**arrays, name: given})
+
+
+class GivesMasked:
+    def __init__(self, array, mask):
+        self.array = np.ma.array(array, mask=mask)
+
+    def __array__(self, dtype=None, copy=None):
+        return self.array
+
+
+def test_masks_are_looked_for_in_rows_and_meshes(detector):
+    row = np.ma.array([0, 1, 2], mask=[0, 1, 0])
+    with pytest.raises(crumple.InvalidInput, match=r"^faces: a row is masked at \(1,\): "):
+        detector.find_self(MESH.vertices, [row, [0, 1, 2]])
+    masked = np.ma.array(MESH.vertices, mask=MESH.vertices == MESH.vertices[17, 1])
+    with pytest.raises(crumple.InvalidInput, match=r"^second mesh: vertices are masked at \(17, 1\): ") as caught:
+        detector.find_between(MESH, MESH._replace(vertices=masked))
+    assert (caught.value.element, caught.value.index) == ("vertex", 17)
+    with pytest.raises(crumple.InvalidInput, match="^vertices are masked"):
+        crumple.write_mesh("mesh.ply", MESH._replace(vertices=masked))
+
+
+def test_other_kinds_of_numpy_arrays_are_read_in_place(tmp_path, detector):
+    mapped = np.memmap(tmp_path / "vertices", np.float32, "w+", shape=MESH.vertices.shape)
+    mapped[...] = MESH.vertices
+    assert detector.find_self(mapped, MESH.faces.view(np.recarray)).pairs.tolist() == EXPECTED
 
 
 def test_an_error_knows_the_place(detector):
@@ -216,6 +337,7 @@ def test_wrong_types_in_a_query_are_named(query, message, detector):
         ({"threads": 2.0}, "threads must be an integer, not float"),
         ({"threads": None}, "threads must be an integer, not None"),
         ({"memory_limit": 1e9}, "memory_limit must be an integer, not float"),
+        ({"count_bytes_needed": 1}, "count_bytes_needed must be True or False, not int"),
         ({"fuzziness": "2"}, "fuzziness must be a number, not str"),
         ({"stop": None}, "stop must be a number, not None"),
         ({"backend": 3}, 'backend must be one of "automatic", "cpu", "cuda", "reference", not int'),
@@ -385,13 +507,23 @@ def test_the_cuda_backend_says_why_it_is_not_there():
         pytest.fail(f"{detector} has a thousand devices")
 
 
-def test_a_memory_limit_names_the_limit_that_suffices():
+def test_a_memory_limit_names_a_lower_bound_or_the_limit_that_suffices():
+    import pickle
+
     mesh = soup(3000)
+    with pytest.raises(
+        crumple.MemoryLimit, match=r"memory limit of 10000 bytes is too small; at least \d+ bytes are needed"
+    ) as caught:
+        crumple.Detector(memory_limit=10_000).find_self(mesh)
+    least = caught.value
+    assert isinstance(least, MemoryError) and least.code == "memory_limit" and least.bytes_needed_at_least is True
+    copy = pickle.loads(pickle.dumps(least))
+    assert (copy.bytes_needed, copy.bytes_needed_at_least) == (least.bytes_needed, True)
     with pytest.raises(
         crumple.MemoryLimit, match=r"memory limit of 10000 bytes is too small; \d+ bytes suffice"
     ) as caught:
-        crumple.Detector(memory_limit=10_000).find_self(mesh)
-    assert isinstance(caught.value, MemoryError) and caught.value.code == "memory_limit"
+        crumple.Detector(memory_limit=10_000, count_bytes_needed=True).find_self(mesh)
+    assert caught.value.bytes_needed_at_least is False and caught.value.bytes_needed >= least.bytes_needed
     enough = crumple.Detector(memory_limit=caught.value.bytes_needed)
     held = [enough.find_self(mesh).pairs for _ in range(3)]  # results in hand do not count
     for pairs in held:
@@ -425,7 +557,7 @@ def test_nothing_is_converted_on_a_device(detector):
     faces = OnDevice(MESH.faces)
     with pytest.raises(crumple.InvalidInput, match=r"vertices in CUDA memory must be \(n, 3\) of float32 or float64"):
         detector.find_self(OnDevice(MESH.vertices.astype(np.float16)), faces)
-    with pytest.raises(crumple.InvalidInput, match=r"faces in CUDA memory must be \(m, 3\) of int32, uint32 or int64"):
+    with pytest.raises(crumple.InvalidInput, match=r"faces in CUDA memory must be \(m, 3\) or \(3m\) of int32, uint32"):
         detector.find_self(OnDevice(MESH.vertices), OnDevice(MESH.faces.astype(np.int16)))
     with pytest.raises(crumple.InvalidInput, match="excluded_groups lie in CUDA memory, but are wanted in the host's"):
         detector.find_self(MESH, excluded_groups=OnDevice(np.zeros((1, 2), np.int32)))
@@ -524,4 +656,6 @@ def test_arrays_of_other_packages(package, detector):
         arrays = module.from_numpy(MESH.vertices, device="cpu"), module.from_numpy(MESH.faces, device="cpu")
     else:
         arrays = module.asarray(MESH.vertices), module.asarray(MESH.faces)
-    assert detector.find_self(*arrays).pairs.tolist() == EXPECTED
+    vertices, faces = arrays
+    assert detector.find_self(vertices, faces).pairs.tolist() == EXPECTED
+    assert detector.find_self(vertices, faces.flatten()).pairs.tolist() == EXPECTED

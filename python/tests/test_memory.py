@@ -5,6 +5,8 @@ import subprocess
 import sys
 import textwrap
 
+import pytest
+
 
 def run(program, **environment):
     command = [sys.executable, "-c", textwrap.dedent(program)]
@@ -45,7 +47,26 @@ def test_a_machine_without_memory_is_a_memory_error():
         try:
             detector.find_self(many)
         except MemoryError as error:
-            print(type(error).__name__)
+            print(type(error).__name__, error, sep=", ")
+        try:
+            crumple.make_scene("soup", triangles=2_000_000)
+        except MemoryError as error:
+            print(type(error).__name__, error, sep=", ")
         print(len(detector.find_self(few)) >= 0)  # stays usable
     """
-    assert run(program) == ["MemoryError", "True"]
+    sentence = "MemoryError, the machine has no memory left for this call"
+    assert run(program) == [*sentence.split(), *sentence.split(), "True"]
+
+
+def test_arrays_that_find_no_memory_say_so(detector):
+    class Raising:
+        def __init__(self, *sentence):
+            self.error = MemoryError(*sentence)
+
+        def __array__(self, dtype=None, copy=None):
+            raise self.error
+
+    with pytest.raises(MemoryError, match="^vertices cannot be read as an array: the machine has no memory left$"):
+        detector.find_self(Raising(), [[0, 0, 0]])
+    with pytest.raises(MemoryError, match="^faces cannot be read as an array: Unable to allocate 3 GiB$"):
+        detector.find_self([[0, 0, 0]], Raising("Unable to allocate 3 GiB"))

@@ -3,6 +3,9 @@
 import copy
 import inspect
 import pickle
+import re
+import threading
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
@@ -70,7 +73,9 @@ def test_arguments_by_name_and_by_place(detector):
     [
         ((), {}, "missing 1 required positional argument: 'vertices'"),
         ((1, 2, 3), {}, "takes from 2 to 3 positional arguments but 4 were given"),
-        ((MESH,), {"neighbors": "skip"}, "unexpected keyword argument 'neighbors'"),
+        ((MESH,), {"neighbors": "skip"}, r"^Detector\.find_self.* 'neighbors'\. Did you mean 'neighbours'\?$"),
+        ((MESH,), {"contact": True, "weld": True}, r"argument 'contact'\. Did you mean 'contacts'\?$"),
+        ((MESH,), {"colour": "red"}, r"unexpected keyword argument 'colour'$"),
         ((MESH,), {"vertices": MESH}, "multiple values for argument 'vertices'"),
     ],
 )
@@ -82,20 +87,95 @@ def test_calls_that_are_not_declared_are_refused_as_python_refuses_them(argument
         detector.find_between(MESH)
 
 
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: crumple.Detector(thread=2), "'thread'. Did you mean 'threads'?"),
+        (lambda: crumple.Detector(threads=2, memorylimit=2), "'memorylimit'. Did you mean 'memory_limit'?"),
+        (lambda: crumple.Detector(colour=2), "'colour'"),
+        (lambda: crumple.Detector().partition(MESH, counts=2), "'counts'. Did you mean 'count'?"),
+        (lambda: crumple.find_self_intersections(MESH, neighbor="skip"), "'neighbor'. Did you mean 'neighbours'?"),
+        (lambda: crumple.read_mesh("mesh.ply", welding="no"), "'welding'. Did you mean 'weld'?"),
+        (lambda: crumple.make_scene("cloth", triangle=9), "'triangle'. Did you mean 'triangles'?"),
+    ],
+)
+def test_names_that_are_close_are_suggested(call, message):
+    with pytest.raises(TypeError, match=f"got an unexpected keyword argument {re.escape(message)}$") as caught:
+        call()
+    assert not isinstance(caught.value, crumple.Error)
+
+
+def test_errors_within_a_call_stay_what_they_are():
+    class Failing:
+        def __index__(self):
+            raise ZeroDivisionError
+
+    for error, value in ((crumple.InvalidType, "2"), (ZeroDivisionError, Failing())):
+        with pytest.raises(error):
+            crumple.Detector(threads=value)
+    assert list(inspect.signature(crumple.Detector).parameters)[:2] == ["backend", "threads"]
+    assert list(inspect.signature(crumple.make_scene).parameters) == ["name", "triangles", "frame", "seed"]
+
+
 def test_self_must_be_a_detector_that_was_made(detector):
     with pytest.raises(crumple.InvalidType, match=r"^self must be a crumple\.Detector, not int$"):
         crumple.Detector.find_self(3, MESH)
+    with pytest.raises(crumple.InvalidType, match=r"^self must be a crumple\.Detector, not int$"):
+        crumple._core.Detector.__init__(3, **detector.options)
     unmade = crumple.Detector.__new__(crumple.Detector)
     for look in (
         lambda: unmade.find_self(MESH),
         lambda: unmade.has_intersections_between(MESH, MESH),
         lambda: unmade.partition(MESH, count=2),
         lambda: unmade.backend,
+        lambda: unmade.options,
         lambda: unmade.fallback,
         lambda: unmade.cancel(),
     ):
         with pytest.raises(crumple.InvalidInput, match=r"^crumple\.Detector\.__init__ has not been called$"):
             look()
+    assert repr(unmade) == "<crumple.Detector whose __init__ has not been called>"
+    with pytest.raises(crumple.InvalidType, match="^threads must be an integer, not str$"):
+        unmade.__init__(threads="2")
+    assert "has not been called" in repr(unmade)
+    unmade.__init__(threads=2)
+    assert unmade.find_self(MESH).pairs.tolist() == EXPECTED and unmade.options["threads"] == 2
+
+
+def test_a_detector_is_made_once(detector):
+    with pytest.raises(crumple.InvalidInput, match=r"^crumple\.Detector\.__init__ has been called already$"):
+        detector.__init__(threads=1)
+    assert detector.options["threads"] == 2 and detector.find_self(MESH).pairs.tolist() == EXPECTED
+
+    class Again:
+        """Makes the detector while it is being made."""
+
+        def __index__(self):
+            nested.__init__(threads=1)
+            return 2
+
+    nested = crumple.Detector.__new__(crumple.Detector)
+    with pytest.raises(crumple.InvalidInput, match="has been called already"):
+        nested.__init__(threads=Again())
+    assert nested.options["threads"] == 1 and nested.find_self(MESH).pairs.tolist() == EXPECTED
+
+
+def test_of_many_threads_one_makes_a_detector():
+    for _ in range(20):
+        raw, start = crumple.Detector.__new__(crumple.Detector), threading.Barrier(4)
+
+        def make(threads, raw=raw, start=start):
+            start.wait()
+            try:
+                raw.__init__(threads=threads)
+            except crumple.InvalidInput:
+                return None
+            raw.find_self(MESH)
+            return threads
+
+        with ThreadPoolExecutor(4) as pool:
+            made = [threads for threads in pool.map(make, (1, 2, 3, 4)) if threads]
+        assert made == [raw.options["threads"]] == [raw.find_self(MESH).statistics.threads]
 
 
 def test_detectors_can_be_derived_from():
@@ -118,10 +198,9 @@ def test_what_only_the_library_makes_is_not_made_in_python():
             make()
         with pytest.raises(TypeError):
             object.__new__(make)
-    for thing in (result, crumple.Detector()):
-        for duplicate in (copy.copy, copy.deepcopy, pickle.dumps):
-            with pytest.raises(TypeError, match="pickle"):
-                duplicate(thing)
+    for duplicate in (copy.copy, copy.deepcopy, pickle.dumps):
+        with pytest.raises(TypeError, match="pickle"):
+            duplicate(crumple.Detector())
 
 
 def test_declarations_must_be_what_is_defined():

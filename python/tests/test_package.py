@@ -19,8 +19,8 @@ def test_the_command_line_is_the_c_plus_plus_one(tmp_path):
     assert run("-m", "crumple", "--version").stdout == f"crumple {crumple.__version__}\n"
     mesh = soup(50, size=0.5)
     crumple.write_mesh(tmp_path / "mesh.ply", mesh)
-    found = run("-m", "crumple", "detect", "mesh.ply", "--check", cwd=tmp_path)
-    assert found.returncode == 1
+    assert run("-m", "crumple", "detect", "mesh.ply", "--check", cwd=tmp_path).returncode == 1
+    found = run("-m", "crumple", "detect", "mesh.ply", cwd=tmp_path)
     assert found.stdout == "".join(f"{a} {b}\n" for a, b in crumple.find_self_intersections(mesh))
     assert run("-m", "crumple", "detect", "none.ply", cwd=tmp_path).returncode == 2
 

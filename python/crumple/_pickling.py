@@ -1,0 +1,84 @@
+"""A Result taken apart for pickle, and put together again: whatever comes is checked."""
+
+from __future__ import annotations
+
+import copy
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from . import _arrays, _core
+from ._errors import InvalidInput, InvalidType
+
+if TYPE_CHECKING:
+    from ._mesh import Mesh
+    from ._result import Result
+
+# Type and shape of each array; those of contacts are empty where there are none.
+_ARRAYS = {
+    "pairs": (np.int32, (-1, 2)),
+    "offsets": (np.int64, (-1,)),
+    "hit": (np.bool_, (-1,)),
+    "hit_second": (np.bool_, (-1,)),
+    "contact_kinds": (np.uint8, (-1,)),
+    "contact_offsets": (np.int64, (-1,)),
+    "contact_points": (np.float64, (-1, 3)),
+}
+_OTHERS = {"statistics", "first", "second", "has_contacts", "copy"}
+
+
+def _mesh_as_arrays(mesh: Mesh, which: str, triangles: int) -> tuple[Any, Any, Any]:
+    vertices = _arrays.vertices(mesh.vertices, which)
+    faces = _arrays.host_array(mesh.faces, which + "faces")
+    if faces.size != 3 * triangles:
+        raise InvalidInput("the mesh was changed after the search: the result does not fit it any more")
+    if not faces.size:
+        faces = np.empty((0, 3), np.int32)
+    return vertices, faces, None if mesh.groups is None else _arrays.groups(mesh.groups, which)
+
+
+def state_of(result: Result) -> dict[str, Any]:
+    """What restore makes an equal result of; NumPy arrays, also of the meshes."""
+    state: dict[str, Any] = {name: getattr(result, "_" + name) for name in _ARRAYS}
+    first, second = result._meshes
+    one_soup = second is None
+    return {
+        **state,
+        "statistics": result.statistics,
+        "first": _mesh_as_arrays(first, "" if one_soup else "first mesh: ", len(state["hit"])),
+        "second": None if second is None else _mesh_as_arrays(second, "second mesh: ", len(state["hit_second"])),
+        "has_contacts": result._has_contacts,
+        "copy": result._copy,
+    }
+
+
+def _array(array: Any, name: str) -> np.ndarray:
+    dtype, shape = _ARRAYS[name]
+    if not isinstance(array, np.ndarray) or array.dtype.newbyteorder("=") != dtype:
+        raise InvalidType(f"the state of a Result needs {name} as an array of {np.dtype(dtype)}")
+    if array.ndim != len(shape) or array.shape[1:] != shape[1:]:
+        raise InvalidInput(f"the state of a Result needs {name} of shape {shape}, not {array.shape}")
+    array = np.require(array, dtype, ["C", "A"])
+    return array.view(np.uint8) if dtype is np.bool_ else array
+
+
+def restore(state: Any) -> Result:
+    """A result of its own. Raises InvalidType and InvalidInput for what state_of does not give."""
+    if not isinstance(state, dict) or set(state) != _ARRAYS.keys() | _OTHERS:
+        raise InvalidType(f"the state of a Result must be a dict of {', '.join([*_ARRAYS, *sorted(_OTHERS)])}")
+    arrays = [_array(state[name], name) for name in _ARRAYS]
+    for name in ("has_contacts", "copy"):
+        if not isinstance(state[name], bool):
+            raise InvalidType(f"the state of a Result needs {name} as bool")
+    for name in ("first", "second"):
+        if not isinstance(state[name], tuple) or len(state[name]) != 3:
+            if name == "first" or state[name] is not None:
+                raise InvalidType(f"the state of a Result needs {name} as a tuple (vertices, faces, groups)")
+    return _core.restore(
+        *arrays, state["statistics"], state["first"], state["second"], state["has_contacts"], state["copy"]
+    )
+
+
+def deep_copy(result: Result, memo: dict[int, Any]) -> Result:
+    """A result with memory and meshes of its own."""
+    return _core.duplicate(result, copy.deepcopy(result._first, memo), copy.deepcopy(result._second, memo))

@@ -1,0 +1,82 @@
+#include "gil.h"
+
+#include <pthread.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <thread>
+#include <vector>
+
+#include "crumple/detector.h"
+
+namespace nb = nanobind;
+
+namespace crumple::python {
+
+void hang() {
+    for (;;) pause();
+}
+
+bool interpreter_ends() {
+    PyObject* const ends = PySys_GetObject("is_finalizing");  // Py_IsFinalizing is no part of the stable ABI
+    if (!ends) return true;
+    const nb::object answer = nb::steal(PyObject_CallNoArgs(ends));
+    if (!answer) throw nb::python_error();
+    return answer.is(Py_True);
+}
+
+nb::object call_python(const char* module, const char* function, std::initializer_list<nb::handle> given) {
+    const nb::object from = nb::steal(in_python([&] { return PyImport_ImportModule(module); }));
+    if (!from) throw nb::python_error();
+    const nb::object called = from.attr(function);
+    std::vector<PyObject*> arguments;
+    for (const nb::handle argument : given) arguments.push_back(argument.ptr());
+    PyObject* const result =
+        in_python([&] { return PyObject_Vectorcall(called.ptr(), arguments.data(), arguments.size(), nullptr); });
+    if (!result) throw nb::python_error();
+    return nb::steal(result);
+}
+
+WithoutGil* WithoutGil::all_ = nullptr;
+
+WithoutGil::WithoutGil(AtExit at_exit, Detector* detector) : next_(all_), detector_(detector), at_exit_(at_exit) {
+    all_ = this;
+    state_ = PyEval_SaveThread();
+}
+
+WithoutGil::~WithoutGil() {
+    done_.store(true, std::memory_order_release);
+    in_python([&] {
+        PyEval_RestoreThread(state_);
+        return true;
+    });
+    WithoutGil** link = &all_;
+    while (*link && *link != this) link = &(*link)->next_;
+    if (*link) *link = next_;
+}
+
+void WithoutGil::watch_exit() {
+    Py_AtExit(end_all);
+    // Threads do not survive a fork.
+    pthread_atfork(nullptr, nullptr, [] { all_ = nullptr; });
+}
+
+// The interpreter has ended: no thread gets the GIL any more, so the list stays as it is. What works on while static
+// objects are destroyed may end the process.
+void WithoutGil::end_all() {
+    using Clock = std::chrono::steady_clock;
+    const auto patience = Clock::now() + std::chrono::seconds(1);
+    for (bool waiting = true; waiting; std::this_thread::sleep_for(std::chrono::milliseconds(1))) {
+        const bool patient = Clock::now() < patience;
+        waiting = false;
+        for (WithoutGil* work = all_; work; work = work->next_) {
+            if (work->done_.load(std::memory_order_acquire)) continue;
+            work->wanted_.store(false, std::memory_order_relaxed);
+            if (work->detector_) work->detector_->cancel();  // again and again: a call forgets what came before it
+            waiting = waiting || patient || work->at_exit_ == AtExit::finished;
+        }
+        if (!waiting) return;
+    }
+}
+
+}  // namespace crumple::python

@@ -1,0 +1,183 @@
+#include "pickling.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/string_view.h>
+
+#include "arguments.h"
+#include "arrays.h"
+#include "errors.h"
+#include "result.h"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+
+namespace crumple::python {
+namespace {
+
+constexpr std::pair<const char*, std::int64_t Statistics::*> counters[]{
+    {"triangles", &Statistics::triangles},
+    {"clusters", &Statistics::clusters},
+    {"leaves", &Statistics::leaves},
+    {"members", &Statistics::members},
+    {"interval_tests", &Statistics::interval_tests},
+    {"box_overlaps", &Statistics::box_overlaps},
+    {"edge_tests", &Statistics::edge_tests},
+    {"double_tests", &Statistics::double_tests},
+    {"exact_tests", &Statistics::exact_tests},
+    {"rational_tests", &Statistics::rational_tests},
+    {"rational_contacts", &Statistics::rational_contacts},
+    {"pairs", &Statistics::pairs},
+    {"peak_memory_bytes", &Statistics::peak_memory_bytes},
+};
+
+// A name that lives as long as the process. There are only so many backends and instruction sets.
+std::string_view kept_name(const std::string& name) {
+    static std::set<std::string>& names = *new std::set<std::string>;
+    if (names.size() >= 100 && !names.contains(name)) refuse("the state of Statistics has a name that nobody knows");
+    return *names.insert(name).first;
+}
+
+template <class Type>
+Type item(const nb::dict& state, const char* name) {
+    Type value{};
+    if (!state.contains(name) || !nb::try_cast(state[name], value))
+        throw InvalidType(std::string("the state of Statistics needs another ") + name);
+    return value;
+}
+
+template <class Number, int columns>
+using Rows = nb::ndarray<const Number, nb::shape<-1, columns>, nb::c_contig, nb::device::cpu>;
+template <class Number>
+using Column = nb::ndarray<const Number, nb::shape<-1>, nb::c_contig, nb::device::cpu>;
+
+template <class Element, class Given>
+void fill(Array<Element>& array, const Given& given) {
+    array.resize_discard(given.shape(0));
+    if (!array.empty()) std::memcpy(static_cast<void*>(array.data()), given.data(), array.size() * sizeof(Element));
+}
+
+void check(bool holds, const char* what) {
+    if (!holds) refuse(std::string("the state of the Result does not fit together: ") + what);
+}
+
+// Whether offsets cut `size` elements into `parts` consecutive parts.
+bool are_offsets(const Array<std::int64_t>& offsets, std::size_t parts, std::size_t size) {
+    return offsets.size() == parts + 1 && offsets.front() == 0 && std::is_sorted(offsets.begin(), offsets.end()) &&
+           offsets.back() == static_cast<std::int64_t>(size);
+}
+
+// All that writers and pictures take for granted.
+void check_fit(const Collisions& c, bool one_soup, bool has_contacts) {
+    check(are_offsets(c.offsets, c.hit.size(), c.pairs.size()), "offsets");
+    const auto seconds = static_cast<std::int64_t>((one_soup ? c.hit : c.hit_second).size());
+    std::vector<std::uint8_t> hit(c.hit.size()), hit_second(static_cast<std::size_t>(seconds));
+    for (std::size_t a = 0; a < c.hit.size(); ++a)
+        for (std::int64_t i = c.offsets[a]; i < c.offsets[a + 1]; ++i) {
+            const Pair pair = c.pairs[i];
+            check(pair.a >= 0 && static_cast<std::size_t>(pair.a) == a, "offsets of pairs");
+            check(pair.b >= 0 && pair.b < seconds && (!one_soup || pair.a < pair.b), "pairs");
+            check(i == 0 || c.pairs[i - 1] < pair, "the order of pairs");
+            hit[a] = 1;
+            (one_soup ? hit : hit_second)[static_cast<std::size_t>(pair.b)] = 1;
+        }
+    check(std::equal(hit.begin(), hit.end(), c.hit.begin(), c.hit.end()), "hit");
+    if (one_soup) hit_second.clear();
+    check(std::equal(hit_second.begin(), hit_second.end(), c.hit_second.begin(), c.hit_second.end()), "hit_second");
+    const Contacts& contacts = c.contacts;
+    check(contacts.kinds.size() == (has_contacts ? c.pairs.size() : 0), "contacts");
+    if (!has_contacts) return;
+    check(are_offsets(contacts.offsets, contacts.kinds.size(), contacts.points.size()), "offsets of contacts");
+    for (std::size_t i = 0; i < contacts.kinds.size(); ++i) {
+        const std::int64_t points = contacts.offsets[i + 1] - contacts.offsets[i];
+        check(points >= 1 && points <= 6 && static_cast<int>(contacts.kinds[i]) == std::min<std::int64_t>(points, 3),
+              "kinds of contacts");
+    }
+    for (const auto& point : contacts.points)
+        for (const double coordinate : point) check(std::isfinite(coordinate), "points of contacts");
+}
+
+void check_mesh(const GivenMesh& mesh, const char* which, const Array<std::uint8_t>& hit) {
+    const BorrowedMesh borrowed(mesh, which);
+    check(borrowed.view().triangles.rows == static_cast<std::int64_t>(hit.size()), "the number of faces");
+}
+
+nb::object restore(const Rows<std::int32_t, 2>& pairs, const Column<std::int64_t>& offsets,
+                   const Column<std::uint8_t>& hit, const Column<std::uint8_t>& hit_second,
+                   const Column<std::uint8_t>& kinds, const Column<std::int64_t>& contact_offsets,
+                   const Rows<double, 3>& points, nb::handle statistics, nb::handle first, nb::handle second,
+                   bool has_contacts, bool copy) {
+    const auto storage = std::make_shared<Collisions>();
+    fill(storage->pairs, pairs);
+    fill(storage->offsets, offsets);
+    fill(storage->hit, hit);
+    fill(storage->hit_second, hit_second);
+    fill(storage->contacts.kinds, kinds);
+    fill(storage->contacts.offsets, contact_offsets);
+    fill(storage->contacts.points, points);
+    if (!nb::isinstance<Statistics>(statistics) || !nb::inst_ready(statistics))
+        refuse_type("statistics", "crumple.Statistics with something in it", statistics);
+    storage->statistics = *nb::inst_ptr<Statistics>(statistics);
+    Result result{storage, given_mesh(first), std::nullopt, has_contacts, copy};
+    if (!second.is_none()) result.second = given_mesh(second);
+    check_fit(*storage, !result.second, has_contacts);
+    check_mesh(result.first, result.second ? "first mesh: " : "", storage->hit);
+    if (result.second) check_mesh(*result.second, "second mesh: ", storage->hit_second);
+    check(storage->statistics.pairs == static_cast<std::int64_t>(storage->pairs.size()), "statistics");
+    return make_result(std::move(result));
+}
+
+}  // namespace
+
+nb::dict state_of(const Statistics& statistics) {
+    nb::dict state;
+    for (const auto& [name, counter] : counters) state[name] = statistics.*counter;
+    state["milliseconds"] = statistics.milliseconds;
+    state["stage_milliseconds"] = statistics.stage_milliseconds;
+    state["threads"] = statistics.threads;
+    state["backend"] = statistics.backend;
+    state["simd"] = statistics.simd;
+    return state;
+}
+
+Statistics statistics_of(nb::handle given) {
+    nb::dict state;
+    if (!nb::try_cast(given, state)) throw InvalidType("the state of Statistics must be a dict");
+    Statistics statistics;
+    for (const auto& [name, counter] : counters) statistics.*counter = item<std::int64_t>(state, name);
+    statistics.milliseconds = item<double>(state, "milliseconds");
+    statistics.stage_milliseconds = item<std::array<double, stage_count>>(state, "stage_milliseconds");
+    statistics.threads = item<int>(state, "threads");
+    statistics.backend = kept_name(item<std::string>(state, "backend"));
+    statistics.simd = kept_name(item<std::string>(state, "simd"));
+    return statistics;
+}
+
+void bind_pickling(nb::module_& module) {
+    module.def("restore", restore, "pairs"_a, "offsets"_a, "hit"_a, "hit_second"_a, "contact_kinds"_a,
+               "contact_offsets"_a, "contact_points"_a, "statistics"_a.none(), "first"_a, "second"_a.none(),
+               "has_contacts"_a, "copy"_a);
+    module.def(
+        "duplicate", [](nb::handle result) { return make_result(Result(result_of(result))); }, "result"_a);
+    module.def(
+        "duplicate",
+        [](nb::handle object, nb::handle first, nb::handle second) {
+            Result result = result_of(object);
+            result.storage = std::make_shared<Collisions>(*result.storage);
+            result.first = given_mesh(first);
+            if (result.second) result.second = given_mesh(second);
+            return make_result(std::move(result));
+        },
+        "result"_a, "first"_a, "second"_a.none());
+}
+
+}  // namespace crumple::python
