@@ -1,13 +1,15 @@
 // crumple_cuda_benchmark: the cuda backend alone, on meshes that lie on the device, as a simulation there has them.
 //
 // A detector is warmed up, then answers the same frame again and again by launch_self and wait: the time of a frame is
-// the device's, between events around the graph on the caller's stream. Beside it: the same by the host's clock, with
+// the device's, between events around the graph on the caller's stream, which a kernel has kept busy until the graph
+// was there. Beside it: the same on a stream that was idle, so that the host's launch counts; by the host's clock, with
 // what wait() does; with the mesh on the host, so that it is brought in and the answer out; the cpu backend on all
 // threads; and, stage by stage, what bandwidth and launches allow. Each answer is compared with the cpu backend's; one
 // that differs ends the program with status 1.
 //
 // With --serve it takes turns with peers on the same device: peers_python.py --on-device.
 
+#include <cuda_profiler_api.h>
 #include <cuda_runtime.h>
 #include <fmt/format.h>
 
@@ -15,6 +17,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cstdio>
 #include <cstring>
 #include <exception>
 #include <fstream>
@@ -84,9 +87,10 @@ class Simulation {
     }
     const MeshView& view() const { return view_; }
 
-    /// Milliseconds from the stream's word that it is idle to its word that the frame is done: launch latency is in
-    /// them, some 10 us. `answer` is the detector's.
-    double frame(Detector& detector, const DeviceCollisions*& answer) {
+    /// Milliseconds between the stream's word that it begins and its word that the frame is done. On an idle stream the
+    /// host's launch is in them, some 10 us; not on one that was kept busy until then. `answer` is the detector's.
+    double frame(Detector& detector, const DeviceCollisions*& answer, bool busy) {
+        if (busy) keep_busy(stream_);
         check(cudaEventRecord(begin_, stream_));
         detector.launch_self(view_);
         check(cudaEventRecord(end_, stream_));
@@ -188,11 +192,13 @@ nlohmann::json measure(const Settings& settings, const std::string& scene, Table
     Detector detector(settings.options()), other(settings.options()), cpu({.backend = Backend::cpu});
 
     const DeviceCollisions* answer = nullptr;
-    const double first = milliseconds_of([&] { simulation.frame(detector, answer); });
-    for (int i = 0; i < 5; ++i) simulation.frame(detector, answer);
-    std::vector<double> device, clock;
-    for (int i = 0; i < settings.frames; ++i)
-        clock.push_back(milliseconds_of([&] { device.push_back(simulation.frame(detector, answer)); }));
+    const double first = milliseconds_of([&] { simulation.frame(detector, answer, false); });
+    for (int i = 0; i < 5; ++i) simulation.frame(detector, answer, true);
+    std::vector<double> device, idle, clock;
+    for (int i = 0; i < settings.frames; ++i) {
+        device.push_back(simulation.frame(detector, answer, true));
+        clock.push_back(milliseconds_of([&] { idle.push_back(simulation.frame(detector, answer, false)); }));
+    }
     expect_same(scene, detector.download(), cpu.find_self(host));
 
     const std::array<Summary, stage_count> by_stage = stages(settings, other, simulation.view());
@@ -205,13 +211,16 @@ nlohmann::json measure(const Settings& settings, const std::string& scene, Table
     const Summary brought = repeated(settings.host_frames(), [&] { other.find_self(host); });
     const Summary on_cpu = repeated(settings.host_frames(), [&] { cpu.find_self(host); });
     const Summary graph = summarise(std::move(device)), waited = summarise(std::move(clock));
+    const Summary from_idle = summarise(std::move(idle));
     table.row({scene, std::to_string(workload.triangle_count()), counted["pairs"].dump(), number(graph.median),
-               range(graph), number(waited.median), number(brought.median), number(on_cpu.median), number(first)});
+               range(graph), number(from_idle.median), number(waited.median), number(brought.median),
+               number(on_cpu.median), number(first)});
     const LeastWork least = least_work(host.vertices.rows, workload.scalar() == "float32", statistics);
     return {{"scene", scene},
             {"triangles", workload.triangle_count()},
             {"scalar", workload.scalar()},
             {"device", to_json(graph)},
+            {"device_from_idle", to_json(from_idle)},
             {"device_and_wait", to_json(waited)},
             {"from_and_to_host", to_json(brought)},
             {"cpu_all_threads", to_json(on_cpu)},
@@ -222,8 +231,9 @@ nlohmann::json measure(const Settings& settings, const std::string& scene, Table
 }
 
 /// From 10,000 triangles on. The exponent is that of the large sizes: below, a frame is mostly launches, which do not
-/// grow and so would flatter it.
-nlohmann::json growth(const Settings& settings, Table& table) {
+/// grow and so would flatter it. Calls so_far(rows) after each size.
+template <class SoFar>
+nlohmann::json growth(const Settings& settings, Table& table, SoFar so_far) {
     constexpr int large = 200'000;
     std::size_t small_sizes = 0;
     nlohmann::json rows = nlohmann::json::array();
@@ -233,6 +243,7 @@ nlohmann::json growth(const Settings& settings, Table& table) {
         if (size > settings.largest) break;
         small_sizes += size < large;
         rows.push_back(measure(settings, fmt::format("cloth:{}", size), table));
+        so_far(rows);
         triangles.push_back(rows.back()["triangles"].get<double>());
         times.push_back(rows.back()["device"]["median"].get<double>());
     }
@@ -246,13 +257,16 @@ nlohmann::json growth(const Settings& settings, Table& table) {
     return result;
 }
 
-/// A few frames and nothing else, for a profiler.
+/// A few frames and nothing else, for a profiler, which is told to look at the last one.
 void play(const Settings& settings) {
     for (const std::string& scene : settings.scenes) {
         const Workload workload = load(scene);
         Simulation simulation(workload.a);
         Detector detector(settings.options());
-        for (int i = 0; i < settings.frames; ++i) detector.find_self(simulation.view());
+        for (int i = 1; i < settings.frames; ++i) detector.find_self(simulation.view());
+        check(cudaProfilerStart());
+        detector.find_self(simulation.view());
+        check(cudaProfilerStop());
     }
 }
 
@@ -282,7 +296,7 @@ void serve(const Settings& settings) {
     Simulation simulation(workload.a);
     Detector detector(settings.options());
     const DeviceCollisions* answer = nullptr;
-    const Contestant contestant{"crumple", "", "", [&] { simulation.frame(detector, answer); }, nullptr};
+    const Contestant contestant{"crumple", "", "", [&] { simulation.frame(detector, answer, false); }, nullptr};
     for (std::string line; std::getline(std::cin, line);) {
         std::istringstream words(line);
         std::string request, folder;
@@ -332,14 +346,19 @@ int run(Settings settings) {
                           {"frames", settings.frames},
                           {"unit", "milliseconds"}};
     Table table(fmt::format("cuda on {}, milliseconds, medians of {} frames", device.name, settings.frames),
-                {"scene", "triangles", "pairs", "device", "quartiles", "with wait", "host to host", "cpu", "first"});
+                {"scene", "triangles", "pairs", "device", "quartiles", "from idle", "with wait", "host to host", "cpu",
+                 "first"});
     nlohmann::json& scenes = result["scenes"] = nlohmann::json::array();
     // Whoever has run out of time has what was measured.
     for (const std::string& scene : settings.scenes) {
         scenes.push_back(measure(settings, scene, table));
         write(settings, result);
     }
-    if (settings.largest > 0) result["growth"] = growth(settings, table);
+    if (settings.largest > 0)
+        result["growth"] = growth(settings, table, [&](const nlohmann::json& rows) {
+            result["growth"]["sizes"] = rows;
+            write(settings, result);
+        });
     write(settings, result);
     table.print();
     if (result.contains("growth") && result["growth"].contains("exponent"))
@@ -353,6 +372,7 @@ int run(Settings settings) {
 
 int main(int argc, char** argv) {
     using namespace crumple::benchmark;
+    std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);  // what is known is to be seen, whatever ends the program
     Settings settings;
     CLI::App app("The cuda backend on meshes that lie on the device.");
     app.add_option("--scene", settings.scenes,
@@ -363,7 +383,8 @@ int main(int argc, char** argv) {
     app.add_option("--device", settings.device, "Number of the device")->check(CLI::Range(0, 1'000));
     app.add_option("--json", settings.json, "File to write the figures to");
     app.add_option("--commit", settings.commit, "What the figures say they were made from");
-    app.add_flag("--profile", settings.profile, "Only play the scenes' frames, for a profiler");
+    app.add_flag("--profile", settings.profile,
+                 "Only play the scenes' frames, for a profiler, whose range is the last one");
     app.add_flag("--serve", settings.serving, "Take turns with another process (requests.h)")->needs("--scene");
     CLI11_PARSE(app, argc, argv);
     try {

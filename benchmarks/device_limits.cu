@@ -16,6 +16,7 @@ namespace {
 // By number, for the CPU that plays a device in tests has no such memory and no names for it.
 constexpr auto memory_clock_kilohertz = static_cast<cudaDeviceAttr>(36);
 constexpr auto bus_width_bits = static_cast<cudaDeviceAttr>(37);
+constexpr auto clock_kilohertz = static_cast<cudaDeviceAttr>(13);
 
 /// 0 if the device does not tell.
 double attribute(cudaDeviceAttr which, int device) {
@@ -26,6 +27,20 @@ double attribute(cudaDeviceAttr which, int device) {
 }
 
 __global__ void do_nothing() {}
+
+__global__ void spin(long long clocks) {
+    const long long begin = clock64();
+    while (clock64() - begin < clocks) {
+    }
+}
+
+void launch(cudaStream_t stream, auto kernel, auto... arguments) {
+    cudaLaunchConfig_t config{};
+    config.gridDim = dim3(1);
+    config.blockDim = dim3(32);
+    config.stream = stream;
+    check(cudaLaunchKernelEx(&config, kernel, arguments...));
+}
 
 class Meter {
    public:
@@ -42,9 +57,10 @@ class Meter {
 
     /// Median milliseconds between events around what `work` gives to the stream.
     template <class Work>
-    double median(int times, Work work) {
+    double median(int times, bool busy, Work work) {
         std::vector<double> values;
         for (int i = 0; i <= times; ++i) {  // the first is a warm-up
+            if (busy) keep_busy(stream_);
             check(cudaEventRecord(begin_, stream_));
             work(stream_);
             check(cudaEventRecord(end_, stream_));
@@ -58,17 +74,17 @@ class Meter {
     }
 
     double of_launches(int kernels) {
-        return median(100, [&](cudaStream_t stream) { launch(kernels, stream); });
+        return median(100, false, [&](cudaStream_t stream) { launch_all(kernels, stream); });
     }
 
     double of_graph(int kernels) {
         check(cudaStreamBeginCapture(stream_, cudaStreamCaptureModeThreadLocal));
-        launch(kernels, stream_);
+        launch_all(kernels, stream_);
         cudaGraph_t graph = nullptr;
         check(cudaStreamEndCapture(stream_, &graph));
         cudaGraphExec_t executable = nullptr;
         check(cudaGraphInstantiate(&executable, graph, 0));
-        const double time = median(100, [&](cudaStream_t stream) { check(cudaGraphLaunch(executable, stream)); });
+        const double time = median(100, true, [&](cudaStream_t stream) { check(cudaGraphLaunch(executable, stream)); });
         check(cudaGraphExecDestroy(executable));
         check(cudaGraphDestroy(graph));
         return time;
@@ -79,7 +95,7 @@ class Meter {
         check(cudaMalloc(&from, bytes));
         check(cudaMalloc(&to, bytes));
         check(cudaMemsetAsync(from, 0, bytes, stream_));
-        const double time = median(10, [&](cudaStream_t stream) {
+        const double time = median(10, true, [&](cudaStream_t stream) {
             check(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDeviceToDevice, stream));
         });
         check(cudaFree(from));
@@ -88,12 +104,8 @@ class Meter {
     }
 
    private:
-    static void launch(int kernels, cudaStream_t stream) {
-        cudaLaunchConfig_t config{};
-        config.gridDim = dim3(1);
-        config.blockDim = dim3(32);
-        config.stream = stream;
-        for (int i = 0; i < kernels; ++i) check(cudaLaunchKernelEx(&config, do_nothing));
+    static void launch_all(int kernels, cudaStream_t stream) {
+        for (int i = 0; i < kernels; ++i) launch(stream, do_nothing);
     }
 
     cudaStream_t stream_ = nullptr;
@@ -101,6 +113,16 @@ class Meter {
 };
 
 }  // namespace
+
+void keep_busy(cudaStream_t stream) {
+    static const long long clocks = [] {
+        int device = 0;
+        check(cudaGetDevice(&device));
+        const double kilohertz = attribute(clock_kilohertz, device);
+        return static_cast<long long>(0.05 * (kilohertz > 0 ? kilohertz : 1e6));
+    }();
+    launch(stream, spin, clocks);
+}
 
 DeviceLimits measure_limits(int device) {
     constexpr int further = 100;

@@ -37,30 +37,29 @@ LeastWork least_work(std::int64_t vertices, bool float32, const Statistics& coun
     LeastWork work;
     const auto at = [&](Stage stage) -> Work& { return work.stage[static_cast<std::size_t>(stage)]; };
 
-    // The box cleared, twice; vertices checked, normalised; balls.
-    at(Stage::bounds) = {v * vertex + v * (vertex + row) + v * row + n * (corners + ball), 5};
+    // Vertices checked, normalised; balls.
+    at(Stage::bounds) = {v * vertex + v * (vertex + row) + v * row + n * (corners + ball), 3};
 
-    // A level: start, iterations of two kernels, counters cleared, children assigned, prefix sums, members listed. How
+    // A level: iterations of two kernels, children assigned, prefix sums, members listed. How
     // many members the first of two levels has is not counted: one a triangle at least.
     const auto level = [&](bool first, double items, double joined, std::int64_t fan_out) {
         const int iterations = fan_out > 1 ? Options().max_iterations : 0;
         const double triangles = first ? 0 : 2 * items * index;  // both kernels look them up
-        return Work{triangles + n * ball + items * mask + items * mask + joined * member, 5 + 2 * iterations};
+        return Work{triangles + n * ball + items * mask + items * mask + joined * member, 3 + 2 * iterations};
     };
-    at(Stage::subdivide) = {0, 1};
-    at(Stage::subdivide) += level(true, n, two_levels ? n : members, counted.clusters);
+    at(Stage::subdivide) = level(true, n, two_levels ? n : members, counted.clusters);
     if (two_levels) at(Stage::subdivide) += level(false, n, members, counted.leaves / counted.clusters);
 
     at(Stage::align) = {members * index + n * ball, 1};
 
-    // Bins cleared, counted, summed up; members put in their places; units counted, summed up.
+    // Bins counted, summed up; members put in their places; units counted, summed up.
     const double corners_of_members = n * corners + v * row;
     const double counting =
         bins * 3 * bin_counter + corners_of_members + members * (index + size<std::uint16_t> + span_of_bins + rank);
     const double placing = bins * bin_counter + corners_of_members + n * mask +
                            members * (member + span_of_bins + rank + streamed + gathered);
     at(Stage::sort) = {counting + bins * 2 * bin_counter + placing + members * end + groups * (end + 3 * offset),
-                       4 + 2 * scan_nodes};
+                       3 + 2 * scan_nodes};
 
     at(Stage::sweep) = {members * streamed + groups * (end + offset) + swept_rows * gathered +
                             (two_levels ? n * mask : 0) + survivors * size<cuda::Candidate>,
@@ -71,13 +70,13 @@ LeastWork least_work(std::int64_t vertices, bool float32, const Statistics& coun
                              first_triangles * 2 * offset,
                          2};
 
-    // Prefix sums; buckets filled; flags and a counter cleared; buckets put in order, the long ones by a kernel of
+    // Prefix sums; buckets filled, and put in order, the long ones by a kernel of
     // their own.
     at(Stage::output) = {n * 2 * offset + pairs * (size<cuda::Hit> + index) + first_triangles * offset + n +
                              (n + 1) * offset + pairs * (index + size<Pair>)+2 * n,
-                         5 + scan_nodes};
+                         3 + scan_nodes};
 
-    work.frame = {(n + 1) * offset, 4};  // numbers by triangle cleared, counters cleared, in two steps, and read
+    work.frame = {(n + 1) * offset, 1};  // all that is to be cleared
     for (const Work& stage : work.stage) work.frame += stage;
     return work;
 }

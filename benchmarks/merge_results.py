@@ -2,6 +2,8 @@
 
 python merge_results.py BENCHMARK OUT PART ...    parts that are not there are left out
 
+CRUMPLE_BENCHMARK_SECONDS is how long the run took, if that is known.
+
 Parts may measure the same twice, because others use the machine, too: the quieter of two contests of the same peers on
 the same workload, or of two runs of a study, is kept, and listed as measured again.
 """
@@ -73,11 +75,13 @@ def main():
         "studies": {},
         "measured_again": [],
     }
+    if seconds := int(os.environ.get("CRUMPLE_BENCHMARK_SECONDS", 0)):
+        result["seconds"] = seconds
     for part in map(Path, parts):
         if part.exists():
             merge(result, json.loads(part.read_text()))
     Path(out).write_text(json.dumps(result, indent=1) + "\n")
-    print(f"\nFigures: {out}")
+    print(f"\nFigures: {out}" + (f", after {seconds / 60:.0f} minutes" if seconds else ""))
 
 
 if __name__ == "__main__":

@@ -3,6 +3,10 @@ if(NOT DEFINED CMAKE_CUDA_ARCHITECTURES)
     set(CMAKE_CUDA_ARCHITECTURES all-major)  # machine code for each generation, PTX for those to come
 endif()
 enable_language(CUDA)
+# CMake before 3.31 takes this library for granted, which CUDA has no more since 13.
+if(CMAKE_VERSION VERSION_LESS 3.31 AND CMAKE_CUDA_COMPILER_VERSION VERSION_GREATER_EQUAL 13)
+    add_library(CUDA::nvToolsExt INTERFACE IMPORTED)
+endif()
 find_package(CUDAToolkit REQUIRED)
 set(CMAKE_CUDA_STANDARD_REQUIRED OFF)
 

@@ -45,15 +45,15 @@ std::size_t Answer::bytes(const Scene& scene, std::size_t pairs, bool contacts) 
     return cutter.used();
 }
 
-void Answer::clear_offsets(const Scene& scene) {
-    const auto n = static_cast<std::size_t>(scene.triangles[0]) + 1;
-    CRUMPLE_CUDA(cudaMemsetAsync(output.offsets, 0, n * sizeof *output.offsets, stream_));
+void Answer::clear(Clearing& clearing, const Scene& scene) const {
+    clearing.add(output.offsets, (static_cast<std::size_t>(scene.triangles[0]) + 1) * sizeof *output.offsets);
+    clear_flags(clearing, scene, output);
 }
 
-void Answer::write(const Scene& scene, const List<Hit>& hits, Counters* counters) {
+void Answer::write(const Scene& scene, const List<Hit>& hits, Counters* counters, Counters* told) {
     make_offsets(stream_, scene, output);
     fill_buckets(geometry_, stream_, scene, hits, output);
-    order_buckets(geometry_, stream_, scene, output, counters);
+    order_buckets(geometry_, stream_, scene, output, counters, told);
 }
 
 std::int64_t Answer::make_contacts(const Scene& scene, Cancellation& cancellation) {

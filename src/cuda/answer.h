@@ -23,9 +23,12 @@ class Answer {
     /// What make_room and make_contacts take.
     static std::size_t bytes(const Scene& scene, std::size_t pairs, bool contacts);
 
-    void clear_offsets(const Scene& scene);
-    /// Turns listed hits, counted by first triangle in output.offsets, into the answer.
-    void write(const Scene& scene, const List<Hit>& hits, Counters* counters);
+    /// What write() finds cleared, beside the counter of long rows: flags, and numbers by first triangle, which are
+    /// counted before.
+    void clear(Clearing& clearing, const Scene& scene) const;
+    /// Turns listed hits, counted by first triangle in output.offsets, into the answer; `told` as order_buckets() has
+    /// it.
+    void write(const Scene& scene, const List<Hit>& hits, Counters* counters, Counters* told);
     /// Computes the contacts of the answer and leaves them on the device. Returns how many the host had to round.
     std::int64_t make_contacts(const Scene& scene, Cancellation& cancellation);
 

@@ -4,6 +4,7 @@
 
 #include <bit>
 
+#include "cuda/clearing.h"
 #include "cuda/layout.h"
 #include "cuda/runtime.h"
 #include "pipeline/normaliser.h"
@@ -34,7 +35,9 @@ CRUMPLE_HD inline Normaliser normaliser_of(const SceneBox& box) {
     return low.x <= high.x ? Normaliser(low, high) : Normaliser();
 }
 
-void clear_counters(cudaStream_t stream, Counters* counters);
+void clear(Clearing& clearing, Counters* counters);
+/// The empty box, for check_vertices().
+void clear(Clearing& clearing, SceneBox* box);
 
 /// Widens the box by the scene's vertices and notes the first that is not finite. For scenes that lie on the device;
 /// others were checked by the host.

@@ -63,9 +63,14 @@ void ContactArrays::cut(Cutter& c, std::size_t pairs) {
 
 void find_contacts(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Pair* pairs, std::size_t n,
                    std::int32_t second, const ContactArrays& contacts) {
-    CRUMPLE_CUDA(cudaMemsetAsync(contacts.open_count, 0, sizeof *contacts.open_count, stream));
-    CRUMPLE_CUDA(cudaMemsetAsync(contacts.offsets + n, 0, sizeof *contacts.offsets, stream));
+    fill(stream, contacts.open_count, 0, sizeof *contacts.open_count);
+    fill(stream, contacts.offsets + n, 0, sizeof *contacts.offsets);
     Launch{stream, geometry.blocks(n), geometry.threads}(contact_kernel, scene, pairs, n, second, contacts);
+}
+
+void reserve_contact_stack(const Geometry& geometry, cudaStream_t stream) {
+    Launch{stream, 1, geometry.threads}(contact_kernel, Scene{}, static_cast<const Pair*>(nullptr), std::size_t{0},
+                                        std::int32_t{0}, ContactArrays{});
 }
 
 void list_open(const Geometry& geometry, cudaStream_t stream, const Pair* pairs, const ContactArrays& contacts,

@@ -28,6 +28,8 @@ struct ContactArrays {
 /// What double words can tell; lists the other pairs. `second` is added to each pair's b.
 void find_contacts(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Pair* pairs, std::size_t n,
                    std::int32_t second, const ContactArrays& contacts);
+/// Launches the same on no pairs, so that the driver gives it its stacks.
+void reserve_contact_stack(const Geometry& geometry, cudaStream_t stream);
 /// The open pairs themselves, in the list's order.
 void list_open(const Geometry& geometry, cudaStream_t stream, const Pair* pairs, const ContactArrays& contacts,
                std::size_t count, Pair* open);

@@ -58,7 +58,8 @@ Geometry Device::geometry() const {
 }
 
 Device::Current::Current(const Device& device) {
-    // What the caller's thread has left behind, say cudaErrorNotReady, would look like a failure of the next launch.
+    // What the caller's thread has left behind, say cudaErrorNotReady, would look like a failure of CUB's launches,
+    // which ask for the last error. It cannot be put back (docs/cuda.md).
     cudaGetLastError();
     CRUMPLE_CUDA(cudaGetDevice(&before_));
     if (before_ == device.index_) return;
@@ -74,6 +75,11 @@ Event make_event(const Device& device) {
     cudaEvent_t event;
     CRUMPLE_CUDA(cudaEventCreateWithFlags(&event, cudaEventDisableTiming));
     return Event(event);
+}
+
+void order(const Event& event, cudaStream_t first, cudaStream_t then) {
+    CRUMPLE_CUDA(cudaEventRecord(event.get(), first));
+    CRUMPLE_CUDA(cudaStreamWaitEvent(then, event.get(), 0));
 }
 
 Stream make_stream(const Device& device) {

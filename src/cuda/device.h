@@ -15,7 +15,7 @@ class Device {
     /// Threads of a block, and how many blocks keep the device busy.
     Geometry geometry() const;
 
-    /// Makes the device this thread's current one while it lives.
+    /// Makes the device this thread's current one while it lives, and has it leave other threads' captures alone.
     class Current {
        public:
         explicit Current(const Device& device);
@@ -24,9 +24,12 @@ class Device {
         Current& operator=(const Current&) = delete;
 
        private:
+        CaptureMode relaxed_{cudaStreamCaptureModeRelaxed};
         int before_ = 0;
         bool switched_ = false;
     };
+
+    int index() const { return index_; }
 
    private:
     int index_;
@@ -38,6 +41,9 @@ extern unsigned block_threads;
 Stream make_stream(const Device& device);
 /// Without times.
 Event make_event(const Device& device);
+
+/// Makes what `then` is given from now on wait for what `first` was given.
+void order(const Event& event, cudaStream_t first, cudaStream_t then);
 
 /// Times of the stages: an event at the start of each.
 class Stopwatch {

@@ -28,7 +28,7 @@ class Gathered {
         Triangle* device = nullptr;
         lay_out(block_, [&](Cutter& c) { device = cut(c, n); });
         // A Triangle's last bytes hold nothing, and are copied all the same.
-        CRUMPLE_CUDA(cudaMemsetAsync(device, 0, host.size() * sizeof(Triangle), stream_));
+        fill(stream_, device, 0, host.size() * sizeof(Triangle));
         for (std::size_t begin = 0; begin < n; begin += batch) {
             const std::size_t count = std::min(batch, n - begin);
             gather(geometry_, stream_, scene_, pairs + begin, count, second, device);

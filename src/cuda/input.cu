@@ -13,8 +13,8 @@ namespace {
 constexpr std::int32_t no_vertex = -1;
 constexpr unsigned empty_slot = ~0u;
 
-/// A mesh's indices, wherever the caller has them.
-template <class Index>
+/// A mesh's indices, wherever the caller has them; a device copies single bytes where they are not aligned.
+template <class Index, bool aligned>
 struct IndexReader {
     const std::byte* data;
     std::int64_t row_stride, column_stride;
@@ -24,16 +24,18 @@ struct IndexReader {
           row_stride(view.row_stride),
           column_stride(view.column_stride) {}
     __device__ Index operator()(std::size_t t, int corner) const {
+        const std::byte* place = data + static_cast<std::int64_t>(t) * row_stride + corner * column_stride;
+        if constexpr (aligned) return *reinterpret_cast<const Index*>(place);
         Index value;
-        std::memcpy(&value, data + static_cast<std::int64_t>(t) * row_stride + corner * column_stride, sizeof value);
+        std::memcpy(&value, place, sizeof value);
         return value;
     }
 };
 
 // One mesh's corners in joint numbering; those that name no vertex become no_vertex, which `bounds` reports.
-template <class Index>
-__global__ void join_kernel(IndexReader<Index> read, std::size_t triangles, std::int64_t vertices, std::int64_t offset,
-                            std::int32_t* corners) {
+template <class Index, bool aligned>
+__global__ void join_kernel(IndexReader<Index, aligned> read, std::size_t triangles, std::int64_t vertices,
+                            std::int64_t offset, std::int32_t* corners) {
     for (std::size_t i = grid_thread(); i < 3 * triangles; i += grid_stride()) {
         const auto index = static_cast<std::int64_t>(read(i / 3, static_cast<int>(i % 3)));
         corners[i] = index >= 0 && index < vertices ? static_cast<std::int32_t>(index + offset) : no_vertex;
@@ -153,6 +155,7 @@ void Input::bring(const Scene& host) {
 
 void Input::view(const MeshView& a, const MeshView* b, bool weld) {
     scene_ = outline_scene(a, b, MemorySpace::cuda);
+    places_.check(a, b);
     mesh_[0] = a;
     mesh_[1] = b ? std::optional(*b) : std::nullopt;
     weld_ = weld;
@@ -208,34 +211,43 @@ void Input::want(const Query& query, const Part* part) {
               .excluded_count = static_cast<int>(excluded)};
 }
 
+void Input::clear(Clearing& clearing) const {
+    if (mesh_[0]) {
+        cuda::clear(clearing, box_);
+        for (std::size_t side = 0; scene_.between && scene_.groups && side < 2; ++side)
+            if (mesh_[side]->groups.empty())
+                clearing.add(groups_ + (side ? scene_.triangles[0] : 0),
+                             static_cast<std::size_t>(scene_.triangles[side]) * sizeof *groups_);
+        if (weld_) clearing.add(table_, slots_ * sizeof *table_, empty_slot);
+    }
+    if (parted_ && member_count_ > 0)
+        clearing.add(part_mask_, static_cast<std::size_t>(scene_.triangle_count()) * sizeof *part_mask_);
+}
+
 void Input::join(const Geometry& geometry, cudaStream_t stream, Counters* counters) {
-    CRUMPLE_CUDA(cudaMemsetAsync(box_->low, 0xff, sizeof box_->low, stream));
-    CRUMPLE_CUDA(cudaMemsetAsync(box_->high, 0, sizeof box_->high, stream));
     check_vertices(geometry, stream, scene_, box_, counters);
     if (scene_.corners == corners_) {
         for (std::size_t side = 0; side < (scene_.between ? 2u : 1u); ++side) {
             const auto n = static_cast<std::size_t>(scene_.triangles[side]);
             with_index_type(mesh_[side]->triangles.type, [&](auto index) {
                 using Index = decltype(index);
-                Launch{stream, geometry.blocks(3 * n), geometry.threads}(
-                    join_kernel<Index>, IndexReader<Index>(mesh_[side]->triangles), n, scene_.vertices[side],
-                    side ? scene_.vertices[0] : 0, corners_ + (side ? 3 * scene_.triangles[0] : 0));
+                const TriangleView& view = mesh_[side]->triangles;
+                const auto join = [&]<bool aligned>() {
+                    Launch{stream, geometry.blocks(3 * n), geometry.threads}(
+                        join_kernel<Index, aligned>, IndexReader<Index, aligned>(view), n, scene_.vertices[side],
+                        side ? scene_.vertices[0] : 0, corners_ + (side ? 3 * scene_.triangles[0] : 0));
+                };
+                const auto places = reinterpret_cast<std::uintptr_t>(view.data) |
+                                    static_cast<std::uintptr_t>(view.row_stride | view.column_stride);
+                places % alignof(Index) == 0 ? join.template operator()<true>() : join.template operator()<false>();
             });
         }
     }
-    if (scene_.between && scene_.groups) {
-        for (std::size_t side = 0; side < 2; ++side) {
-            const auto bytes = static_cast<std::size_t>(scene_.triangles[side]) * sizeof *groups_;
-            std::int32_t* to = groups_ + (side ? scene_.triangles[0] : 0);
-            const auto& groups = mesh_[side]->groups;
-            if (groups.empty())
-                CRUMPLE_CUDA(cudaMemsetAsync(to, 0, bytes, stream));
-            else
-                CRUMPLE_CUDA(cudaMemcpyAsync(to, groups.data(), bytes, cudaMemcpyDeviceToDevice, stream));
-        }
-    }
+    for (std::size_t side = 0; scene_.between && scene_.groups && side < 2; ++side)
+        if (const auto& groups = mesh_[side]->groups; !groups.empty())
+            CRUMPLE_CUDA(cudaMemcpyAsync(groups_ + (side ? scene_.triangles[0] : 0), groups.data(), groups.size_bytes(),
+                                         cudaMemcpyDeviceToDevice, stream));
     if (!weld_) return;
-    CRUMPLE_CUDA(cudaMemsetAsync(table_, 0xff, slots_ * sizeof *table_, stream));
     const Launch over_vertices{stream, geometry.blocks(static_cast<std::size_t>(scene_.vertex_count())),
                                geometry.threads};
     const Launch over_corners{stream, geometry.blocks(3 * static_cast<std::size_t>(scene_.triangle_count())),
@@ -250,7 +262,6 @@ void Input::enqueue(const Geometry& geometry, cudaStream_t stream, Counters* cou
     const auto triangles = static_cast<std::size_t>(scene_.triangle_count());
     const bool listed = member_count_ > 0;
     const std::size_t n = listed ? member_count_ : triangles;
-    if (listed) CRUMPLE_CUDA(cudaMemsetAsync(part_mask_, 0, triangles * sizeof *part_mask_, stream));
     Launch{stream, 1, 64}(part_centres_kernel, box_, part_centre_, part_count_, part_centres_);
     Launch{stream, geometry.blocks(n), geometry.threads}(part_kernel, scene_, box_, part_centres_,
                                                          listed ? members_ : nullptr, n, part_mask_, counters);

@@ -8,6 +8,7 @@
 #include "crumple/detector.h"
 #include "cuda/bounds.h"
 #include "cuda/memory.h"
+#include "cuda/places.h"
 #include "cuda/sweep.h"
 #include "geometry/position_hash.h"
 #include "pipeline/part_mask.h"
@@ -18,16 +19,24 @@ namespace crumple::cuda {
 
 class Input {
    public:
-    Input(cudaStream_t stream, MemoryMeter& meter)
-        : stream_(stream), block_(meter), rule_block_(meter), rule_(&meter), uploaded_(&meter), packed_(&meter) {}
+    Input(int device, cudaStream_t stream, MemoryMeter& meter)
+        : places_(device),
+          stream_(stream),
+          block_(meter),
+          rule_block_(meter),
+          rule_(&meter),
+          uploaded_(&meter),
+          packed_(&meter) {}
 
     /// A scene in host memory; done when it returns.
     void bring(const Scene& host);
-    /// One mesh or two in device memory. Throws Error (invalid_argument) for shapes that make no sense; contents are
-    /// checked by the work that enqueue() gives to the stream.
+    /// One mesh or two in device memory. Throws Error (invalid_argument) for shapes that make no sense and for arrays
+    /// that lie elsewhere; contents are checked by the work that enqueue() gives to the stream.
     void view(const MeshView& a, const MeshView* b, bool weld);
     void want(const Query& query, const Part* part);
 
+    /// What is to be cleared before enqueue()'s work.
+    void clear(Clearing& clearing) const;
     /// Work that each pass begins with: meshes of the device are joined, welded and measured, parts chosen. Bad
     /// elements are noted by the counters.
     void enqueue(const Geometry& geometry, cudaStream_t stream, Counters* counters);
@@ -55,6 +64,7 @@ class Input {
    private:
     void join(const Geometry& geometry, cudaStream_t stream, Counters* counters);
 
+    Places places_;
     cudaStream_t stream_;
     Block block_, rule_block_;
     GroupRule rule_;

@@ -1,7 +1,7 @@
 #pragma once
 
 // The arrays that the stages of the cuda backend hand on, all in device memory. Structs of plain pointers, passed to
-// kernels by value; src/cuda/backend.cu owns the memory.
+// kernels by value; src/cuda/search.h owns the memory.
 //
 //   bounds      scene            -> Points (a row of four a vertex), balls (one a triangle)
 //   subdivide   balls            -> Levels: a mask an item; Members: leaf after leaf, in no order within
@@ -29,11 +29,7 @@ inline constexpr int max_fan_out = 64;  ///< children of a cluster: bits of a ma
 inline constexpr int max_fan_out_between = 63;
 inline constexpr int bins = 1024;  ///< of a leaf's sweep axis
 
-/// A row of normalised coordinates; exact in the scene's precision.
-template <class T>
-struct alignas(4 * sizeof(T)) Row {
-    T x, y, z, unused;
-};
+using crumple::Row;
 
 /// The rows, whichever there are: one pointer is null.
 struct Points {
@@ -48,6 +44,7 @@ struct Counters {
     unsigned long long bad_vertex[2], bad_triangle[2];  ///< lowest of each mesh, or all bits set
     unsigned long long members[2];                      ///< of each level of subdivision
     unsigned long long interval_tests, box_overlaps;
+    unsigned long long next_unit;  ///< of the sweep: that no warp has taken yet
     unsigned long long survivors;  ///< that no plane separates
     unsigned long long doubles;    ///< of these, undecided in float32
     unsigned long long undecided;  ///< of these, undecided by filters in float64
@@ -60,7 +57,8 @@ struct Counters {
 /// has the items [first[p], first[p + 1]) and the children [p fan_out, (p + 1) fan_out).
 struct Level {
     int parents, fan_out;
-    const unsigned long long* first;  ///< parents + 1
+    const unsigned long long* first;  ///< parents + 1; null: one parent has all items
+    unsigned long long items;         ///< where first is null
     const std::int32_t* triangle;     ///< by item; null: the item's own number
     Row<float>* centre;               ///< parents * fan_out
     float* moved;                     ///< by parent: how far its centres moved last
@@ -94,7 +92,7 @@ struct alignas(16) CrossBox {
 /// Members by leaf and by bin of their start. A row's columns are the rows behind it up to `end`.
 ///
 /// Rows are swept 32 at a time, against `unit_columns` columns at a time: that is a unit. Prefix sums of the groups'
-/// units give each warp an equal share ([MZ] sec. 3.1).
+/// units tell which rows a unit has ([MZ] sec. 3.1).
 struct Sorted {
     std::uint32_t* bin;        ///< by member: first bin, last bin << 16
     std::uint32_t* rank;       ///< by member: place among those of its bin

@@ -13,11 +13,6 @@
 
 namespace crumple::cuda {
 
-/// Thrown where the device has no more memory; `find` then works in chunks.
-struct OutOfDeviceMemory {
-    std::size_t bytes;
-};
-
 /// A block of device memory that keeps its place until more is asked for; growth loses what was there.
 class Block {
    public:
@@ -33,7 +28,8 @@ class Block {
     const void* data() const { return data_; }
     void release() {
         if (!data_) return;
-        cudaFree(data_);
+        const CaptureMode relaxed(cudaStreamCaptureModeRelaxed);
+        if (cudaFree(data_) != cudaSuccess) cudaGetLastError();  // the device has failed, and all its memory is gone
         meter_.add(-static_cast<std::int64_t>(capacity_));
         data_ = nullptr;
         capacity_ = 0;
@@ -43,12 +39,13 @@ class Block {
     void grow(std::size_t bytes) {
         release();
         meter_.add(static_cast<std::int64_t>(bytes));
+        const CaptureMode relaxed(cudaStreamCaptureModeRelaxed);
         void* memory = nullptr;
         const cudaError_t error = cudaMalloc(&memory, bytes);
         if (error != cudaSuccess) {
             meter_.add(-static_cast<std::int64_t>(bytes));
             cudaGetLastError();  // or the next check would meet it
-            if (error == cudaErrorMemoryAllocation) throw OutOfDeviceMemory{bytes};
+            if (error == cudaErrorMemoryAllocation) throw OutOfDeviceMemory{"cudaMalloc", bytes};
             check(error, "cudaMalloc");
         }
         data_ = static_cast<std::byte*>(memory);
@@ -110,7 +107,10 @@ class Pinned {
     }
     Pinned(const Pinned&) = delete;
     Pinned& operator=(const Pinned&) = delete;
-    ~Pinned() { cudaFreeHost(value_); }
+    ~Pinned() {
+        const CaptureMode relaxed(cudaStreamCaptureModeRelaxed);
+        cudaFreeHost(value_);
+    }
     T* get() const { return value_; }
     T* operator->() const { return value_; }
     T& operator*() const { return *value_; }

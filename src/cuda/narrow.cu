@@ -31,9 +31,9 @@ __device__ Pair pair_of(const Sorted& sorted, const Candidate& c) {
 }
 
 // What filters can prove, in float32 and then in float64.
-__global__ void filter_kernel(Scene scene, Sorted sorted, PointRows points, const Frame* frames, NarrowPolicy policy,
-                              List<Candidate> survivors, List<Candidate> undecided, Hits hits,
-                              unsigned long long* doubles) {
+__global__ void __launch_bounds__(256, 3)
+    filter_kernel(Scene scene, Sorted sorted, PointRows points, const Frame* frames, NarrowPolicy policy,
+                  List<Candidate> survivors, List<Candidate> undecided, Hits hits, unsigned long long* doubles) {
     const unsigned long long n = survivors.filled(), warps_end = (n + 31) / 32 * 32;
     for (unsigned long long i = grid_thread(); i < warps_end; i += grid_stride()) {
         Verdict verdict = Verdict::apart;
@@ -43,14 +43,15 @@ __global__ void filter_kernel(Scene scene, Sorted sorted, PointRows points, cons
         if (i < n) {
             candidate = survivors.data[i];
             pair = pair_of(sorted, candidate);
-            const Record &a = sorted.record[candidate.row], &b = sorted.record[candidate.column];
+            // Copied by four words at a time.
+            const Record a = sorted.record[candidate.row], b = sorted.record[candidate.column];
             const PairSigns signs = pair_signs(a, b);
             const float reach = frames[sorted.leaf[candidate.row]].reach;
             verdict = filter_in_float(a, b, signs, classify(signs, policy), policy, points, reach);
             in_double = verdict == Verdict::undecided;
             if (in_double && filter_in_double(a, b, signs, points)) verdict = Verdict::apart;
         }
-        append(in_double, doubles);
+        tally(in_double, doubles);
         add(hits, verdict == Verdict::collides, pair.a, pair.b, second_of(scene));
         const unsigned long long place = append(verdict == Verdict::undecided, undecided.count);
         if (verdict == Verdict::undecided && place < undecided.capacity) undecided.data[place] = candidate;
@@ -100,12 +101,18 @@ void narrow(const Geometry& geometry, cudaStream_t stream, const Scene& scene, c
             const List<Candidate>& undecided, const List<Pair>& beyond, const Hits& hits, unsigned long long* doubles) {
     const Neighbours neighbours = rules.policy.skip_neighbours ? Neighbours::skip : Neighbours::geometric;
     const Intersections intersections = rules.policy.proper ? Intersections::proper : Intersections::all;
-    Launch{stream, geometry.blocks(survivors.capacity), geometry.threads}(
+    Launch{stream, std::min(geometry.blocks(survivors.capacity), geometry.fitting(filter_kernel)), geometry.threads}(
         filter_kernel, scene, sorted, points.rows(), frames, rules.policy, survivors, undecided, hits, doubles);
     // Its registers let one block in at a time.
     const unsigned blocks = std::min(geometry.blocks(undecided.capacity), std::max(1u, geometry.multiprocessors));
     Launch{stream, blocks, geometry.threads}(exact_kernel, scene, sorted, neighbours, intersections, undecided, beyond,
                                              hits);
+}
+
+void reserve_exact_stack(const Geometry& geometry, cudaStream_t stream, Counters* counters) {
+    Launch{stream, 1, geometry.threads}(exact_kernel, Scene{}, Sorted{}, Neighbours::geometric, Intersections::all,
+                                        List<Candidate>{nullptr, &counters->undecided, 0},
+                                        List<Pair>{nullptr, &counters->beyond, 0}, Hits{});
 }
 
 void append_hits(const Geometry& geometry, cudaStream_t stream, const Pair* pairs, std::size_t count,

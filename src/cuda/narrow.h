@@ -25,6 +25,9 @@ void narrow(const Geometry& geometry, cudaStream_t stream, const Scene& scene, c
             const Points& points, const Frame* frames, const Rules& rules, const List<Candidate>& survivors,
             const List<Candidate>& undecided, const List<Pair>& beyond, const Hits& hits, unsigned long long* doubles);
 
+/// Launches the exact decision on no pairs, so that the driver gives it its stacks. All counters are 0.
+void reserve_exact_stack(const Geometry& geometry, cudaStream_t stream, Counters* counters);
+
 /// Writes pairs that the host has decided behind the list's first `begin` hits.
 void append_hits(const Geometry& geometry, cudaStream_t stream, const Pair* pairs, std::size_t count,
                  unsigned long long begin, const List<Hit>& hits);

@@ -42,8 +42,10 @@ __global__ void order_kernel(std::size_t n, bool between, Output out, Counters* 
 }
 
 // A block a row: Batcher's bitonic merge sort, in the form that always puts the smaller one first, so that any length
-// will do: what lies behind the end counts as infinite and never moves.
-__global__ void long_row_kernel(Output out, const Counters* counters) {
+// will do: what lies behind the end counts as infinite and never moves. It is a pass's last kernel, so all counters
+// have their values, and the first block tells the host.
+__global__ void long_row_kernel(Output out, const Counters* counters, Counters* told) {
+    if (told && blockIdx.x == 0 && threadIdx.x == 0) *told = *counters;
     const unsigned long long rows = min(counters->long_rows, out.long_capacity);
     for (unsigned long long r = blockIdx.x; r < rows; r += gridDim.x) {
         const std::int32_t a = out.long_rows[r];
@@ -93,19 +95,19 @@ void fill_buckets(const Geometry& geometry, cudaStream_t stream, const Scene& sc
     Launch{stream, geometry.blocks(hits.capacity), geometry.threads}(bucket_kernel, hits, second, output);
 }
 
+void clear_flags(Clearing& clearing, const Scene& scene, const Output& output) {
+    clearing.add(output.hit, whole_words(static_cast<std::size_t>(scene.triangles[0])));
+    if (scene.between) clearing.add(output.hit_second, whole_words(static_cast<std::size_t>(scene.triangles[1])));
+}
+
 void order_buckets(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Output& output,
-                   Counters* counters) {
+                   Counters* counters, Counters* told) {
     const auto n = static_cast<std::size_t>(scene.triangles[0]);
-    CRUMPLE_CUDA(cudaMemsetAsync(output.hit, 0, whole_words(n), stream));
-    if (scene.between)
-        CRUMPLE_CUDA(
-            cudaMemsetAsync(output.hit_second, 0, whole_words(static_cast<std::size_t>(scene.triangles[1])), stream));
-    CRUMPLE_CUDA(cudaMemsetAsync(&counters->long_rows, 0, sizeof counters->long_rows, stream));
     Launch{stream, geometry.blocks(output.capacity), geometry.threads}(order_kernel, n, scene.between, output,
                                                                        counters);
     // A row is one block's, so that a large block helps.
-    Launch{stream, geometry.blocks(32 * long_row_capacity(output.capacity)), 4 * geometry.threads}(long_row_kernel,
-                                                                                                   output, counters);
+    Launch{stream, geometry.blocks(32 * long_row_capacity(output.capacity)), 4 * geometry.threads}(
+        long_row_kernel, output, counters, told);
 }
 
 }  // namespace crumple::cuda

@@ -37,8 +37,11 @@ void make_offsets(cudaStream_t stream, const Scene& scene, const Output& output)
 /// Writes the list's hits to their buckets.
 void fill_buckets(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const List<Hit>& hits,
                   const Output& output);
-/// Puts each bucket in order and sets the flags.
+/// What order_buckets() finds cleared, beside the counter of long rows.
+void clear_flags(Clearing& clearing, const Scene& scene, const Output& output);
+/// Puts each bucket in order and sets the flags. `told`, unless it is null, is given a copy of the counters: memory of
+/// the host that the device can write.
 void order_buckets(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Output& output,
-                   Counters* counters);
+                   Counters* counters, Counters* told);
 
 }  // namespace crumple::cuda

@@ -24,7 +24,10 @@ std::vector<Part> make_parts(const Geometry& geometry, cudaStream_t stream, Inpu
         sampled = c.take<Pair>(pairs.size());
     });
     const auto look = [&] {
-        clear_counters(stream, counters);
+        Clearing clearing;
+        clear(clearing, counters);
+        input.clear(clearing);
+        clearing.launch(geometry, stream);
         input.enqueue(geometry, stream, counters);
         check_triangles(geometry, stream, scene, counters);
         Counters found;

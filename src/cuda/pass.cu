@@ -9,10 +9,6 @@ namespace {
 
 constexpr int samples_of_scene = 2048, samples_per_child = 32;  // points that place centres
 
-__global__ void first_kernel(unsigned long long* first, unsigned long long n) {
-    if (threadIdx.x < 2) first[threadIdx.x] = threadIdx.x * n;
-}
-
 }  // namespace
 
 void Centres::cut(Cutter& cutter) {
@@ -35,13 +31,12 @@ void Pass::cut(Cutter& c) {
     else
         points_.d = c.take<Row<double>>(vertices);
     balls_ = c.take<Ball>(triangles);
-    scene_first_ = c.take<unsigned long long>(2);
     std::size_t partial = 0;
     for (int i = 0; i < plan.levels(); ++i) partial = std::max(partial, fuzzy_scratch(level(i), fuzziness(i)));
     partial_ = c.take<Row<float>>(partial);
-    count_ = c.take<unsigned long long>(leaves);
     cursor_ = c.take<unsigned long long>(leaves);
     for (int i = 0; i < plan.levels(); ++i) {
+        count_[i] = c.take<unsigned long long>(i == 0 ? static_cast<std::size_t>(plan.fan_out[0]) : leaves);
         mask_[i] = c.take<std::uint64_t>(i == 0 ? triangles : plan.members[0]);
         child_first_[i] = c.take<unsigned long long>((i == 0 ? static_cast<std::size_t>(plan.fan_out[0]) : leaves) + 1);
         const auto room = plan.members[i];
@@ -69,11 +64,11 @@ void Pass::cut(Cutter& c) {
 
 Level Pass::level(int i) const {
     if (i == 0)
-        return {1,        plan.fan_out[0], scene_first_, nullptr,        centres.centre[0], centres.moved[0],
-                mask_[0], count_,          cursor_,      child_first_[0]};
-    return {plan.fan_out[0],   plan.fan_out[1],  child_first_[0], members_[0].triangle,
-            centres.centre[1], centres.moved[1], mask_[1],        count_,
-            cursor_,           child_first_[1]};
+        return {1,         plan.fan_out[0],   nullptr,          static_cast<unsigned long long>(scene.triangle_count()),
+                nullptr,   centres.centre[0], centres.moved[0], mask_[0],
+                count_[0], cursor_,           child_first_[0]};
+    return {plan.fan_out[0],  plan.fan_out[1], child_first_[0], 0,       members_[0].triangle, centres.centre[1],
+            centres.moved[1], mask_[1],        count_[1],       cursor_, child_first_[1]};
 }
 
 Fuzziness Pass::fuzziness(int i) const {
@@ -87,14 +82,21 @@ Ownership Pass::ownership() const {
     return {part_mask, part, mask_[0], mask_[1], plan.fan_out[1]};
 }
 
-void Pass::clear_counters() { cuda::clear_counters(stream_, counters); }
+void Pass::clear(Clearing& clearing) const {
+    cuda::clear(clearing, counters);
+    for (int i = 0; i < plan.levels(); ++i) cuda::clear(clearing, level(i));
+    cuda::clear(clearing, sorted_, plan.leaves());
+}
+
+void Pass::clear_counters() {
+    Clearing clearing;
+    cuda::clear(clearing, counters);
+    clearing.launch(geometry_, stream_);
+}
 
 void Pass::bounds() { compute_bounds(geometry_, stream_, scene, box, points_, balls_, counters); }
 
-void Pass::subdivide_scene() {
-    Launch{stream_, 1, 32}(first_kernel, scene_first_, static_cast<unsigned long long>(scene.triangle_count()));
-    fuzzy_c_means(geometry_, stream_, level(0), balls_, fuzziness(0), partial_);
-}
+void Pass::subdivide_scene() { fuzzy_c_means(geometry_, stream_, level(0), balls_, fuzziness(0), partial_); }
 
 void Pass::subdivide_clusters(std::uint64_t listed) {
     make_members(geometry_, stream_, level(0), static_cast<std::size_t>(scene.triangle_count()), balls_,

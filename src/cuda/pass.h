@@ -47,6 +47,10 @@ class Pass {
     void sort();
     void sweep(const Slice& slice);
     void narrow(const Hits& hits);
+
+    /// What the stages find cleared, from subdivide_scene() or subdivide_clusters() on.
+    void clear(Clearing& clearing) const;
+    /// Between slices of one sweep.
     void clear_counters();
 
     List<Hit> hits() const { return {hits_, &counters->hits, plan.hits}; }
@@ -67,10 +71,9 @@ class Pass {
 
     Points points_;
     Ball* balls_ = nullptr;
-    unsigned long long* scene_first_ = nullptr;  ///< 0, triangles: `first` of the first level
     Row<float>* partial_ = nullptr;
     std::uint64_t* mask_[2] = {};
-    unsigned long long *count_ = nullptr, *cursor_ = nullptr, *child_first_[2] = {};
+    unsigned long long *count_[2] = {}, *cursor_ = nullptr, *child_first_[2] = {};
     Members members_[2] = {};
     Frame* frames_ = nullptr;
     Sorted sorted_{};

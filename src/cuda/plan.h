@@ -65,7 +65,7 @@ struct Plan {
         if (!grow(members[0], c.members[0])) return false;
         if (levels() == 1) return true;
         if (fan_out[1] > 1 && !pays(c.members[1], c.members[0], fan_out[1])) {
-            fan_out[1] = fan_out[1] > 2 ? fan_out[1] / 2 : 0;
+            fan_out[1] = fan_out[1] > 3 ? fan_out[1] / 2 : 0;
             cold = true;
             return false;
         }

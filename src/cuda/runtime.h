@@ -7,11 +7,21 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <utility>
 
 namespace crumple::cuda {
 
-/// Throws Error (device) that names the call, unless `error` is success.
+/// Thrown where the device has no more memory, whichever call it was: launches take some, too. `find` then works in
+/// chunks.
+struct OutOfDeviceMemory {
+    std::string call;
+    std::size_t bytes = 0;  ///< that were asked for; 0: not known
+
+    std::string message() const;
+};
+
+/// Unless `error` is success, throws OutOfDeviceMemory, or Error (device) that names the call.
 void check(cudaError_t error, const char* call);
 #define CRUMPLE_CUDA(call) ::crumple::cuda::check(call, #call)
 
@@ -25,6 +35,24 @@ __device__ T& dynamic_shared() {
     return cuda_on_cpu::dynamic_shared<T>();
 #endif
 }
+
+/// Sets bytes of the device. None are fine, even in a capture, where CUDA itself refuses them.
+inline void fill(cudaStream_t stream, void* memory, int value, std::size_t bytes) {
+    if (bytes > 0) CRUMPLE_CUDA(cudaMemsetAsync(memory, value, bytes, stream));
+}
+
+/// How the calling thread minds captures, while it lives. Relaxed: what we allocate, free or wait for does not spoil
+/// the capture of another thread, and is not refused because of it.
+class CaptureMode {
+   public:
+    explicit CaptureMode(cudaStreamCaptureMode mode) : mode_(mode) { cudaThreadExchangeStreamCaptureMode(&mode_); }
+    CaptureMode(const CaptureMode&) = delete;
+    CaptureMode& operator=(const CaptureMode&) = delete;
+    ~CaptureMode() { cudaThreadExchangeStreamCaptureMode(&mode_); }
+
+   private:
+    cudaStreamCaptureMode mode_;  ///< the one before
+};
 
 struct Launch {
     cudaStream_t stream;
@@ -57,6 +85,15 @@ struct Geometry {
         const std::size_t wanted = (elements + threads - 1) / threads;
         return static_cast<unsigned>(wanted < 1 ? 1 : wanted < resident ? wanted : resident);
     }
+
+    /// Blocks of one kernel that the device holds at once, by its registers and shared memory: more would wait for
+    /// them.
+    template <class... Parameters>
+    unsigned fitting(void (*kernel)(Parameters...), std::size_t shared = 0) const {
+        int blocks = 0;
+        CRUMPLE_CUDA(cudaOccupancyMaxActiveBlocksPerMultiprocessor(&blocks, kernel, static_cast<int>(threads), shared));
+        return multiprocessors * static_cast<unsigned>(blocks < 1 ? 1 : blocks);
+    }
 };
 
 /// First element and stride of a thread that shares a loop with the whole grid.
@@ -85,6 +122,12 @@ __device__ inline unsigned long long append(bool wants, unsigned long long* coun
     if (lane == 0 && wanting) first = atomicAdd(counter, static_cast<unsigned long long>(__popc(wanting)));
     first = __shfl_sync(whole_warp, first, 0);
     return first + static_cast<unsigned long long>(__popc(wanting & ((1u << lane) - 1)));
+}
+
+/// Counts the lanes that hold, for all lanes of the warp together. Nobody waits for the sum.
+__device__ inline void tally(bool holds, unsigned long long* counter) {
+    const unsigned holding = __ballot_sync(whole_warp, holds);
+    if (threadIdx.x % 32 == 0 && holding) atomicAdd(counter, static_cast<unsigned long long>(__popc(holding)));
 }
 
 /// Owner of a handle that is created and destroyed by functions of the runtime.

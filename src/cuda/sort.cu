@@ -97,7 +97,6 @@ void place(const Geometry& geometry, cudaStream_t stream, const Scene& scene, co
     const auto bin_total = static_cast<std::size_t>(leaves) * bins + 1;
     const unsigned long long* count = first + leaves;
     const Launch over_members{stream, geometry.blocks(members.capacity), geometry.threads};
-    CRUMPLE_CUDA(cudaMemsetAsync(sorted.bin_first, 0, bin_total * sizeof *sorted.bin_first, stream));
     over_members(bin_kernel<T>, scene, rows, count, members, frames, sorted, sorted.bin_first);
     std::size_t bytes = scratch.scan_bytes;
     CRUMPLE_CUDA(
@@ -106,6 +105,10 @@ void place(const Geometry& geometry, cudaStream_t stream, const Scene& scene, co
 }
 
 }  // namespace
+
+void clear(Clearing& clearing, const Sorted& sorted, int leaves) {
+    clearing.add(sorted.bin_first, (static_cast<std::size_t>(leaves) * bins + 1) * sizeof *sorted.bin_first);
+}
 
 std::size_t sort_scratch_bytes(int leaves, std::size_t capacity) {
     return std::max(scan_bytes(static_cast<std::uint32_t*>(nullptr), static_cast<std::size_t>(leaves) * bins + 1),

@@ -3,6 +3,7 @@
 // Stage `sort`: members of each leaf by the start of their interval ([MZ] sec. 3), by a counting sort into bins. Within
 // a bin the order does not matter: each row takes all rows behind it up to its last bin's end, and box tests decide.
 
+#include "cuda/clearing.h"
 #include "cuda/layout.h"
 #include "cuda/runtime.h"
 #include "pipeline/scene.h"
@@ -25,6 +26,9 @@ struct SortScratch {
     std::size_t scan_bytes;
 };
 std::size_t sort_scratch_bytes(int leaves, std::size_t capacity);
+
+/// What sort_members() finds cleared.
+void clear(Clearing& clearing, const Sorted& sorted, int leaves);
 
 /// `first`: leaves + 1; the last one is the number of members, at most `capacity`.
 void sort_members(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Points& points, int leaves,

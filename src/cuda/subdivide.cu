@@ -1,6 +1,8 @@
 #include "cuda/subdivide.h"
 
 #include <algorithm>
+#include <bit>
+#include <limits>
 
 #include <cub/block/block_scan.cuh>
 
@@ -15,6 +17,7 @@ struct Items {
     unsigned long long begin, end;
 };
 __device__ Items items_of(const Level& level, unsigned parent) {
+    if (!level.first) return {0, level.items};
     return {level.first[parent], level.first[parent + 1]};
 }
 __device__ std::int32_t triangle_of(const Level& level, unsigned long long item) {
@@ -37,7 +40,6 @@ __global__ void start_kernel(Level level, const Ball* balls, Fuzziness f) {
         const Vec3f p = samples ? sample(level, items, balls, (2 * k + 1) * samples / (2 * fan_out), samples) : Vec3f{};
         level.centre[parent * fan_out + k] = {p.x, p.y, p.z, 0};
     }
-    if (threadIdx.x == 0) level.moved[parent] = INFINITY;
 }
 
 struct SumShared {
@@ -118,19 +120,16 @@ __global__ void move_kernel(Level level, const Row<float>* partial, unsigned til
     if (threadIdx.x == 0 && !done) level.moved[parent] = __uint_as_float(shared.moved);
 }
 
-// A centre's movement is forgotten between frames: each frame iterates anew.
-__global__ void forget_kernel(Level level) {
-    for (unsigned p = threadIdx.x; p < static_cast<unsigned>(level.parents); p += blockDim.x) level.moved[p] = INFINITY;
-}
-
 struct AssignShared {
     Row<float> centre[max_fan_out];
+    float reach[max_fan_out][max_fan_out + 1];  // of each pair's bisector; a column more, against bank conflicts
     unsigned count[max_fan_out];
 };
 
 // The children whose cell may hold a point of the ball. None for a radius that is NaN.
-__device__ std::uint64_t children_of(const Ball& ball, const Row<float>* centre, int fan_out) {
+__device__ std::uint64_t children_of(const Ball& ball, const AssignShared& shared, int fan_out) {
     if (!(ball.r >= 0)) return 0;
+    const Row<float>* centre = shared.centre;
     float best = INFINITY;
     int nearest = 0;
     const auto distance2 = [&](int k) {
@@ -141,12 +140,10 @@ __device__ std::uint64_t children_of(const Ball& ball, const Row<float>* centre,
         const float d2 = distance2(k);
         if (d2 < best) best = d2, nearest = k;
     }
-    const Row<float> v = centre[nearest];
+    const float* reach = shared.reach[nearest];
     std::uint64_t mask = 0;
-    for (int k = 0; k < fan_out; ++k) {
-        const float dx = centre[k].x - v.x, dy = centre[k].y - v.y, dz = centre[k].z - v.z;
-        if (joins(distance2(k), best, ball.r, bisector_reach({dx, dy, dz}))) mask |= std::uint64_t{1} << k;
-    }
+    for (int k = 0; k < fan_out; ++k)
+        if (joins(distance2(k), best, ball.r, reach[k])) mask |= std::uint64_t{1} << k;
     return mask;
 }
 
@@ -158,11 +155,16 @@ __global__ void assign_kernel(Level level, const Ball* balls, Included included)
         shared.count[k] = 0;
     }
     __syncthreads();
+    for (unsigned pair = threadIdx.x; pair < fan_out * fan_out; pair += blockDim.x) {
+        const Row<float> v = shared.centre[pair / fan_out], w = shared.centre[pair % fan_out];
+        shared.reach[pair / fan_out][pair % fan_out] = bisector_reach({w.x - v.x, w.y - v.y, w.z - v.z});
+    }
+    __syncthreads();
     const Items items = items_of(level, parent);
     for (unsigned long long i = items.begin + grid_thread(); i < items.end; i += grid_stride()) {
         const std::int32_t t = triangle_of(level, i);
         const bool in = !included.part_mask || (included.part_mask[t] >> included.part & 1);
-        const std::uint64_t mask = in ? children_of(balls[t], shared.centre, level.fan_out) : 0;
+        const std::uint64_t mask = in ? children_of(balls[t], shared, level.fan_out) : 0;
         level.mask[i] = mask;
         for (std::uint64_t left = mask & included.listed; left; left &= left - 1)
             atomicAdd(&shared.count[__ffsll(static_cast<long long>(left)) - 1], 1u);
@@ -239,6 +241,13 @@ __global__ void scatter_kernel(Level level, std::uint64_t listed, Members member
 
 }  // namespace
 
+void clear(Clearing& clearing, const Level& level) {
+    clearing.add(level.count, static_cast<std::size_t>(level.children()) * sizeof *level.count);
+    // A centre's movement is forgotten between frames: each frame iterates anew.
+    clearing.add(level.moved, static_cast<std::size_t>(level.parents) * sizeof *level.moved,
+                 std::bit_cast<unsigned>(std::numeric_limits<float>::infinity()));
+}
+
 std::size_t fuzzy_scratch(const Level& level, const Fuzziness& fuzziness) {
     return static_cast<std::size_t>(level.children()) * static_cast<std::size_t>(tiles_of(fuzziness));
 }
@@ -246,10 +255,7 @@ std::size_t fuzzy_scratch(const Level& level, const Fuzziness& fuzziness) {
 void fuzzy_c_means(const Geometry& geometry, cudaStream_t stream, const Level& level, const Ball* balls,
                    const Fuzziness& f, Row<float>* scratch) {
     const auto parents = static_cast<unsigned>(level.parents), tiles = static_cast<unsigned>(tiles_of(f));
-    if (f.first)
-        Launch{stream, parents, 64}(start_kernel, level, balls, f);
-    else
-        Launch{stream, 1, geometry.threads}(forget_kernel, level);
+    if (f.first) Launch{stream, parents, 64}(start_kernel, level, balls, f);
     for (int iteration = 0; iteration < f.iterations && level.fan_out > 1; ++iteration) {
         Launch{stream, {tiles, parents}, geometry.threads, sizeof(SumShared)}(sum_kernel, level, balls, f, scratch);
         Launch{stream, parents, 64, sizeof(MoveShared)}(move_kernel, level, scratch, tiles, f.stop);
@@ -261,8 +267,6 @@ void make_members(const Geometry& geometry, cudaStream_t stream, const Level& le
     const auto parents = static_cast<unsigned>(level.parents);
     const std::size_t share = items / parents + 1;
     const dim3 blocks{std::max(1u, std::min(geometry.blocks(share), 4 * geometry.resident / parents)), parents};
-    CRUMPLE_CUDA(
-        cudaMemsetAsync(level.count, 0, static_cast<std::size_t>(level.children()) * sizeof *level.count, stream));
     Launch{stream, blocks, geometry.threads, sizeof(AssignShared)}(assign_kernel, level, balls, included);
     constexpr int threads = 256;
     Launch{stream, 1, threads, sizeof(OffsetsShared<threads>)}(offsets_kernel<threads>, level, members.capacity, total);

@@ -3,6 +3,7 @@
 // Stage `subdivide`: fuzzy C-means ([MZ] sec. 4, eqs. 2 to 4) and memberships, one level at a time. A second level runs
 // the same kernels once more, with the clusters of the first as parents. Rules and proofs are in docs/subdivide.md.
 
+#include "cuda/clearing.h"
 #include "cuda/layout.h"
 #include "cuda/runtime.h"
 
@@ -16,7 +17,10 @@ struct Fuzziness {
     int samples = 2048;  ///< points that place a parent's centres
 };
 
-/// Doubles of scratch that `fuzzy_c_means` needs: partial sums of tiles of samples.
+/// What fuzzy_c_means() and make_members() find cleared.
+void clear(Clearing& clearing, const Level& level);
+
+/// Rows of scratch that `fuzzy_c_means` needs: partial sums of tiles of samples.
 std::size_t fuzzy_scratch(const Level& level, const Fuzziness& fuzziness);
 
 /// Moves the centres of all parents. Deterministic: sums are added in one order.

@@ -12,6 +12,8 @@
 namespace crumple::cuda {
 namespace {
 
+constexpr unsigned long long shares_a_warp = 8;
+
 struct WarpShared {
     CrossBox box[32];
     std::uint64_t conflict[32];
@@ -59,7 +61,8 @@ struct Sweep {
         const std::int32_t a = sorted.triangle[c.row], b = sorted.triangle[c.column];
         if (!ours(ownership, sorted.leaf[c.row], a, b)) return false;
         if (rules.by_group && !wanted(rules, scene.group(a), scene.group(b))) return false;
-        const PairSigns signs = pair_signs(sorted.record[c.row], sorted.record[c.column]);
+        const Record first = sorted.record[c.row], second = sorted.record[c.column];  // copied by four words at a time
+        const PairSigns signs = pair_signs(first, second);
         return classify(signs, rules.policy) != PairKind::apart;
     }
 
@@ -102,12 +105,19 @@ __global__ void __launch_bounds__(threads)
     WarpShared& shared = dynamic_shared<SweepShared<threads>>().warp[threadIdx.x / 32];
     Sweep sweep{scene, sorted, ownership, rules, list, shared, lane};
     const std::size_t rows = *members, groups = (rows + 31) / 32;
-    const unsigned long long warp = grid_thread() / 32, warps = grid_stride() / 32;
     const unsigned long long all = sorted.unit_first[groups], begin_unit = all * slice.turn / slice.turns;
-    const unsigned long long units = all * (slice.turn + 1) / slice.turns - begin_unit;
-    const unsigned long long last = begin_unit + units * (warp + 1) / warps;
+    const unsigned long long end_unit = all * (slice.turn + 1) / slice.turns;
+    // Units differ in cost, so warps take some at a time: few, or the last one would be late.
+    const unsigned long long share = (end_unit - begin_unit) / (shares_a_warp * (grid_stride() / 32)) + 1;
     std::size_t group = 0;
-    for (unsigned long long unit = begin_unit + units * warp / warps; unit < last; ++unit) {
+    unsigned long long unit = 0, last = 0;
+    for (;; ++unit) {
+        if (unit == last) {
+            if (lane == 0) unit = begin_unit + atomicAdd(&counters->next_unit, share);
+            unit = __shfl_sync(whole_warp, unit, 0);
+            last = min(unit + share, end_unit);
+            if (unit >= end_unit) break;
+        }
         if (unit < sorted.unit_first[group] || unit >= sorted.unit_first[group + 1])
             group = segment_of(unit, sorted.unit_first, groups);
         const auto row = static_cast<std::uint32_t>(32 * group) + lane;
@@ -155,8 +165,9 @@ void sweep(const Geometry& geometry, cudaStream_t stream, const Scene& scene, co
            const unsigned long long* members, const Ownership& ownership, const Rules& rules,
            const List<Candidate>& survivors, const Slice& slice, Counters* counters) {
     const auto run = [&]<int threads>() {
-        Launch{stream, geometry.resident, threads, sizeof(SweepShared<threads>)}(
-            sweep_kernel<threads>, scene, sorted, members, ownership, rules, survivors, slice, counters);
+        Launch{stream, geometry.fitting(sweep_kernel<threads>, sizeof(SweepShared<threads>)), threads,
+               sizeof(SweepShared<threads>)}(sweep_kernel<threads>, scene, sorted, members, ownership, rules, survivors,
+                                             slice, counters);
     };
     if (geometry.threads == 64)
         run.template operator()<64>();

@@ -52,6 +52,32 @@ TEST(CudaDevice, takes_int64_indices_and_strided_vertices) {
     EXPECT_TRUE(same_answer(cuda.find_self(every_other), cpu.find_self(host_every_other)));
 }
 
+TEST(CudaDevice, takes_arrays_that_are_not_aligned) {
+    const io::TriangleMesh mesh = cloth(600, 93);
+    for (const bool in_double : {false, true}) {
+        std::vector<std::byte> vertices(1), triangles(1);  // a byte before the first row
+        const auto append = [](std::vector<std::byte>& bytes, auto value) {
+            const auto* begin = reinterpret_cast<const std::byte*>(&value);
+            bytes.insert(bytes.end(), begin, begin + sizeof value);
+        };
+        for (const float x : std::get<std::vector<float>>(mesh.vertices))
+            in_double ? append(vertices, static_cast<double>(x)) : append(vertices, x);
+        for (const std::int32_t i : mesh.triangles)
+            in_double ? append(triangles, static_cast<std::int64_t>(i)) : append(triangles, i);
+        const DeviceBytes device_vertices(vertices), device_triangles(triangles);
+        MeshView view;
+        const std::int64_t scalar = in_double ? 8 : 4;
+        view.vertices = {static_cast<const std::byte*>(device_vertices.data()) + 1, mesh.view().vertices.rows,
+                         3 * scalar, scalar, in_double ? ScalarType::float64 : ScalarType::float32};
+        view.triangles = {static_cast<const std::byte*>(device_triangles.data()) + 1, mesh.view().triangles.rows,
+                          3 * scalar, scalar, in_double ? IndexType::int64 : IndexType::int32};
+        view.memory = MemorySpace::cuda;
+        Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
+        EXPECT_TRUE(
+            same_answer(cuda.find_self(view, {.contacts = true}), cpu.find_self(mesh.view(), {.contacts = true})));
+    }
+}
+
 TEST(CudaDevice, compares_two_meshes_with_groups_and_parts) {
     const io::TriangleMesh mesh = cloth(800);
     const Halves half(mesh.view());

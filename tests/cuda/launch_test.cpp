@@ -8,13 +8,16 @@
 #include <functional>
 #include <optional>
 #include <span>
+#include <thread>
 #include <vector>
 
 #include "agreement/compare.h"
 #include "crumple/error.h"
 #include "cuda/cloth.h"
 #include "cuda/device_mesh.h"
+#include "error_of.h"
 #include "halves.h"
+#include "soups.h"
 
 namespace crumple::test {
 namespace {
@@ -153,6 +156,72 @@ TEST(CudaLaunch, forgets_a_launch_that_nobody_waited_for) {
     cuda.launch_self(device_first.view());
 }
 
+TEST(CudaLaunch, answers_for_empty_meshes) {
+    const io::TriangleMesh mesh = cloth(300, 93);
+    const DeviceMesh nothing{MeshView()}, something(mesh.view());
+    Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
+    for (int repeat = 0; repeat < 3; ++repeat) {
+        cuda.launch_self(nothing.view());
+        EXPECT_TRUE(shows(cuda.wait(), MeshView(), nullptr, cpu.find_self(MeshView())));
+    }
+    const MeshView host_of[2] = {MeshView(), mesh.view()};
+    const MeshView device_of[2] = {nothing.view(), something.view()};
+    for (const int first : {0, 1}) {
+        for (int repeat = 0; repeat < 3; ++repeat) {
+            const Query query{.weld = repeat > 0, .contacts = true};
+            cuda.launch_between(device_of[first], device_of[1 - first], query);
+            EXPECT_TRUE(shows(cuda.wait(), host_of[first], &host_of[1 - first],
+                              cpu.find_between(host_of[first], host_of[1 - first], query)));
+        }
+    }
+}
+
+TEST(CudaLaunch, leaves_the_capture_of_another_thread_alone) {
+    const io::TriangleMesh mesh = cloth(300, 93);
+    const Collisions expected = Detector({.backend = Backend::cpu}).find_self(mesh.view());
+    const DeviceMesh device(mesh.view());
+    const DeviceBytes bytes(std::vector<std::byte>(4));
+    cudaStream_t stream;
+    check(cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking));
+    check(cudaStreamBeginCapture(stream, cudaStreamCaptureModeGlobal));
+    check(cudaMemsetAsync(bytes.data(), 0, 4, stream));
+    std::thread([&] {
+        Detector cuda({.backend = Backend::cuda});
+        EXPECT_TRUE(same_answer(cuda.find_self(mesh.view()), expected));
+        for (int frame = 0; frame < 4; ++frame) {
+            cuda.launch_self(device.view());
+            EXPECT_EQ(cuda.wait().pair_count, static_cast<std::int64_t>(expected.pairs.size()));
+        }
+        EXPECT_TRUE(same_answer(cuda.download(), expected));
+    }).join();
+    cudaGraph_t graph = nullptr;
+    EXPECT_EQ(cudaStreamEndCapture(stream, &graph), cudaSuccess);
+    if (graph) check(cudaGraphDestroy(graph));
+    check(cudaStreamDestroy(stream));
+}
+
+TEST(CudaLaunch, does_not_join_the_capture_of_a_meshs_stream) {
+    const io::TriangleMesh mesh = cloth(300, 93);
+    const DeviceMesh device(mesh.view());
+    const DeviceBytes bytes(std::vector<std::byte>(4));
+    cudaStream_t stream;
+    check(cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking));
+    check(cudaStreamBeginCapture(stream, cudaStreamCaptureModeThreadLocal));
+    check(cudaMemsetAsync(bytes.data(), 0, 4, stream));
+    MeshView view = device.view();
+    view.stream = stream;
+    Detector cuda({.backend = Backend::cuda});
+    EXPECT_THROW(cuda.launch_self(view), Error);
+    EXPECT_THROW(cuda.find_self(view), Error);
+    EXPECT_THROW(cuda.launch_between(device.view(), view), Error);
+    cudaGraph_t graph = nullptr;
+    EXPECT_EQ(cudaStreamEndCapture(stream, &graph), cudaSuccess);
+    if (graph) check(cudaGraphDestroy(graph));
+    cuda.launch_self(view);
+    EXPECT_GT(cuda.wait().pair_count, 0);
+    check(cudaStreamDestroy(stream));
+}
+
 TEST(CudaLaunch, reports_bad_input_when_waited_for) {
     io::TriangleMesh mesh = cloth(300);
     mesh.triangles[5] = 1'000'000;
@@ -183,7 +252,7 @@ TEST(CudaLaunch, answers_under_any_memory_limit_or_names_one_that_suffices) {
     for (std::int64_t limit = unlimited.find_self(device.view(), query).statistics.peak_memory_bytes; limit > 1'000;
          limit -= limit / 5) {
         SCOPED_TRACE(testing::Message() << limit << " bytes");
-        Detector limited({.backend = Backend::cuda, .memory_limit = limit});
+        Detector limited({.backend = Backend::cuda, .memory_limit = limit, .count_bytes_needed = true});
         try {
             shows_all(limited);
             shows_all(limited);
@@ -191,11 +260,36 @@ TEST(CudaLaunch, answers_under_any_memory_limit_or_names_one_that_suffices) {
             ++failures;
             ASSERT_EQ(error.code, ErrorCode::memory_limit) << error.what();
             ASSERT_GT(error.bytes_needed, limit);
+            Detector hasty({.backend = Backend::cuda, .memory_limit = limit});
+            const Error least = error_of([&] {
+                shows_all(hasty);
+                shows_all(hasty);
+            });
+            EXPECT_TRUE(least.bytes_needed_at_least);
+            EXPECT_GT(least.bytes_needed, limit);
+            EXPECT_LE(least.bytes_needed, error.bytes_needed);
             Detector enough({.backend = Backend::cuda, .memory_limit = error.bytes_needed});
             EXPECT_NO_THROW(shows_all(enough)) << error.bytes_needed << " bytes do not suffice";
         }
     }
     EXPECT_GT(failures, 2);
+}
+
+TEST(CudaLaunch, stops_counting_when_the_pairs_alone_exceed_the_limit) {
+    const Soup<float> soup = random_soup(2000, 1);
+    const DeviceMesh device(soup.view());
+    Detector unlimited({.backend = Backend::cpu});
+    const auto pairs = static_cast<std::int64_t>(unlimited.find_self(soup.view()).pairs.size());
+    ASSERT_GT(pairs, 50'000);
+    const std::int64_t limit = 12 * pairs / 2, all = 12 * pairs;
+    Detector cuda({.backend = Backend::cuda, .memory_limit = limit});
+    const Error error = error_of([&] {
+        cuda.launch_self(device.view());
+        cuda.wait();
+    });
+    EXPECT_TRUE(error.bytes_needed_at_least);
+    EXPECT_GT(error.bytes_needed, limit);
+    EXPECT_LT(error.bytes_needed, all) << "it was counted on";
 }
 
 }  // namespace

@@ -1,9 +1,15 @@
 // What only the machine that plays the device can show: no device, no driver, no memory.
 
 #include <gtest/gtest.h>
+#ifdef __SANITIZE_ADDRESS__
+#include <sanitizer/lsan_interface.h>
+#endif
 
 #include "agreement/compare.h"
 #include "crumple/error.h"
+#include "cuda/device_mesh.h"
+#include "cuda_on_cpu/machine/graph.h"
+#include "cuda_on_cpu/machine/memory.h"
 #include "cuda_on_cpu/machine/settings.h"
 #include "scenes/scenes.h"
 
@@ -101,6 +107,138 @@ TEST_F(CudaMachine, may_run_out_of_memory_anywhere) {
     }
 }
 
+TEST_F(CudaMachine, makes_a_graph_of_what_it_is_asked_for_again) {
+    const io::TriangleMesh mesh = scenes::make("cloth", {.triangles = 300, .frame = 93});
+    Detector cuda({.backend = Backend::cuda});
+    const auto frames = [&](const DeviceMesh& device, int count) {
+        const std::size_t before = cuda_on_cpu::graph_count().instantiated;
+        for (int frame = 0; frame < count; ++frame) {
+            cuda.launch_self(device.view());
+            EXPECT_GT(cuda.wait().pair_count, 0);
+        }
+        return cuda_on_cpu::graph_count().instantiated - before;
+    };
+    std::vector<DeviceMesh> buffers;
+    for (int i = 0; i < 6; ++i) buffers.emplace_back(mesh.view());
+    EXPECT_EQ(frames(buffers[0], 2), 0u) << "without centres and with";
+    EXPECT_EQ(frames(buffers[0], 1), 1u);
+    EXPECT_EQ(frames(buffers[0], 5), 0u);
+    std::size_t made = 0;
+    for (int turn = 0; turn < 12; ++turn) made += frames(buffers[static_cast<std::size_t>(turn % 4)], 1);
+    EXPECT_EQ(made, 3u) << "four buffers in turn, one of which is known";
+    made = 0;
+    for (int turn = 0; turn < 18; ++turn) made += frames(buffers[static_cast<std::size_t>(turn % 6)], 1);
+    EXPECT_LE(made, 3u) << "arrays that move are not worth a graph";
+}
+
+// Nodes wait for each other, so each costs time; the benchmark's bounds count them (benchmarks/least_work.cpp), where
+// CUB's scan is two.
+TEST_F(CudaMachine, makes_graphs_of_few_nodes) {
+    const io::TriangleMesh mesh = scenes::make("cloth", {.triangles = 300, .frame = 93});
+    const DeviceMesh device(mesh.view());
+    struct Case {
+        int clusters, leaf_size;
+        std::size_t nodes;
+    };
+    for (const auto& [clusters, leaf_size, nodes] : {Case{1, 3000, 20}, {3, 100, 24}, {2, 80, 31}}) {
+        Detector cuda({.backend = Backend::cuda, .clusters = clusters, .leaf_size = leaf_size});
+        for (int frame = 0; frame < 4; ++frame) {
+            cuda.launch_self(device.view());
+            cuda.wait();
+        }
+        EXPECT_EQ(cuda_on_cpu::graph_count().nodes, nodes) << "leaves of " << leaf_size;
+    }
+}
+
+// The driver takes memory for stacks, and perhaps for graphs.
+TEST_F(CudaMachine, may_run_out_of_memory_at_any_launch) {
+    const io::TriangleMesh mesh = scenes::make("cloth", {.triangles = 300, .frame = 93});
+    const DeviceMesh device(mesh.view());
+    const Query query{.contacts = true};
+    const Collisions expected = Detector({.backend = Backend::cpu}).find_self(mesh.view(), query);
+    for (int launches = 0; launches < 40; launches += 3) {
+        SCOPED_TRACE(testing::Message() << "after " << launches);
+        Detector first({.backend = Backend::cuda}), second({.backend = Backend::cuda});
+        settings().launches_before_failure = launches;
+        EXPECT_TRUE(same_answer(first.find_self(mesh.view(), query), expected));
+        settings().launches_before_failure = launches;
+        second.launch_self(device.view(), query);
+        EXPECT_EQ(second.wait().pair_count, static_cast<std::int64_t>(expected.pairs.size()));
+        settings().launches_before_failure = -1;
+    }
+}
+
+TEST_F(CudaMachine, may_have_no_memory_for_the_stacks_of_kernels) {
+    settings().launches_before_failure = 0;
+    const std::string reason =
+        "the cuda backend is not available: device 0 has no memory left for it (cudaLaunchKernelEx: out of memory)";
+    try {
+        Detector({.backend = Backend::cuda});
+        ADD_FAILURE() << "no error";
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code, ErrorCode::backend_unavailable);
+        EXPECT_EQ(error.what(), reason);
+    }
+    settings().launches_before_failure = 0;
+    EXPECT_EQ(Detector().fallback(), reason);
+}
+
+TEST_F(CudaMachine, is_not_given_arrays_that_it_cannot_read) {
+    const io::TriangleMesh mesh = scenes::make("cloth", {.triangles = 100, .frame = 40});
+    Detector cuda({.backend = Backend::cuda});
+    const auto message = [&](auto call) -> std::string {
+        try {
+            call();
+        } catch (const Error& error) {
+            EXPECT_EQ(error.code, ErrorCode::invalid_argument);
+            return error.what();
+        }
+        return "no error";
+    };
+    const DeviceMesh device(mesh.view());
+    MeshView wrong = device.view();
+    wrong.vertices = mesh.view().vertices;
+    for (int repeat = 0; repeat < 2; ++repeat)
+        EXPECT_EQ(message([&] { cuda.find_self(wrong); }),
+                  "vertices lie in host memory, which CUDA device 0 cannot read");
+    EXPECT_EQ(message([&] { cuda.launch_between(device.view(), wrong); }),
+              "vertices of the second mesh lie in host memory, which CUDA device 0 cannot read");
+    wrong = device.view();
+    wrong.triangles = mesh.view().triangles;
+    EXPECT_EQ(message([&] { cuda.has_collision(wrong); }),
+              "triangles lie in host memory, which CUDA device 0 cannot read");
+    settings().devices = 2;
+    check(cudaSetDevice(1));
+    const DeviceMesh other(mesh.view());
+    check(cudaSetDevice(0));
+    EXPECT_EQ(message([&] { cuda.partition(other.view(), 2); }),
+              "vertices lie in the memory of CUDA device 1, which CUDA device 0 cannot read");
+    EXPECT_EQ(message([&] { cuda.find_self(device.view()); }), "no error");
+}
+
+TEST_F(CudaMachine, may_break_for_good) {
+#ifdef __SANITIZE_ADDRESS__
+    const __lsan::ScopedDisabler nothing_is_freed_on_a_broken_device;
+#endif
+    const io::TriangleMesh mesh = scenes::make("cloth", {.triangles = 100, .frame = 40});
+    const DeviceMesh device(mesh.view());
+    Detector cuda({.backend = Backend::cuda});
+    const auto code = [](auto call) {
+        try {
+            call();
+        } catch (const Error& error) {
+            return error.code;
+        }
+        return ErrorCode::cancelled;
+    };
+    cuda.launch_self(device.view());
+    settings().broken = cudaErrorIllegalAddress;
+    EXPECT_EQ(code([&] { cuda.wait(); }), ErrorCode::device);
+    EXPECT_EQ(code([&] { cuda.wait(); }), ErrorCode::invalid_argument) << "the launch is forgotten";
+    EXPECT_EQ(code([&] { cuda.find_self(mesh.view()); }), ErrorCode::device);
+    EXPECT_EQ(code([&] { cuda.launch_self(device.view()); }), ErrorCode::device);
+}
+
 // As much memory as a limit that suffices is enough, too.
 TEST_F(CudaMachine, may_have_little_memory) {
     const io::TriangleMesh mesh = scenes::make("cloth", {.triangles = 600, .frame = 93});
@@ -121,7 +259,7 @@ TEST_F(CudaMachine, may_have_little_memory) {
             }
         };
         const bool within_limit = answers_with({.backend = Backend::cuda, .memory_limit = bytes});
-        settings().device_bytes = static_cast<std::size_t>(bytes);
+        settings().device_bytes = cuda_on_cpu::memory::used() + static_cast<std::size_t>(bytes);
         const bool within_device = answers_with({.backend = Backend::cuda});
         settings().device_bytes = std::size_t{1} << 30;
         EXPECT_GE(within_device, within_limit);

@@ -82,6 +82,29 @@ TEST_F(Machine, can_fail_any_allocation) {
     EXPECT_EQ(cuda_on_cpu::memory::live(), before);
 }
 
+__global__ void nothing() {}
+
+TEST_F(Machine, can_fail_any_launch) {
+    settings().launches_before_failure = 1;
+    launch(nothing, 1, 1, 0);
+    EXPECT_EQ(portable::try_launch(nullptr, nothing, 1, 1, 0), cudaErrorMemoryAllocation);
+    EXPECT_EQ(cudaGetLastError(), cudaErrorMemoryAllocation);
+    launch(nothing, 1, 1, 0);
+    check(cudaDeviceSynchronize());
+}
+
+TEST_F(Machine, stays_broken) {
+    settings().broken = cudaErrorIllegalAddress;
+    void* memory = nullptr;
+    EXPECT_EQ(cudaMalloc(&memory, 4), cudaErrorIllegalAddress);
+    EXPECT_EQ(cudaGetLastError(), cudaErrorIllegalAddress);
+    EXPECT_EQ(cudaGetLastError(), cudaErrorIllegalAddress) << "again";
+    EXPECT_EQ(cudaDeviceSynchronize(), cudaErrorIllegalAddress);
+    settings() = {};
+    cudaGetLastError();
+    check(cudaDeviceSynchronize());
+}
+
 __global__ void order_of_threads(int* place, int* next) { place[threadIdx.x] = atomicAdd(next, 1); }
 __global__ void order_of_blocks(int* place, int* next) { place[blockIdx.x] = atomicAdd(next, 1); }
 

@@ -10,17 +10,18 @@
 
 namespace cuda_on_cpu {
 
-/// The calling thread's last error and current device.
+/// The calling thread's last error, current device, and how far it respects captures.
 struct HostThread {
     cudaError_t last_error = cudaSuccess;
     int device = 0;
+    cudaStreamCaptureMode capture_mode = cudaStreamCaptureModeGlobal;
 };
 HostThread& host_thread();
 
 /// Why there is no device to call, or cudaSuccess.
 inline cudaError_t device_missing() {
     if (!settings().driver) return cudaErrorInsufficientDriver;
-    return settings().devices < 1 ? cudaErrorNoDevice : cudaSuccess;
+    return settings().devices < 1 ? cudaErrorNoDevice : settings().broken;
 }
 
 inline cudaError_t keep(cudaError_t error) {

@@ -6,6 +6,11 @@
 
 namespace cuda_on_cpu {
 
+GraphCount& graph_count() {
+    static GraphCount instance;
+    return instance;
+}
+
 void run_nodes(const Nodes& nodes) {
     std::vector<std::size_t> missing(nodes.size());
     std::vector<std::vector<std::size_t>> followers(nodes.size());

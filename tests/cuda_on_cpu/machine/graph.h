@@ -31,6 +31,13 @@ using Nodes = std::vector<Node>;
 /// Runs all nodes, each after those it names.
 void run_nodes(const Nodes& nodes);
 
+/// What has been made of captures so far.
+struct GraphCount {
+    std::size_t instantiated = 0;
+    std::size_t nodes = 0;  ///< of the last one
+};
+GraphCount& graph_count();
+
 /// A capture in progress. Streams that an event has brought in are members, too.
 struct Capture {
     Nodes nodes;

@@ -50,6 +50,8 @@ cudaError_t check(const cudaLaunchConfig_t& config, const void* kernel) {
 cudaError_t launch(const cudaLaunchConfig_t& config, const void* kernel, std::function<void()> body) {
     return call([&] {
         if (const cudaError_t error = check(config, kernel)) return error;
+        int& countdown = settings().launches_before_failure;
+        if (countdown >= 0 && countdown-- == 0) return cudaErrorMemoryAllocation;
         Kernel k{config.gridDim, config.blockDim, config.dynamicSmemBytes, kernel, std::move(body)};
         return enqueue(config.stream, {Work::Kind::kernel, kernel, [k = std::move(k)] { run_grid(k); }});
     });

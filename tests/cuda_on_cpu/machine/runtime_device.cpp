@@ -141,7 +141,7 @@ const char* cudaGetErrorString(cudaError_t error) {
 
 // Without a driver CUDA's runtime has that one answer to everything.
 cudaError_t cudaGetLastError() {
-    const cudaError_t error = std::exchange(host_thread().last_error, cudaSuccess);
+    const cudaError_t error = std::exchange(host_thread().last_error, settings().broken);
     return settings().driver ? error : cudaErrorInsufficientDriver;
 }
 cudaError_t cudaPeekAtLastError() { return settings().driver ? host_thread().last_error : cudaErrorInsufficientDriver; }

@@ -75,10 +75,19 @@ cudaError_t check(const Copy& copy, cudaMemcpyKind kind) {
     return cudaSuccess;
 }
 
+/// A graph has no node that does nothing.
+cudaError_t enqueue_nothing(cudaStream_t handle) {
+    const CUstream_st* stream = stream_of(handle);
+    if (!stream) return cudaErrorInvalidResourceHandle;
+    if (!stream->capture) return cudaSuccess;
+    stream->capture->invalid = true;
+    return cudaErrorInvalidValue;
+}
+
 /// What pageable memory holds is read before the call returns, and written before it returns; so a graph, which runs
 /// later, may not name it.
 cudaError_t enqueue_copy(Copy copy, cudaMemcpyKind kind, cudaStream_t handle) {
-    if (copy.width == 0 || copy.height == 0) return cudaSuccess;
+    if (copy.width == 0 || copy.height == 0) return enqueue_nothing(handle);
     if (!copy.to || !copy.from) return cudaErrorInvalidValue;
     if (copy.to_pitch < copy.width || copy.from_pitch < copy.width) return cudaErrorInvalidPitchValue;
     if (const cudaError_t error = check(copy, kind)) return error;
@@ -112,7 +121,7 @@ cudaError_t copy_and_wait(const Copy& copy, cudaMemcpyKind kind) {
 }
 
 cudaError_t enqueue_set(void* pointer, int value, std::size_t bytes, cudaStream_t stream) {
-    if (bytes == 0) return cudaSuccess;
+    if (bytes == 0) return enqueue_nothing(stream);
     if (!memory::covers(pointer, bytes)) return cudaErrorInvalidValue;
     return enqueue(stream, {Work::Kind::set, nullptr, [=] { std::memset(pointer, value, bytes); }});
 }

@@ -154,6 +154,14 @@ cudaError_t cudaStreamEndCapture(cudaStream_t stream, cudaGraph_t* graph) {
         return error;
     });
 }
+cudaError_t cudaThreadExchangeStreamCaptureMode(cudaStreamCaptureMode* mode) {
+    return call([&] {
+        if (!mode || *mode < cudaStreamCaptureModeGlobal || *mode > cudaStreamCaptureModeRelaxed)
+            return cudaErrorInvalidValue;
+        std::swap(*mode, host_thread().capture_mode);
+        return cudaSuccess;
+    });
+}
 cudaError_t cudaStreamIsCapturing(cudaStream_t handle, cudaStreamCaptureStatus* status) {
     return with_stream(handle, [&](CUstream_st& stream) {
         if (!status) return cudaErrorInvalidValue;
@@ -175,6 +183,8 @@ cudaError_t cudaGraphGetNodes(cudaGraph_t graph, cudaGraphNode_t* nodes, std::si
 cudaError_t cudaGraphInstantiate(cudaGraphExec_t* executable, cudaGraph_t graph, unsigned long long) {
     return call([&] {
         if (!executable || !graph) return cudaErrorInvalidValue;
+        ++graph_count().instantiated;
+        graph_count().nodes = graph->nodes.size();
         *executable = new CUgraphExec_st{std::make_shared<const Nodes>(graph->nodes)};
         return cudaSuccess;
     });

@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "cuda_on_cpu/machine/random.h"
+#include "cuda_on_cpu/shim/cuda_on_cpu/errors.h"
 
 namespace cuda_on_cpu {
 
@@ -39,6 +40,10 @@ struct Settings {
     int multiprocessors = 4;
     /// How many allocations succeed before one fails, then all succeed again; negative: none fails.
     int allocations_before_failure = -1;
+    /// The same for launches of kernels: a driver takes memory for their stacks.
+    int launches_before_failure = -1;
+    /// What every call answers that needs the device: an error that a kernel has left behind stays for good.
+    cudaError_t broken = cudaSuccess;
     /// Seconds for which all threads of a block may spin in __nanosleep before that is a deadlock.
     double spin_seconds = 20;
 };

@@ -4,6 +4,7 @@
 #include <iterator>
 #include <set>
 
+#include "cuda_on_cpu/machine/call.h"
 #include "cuda_on_cpu/machine/report.h"
 #include "cuda_on_cpu/machine/settings.h"
 
@@ -163,12 +164,14 @@ cudaError_t enqueue_uncaptured(cudaStream_t handle, std::function<void()> run) {
 
 cudaError_t leave_capture_alone() {
     cudaError_t result = cudaSuccess;
+    const cudaStreamCaptureMode mode = host_thread().capture_mode;
+    if (mode == cudaStreamCaptureModeRelaxed) return result;
     for (const auto& weak : state().captures) {
         const auto capture = weak.lock();
         if (!capture) continue;
         const bool own = capture->thread == std::this_thread::get_id();
-        const bool forbids =
-            own ? capture->mode != cudaStreamCaptureModeRelaxed : capture->mode == cudaStreamCaptureModeGlobal;
+        const bool forbids = own ? capture->mode != cudaStreamCaptureModeRelaxed
+                                 : mode == cudaStreamCaptureModeGlobal && capture->mode == cudaStreamCaptureModeGlobal;
         if (!forbids) continue;
         capture->invalid = true;
         result = cudaErrorStreamCaptureUnsupported;

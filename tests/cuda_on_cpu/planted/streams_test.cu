@@ -109,6 +109,17 @@ TEST_F(Planted, host_round_trip_in_a_capture) {
     EXPECT_EQ(never, nullptr);
     EXPECT_EQ(cudaStreamEndCapture(s.first, &graph), cudaErrorStreamCaptureInvalidated);
 }
+TEST_F(Planted, empty_array_in_a_capture) {
+    const TwoStreams s;
+    const Array<int> memory(4);
+    const auto set = [&](std::size_t bytes) { return cudaMemsetAsync(memory.data(), 0, bytes, s.first); };
+    EXPECT_EQ(set(0), cudaSuccess) << "outside of a capture";
+    check(cudaStreamBeginCapture(s.first, cudaStreamCaptureModeThreadLocal));
+    EXPECT_EQ(set(4), cudaSuccess);
+    EXPECT_EQ(set(0), cudaErrorInvalidValue);
+    cudaGraph_t graph;
+    EXPECT_EQ(cudaStreamEndCapture(s.first, &graph), cudaErrorStreamCaptureInvalidated);
+}
 TEST_F(Planted, pageable_memory_in_a_capture) {
     const TwoStreams s;
     const Array<int> memory(4);

@@ -1,5 +1,7 @@
 // Capture, graphs, and what a capture forbids.
 
+#include <thread>
+
 #include <cub/device/device_scan.cuh>
 
 #include "cuda_on_cpu/portable/portable.h"
@@ -181,6 +183,50 @@ TEST_F(Graph, a_host_round_trip_spoils_a_capture) {
     // The stream works again.
     check(cudaMemsetAsync(x.data(), 0, 4, stream));
     EXPECT_EQ(read(x.data()), 0);
+}
+
+TEST_F(Graph, another_threads_mode_decides_whether_a_capture_minds_it) {
+    struct Case {
+        cudaStreamCaptureMode capture, thread;
+        bool minds;
+    };
+    for (const auto& [capture, thread, minds] :
+         {Case{cudaStreamCaptureModeGlobal, cudaStreamCaptureModeGlobal, true},
+          Case{cudaStreamCaptureModeGlobal, cudaStreamCaptureModeThreadLocal, false},
+          Case{cudaStreamCaptureModeGlobal, cudaStreamCaptureModeRelaxed, false},
+          Case{cudaStreamCaptureModeThreadLocal, cudaStreamCaptureModeGlobal, false}}) {
+        SCOPED_TRACE(testing::Message() << "capture " << capture << ", thread " << thread);
+        const Array<int> x(1);
+        begin(capture);
+        check(cudaMemsetAsync(x.data(), 0, 4, stream));
+        cudaError_t allocated = cudaSuccess;
+        cudaStreamCaptureMode mode = thread;
+        std::thread([&] {
+            EXPECT_EQ(cudaThreadExchangeStreamCaptureMode(&mode), cudaSuccess);
+            void* memory = nullptr;
+            allocated = cudaMalloc(&memory, 4);
+            cudaFree(memory);
+        }).join();
+        EXPECT_EQ(mode, cudaStreamCaptureModeGlobal) << "what it was before";
+        EXPECT_EQ(allocated, minds ? cudaErrorStreamCaptureUnsupported : cudaSuccess);
+        if (minds)
+            expect_spoilt();
+        else
+            check(cudaGraphDestroy(end()));
+    }
+}
+
+TEST_F(Graph, a_relaxed_thread_may_allocate_while_it_captures) {
+    const Array<int> x(1);
+    begin();
+    cudaStreamCaptureMode mode = cudaStreamCaptureModeRelaxed;
+    check(cudaThreadExchangeStreamCaptureMode(&mode));
+    void* memory = nullptr;
+    EXPECT_EQ(cudaMalloc(&memory, 4), cudaSuccess);
+    EXPECT_EQ(cudaFree(memory), cudaSuccess);
+    check(cudaThreadExchangeStreamCaptureMode(&mode));
+    EXPECT_EQ(mode, cudaStreamCaptureModeRelaxed);
+    check(cudaGraphDestroy(end()));
 }
 
 TEST_F(Graph, a_fork_must_be_joined) {

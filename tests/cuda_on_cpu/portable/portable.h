@@ -52,6 +52,7 @@ class Array {
     explicit Array(std::size_t n) : size_(n) { check(cudaMalloc(&data_, n * sizeof(T))); }
     explicit Array(const std::vector<T>& values) : Array(values.size()) {
         check(cudaMemcpy(data_, values.data(), size_ * sizeof(T), cudaMemcpyHostToDevice));
+        check(cudaDeviceSynchronize());  // the copy may return before its end, and not all streams wait for it
     }
     Array(const Array&) = delete;
     Array& operator=(const Array&) = delete;

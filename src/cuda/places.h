@@ -1,0 +1,25 @@
+#pragma once
+
+// Where a caller's arrays lie: a kernel that reads an address the device does not know ends every later call of the
+// process, so each is asked for before.
+
+#include <array>
+
+#include "crumple/mesh.h"
+
+namespace crumple::cuda {
+
+class Places {
+   public:
+    explicit Places(int device) : device_(device) {}
+
+    /// Throws Error (invalid_argument) that names the first array that the device cannot read. Arrays of the call
+    /// before are known, so that frames of a simulation ask for nothing.
+    void check(const MeshView& a, const MeshView* b);
+
+   private:
+    int device_;
+    std::array<const void*, 6> known_{};
+};
+
+}  // namespace crumple::cuda
