@@ -5,6 +5,7 @@
 #   --python   and the Python package
 #   --python-peers  and what packages from PyPI need that scripts/test_python.sh --all tests against
 #   --ci       and what .ci/run checks with
+#   --fuzz     and what scripts/fuzz.sh builds with
 #   --arm64    and what scripts/test_arm64.sh cross-compiles with
 set -euo pipefail
 
@@ -17,8 +18,9 @@ for option in "$@"; do
         --python) packages+=(python3-dev python3-venv) ;;
         --python-peers) packages+=(libegl1 libgl1 libgomp1 libusb-1.0-0 libx11-6) ;;
         --ci) packages+=(clang clang-format clang-tidy clang-tools) ;;
+        --fuzz) packages+=(ccache clang libclang-rt-dev llvm python3) ;;  # libFuzzer, sanitizers, names in stacks
         --arm64) packages+=(g++-aarch64-linux-gnu qemu-user-static) ;;
-        *) echo "usage: $0 [--tests] [--python] [--python-peers] [--ci] [--arm64]" >&2; exit 2 ;;
+        *) echo "usage: $0 [--tests] [--python] [--python-peers] [--ci] [--fuzz] [--arm64]" >&2; exit 2 ;;
     esac
 done
 

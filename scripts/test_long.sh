@@ -1,0 +1,25 @@
+#!/usr/bin/env bash
+# Tests that take an hour and more, which .ci/run leaves out. Prints a table of figures, for docs/fuzzing.md.
+#   scripts/test_long.sh [READS [SEARCHES]]   how many inputs of each fuzz target; ten and one million
+set -euo pipefail
+cd "$(dirname "$0")/.."
+reads=${1:-10000000}
+searches=${2:-1000000}
+
+row() {
+    local log=build-fuzz/$1.log
+    local stat done counters
+    stat() { awk -v name="stat::$1:" '$1 == name { print $2 }' "$log"; }
+    done=$(grep -E '^#[0-9]+\s+DONE' "$log")
+    counters=$(sed -nE 's/.*Loaded 1 modules +\(([0-9]+) inline.*/\1/p' "$log")
+    printf '| %s | %s | %s | %s of %s | %s | %s MiB |\n' "$1" "$(stat number_of_executed_units)" \
+        "$(sed -nE 's/^Done [0-9]+ runs in ([0-9]+) second.*/\1/p' "$log")" \
+        "$(sed -E 's/.*cov: ([0-9]+).*/\1/' <<<"$done")" "$counters" \
+        "$(sed -E 's/.*corp: ([^ ]+).*/\1/' <<<"$done")" "$(stat peak_rss_mb)"
+}
+
+scripts/fuzz.sh readers -runs="$reads"
+scripts/fuzz.sh search -runs="$searches"
+printf '\n| target | executions | seconds | edges | corpus: inputs/bytes | memory |\n|---|---|---|---|---|---|\n'
+row readers
+row search

@@ -1,0 +1,79 @@
+#pragma once
+
+// Searches from bytes: small meshes with hostile coordinates and topology, options of detector and query, and frames
+// that follow each other. Any bytes make a search, and more bytes make no other one: what is missing is zero.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "crumple/crumple.h"
+
+namespace crumple::fuzz {
+
+/// Bytes from the left, then zeros.
+class Bytes {
+   public:
+    explicit Bytes(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
+    std::uint8_t next() { return place_ < bytes_.size() ? bytes_[place_++] : std::uint8_t{0}; }
+    /// Below `n`, at most 256.
+    int below(int n) { return next() % n; }
+    bool flag() { return next() & 1; }
+    template <std::size_t n, class T>
+    const T& one_of(const T (&values)[n]) {
+        return values[next() % n];
+    }
+
+   private:
+    std::span<const std::uint8_t> bytes_;
+    std::size_t place_ = 0;
+};
+
+/// How the arrays of a mesh lie in memory.
+struct Layout {
+    IndexType index = IndexType::int32;
+    int vertices = 0, triangles = 0;  ///< an arrangement of rows and columns (see Arrays)
+    bool operator==(const Layout&) const = default;
+};
+
+struct Mesh {
+    bool single = true;  ///< coordinates are float32 numbers and given as such
+    std::vector<std::array<double, 3>> vertices;
+    std::vector<std::array<std::int64_t, 3>> triangles;
+    std::vector<std::int32_t> groups;
+    Layout layout;
+};
+
+/// A mesh's arrays as its layout wants them, each in a block of its own that is as long as it must be.
+class Arrays {
+   public:
+    explicit Arrays(const Mesh& mesh);
+    const MeshView& view() const { return view_; }
+
+   private:
+    std::vector<std::byte> vertices_, triangles_;
+    std::vector<std::int32_t> groups_;
+    MeshView view_;
+};
+
+/// One or two meshes.
+using Frame = std::vector<Mesh>;
+
+struct Search {
+    bool kept = false;  ///< the detector is one that earlier inputs have used
+    Options options;
+    Query query;  ///< `excluded_groups` looks at `excluded`
+    std::vector<GroupPair> excluded;
+    bool without_lists = false;      ///< of parts: members are found again
+    int parts = 0;                   ///< 0: none
+    std::int64_t memory_limit = -1;  ///< beside what suffices; -1: none
+    std::vector<Frame> frames;
+
+    explicit Search(Bytes bytes);
+    Search(const Search&) = delete;
+    Search& operator=(const Search&) = delete;
+};
+
+}  // namespace crumple::fuzz

@@ -1,0 +1,24 @@
+#pragma once
+
+// What readers are given: bytes under a name, as if they were a file.
+
+#include <sstream>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "crumple/io.h"
+
+namespace crumple::fuzz {
+
+inline io::TriangleMesh read_mesh(std::string_view bytes, const std::string& name, const io::ReadOptions& options) {
+    std::istringstream in{std::string(bytes)};
+    return io::read_mesh(in, name, options);
+}
+
+inline std::vector<Pair> read_pairs(std::string_view bytes, const std::string& name) {
+    std::istringstream in{std::string(bytes)};
+    return io::read_pairs(in, name);
+}
+
+}  // namespace crumple::fuzz

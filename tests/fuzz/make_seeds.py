@@ -1,0 +1,313 @@
+#!/usr/bin/env python3
+"""Writes the seed corpora of the fuzz targets: make_seeds.py FOLDER makes FOLDER/readers and FOLDER/search.
+
+Small files of every format and variant that docs/input.md names, sound and not, and scenes for the search. Byte 0 of a
+reader's input chooses the file's name (`kinds` in readers.cpp), byte 1 the options.
+"""
+
+import io
+import itertools
+import json
+import random
+import struct
+import sys
+import zipfile
+import zlib
+from pathlib import Path
+
+MESH, PLY, OBJ, STL, OFF, STL_MENDED, TXT, CSV, JSON, NPZ, NPZ_MENDED, NPY = range(12)  # kinds in readers.cpp
+FLOAT32, FLOAT64, UNWELDED, WELDED, GROUP, LABEL, FAN, STRICT = 2, 3, 4, 8, 32, 48, 64, 128  # options in readers.cpp
+
+BOM = b"\xef\xbb\xbf"
+TETRAHEDRON = ([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], [(0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)])
+# Concave: an arrow, an L, and a comb whose teeth a fan crosses.
+ARROW = [(0, 0, 0), (2, 1, 0), (0, 2, 0), (0.5, 1, 0)]
+L_SHAPE = [(0, 0, 0), (2, 0, 0), (2, 1, 0), (1, 1, 0), (1, 2, 0), (0, 2, 0)]
+COMB = [(0, 0, 1), (7, 0, 1)] + [(7 - i, 3 - 2 * (i % 2), 1) for i in range(8)]
+
+
+def ply_header(encoding, vertices, faces, scalar="float", index="int", count="uchar", extra_vertex=(), extra_face=(),
+               before=(), after=(), name="vertex_indices"):
+    lines = ["ply", f"format {encoding} 1.0", "comment made by hand", *before, f"element vertex {vertices}"]
+    lines += [f"property {scalar} {axis}" for axis in "xyz"] + [f"property {p}" for p in extra_vertex]
+    lines += [f"element face {faces}", f"property list {count} {index} {name}"] + [f"property {p}" for p in extra_face]
+    return ("\n".join([*lines, *after, "end_header"]) + "\n").encode()
+
+
+def ply_ascii(points, faces, groups=(), **header):
+    if groups:
+        header["extra_face"] = ["int group"]
+    text = "".join(" ".join(map(str, p)) + "\n" for p in points)
+    for face, group in itertools.zip_longest(faces, groups):
+        text += " ".join(map(str, (len(face), *face))) + (f" {group}" if groups else "") + "\n"
+    return ply_header("ascii", len(points), len(faces), **header) + text.encode()
+
+
+FORMATS = {"char": "b", "uchar": "B", "short": "h", "ushort": "H", "int": "i", "uint": "I", "int64": "q", "uint64": "Q",
+           "float": "f", "double": "d"}
+
+
+def ply_binary(order, points, faces, groups=(), scalar="float", index="int", count="uchar", **header):
+    encoding = "binary_little_endian" if order == "<" else "binary_big_endian"
+    if groups:
+        header["extra_face"] = ["int group"]
+    data = b"".join(struct.pack(order + "3" + FORMATS[scalar], *(x if scalar in ("float", "double") else int(x)
+                                                                for x in p)) for p in points)
+    for face, group in itertools.zip_longest(faces, groups):
+        data += struct.pack(order + FORMATS[count], len(face))
+        data += struct.pack(f"{order}{len(face)}{FORMATS[index]}", *face)
+        data += struct.pack(order + "i", group) if groups else b""
+    return ply_header(encoding, len(points), len(faces), scalar, index, count, **header) + data
+
+
+def ply_files():
+    points, faces = TETRAHEDRON
+    polygons = [(0, 1, 2, 3), (3, 2, 1, 0), (0, 1, 2)]
+    yield ply_ascii(points, faces)
+    yield ply_ascii(points, faces, groups=[3, -1, 3, 2147483647])
+    yield ply_ascii(ARROW, [range(4)], groups=[5])
+    yield ply_ascii(COMB, [range(10)])
+    yield ply_ascii(L_SHAPE, [range(6), (0, 1, 2)], scalar="double", name="vertex_index")
+    yield ply_ascii([], [])
+    yield ply_ascii(points, faces).replace(b"\n", b"\r\n")
+    yield ply_ascii(points, faces).replace(b"\n", b"\r")
+    yield BOM + ply_ascii(points, faces)
+    for order in "<>":
+        for scalar, index, count in (("float", "int", "uchar"), ("double", "uint", "int"),
+                                     ("short", "ushort", "ushort"), ("uchar", "uchar", "char"),
+                                     ("int64", "uint64", "uint64"), ("float", "short", "short")):
+            yield ply_binary(order, points, polygons, groups=[1, 1, 2], scalar=scalar, index=index, count=count)
+        yield ply_binary(order, COMB, [range(10)])
+    mixed = ply_header("ascii", 3, 1, extra_vertex=["float nx", "uchar red", "list uchar float weights"],
+                       extra_face=["uchar red", "list uchar float texcoord", "int label"],
+                       before=["element camera 1", "property float fov"], after=["obj_info none", "element edge 2",
+                                                                                "property int vertex1"])
+    rows = "90\n0 0 0 1 9 0\n1 0 0 1 9 2 .5 .5\n0 1e-400 0 1 9 1 7\n3 0 1 2 200 2 0 1 -4\n0\n1\n"
+    yield mixed + rows.encode()
+    yield ply_header("ascii", 1, 1, after=["element tristrips 1", "property list int int vertex_indices"])
+    yield ply_header("ascii", 0, 0, extra_face=["float group"]) + b"\n"
+    yield ply_header("ascii", 0, 0).replace(b"element face", b"element tristrips")
+    yield ply_header("ascii", 1000000, 1) + b"0 0 0\n"
+    yield ply_header("binary_little_endian", 2**40, 2**62) + bytes(40)
+    yield ply_ascii(points, faces) + b"0 0 0\n"
+    yield ply_binary("<", [(1, float("nan"), 2)], [])
+    yield ply_ascii([(1e39, 0, 0)], [], scalar="double")
+    yield ply_ascii(points, [(0, 1)])
+    yield ply_ascii(points, [(0, 1, 4)])
+
+
+def obj_text(points, faces):
+    return ("".join(f"v {x} {y} {z}\n" for x, y, z in points) +
+            "".join("f " + " ".join(str(i + 1) for i in face) + "\n" for face in faces)).encode()
+
+
+def obj_files():
+    points, faces = TETRAHEDRON
+    text = obj_text(points, faces)
+    yield text
+    yield text.replace(b"\n", b"\r\n")
+    yield text.replace(b"\n", b"\r")
+    yield BOM + text
+    yield b"v 1e9223372036854775807 0 0\n"
+    yield obj_text(ARROW, [range(4)])
+    yield obj_text(COMB, [range(10), (0, 1, 2, 3)])
+    yield obj_text([(f"{x}e{y % 2 * 250}", f"{y}e200", 0) for x, y, z in COMB], [range(10)])
+    yield obj_text([(i, i * i, 0) for i in range(300)], [range(300)])
+    yield obj_text([(0, 0, 0), (2, 2, 0), (2, 0, 0), (0, 2, 0)], [range(4)])
+    yield obj_text([(0, 0, 0), (4, 0, 0), (4, 4, 0), (1, 1, 0), (2, 1, 0), (1, 2, 0), (1, 1, 0)], [range(7)])
+    yield (b"# comment\nmtllib a.mtl\no body\ng one two\nv 0 0 0 1.0\nv 1 0 0 .5 .5 .5\nv 0 1 0\nvt 0 0\nvn 0 0 1\n"
+           b"usemtl red\ns off\nf 1/1/1 2//1 3/1\nf -3 -2 -1\nfo 1 2 3\nl 1 2\np 1\n")
+    yield b"v 0 0 0\nv 1 \\\n 0 0\nv 0 1 0\nf 1 \\\r\n2 3\n"
+    yield b"f 1 2 3\nv 0 0 0\nv 1 0 0\nv 0 1 0\n"
+    yield b"v +1e0 -0 4.9e-324\nv 1e308 -1e308 1e-400\nv 0.1 .2 3.\nf 1 2 3 # end"
+    yield b"v 1 2 3\nvp 1\ncstype bezier\ndeg 3\nsurf 0 1 0 1 1 2 3\nend\n"
+    yield b"call other.obj\nv 0 0 0\nsubdiv 2\n"
+    yield b"v 0 0 0\nf 0 1 2\n"
+    yield b"v 0 0 0\nf 1 2 99999999999999999999\n"
+    yield b"v 0 0 nan\n"
+
+
+def stl_ascii(triangles, name="cube", upper=False):
+    text = f"solid {name}\n"
+    for triangle in triangles:
+        text += " facet normal 0 0 1\n  outer loop\n"
+        text += "".join(f"   vertex {x} {y} {z}\n" for x, y, z in triangle) + "  endloop\n endfacet\n"
+    text += f"endsolid {name}\n"
+    return (text.upper() if upper else text).encode()
+
+
+def stl_binary(triangles, count=None, title=b"binary"):
+    data = title.ljust(80) + struct.pack("<I", len(triangles) if count is None else count)
+    for triangle in triangles:
+        data += struct.pack("<12fH", 0, 0, 1, *itertools.chain(*triangle), 0)
+    return data
+
+
+def stl_files():
+    points, faces = TETRAHEDRON
+    triangles = [[points[i] for i in face] for face in faces]
+    yield stl_ascii(triangles)
+    yield stl_ascii(triangles, upper=True)
+    yield stl_ascii(triangles).replace(b"\n", b"\r\n")
+    yield stl_ascii(triangles).replace(b"\n", b"\r")
+    yield BOM + stl_ascii(triangles)
+    yield stl_ascii(triangles[:1], "a") + stl_ascii(triangles[1:], "")
+    yield stl_ascii([ARROW, L_SHAPE])
+    yield stl_ascii([])
+    yield stl_binary(triangles)
+    yield stl_binary(triangles, title=b"solid but binary")
+    yield stl_binary([[(0.0, -0.0, 0.0), (-0.0, 0.0, 0.0), (1e-45, 3e38, 1)]])
+    yield stl_binary([])
+    yield stl_binary(triangles) + b"trailing"
+    yield stl_binary(triangles, count=5)
+    yield stl_binary(triangles, count=0x7fffffff)
+    yield stl_binary([[(float("inf"), 0, 0)] * 3])
+
+
+def off_text(points, faces, header="OFF"):
+    text = f"{header}\n{len(points)} {len(faces)} 0\n" + "".join(f"{x} {y} {z}\n" for x, y, z in points)
+    return (text + "".join(" ".join(map(str, (len(f), *f))) + "\n" for f in faces)).encode()
+
+
+def off_files():
+    points, faces = TETRAHEDRON
+    text = off_text(points, faces)
+    yield text
+    yield text.replace(b"\n", b"\r\n")
+    yield text.replace(b"\n", b"\r")
+    yield BOM + text
+    yield text[4:]
+    yield off_text(COMB, [range(10)])
+    yield b"STOFF # with texture\n3 1 3\n\n0 0 0 0 0\n1 0 0 1 0\n# between\n0 1 0 0 1\n3 0 1 2 255 0 0\n"
+    yield b"COFF 3 1\n0 0 0 1 1 1 1\n1 0 0 1 1 1 1\n0 1 0 1 1 1 1\n3 0 1 2 7\n"
+    yield b"NOFF\n1 0 0\n0 0 0 0 0 1\n"
+    yield b"STCNOFF\n0 0 0\n"
+    yield b"4OFF\n1 0 0\n0 0 0 1\n"
+    yield b"nOFF\n2\n1 0 0\n0 0\n"
+    yield b"OFF BINARY\n\0\0\0\1"
+    yield b"OFF\n1000000 1000000 0\n0 0 0\n"
+    yield b"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n"
+    yield text + b"3 0 1 2\n"
+
+
+def npy(dtype, shape, data, fortran=False, version=1):
+    header = f"{{'descr': '{dtype}', 'fortran_order': {fortran}, 'shape': {shape}, }}"
+    header = header.ljust(63 - 10) + "\n"
+    length = struct.pack("<H" if version == 1 else "<I", len(header))
+    return b"\x93NUMPY" + bytes([version, 0]) + length + header.encode() + data
+
+
+def npy_files():
+    pairs = [0, 1, 0, 5, 2, 3]
+    for code, dtype in (("<6i", "<i4"), (">6i", ">i4"), ("<6I", "<u4"), ("<6q", "<i8"), (">6Q", ">u8")):
+        yield npy(dtype, "(3, 2)", struct.pack(code, *pairs))
+    yield npy("<i4", "(3, 2)", struct.pack("<6i", *pairs), fortran=True)
+    yield npy("<i4", "(3,2)", struct.pack("<6i", *pairs), version=2)
+    yield npy("<i4", "(0, 2)", b"")
+    yield npy("<i4", "(2, 2)", struct.pack("<6i", *pairs))
+    yield npy("<i8", "(1, 2)", struct.pack("<2q", -1, 1 << 40))
+    yield npy("<f8", "(1, 2)", bytes(16))
+    yield npy("<i4", "(4611686018427387904, 2)", bytes(16))
+
+
+def npz(content, method=zipfile.ZIP_STORED, name="pairs.npy"):
+    out = io.BytesIO()
+    with zipfile.ZipFile(out, "w", method) as archive:
+        archive.writestr(zipfile.ZipInfo(name), content, method)
+        archive.writestr(zipfile.ZipInfo("hit.npy"), npy("|u1", "(2,)", b"\1\0"), method)
+    return out.getvalue()
+
+
+def pair_files():
+    text = b"0 1\n0 5\n2 3\n"
+    for kind, file in ((TXT, text), (TXT, b"# pairs\n\n 0 1 point 0 0 0\r\n0 5 x\n+2 3"), (TXT, BOM + text),
+                       (TXT, text.replace(b"\n", b"\r")), (TXT, b"0, 1\n2 ,3\n"), (TXT, b"0\n1\n"), (TXT, b"-1 2\n"),
+                       (TXT, b"0 4294967296\n"), (TXT, b"")):
+        yield kind, file
+    for file in (b"a,b\n0,1\n0,5\n", b"a,b,kind,points,x0,y0,z0\n0,1,point,1,0.5,1e-3,2\n", b"0, 1\r\n2 ,3\r\n",
+                 BOM + b"a,b\n0,1\n", b"a,b\r0,1\r", b"a,b\n0\n", b"a,b\n0,x\n", b"\"0\",\"1\"\n", b"a,b\n"):
+        yield CSV, file
+    document = {"pairs": [[0, 1], [0, 5]], "contacts": [{"kind": "point", "points": [[0.5, 1, 2]]}],
+                "statistics": {"milliseconds": 0.1, "backend": "cpu", "pairs": 2}}
+    for file in (json.dumps(document), json.dumps(document, indent=2), '{"pairs":[]}', '{"a":{"pairs":[[1,2]]}}',
+                 '{"pairs":[[0,1,2]]}', '{"pairs":[[0,-1]]}', '{"pairs":[[0,1e3]]}', '[[0,1]]', '{"pairs":[[0,1]',
+                 '{"x":"\\u00e9\\n","pairs":[[1,2]],"pairs":[[3,4]]}', '{"pairs":null}', '{"a":true,"pairs":[]}', "[" * 200):
+        yield JSON, file.encode()
+    for kind, file in itertools.product((NPZ_MENDED, NPY), npy_files()):
+        yield kind, file
+    for method in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
+        yield NPZ, npz(npy("<i4", "(3, 2)", struct.pack("<6i", 0, 1, 0, 5, 2, 3)), method)
+    yield NPZ, npz(npy("<i4", "(20000, 2)", bytes(160000)), zipfile.ZIP_DEFLATED)
+    yield NPZ, npz(b"", name="other.npy")
+    yield NPZ, npz(npy("<i4", "(0, 2)", b""))[:-10]
+
+
+def reader_inputs():
+    for kind, files in ((PLY, ply_files()), (OBJ, obj_files()), (STL, stl_files()), (OFF, off_files())):
+        for number, file in enumerate(files):
+            yield bytes([kind, 0]), file
+            some = (FLOAT32, WELDED, FLOAT64 | UNWELDED, FAN, STRICT, FAN | STRICT | WELDED)
+            yield bytes([MESH, some[number % len(some)]]), file
+            if kind == PLY:
+                yield bytes([kind, GROUP]), file
+            if kind == STL:
+                yield bytes([STL_MENDED, 0]), file
+    yield from ((bytes([PLY, LABEL]), file) for file in ply_files() if b"label" in file)
+    for kind, file in pair_files():
+        yield bytes([kind, 0]), file
+
+
+def search_inputs():
+    """Bytes as decode.cpp reads them: options, query, two layouts, excluded groups, frames, meshes."""
+    choose = random.Random(7)
+
+    def header(between=False, contacts=True, how=0, size=13, extras=0, options=bytes(6), kept=0, wild=0):
+        flags = how | (8 if contacts else 0) | (64 if between else 0)
+        more = (extras & 1) + (extras & 24 == 24)  # a count of parts, a memory limit
+        rest = bytes([1, 0, 0, 0, 0]) * 2  # float32, int32, contiguous, no groups
+        return (bytes([kept, size, wild]) + options + bytes([flags, 0, extras]) +
+                bytes(choose.randrange(64) for _ in range(more)) + rest + bytes([0, 0]))
+
+    def mesh(vertices, triangles, soup=False, scale=0, shift=0):
+        data = bytes([scale, shift, len(triangles), len(vertices), int(soup)])
+        data += b"".join(vertices) + b"".join(bytes(t) for t in triangles if not soup)
+        return data
+
+    def on_grid(x, y, z):
+        return bytes([1, x, y, z])
+
+    crossing = mesh([on_grid(0, 0, 1), on_grid(4, 0, 1), on_grid(0, 4, 1), on_grid(1, 1, 0), on_grid(1, 1, 2),
+                     on_grid(3, 0, 2)], [(0, 1, 2), (3, 4, 5)])
+    fold = mesh([on_grid(0, 0, 0), on_grid(4, 0, 0), on_grid(2, 4, 0), on_grid(2, 2, 0)], [(0, 1, 2), (0, 1, 3)])
+    copies = mesh([on_grid(0, 0, 0), on_grid(4, 0, 0), on_grid(2, 4, 0)], [(0, 1, 2), (1, 2, 0), (0, 1, 1), (2, 2, 2)])
+    for scene in (crossing, fold, copies):
+        for how in range(8):
+            yield header(how=how) + scene
+            yield header(between=True, how=how) + scene + crossing
+        for options in (bytes([0, simd, clusters, leaf, 0, 0]) for simd in range(5) for clusters in (0, 3, 6)
+                        for leaf in (0, 2, 5)):
+            yield header(options=options, extras=choose.choice([0, 1, 5, 24])) + scene
+    for length in (40, 80, 160, 320, 640):
+        for _ in range(12):
+            scene = header(choose.random() < 0.4, choose.random() < 0.5, choose.randrange(256), choose.randrange(16),
+                           choose.randrange(256), bytes(choose.randrange(256) for _ in range(6)),
+                           choose.randrange(2), 7 * (choose.random() < 0.2))
+            yield scene + bytes(choose.randrange(256) for _ in range(length))
+
+
+def write(folder, inputs):
+    folder.mkdir(parents=True, exist_ok=True)
+    for content in inputs:
+        (folder / f"seed-{zlib.crc32(content):08x}").write_bytes(content)
+
+
+def main():
+    if len(sys.argv) != 2:
+        sys.exit(__doc__)
+    folder = Path(sys.argv[1])
+    write(folder / "readers", (options + file for options, file in reader_inputs()))
+    write(folder / "search", search_inputs())
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,177 @@
+// Fuzz target: the readers of meshes and of pair lists. The first byte of an input tells what file it is to be, the
+// second one with which options it is read; the file follows. Broken promises besides what the sanitizers see: another
+// exception than crumple::Error, an error that does not tell its place in a short printable line, a mesh that is not
+// sound, memory out of proportion, and a mesh that a writer and a reader do not keep.
+
+#include <algorithm>
+#include <cstring>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "crumple/error.h"
+#include "fuzz/archive.h"
+#include "fuzz/fail.h"
+#include "fuzz/file.h"
+#include "fuzz/memory.h"
+#include "fuzz/polygons.h"
+#include "fuzz/written.h"
+#include "io/bytes.h"
+
+namespace crumple::fuzz {
+namespace {
+
+enum class Content { mesh, pairs };
+enum class Mended { nothing, stl_count, archive };
+
+struct Kind {
+    const char* name;  ///< of the file; its extension is a reader's second hint
+    Content content;
+    Mended mended = Mended::nothing;  ///< what hides the reader's insides from random bytes
+};
+
+constexpr Kind kinds[] = {
+    {"file", Content::mesh},
+    {"file.ply", Content::mesh},
+    {"file.obj", Content::mesh},
+    {"file.stl", Content::mesh},
+    {"file.off", Content::mesh},
+    {"file.stl", Content::mesh, Mended::stl_count},
+    {"file.txt", Content::pairs},
+    {"file.csv", Content::pairs},
+    {"file.json", Content::pairs},
+    {"file.npz", Content::pairs},
+    {"file.npz", Content::pairs, Mended::archive},
+    {"file.npy", Content::pairs},
+};
+
+std::string mend(std::string_view bytes, Mended mended) {
+    if (mended == Mended::archive) return archive_of("pairs.npy", bytes);
+    std::string file(bytes);
+    constexpr std::size_t header = 80, prologue = 84, record = 50;
+    if (mended == Mended::stl_count && file.size() >= prologue) {
+        const auto count = io::little_endian(static_cast<std::uint32_t>((file.size() - prologue) / record));
+        std::copy(count.begin(), count.end(), file.begin() + header);
+        file.resize(prologue + (file.size() - prologue) / record * record);
+    }
+    return file;
+}
+
+io::ReadOptions options_of(std::uint8_t byte) {
+    constexpr io::Precision precisions[] = {io::Precision::automatic, io::Precision::automatic, io::Precision::float32,
+                                            io::Precision::float64};
+    constexpr io::Weld welds[] = {io::Weld::automatic, io::Weld::no, io::Weld::yes, io::Weld::automatic};
+    constexpr const char* groups[] = {"", "", "group", "label"};
+    io::ReadOptions options;
+    options.precision = precisions[byte & 3];
+    options.weld = welds[byte >> 2 & 3];
+    options.group_property = groups[byte >> 4 & 3];
+    options.triangulation = byte & 64 ? io::Triangulation::fan : io::Triangulation::ears;
+    options.strict = byte & 128;
+    return options;
+}
+
+bool is_short_and_printable(std::string_view sentence) {
+    return sentence.size() < 512 &&
+           std::all_of(sentence.begin(), sentence.end(), [](char c) { return c >= ' ' && c <= '~'; });
+}
+
+void check_error(const Error& error, std::string_view file, const Kind& kind, bool names_property) {
+    const std::string_view message = error.what();
+    const auto check = [&](bool holds, const char* what) {
+        if (!holds) fail(std::string(what) + ": " + error.what());
+    };
+    check(error.code == ErrorCode::format || (names_property && error.code == ErrorCode::invalid_argument),
+          "an error of a wrong kind");
+    check(message.find(kind.name) != message.npos, "an error that does not name the file");
+    check(is_short_and_printable(message), "an error that is no short line");
+    const auto size = static_cast<std::int64_t>(file.size());
+    const bool line = error.element == Element::line, byte = error.element == Element::byte;
+    if (line) {
+        const auto ends = std::count_if(file.begin(), file.end(), [](char c) { return c == '\n' || c == '\r'; });
+        check(error.index >= 1 && error.index <= ends + 1, "an error at no line of the file");
+    }
+    if (byte) check(error.index >= 0 && error.index <= size, "an error at no byte of the file");
+    if (line || byte)
+        check(message.find((line ? "line " : "byte ") + std::to_string(error.index)) != message.npos ||
+                  (byte && error.index == 0),
+              "an error that does not tell its place");
+}
+
+/// Calls read() and watches; nothing if it throws what it may throw.
+template <class Read>
+auto watched(std::string_view file, const Kind& kind, bool names_property, Read&& read) {
+    std::optional<decltype(read())> result;
+    std::int64_t peak = 0;
+    try {
+        const MemoryWatch watch;
+        try {
+            result = read();
+        } catch (const Error& error) {
+            check_error(error, file, kind, names_property);
+        }
+        peak = watch.peak();
+    } catch (const std::exception& other) {
+        fail(std::string("an exception that is not crumple::Error: ") + other.what());
+    }
+    // A face of one byte a corner becomes 12 bytes a triangle in a vector that doubles, and ears take lists. Deflated
+    // bytes become a thousand times as many.
+    const bool archive = std::strcmp(kind.name, "file.npz") == 0;
+    const auto size = static_cast<std::int64_t>(file.size());
+    const std::int64_t most = archive ? (4 << 20) + 4096 * size : (64 << 10) + 128 * size;
+    if (peak > most) fail(std::to_string(peak) + " bytes held to read " + std::to_string(size));
+    return result;
+}
+
+void check_mesh(std::string_view file, const Kind& kind, const io::ReadOptions& options) {
+    const bool names_property = !options.group_property.empty();
+    const auto mesh = watched(file, kind, names_property, [&] { return read_mesh(file, kind.name, options); });
+    if (!mesh) return;
+    require_sound(*mesh);
+    require_cut(*mesh, options.triangulation);
+    require(!options.strict || mesh->warnings.empty(), "a warning to those who want errors");
+    require(mesh->warnings.size() <= 64, "more warnings than anybody reads");
+    for (const std::string& warning : mesh->warnings) {
+        require(is_short_and_printable(warning), "a warning that is no short line");
+        require(warning.find(kind.name) != warning.npos, "a warning that does not name the file");
+    }
+    require(mesh->groups.empty() || names_property, "groups that nobody asked for");
+    require(!names_property || mesh->groups.size() == mesh->triangles.size() / 3, "groups are missing");
+    if (options.precision != io::Precision::automatic)
+        require((mesh->precision() == ScalarType::float32) == (options.precision == io::Precision::float32),
+                "another precision than asked for");
+    if (options.weld != io::Weld::no) {
+        io::ReadOptions unwelded = options;
+        unwelded.weld = io::Weld::no;
+        const io::TriangleMesh before = read_mesh(file, kind.name, unwelded);
+        if (options.weld == io::Weld::yes || before.vertex_count() != mesh->vertex_count())
+            require_welded(*mesh, before);
+        else
+            require_same(*mesh, before, "read again");
+    }
+    require_kept_by_writers(*mesh, options.triangulation);
+}
+
+void check_pairs(std::string_view file, const Kind& kind) {
+    const auto pairs = watched(file, kind, false, [&] { return read_pairs(file, kind.name); });
+    if (!pairs) return;
+    for (const Pair& pair : *pairs) require(pair.a >= 0 && pair.b >= 0, "a pair names no triangle");
+    require_kept_by_writers(*pairs);
+}
+
+}  // namespace
+}  // namespace crumple::fuzz
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    using namespace crumple;
+    using namespace crumple::fuzz;
+    if (size < 2) return -1;
+    const Kind& kind = kinds[data[0] % std::size(kinds)];
+    const std::string file = mend({reinterpret_cast<const char*>(data) + 2, size - 2}, kind.mended);
+    if (kind.content == Content::pairs) {
+        check_pairs(file, kind);
+        return 0;
+    }
+    check_mesh(file, kind, options_of(data[1]));
+    return 0;
+}

@@ -1,0 +1,328 @@
+// Fuzz target: searches, each decoded from an input (decode.h). Broken promises besides what the sanitizers see: an
+// answer that differs in a byte from brute force in rational arithmetic, in find, has_collision, the union of parts,
+// under a memory limit, with kept detectors and with new ones; a limit that does not suffice though an error named it;
+// a contact that is not the rational one, correctly rounded; an error that the other backend does not give.
+
+#include <sanitizer/asan_interface.h>
+
+#include <algorithm>
+#include <cstring>
+#include <memory>
+#include <optional>
+#include <variant>
+
+#include "crumple/crumple.h"
+#include "fuzz/decode.h"
+#include "fuzz/fail.h"
+#include "fuzz/print.h"
+#include "geometry/contact.h"
+#include "geometry/rational_intersection.h"
+
+namespace crumple::fuzz {
+namespace {
+
+using Input = std::vector<std::uint8_t>;
+using Outcome = std::variant<Collisions, Error>;
+
+/// The meshes of a frame as the detector is given them.
+class Views {
+   public:
+    explicit Views(const Frame& frame) : a_(frame[0]) {
+        if (frame.size() > 1) b_.emplace(frame[1]);
+    }
+    const Collisions& find(Detector& by, const Query& query) const {
+        return b_ ? by.find_between(a(), b(), query) : by.find_self(a(), query);
+    }
+    const Collisions& find(Detector& by, const Part& part, const Query& query) const {
+        return b_ ? by.find_between(a(), b(), part, query) : by.find_self(a(), part, query);
+    }
+    bool any(Detector& by, const Query& query) const {
+        return b_ ? by.has_collision(a(), b(), query) : by.has_collision(a(), query);
+    }
+    std::vector<Part> partition(Detector& by, int count) const {
+        return b_ ? by.partition(a(), b(), count) : by.partition(a(), count);
+    }
+
+   private:
+    const MeshView& a() const { return a_.view(); }
+    const MeshView& b() const { return b_->view(); }
+    Arrays a_;
+    std::optional<Arrays> b_;
+};
+
+template <class Call>
+Outcome outcome_of(Call&& call) {
+    try {
+        return call();
+    } catch (const Error& error) {
+        return error;
+    }
+}
+
+template <class T>
+void require_same_bytes(const Array<T>& found, const Array<T>& expected, const std::string& what) {
+    if (found.size() != expected.size())
+        fail(what + ": " + std::to_string(found.size()) + " instead of " + std::to_string(expected.size()));
+    for (std::size_t i = 0; i < found.size(); ++i)
+        if (std::memcmp(&found[i], &expected[i], sizeof(T)) != 0) fail(what + " differ at " + std::to_string(i));
+}
+
+std::string difference(const Array<Pair>& found, const Array<Pair>& expected) {
+    std::string text;
+    const auto list = [&](const char* what, const Array<Pair>& of, const Array<Pair>& without) {
+        for (const Pair& pair : of)
+            if (!std::binary_search(without.begin(), without.end(), pair))
+                text += std::string(what) + " (" + std::to_string(pair.a) + ", " + std::to_string(pair.b) + ")";
+    };
+    list(" missing", expected, found);
+    list(" extra", found, expected);
+    return text.empty() ? " out of order" : text;
+}
+
+void require_same(const Collisions& found, const Collisions& expected, const std::string& what) {
+    if (!std::ranges::equal(found.pairs, expected.pairs)) fail(what + difference(found.pairs, expected.pairs));
+    require_same_bytes(found.offsets, expected.offsets, what + " offsets");
+    require_same_bytes(found.hit, expected.hit, what + " hit flags");
+    require_same_bytes(found.hit_second, expected.hit_second, what + " hit flags of the second mesh");
+    require_same_bytes(found.contacts.kinds, expected.contacts.kinds, what + " contact kinds");
+    require_same_bytes(found.contacts.offsets, expected.contacts.offsets, what + " contact offsets");
+    require_same_bytes(found.contacts.points, expected.contacts.points, what + " contact points");
+}
+
+void require_same(const Outcome& found, const Outcome& expected, const std::string& what) {
+    const Error *error = std::get_if<Error>(&found), *wanted = std::get_if<Error>(&expected);
+    if (error && !wanted) fail(what + " throws: " + error->what());
+    if (wanted && !error) fail(what + " does not throw: " + wanted->what());
+    if (!error) return require_same(std::get<Collisions>(found), std::get<Collisions>(expected), what);
+    if (error->code != wanted->code || error->element != wanted->element || error->index != wanted->index ||
+        std::strcmp(error->what(), wanted->what()) != 0)
+        fail(what + " throws " + error->what() + " instead of " + wanted->what());
+}
+
+/// One search, all its questions.
+class Judge {
+   public:
+    Judge(const Search& search, Detector& reference, Detector& detector)
+        : search_(search), reference_(reference), detector_(detector) {}
+
+    void judge() {
+        for (const Frame& frame : search_.frames) {
+            const Views views(frame);
+            const Outcome expected = outcome_of([&]() -> Collisions { return views.find(reference_, search_.query); });
+            ask(detector_, views, expected);
+            const auto* answer = std::get_if<Collisions>(&expected);
+            if (!answer) continue;
+            if (search_.query.contacts) check_contacts(frame, *answer);
+            if (&frame != &search_.frames.back()) continue;
+            if (search_.parts > 0) check_parts(views, frame, *answer);
+            if (search_.memory_limit >= 0) check_limit(views, *answer);
+        }
+    }
+
+   private:
+    void ask(Detector& detector, const Views& views, const Outcome& expected) const {
+        const Outcome found = outcome_of([&]() -> Collisions { return views.find(detector, search_.query); });
+        require_same(found, expected, "find");
+        if (std::holds_alternative<Error>(expected)) return;
+        const bool any = !std::get<Collisions>(expected).pairs.empty();
+        if (views.any(detector, search_.query) != any) fail("has_collision");
+    }
+
+    static Triangle triangle(const Mesh& mesh, std::int32_t t) {
+        Triangle result{{}, {0, 1, 2}};
+        for (std::size_t c = 0; c < 3; ++c) {
+            const auto& p = mesh.vertices[static_cast<std::size_t>(mesh.triangles[static_cast<std::size_t>(t)][c])];
+            result.point[c] = {p[0], p[1], p[2]};
+        }
+        return result;
+    }
+
+    /// No backend rounds contacts by rational arithmetic where less suffices.
+    void check_contacts(const Frame& frame, const Collisions& answer) const {
+        for (std::size_t i = 0; i < answer.pairs.size(); ++i) {
+            const Contact truth = contact(intersect_rationally(triangle(frame.front(), answer.pairs[i].a),
+                                                               triangle(frame.back(), answer.pairs[i].b)));
+            const auto begin = static_cast<std::size_t>(answer.contacts.offsets[i]);
+            const auto count = static_cast<std::size_t>(answer.contacts.offsets[i + 1]) - begin;
+            const auto bytes = count * sizeof answer.contacts.points[0];
+            if (count != static_cast<std::size_t>(truth.count) || answer.contacts.kinds[i] != truth.kind() ||
+                (count > 0 && std::memcmp(&answer.contacts.points[begin], truth.points.data(), bytes) != 0))
+                fail("the contact of pair " + std::to_string(i));
+        }
+    }
+
+    void check_parts(const Views& views, const Frame& frame, const Collisions& whole) const {
+        std::vector<Part> parts = views.partition(detector_, search_.parts);
+        require(static_cast<int>(parts.size()) == search_.parts, "as many parts as asked for");
+        Array<Pair> all;
+        for (std::size_t p = 0; p < parts.size(); ++p) {
+            Part& part = parts[p];
+            require(part.index == static_cast<std::int32_t>(p), "a part's index");
+            const Part listed = part;
+            if (search_.without_lists) part.triangles = part.triangles_second = {};
+            const Collisions& found = views.find(detector_, part, search_.query);
+            for (const Pair& pair : found.pairs) {
+                const auto& second = frame.size() > 1 ? listed.triangles_second : listed.triangles;
+                require(std::binary_search(listed.triangles.begin(), listed.triangles.end(), pair.a) &&
+                            std::binary_search(second.begin(), second.end(), pair.b),
+                        "a part owns a pair of triangles that it does not list");
+                all.push_back(pair);
+            }
+            if (p == parts.size() / 2) require_same(views.find(reference_, part, search_.query), found, "a part");
+        }
+        std::sort(all.begin(), all.end());
+        if (!std::ranges::equal(all, whole.pairs)) fail("the union of parts:" + difference(all, whole.pairs));
+    }
+
+    void check_limit(const Views& views, const Collisions& expected) const {
+        const auto find = [&](Detector& by) {
+            return outcome_of([&]() -> Collisions { return views.find(by, search_.query); });
+        };
+        Options options = search_.options;
+        options.memory_limit = 1 + search_.memory_limit;
+        Detector tight(options);
+        for (int call = 0; call < 2; ++call) {  // the second one with what the first one has left
+            const Outcome found = find(tight);
+            if (const auto* error = std::get_if<Error>(&found)) {
+                check_bounds(find, options, *error, expected);
+                break;
+            }
+            const Collisions& answer = std::get<Collisions>(found);
+            require_same(answer, expected, "under a limit");
+            require(answer.statistics.peak_memory_bytes <= options.memory_limit, "a limit is exceeded");
+        }
+        try {
+            require(views.any(tight, search_.query) == !expected.pairs.empty(), "has_collision under a limit");
+        } catch (const Error& error) {
+            require(error.code == ErrorCode::memory_limit, "has_collision under a limit throws another error");
+        }
+    }
+
+    /// Of an error under a limit: what it says is needed is, and what is counted suffices.
+    template <class Find>
+    void check_bounds(Find find, Options options, const Error& error, const Collisions& expected) const {
+        if (error.code != ErrorCode::memory_limit || error.bytes_needed <= options.memory_limit ||
+            !error.bytes_needed_at_least)
+            fail(std::string("under a limit: ") + error.what());
+        Options counting = options;
+        counting.count_bytes_needed = true;
+        Detector counts(counting);
+        const Outcome counted = find(counts);
+        const auto* enough = std::get_if<Error>(&counted);
+        require(enough && enough->code == ErrorCode::memory_limit && !enough->bytes_needed_at_least,
+                "bytes are not counted");
+        if (enough->bytes_needed < error.bytes_needed)
+            fail("less suffices than is needed: " + std::to_string(enough->bytes_needed) + " and " +
+                 std::to_string(error.bytes_needed));
+        options.memory_limit = enough->bytes_needed;
+        Detector sufficient(options);
+        require_same(find(sufficient), expected, "under the limit that is to suffice");
+        options.memory_limit = error.bytes_needed - 1;
+        Detector insufficient(options);
+        if (std::holds_alternative<Collisions>(find(insufficient)))
+            fail("less than " + std::to_string(error.bytes_needed) + " bytes suffice");
+    }
+
+    const Search& search_;
+    Detector &reference_, &detector_;
+};
+
+bool same_options(const Options& a, const Options& b) {
+    return a.threads == b.threads && a.simd == b.simd && a.clusters == b.clusters && a.leaf_size == b.leaf_size &&
+           a.fuzziness == b.fuzziness && a.max_iterations == b.max_iterations &&
+           a.first_iterations == b.first_iterations && a.stop == b.stop && a.first_stop == b.first_stop;
+}
+
+/// A detector that several inputs use, and which these were: together they are what a finding needs.
+struct Kept {
+    std::unique_ptr<Detector> detector;
+    std::vector<Input> history;
+};
+
+Kept& kept_for(const Options& options) {
+    constexpr std::size_t most_inputs = 32;
+    static Kept slots[64];
+    const auto key =
+        static_cast<std::size_t>(options.threads + 2 * static_cast<int>(options.simd) + 7 * options.clusters +
+                                 5 * options.leaf_size + 3 * options.max_iterations);
+    Kept& kept = slots[key % 64];
+    const bool fits = kept.detector && same_options(kept.detector->options(), options);
+    if (!fits || kept.history.size() == most_inputs) kept = {std::make_unique<Detector>(options), {}};
+    return kept;
+}
+
+/// The instruction sets asked for, or the best where this machine lacks it.
+Simd present(Simd wanted) {
+    static const auto there = [] {
+        std::array<bool, 6> result{};
+        for (std::size_t i = 0; i < result.size(); ++i) {
+            try {
+                Options options;
+                options.backend = Backend::cpu;
+                options.threads = 1;
+                options.simd = static_cast<Simd>(i);
+                const Detector detector(options);
+                result[i] = true;
+            } catch (const Error&) {
+            }
+        }
+        return result;
+    }();
+    return there[static_cast<std::size_t>(wanted)] ? wanted : Simd::automatic;
+}
+
+/// Tells of the search that runs when the process ends: sanitizers and broken promises alike.
+const Search* running = nullptr;
+const std::vector<Input>* earlier = nullptr;
+
+void tell() {
+    if (!running) return;
+    std::fprintf(stderr, "\n%s\n", as_code(*running).c_str());
+    for (const Input& input : earlier ? *earlier : std::vector<Input>{}) {
+        std::fprintf(stderr, "the detector has seen ");
+        for (const std::uint8_t byte : input) std::fprintf(stderr, "%02x", byte);
+        std::fprintf(stderr, "\n");
+    }
+    running = nullptr;
+}
+
+}  // namespace
+}  // namespace crumple::fuzz
+
+// Called by UndefinedBehaviorSanitizer before it ends the process.
+extern "C" __attribute__((visibility("default"))) void __ubsan_on_report() { crumple::fuzz::tell(); }
+
+extern "C" int LLVMFuzzerInitialize(int*, char***) {
+    crumple::fuzz::tell_more = crumple::fuzz::tell;
+    __asan_set_error_report_callback([](const char*) { crumple::fuzz::tell(); });
+    return 0;
+}
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    using namespace crumple;
+    using namespace crumple::fuzz;
+    Search search{Bytes({data, size})};
+    search.options.simd = present(search.options.simd);
+    static Detector reference = [] {
+        Options options;
+        options.backend = Backend::reference;
+        return Detector(options);
+    }();
+    running = &search;
+    try {
+        if (search.kept) {
+            Kept& kept = kept_for(search.options);
+            earlier = &kept.history;
+            Judge(search, reference, *kept.detector).judge();
+            kept.history.emplace_back(data, data + size);
+        } else {
+            earlier = nullptr;
+            Detector fresh(search.options);
+            Judge(search, reference, fresh).judge();
+        }
+    } catch (const std::exception& error) {
+        fail(std::string("an exception: ") + error.what());
+    }
+    running = nullptr;
+    return 0;
+}
