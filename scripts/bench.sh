@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
 # Measures crumple against its peers and alone, prints the tables and writes the figures to benchmarks/results/NAME.json.
 #   scripts/bench.sh [--quick] [NAME]
-# NAME is the host's by default. --quick takes under two minutes once everything is built: it shows that all is well, but
-# its figures are rough. Installs what is missing (Debian 12; Python peers into build-bench/python) and builds first.
-# Real scenes come from $CRUMPLE_DATA or ../shared/data beside the checkout; without them procedural ones are measured.
+# NAME is the host's by default. A full run takes some 25 minutes on two cores, and says at its end how long it took.
+# --quick takes under two minutes once everything is built: it shows that all is well, but its figures are rough.
+# Installs what is missing (Debian 12; Python peers into build-bench/python) and builds first. Real scenes come from
+# $CRUMPLE_DATA or ../shared/data beside the checkout; without them procedural ones are measured.
 set -euo pipefail
 top=$(cd "$(dirname "$0")/.." && pwd)
 build=$top/build-bench
@@ -50,6 +51,7 @@ for package in "${packages[@]}"; do
         echo "Not installed, so left out: $package" >&2
 done
 
+SECONDS=0
 parts=("$build/contests.json" "$build/python.json" "$build/studies.json")
 rm -f "${parts[@]}"
 benchmark=$build/benchmarks/crumple_benchmark
@@ -62,4 +64,5 @@ fi
 "$benchmark" "${quick[@]}" --study all --json "${parts[2]}"
 
 mkdir -p "$top/benchmarks/results"
-python3 "$top/benchmarks/merge_results.py" "$benchmark" "$top/benchmarks/results/$name.json" "${parts[@]}"
+CRUMPLE_BENCHMARK_SECONDS=$SECONDS python3 "$top/benchmarks/merge_results.py" "$benchmark" \
+    "$top/benchmarks/results/$name.json" "${parts[@]}"

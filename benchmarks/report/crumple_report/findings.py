@@ -120,6 +120,39 @@ for _question in ("self", "between", "any"):
     FINDINGS[_question] = lambda results, question=_question: contest_table(results, question)
 
 
+def mean_of_sequence(results, name, kind="warm, all threads"):
+    """Milliseconds, or nothing if the sequence was not measured."""
+    sequence = results.sequences().get(name)
+    return digits(mean(sequence["kinds"][kind]["milliseconds"])) if sequence else ""
+
+
+@finding
+def paper(results):
+    """Each figure of [MZ]: what it shows, the command that makes ours, and where ours stands."""
+    benchmark, pictures = "crumple_benchmark --study {}", "scripts/report.sh --pictures"
+    averages = "; ".join(f"{scene(name)} {time} ms ([MZ] on a GTX 480: {published} ms)"
+                         for name, published in (("cloth_on_ball", 20.24), ("funnel", 6.53))
+                         if (time := mean_of_sequence(results, name)))
+    one_thread = "; ".join(f"{scene(name)} {time} ms" for name in ("cloth_on_ball", "funnel")
+                           if (time := mean_of_sequence(results, name, "warm")))
+    rows = [
+        ["fig. 1", "the sweep direction by PCA", benchmark.format("axes"), "[the sweep direction](#the-sweep-direction)"],
+        ["fig. 2", "prefix sums predict the work", benchmark.format("two_clusters"),
+         "[the prefix sum's prediction](#the-prefix-sums-prediction)"],
+        ["fig. 3", "objects in two clusters and in sixteen", pictures, "[clusters](#clusters)"],
+        ["fig. 4", "why clusters overlap", benchmark.format("membership"), "[membership](#membership)"],
+        ["fig. 5", "frames of Cloth on Ball and of Funnel", pictures, "[sequences](#sequences)"],
+        ["fig. 6", "mean time of a frame", benchmark.format("sequences") + " --scene cloth_on_ball",
+         f"[on all threads](#sequences): {averages}" if averages else "[sequences](#sequences)"],
+        ["figs. 7, 8", "time of each stage, frame by frame", benchmark.format("sequences") + " --scene funnel",
+         "[by stage](#time-per-frame-by-stage)" + (f", on one thread: {one_thread}" if one_thread else "")],
+        ["sec. 6.1", "two clusters, or four", benchmark.format("two_clusters"), "[two clusters](#two-clusters)"],
+    ]
+    return (table(["[MZ]", "what it shows", "command", "ours"], [[a, b, f"`{c}`", d] for a, b, c, d in rows]) +
+            "\n\n[MZ] has no tables. `scripts/bench.sh`, which measures all of this page in some 25 minutes on two cores, builds "
+            "`crumple_benchmark` in `build-bench/benchmarks/`.")
+
+
 @finding
 def published(results):
     found = [s for name, s in results.sequences().items() if name in ("cloth_on_ball", "funnel")]

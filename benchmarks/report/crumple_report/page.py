@@ -26,6 +26,7 @@ run count. {again}
 
 # Heading, picture (name without variant, alt text) or None, text that stands before the finding.
 SECTIONS = [
+    ("## Figures of [MZ]", None, "", "paper"),
     ("## Against other libraries", None, ""),
     ("### What each computes", None, "", "peers"),
     ("### One mesh against itself", ("peers_self", "Bars: time of Crumple and its peers on each scene, one mesh against itself"),
@@ -109,7 +110,8 @@ def describe_machine(data):
     machine = data["machine"]
     rows = [f"{machine['cpu']}, {machine['cpus']} processors, {machine['memory_gib']} GiB, {machine['architecture']}",
             data["compiler"].strip(), f"commit `{data['commit'][:12]}`, {data['date'][:10]}"]
-    return " · ".join(rows)
+    minutes = round(data.get("seconds", 0) / 60)
+    return " · ".join(rows) + (f"\n\nThe whole run took {minutes} minutes." if minutes else "")
 
 
 def measured_again(data):
