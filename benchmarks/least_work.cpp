@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "crumple/options.h"
-#include "cuda/layout.h"
+#include "engine/cuda/layout.h"
 
 namespace crumple::benchmark {
 namespace {

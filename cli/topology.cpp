@@ -5,9 +5,9 @@
 #include <numeric>
 #include <utility>
 
-#include "geometry/contact.h"
 #include "geometry/predicates.h"
 #include "io/weld.h"
+#include "questions/intersect/contact.h"
 
 namespace crumple::cli {
 namespace {

@@ -10,12 +10,12 @@
 #include <string>
 #include <utility>
 
+#include "base/cancellation.h"
+#include "base/float_environment.h"
 #include "crumple/error.h"
-#include "pipeline/backend.h"
-#include "pipeline/cancellation.h"
-#include "pipeline/float_environment.h"
-#include "pipeline/fuzzy_c_means.h"
-#include "pipeline/part.h"
+#include "engine/backend.h"
+#include "model/fuzzy_c_means.h"
+#include "model/part.h"
 
 namespace crumple {
 namespace {

@@ -5,10 +5,10 @@
 #include <fstream>
 #include <string>
 
+#include "base/float_environment.h"
 #include "io/atomic_file.h"
 #include "io/formats.h"
 #include "io/polygons.h"
-#include "pipeline/float_environment.h"
 
 namespace crumple::io {
 

@@ -4,9 +4,9 @@
 
 #include <tiny_gltf.h>
 
+#include "base/float_environment.h"
 #include "io/atomic_file.h"
 #include "io/glb.h"
-#include "pipeline/float_environment.h"
 
 namespace crumple::io {
 

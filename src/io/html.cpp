@@ -8,13 +8,13 @@
 #include <random>
 #include <sstream>
 
+#include "base/float_environment.h"
 #include "crumple/io.h"
 #include "io/formats.h"
 #include "io/grouped.h"
 #include "io/pairs.h"
 #include "io/polygons.h"
 #include "io/sink.h"
-#include "pipeline/float_environment.h"
 
 namespace crumple::io {
 namespace {

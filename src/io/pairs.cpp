@@ -2,10 +2,10 @@
 
 #include "io/pairs.h"
 
+#include "base/float_environment.h"
 #include "io/atomic_file.h"
 #include "io/formats.h"
 #include "io/sink.h"
-#include "pipeline/float_environment.h"
 
 namespace crumple::io {
 

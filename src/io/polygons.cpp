@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
+#include "base/float_environment.h"
 #include "io/formats.h"
-#include "pipeline/float_environment.h"
 
 namespace crumple::io {
 

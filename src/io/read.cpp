@@ -2,10 +2,10 @@
 
 #include <cctype>
 
+#include "base/float_environment.h"
 #include "io/formats.h"
 #include "io/text.h"
 #include "io/weld.h"
-#include "pipeline/float_environment.h"
 
 namespace crumple::io {
 

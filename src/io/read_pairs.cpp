@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
+#include "base/float_environment.h"
 #include "io/formats.h"
 #include "io/pairs.h"
 #include "io/text.h"
-#include "pipeline/float_environment.h"
 
 namespace crumple::io {
 

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <utility>
 
+#include "base/float_environment.h"
 #include "io/atomic_file.h"
 #include "io/formats.h"
-#include "pipeline/float_environment.h"
 
 namespace crumple::io {
 

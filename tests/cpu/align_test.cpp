@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-#include "cpu/align.h"
+#include "engine/cpu/align.h"
 #include "geometry/edge_moment.h"
 #include "tables.h"
 

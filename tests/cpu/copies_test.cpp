@@ -1,7 +1,7 @@
 // Triangles that name a vertex twice, many times over: they cost no search of their own, and answers are those of brute
 // force. Work is counted, not timed.
 
-#include "cpu/copies.h"
+#include "engine/cpu/copies.h"
 
 #include <gtest/gtest.h>
 

@@ -5,7 +5,7 @@
 #include <random>
 #include <set>
 
-#include "cpu/sort.h"
+#include "engine/cpu/sort.h"
 #include "tables.h"
 
 namespace crumple::cpu {

@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "cpu/kernels.h"
-#include "cpu/simd/simd.h"
+#include "engine/cpu/kernels.h"
+#include "engine/cpu/simd/simd.h"
 
 namespace crumple::test {
 

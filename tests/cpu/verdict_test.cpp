@@ -6,8 +6,8 @@
 #include <random>
 #include <set>
 
-#include "cpu/sort.h"
-#include "geometry/rational_intersection.h"
+#include "engine/cpu/sort.h"
+#include "questions/intersect/rational_intersection.h"
 #include "tables.h"
 
 namespace crumple::cpu {

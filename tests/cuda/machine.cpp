@@ -4,8 +4,8 @@
 #include <cstdlib>
 #include <string>
 
-#include "cuda/device.h"
 #include "cuda_on_cpu/machine/settings.h"
+#include "engine/cuda/device.h"
 
 namespace {
 

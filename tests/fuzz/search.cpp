@@ -15,8 +15,8 @@
 #include "fuzz/decode.h"
 #include "fuzz/fail.h"
 #include "fuzz/print.h"
-#include "geometry/contact.h"
-#include "geometry/rational_intersection.h"
+#include "questions/intersect/contact.h"
+#include "questions/intersect/rational_intersection.h"
 
 namespace crumple::fuzz {
 namespace {

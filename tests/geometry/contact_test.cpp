@@ -1,13 +1,13 @@
-#include "geometry/contact.h"
+#include "questions/intersect/contact.h"
 
 #include <gtest/gtest.h>
 
 #include <cstring>
 
+#include "base/float_environment.h"
 #include "geometry/callers_mode.h"
 #include "geometry/named_pairs.h"
-#include "geometry/rational_intersection.h"
-#include "pipeline/float_environment.h"
+#include "questions/intersect/rational_intersection.h"
 
 namespace crumple {
 namespace {

@@ -1,12 +1,12 @@
-#include "geometry/decide.h"
+#include "questions/intersect/decide.h"
 
 #include <gtest/gtest.h>
 
+#include "base/float_environment.h"
 #include "geometry/callers_mode.h"
-#include "geometry/decision.h"
 #include "geometry/named_pairs.h"
-#include "geometry/rational_intersection.h"
-#include "pipeline/float_environment.h"
+#include "questions/intersect/decision.h"
+#include "questions/intersect/rational_intersection.h"
 
 #if defined(__SSE2__)
 #include <xmmintrin.h>

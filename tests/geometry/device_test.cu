@@ -4,11 +4,11 @@
 
 #include "cuda_on_cpu/portable/portable.h"
 #include "geometry/ball.h"
-#include "geometry/contact_on_line.h"
-#include "geometry/decide.h"
-#include "geometry/decision.h"
-#include "geometry/filters.h"
 #include "geometry/random_pairs.h"
+#include "questions/intersect/contact_on_line.h"
+#include "questions/intersect/decide.h"
+#include "questions/intersect/decision.h"
+#include "questions/intersect/filters.h"
 
 namespace crumple {
 namespace {

@@ -1,6 +1,6 @@
 // The filters of `narrow` for one pair: what they are certain of is true, and they are certain of most.
 
-#include "geometry/filters.h"
+#include "questions/intersect/filters.h"
 
 #include <gtest/gtest.h>
 
@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "geometry/ball.h"
-#include "geometry/decide.h"
 #include "geometry/predicates.h"
 #include "geometry/random_pairs.h"
+#include "questions/intersect/decide.h"
 
 namespace crumple {
 namespace {

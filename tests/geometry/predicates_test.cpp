@@ -4,10 +4,10 @@
 
 #include <limits>
 
+#include "base/float_environment.h"
 #include "geometry/callers_mode.h"
 #include "geometry/exact.h"
 #include "geometry/random_pairs.h"
-#include "pipeline/float_environment.h"
 
 namespace crumple {
 namespace {

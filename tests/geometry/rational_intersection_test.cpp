@@ -1,4 +1,4 @@
-#include "geometry/rational_intersection.h"
+#include "questions/intersect/rational_intersection.h"
 
 #include <gtest/gtest.h>
 

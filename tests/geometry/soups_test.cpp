@@ -8,8 +8,8 @@
 
 #include "crumple/io.h"
 #include "geometry/random_pairs.h"
-#include "geometry/rational_intersection.h"
 #include "io/files.h"
+#include "questions/intersect/rational_intersection.h"
 
 namespace crumple {
 namespace {

@@ -1,12 +1,12 @@
 // The lower bound on the number of pairs: never above brute force, and exact where all triangles are the same.
 
-#include "pipeline/duplicates.h"
+#include "engine/duplicates.h"
 
 #include <gtest/gtest.h>
 
 #include <optional>
 
-#include "pipeline/part.h"
+#include "model/part.h"
 #include "soups.h"
 
 namespace crumple {

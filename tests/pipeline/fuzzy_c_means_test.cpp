@@ -1,4 +1,4 @@
-#include "pipeline/fuzzy_c_means.h"
+#include "model/fuzzy_c_means.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // Normalised coordinates are at most 1 and, for float32 input, float32 numbers without loss.
 
-#include "pipeline/normaliser.h"
+#include "geometry/normaliser.h"
 
 #include <gtest/gtest.h>
 

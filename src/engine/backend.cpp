@@ -1,0 +1,24 @@
+#include "engine/backend.h"
+
+#include "crumple/error.h"
+
+namespace crumple {
+namespace {
+
+[[noreturn]] void refuse() {
+    throw Error(ErrorCode::invalid_argument, "meshes in device memory need the cuda backend (Options::backend)",
+                Element::option);
+}
+
+}  // namespace
+
+void BackendBase::find(const MeshView&, const MeshView*, const Query&, const Part*, Collisions&) { refuse(); }
+std::int64_t BackendBase::bytes_needed(const MeshView&, const MeshView*, const Query&, const Part*) { refuse(); }
+bool BackendBase::any(const MeshView&, const MeshView*, const Query&) { refuse(); }
+std::vector<Part> BackendBase::partition(const MeshView&, const MeshView*, int) { refuse(); }
+void BackendBase::launch(const MeshView&, const MeshView*, const Query&) { refuse(); }
+const DeviceCollisions& BackendBase::wait() { refuse(); }
+void BackendBase::download(Collisions&) { refuse(); }
+std::int64_t BackendBase::bytes_needed_for_launched() { refuse(); }
+
+}  // namespace crumple

@@ -1,0 +1,55 @@
+#pragma once
+
+// The seam that a backend fills in. The detector checks the input, prepares the scene, and asks.
+
+#include <memory>
+#include <vector>
+
+#include "base/cancellation.h"
+#include "base/parallel_for.h"
+#include "crumple/array.h"
+#include "crumple/collisions.h"
+#include "crumple/detector.h"
+#include "crumple/options.h"
+#include "model/scene.h"
+
+namespace crumple {
+
+/// A backend with threads lends them by overriding parallel_for(). Its calls check the cancellation they are given.
+class BackendBase : public ParallelFor {
+   public:
+    /// Fills `result.pairs` (sorted, unique), offsets, hit flags, contacts if asked for, and the statistics' counts and
+    /// stage times. `part` null: the whole answer. Throws MemoryMeter::Exceeded if not even work in chunks fits the
+    /// limit, with what is needed at least.
+    virtual void find(const Scene& scene, const Query& query, const Part* part, Collisions& result) = 0;
+
+    /// Counts without storing pairs, and returns the memory limit with which find() will succeed. May use more than the
+    /// limit for records while it counts, never for the result.
+    virtual std::int64_t bytes_needed(const Scene& scene, const Query& query, const Part* part) = 0;
+
+    /// Whether there is any pair; stops at the first.
+    virtual bool any(const Scene& scene, const Query& query) = 0;
+
+    /// The same for meshes in device memory (b null: one), which the backend checks itself. Only cuda can.
+    virtual void find(const MeshView& a, const MeshView* b, const Query& query, const Part* part, Collisions& result);
+    virtual std::int64_t bytes_needed(const MeshView& a, const MeshView* b, const Query& query, const Part* part);
+    virtual bool any(const MeshView& a, const MeshView* b, const Query& query);
+    virtual std::vector<Part> partition(const MeshView& a, const MeshView* b, int count);
+    /// Detector::launch_self and those that belong to it.
+    virtual void launch(const MeshView& a, const MeshView* b, const Query& query);
+    virtual const DeviceCollisions& wait();
+    virtual void download(Collisions& result);
+    virtual std::int64_t bytes_needed_for_launched();
+
+    /// Drops what is kept between calls, memory and centres alike.
+    virtual void release() = 0;
+};
+
+std::unique_ptr<BackendBase> make_reference_backend(const Options& options, MemoryMeter& meter,
+                                                    Cancellation& cancellation);
+/// Whether this build has more of the cuda backend than what stands in for it.
+bool has_cuda_backend();
+std::unique_ptr<BackendBase> make_cuda_backend(const Options& options, MemoryMeter& meter, Cancellation& cancellation);
+std::unique_ptr<BackendBase> make_cpu_backend(const Options& options, MemoryMeter& meter, Cancellation& cancellation);
+
+}  // namespace crumple

@@ -1,0 +1,79 @@
+#include "engine/cpu/bounds.h"
+
+#include <algorithm>
+#include <atomic>
+
+#include "geometry/normaliser.h"
+
+namespace crumple::cpu {
+namespace {
+
+constexpr std::int64_t chunk = 2048;
+
+std::size_t chunks(std::int64_t n) { return static_cast<std::size_t>((n + chunk - 1) / chunk); }
+
+template <class T>
+void normalise(const Scene& scene, Workers& workers, Array<T>& points) {
+    const Normaliser normaliser(scene.low, scene.high);
+    const std::int64_t n = scene.vertex_count();
+    points.resize_discard(static_cast<std::size_t>(4 * n + padding));
+    workers.parallel_for(chunks(n), [&](std::size_t part, std::size_t) {
+        const std::int64_t begin = static_cast<std::int64_t>(part) * chunk, end = std::min(n, begin + chunk);
+        for (std::int64_t v = begin; v < end; ++v) {
+            const Vec3d p = normaliser(scene.position(v));
+            T* out = points.data() + 4 * v;
+            out[0] = static_cast<T>(p.x), out[1] = static_cast<T>(p.y), out[2] = static_cast<T>(p.z), out[3] = 0;
+        }
+    });
+}
+
+}  // namespace
+
+bool compute_bounds(const Scene& scene, const Kernels& kernels, Workers& workers, Points& points, Array<Ball>& balls) {
+    PointRows rows;
+    if (scene.float32) {
+        normalise(scene, workers, points.f);
+        rows.f = points.f.data();
+    } else {
+        normalise(scene, workers, points.d);
+        rows.d = points.d.data();
+    }
+    const std::int64_t n = scene.triangle_count();
+    balls.resize_discard(static_cast<std::size_t>(n + padding));
+    std::atomic<bool> repeats_corner{false};
+    workers.parallel_for(chunks(n), [&](std::size_t part, std::size_t) {
+        const std::int64_t begin = static_cast<std::int64_t>(part) * chunk, end = std::min(n, begin + chunk);
+        kernels.balls(rows, scene.corners, begin, end, balls.data());
+        if (kernels.repeats_corner(scene.corners, begin, end)) repeats_corner.store(true, std::memory_order_relaxed);
+    });
+    return repeats_corner;
+}
+
+void exclude_far(const Scene& scene, Workers& workers, const Array<Ball>& balls, Array<std::uint64_t>& masks) {
+    const Normaliser normaliser(scene.low, scene.high);
+    // Coordinates are at most 1, so rounding to float32 and the distance below err by less than the margin.
+    constexpr float margin = 2e-6f;
+    Vec3f low[2], high[2];
+    for (std::size_t side = 0; side < 2; ++side)
+        for (int axis = 0; axis < 3; ++axis) {
+            // A mesh without vertices has infinite bounds, the wrong way round; +-4 is as far from everything.
+            const auto bound = [&](Vec3d corner) {
+                return static_cast<float>(std::clamp(normaliser(corner)[axis], -4.0, 4.0));
+            };
+            low[side][axis] = bound(scene.side_low[side]) - margin;
+            high[side][axis] = bound(scene.side_high[side]) + margin;
+        }
+    const std::int64_t n = scene.triangle_count();
+    workers.parallel_for(chunks(n), [&](std::size_t part, std::size_t) {
+        const std::int64_t begin = static_cast<std::int64_t>(part) * chunk, end = std::min(n, begin + chunk);
+        for (std::int64_t t = begin; t < end; ++t) {
+            const Ball& ball = balls[static_cast<std::size_t>(t)];
+            const std::size_t other = scene.second(t) ? 0 : 1;
+            const Vec3f c{ball.x, ball.y, ball.z};
+            const Vec3f out = max(Vec3f{}, max(low[other] - c, c - high[other]));
+            if (dot(out, out) > ball.r * ball.r) masks[static_cast<std::size_t>(t)] = 0;
+        }
+    });
+}
+
+}  // namespace crumple::cpu

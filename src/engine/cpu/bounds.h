@@ -1,0 +1,23 @@
+#pragma once
+
+// Stage `bounds`: normalised vertices, and a ball around each triangle: its centroid and the largest distance from
+// there to a corner ([MZ] eq. 5, but one for each triangle).
+//
+// Centroid and radius are float32; the radius is widened so that the ball about the rounded centroid holds the
+// triangle.
+
+#include "engine/cpu/kernels.h"
+#include "engine/cpu/layout.h"
+#include "engine/cpu/parallel.h"
+#include "model/scene.h"
+
+namespace crumple::cpu {
+
+/// Returns whether a triangle names a vertex twice.
+bool compute_bounds(const Scene& scene, const Kernels& kernels, Workers& workers, Points& points, Array<Ball>& balls);
+
+/// Between two meshes: sets masks[t] to 0 for triangles whose ball does not reach the other mesh's box. They cannot
+/// collide.
+void exclude_far(const Scene& scene, Workers& workers, const Array<Ball>& balls, Array<std::uint64_t>& masks);
+
+}  // namespace crumple::cpu

@@ -1,0 +1,120 @@
+#include "engine/cpu/narrow.h"
+
+#include <algorithm>
+
+#include "base/float_environment.h"
+#include "engine/cpu/stopwatch.h"
+
+namespace crumple::cpu {
+namespace {
+
+constexpr std::int64_t chunk_columns = 1 << 14;
+
+// Makes room for more pairs. Those that gather grow by half even under a limit; if that is too much, they are counted
+// only from then on: perhaps there are so many that no way of storing them fits, and the call can end.
+void make_room(const NarrowContext& context, std::size_t more, Array<Pair>& pairs) {
+    PairBudget* const budget = context.budget;
+    if (budget && !budget->stores()) pairs.release();
+    const std::size_t wanted = pairs.size() + more;
+    if (wanted <= pairs.capacity()) return;
+    if (!budget || pairs.empty()) {
+        pairs.reserve(context.sink ? wanted : wanted + wanted / 2);
+        return;
+    }
+    try {
+        pairs.reserve(wanted + wanted / 2);
+    } catch (const MemoryMeter::Exceeded&) {
+        budget->stop_storing();
+        pairs.release();
+        pairs.reserve(more);
+    }
+}
+
+// Turns one chunk's verdicts into pairs.
+void decide(const NarrowContext& context, const SortedLeaf& leaf, const Ownership& ownership, NarrowScratch& scratch) {
+    const Candidates& candidates = scratch.candidates;
+    const auto ours = [&](std::int64_t row, std::int64_t column) {
+        const std::int32_t a = leaf.link[row].triangle, b = leaf.link[column].triangle;
+        if (!ownership.complete() && !ownership.owns(a, leaf.member[row], b, leaf.member[column])) return false;
+        return context.rule.trivial() || context.rule(context.scene.group(a), context.scene.group(b));
+    };
+    const bool check = !ownership.complete() || !context.rule.trivial();
+    Array<std::uint32_t>& hits = scratch.verdicts.hit;
+    const Array<std::uint32_t>& undecided = scratch.verdicts.undecided;
+    if (check) {
+        const auto foreign = [&](std::uint32_t packed) {
+            return !ours(candidates.rows + (packed & 0xffff), candidates.columns + (packed >> 16));
+        };
+        hits.resize(static_cast<std::size_t>(std::remove_if(hits.begin(), hits.end(), foreign) - hits.begin()));
+    }
+    make_room(context, hits.size() + undecided.size() + padding, scratch.pairs);
+    const std::size_t before = scratch.pairs.size();
+    Pair* next = scratch.pairs.data() + before;
+    context.kernels.name_pairs(hits.data(), hits.size(), leaf.link.data() + candidates.rows,
+                               leaf.link.data() + candidates.columns, next);
+    next += hits.size();
+    DecisionCounts counts;
+    for (const std::uint32_t packed : undecided) {
+        const std::int64_t row = candidates.rows + (packed & 0xffff), column = candidates.columns + (packed >> 16);
+        if (check && !ours(row, column)) continue;
+        const std::int32_t a = leaf.link[row].triangle, b = leaf.link[column].triangle;
+        if (collide(context.scene.triangle(a), context.scene.triangle(b), context.query.neighbours,
+                    context.query.intersections, counts))
+            *next++ = {std::min(a, b), std::max(a, b)};
+    }
+    scratch.pairs.resize(static_cast<std::size_t>(next - scratch.pairs.data()));
+    if (context.budget) context.budget->add(static_cast<std::int64_t>(scratch.pairs.size() - before));
+    if (context.found && scratch.pairs.size() > before) context.found->store(true, std::memory_order_relaxed);
+    scratch.statistics.exact_tests += counts.exact;
+    scratch.statistics.rational_tests += counts.rational;
+}
+
+}  // namespace
+
+void NarrowScratch::make_room(std::int64_t rows) {
+    const auto longest_row = static_cast<std::size_t>(std::min<std::int64_t>(rows, block_stride));
+    candidates.column.resize_discard(static_cast<std::size_t>(chunk_columns) + longest_row + 4 * padding);
+    candidates.row.resize_discard(candidates.column.size());
+}
+
+void sweep_and_narrow(const NarrowContext& context, const SortedLeaf& leaf, const Ownership& ownership, float reach,
+                      std::int64_t first, std::int64_t last, NarrowScratch& scratch) {
+    const NarrowPolicy policy{context.query.neighbours == Neighbours::skip,
+                              context.query.intersections == Intersections::proper};
+    Statistics& statistics = scratch.statistics;
+    Candidates& candidates = scratch.candidates;
+    scratch.make_room(leaf.rows);
+    for (std::int64_t block = 0; block < leaf.rows; block += block_stride) {
+        const std::int64_t block_end = std::min(block + block_stride, leaf.rows) - 1;  // without the dummy
+        const auto dummy = static_cast<std::uint16_t>(block_end - block);
+        // Within one mesh, rows lie before their columns.
+        const std::int64_t end = leaf.begin.empty() ? std::min(last, block_end) : last;
+        for (std::int64_t row = first; row < end;) {
+            if (context.stop()) return;
+            Stopwatch watch;
+            candidates.rows = row;
+            candidates.columns = block;
+            candidates.count = candidates.pairs = 0;
+            row = context.kernels.sweep(leaf, row, std::min(end, row + 65535), block_end, dummy, chunk_columns,
+                                        candidates);
+            statistics[Stage::sweep] += watch.lap();
+            if (candidates.pairs == 0) continue;
+            statistics.box_overlaps += candidates.pairs;
+            scratch.most_candidates = std::max(scratch.most_candidates, candidates.count);
+            {
+                const FlushToZero mode;
+                context.kernels.filter(leaf, candidates, context.points, policy, reach, scratch.verdicts);
+            }
+            statistics.edge_tests += scratch.verdicts.edge_tests;
+            statistics.double_tests += scratch.verdicts.double_tests;
+            decide(context, leaf, ownership, scratch);
+            if (context.sink) {
+                (*context.sink)(scratch.pairs);
+                scratch.pairs.clear();
+            }
+            statistics[Stage::narrow] += watch.lap();
+        }
+    }
+}
+
+}  // namespace crumple::cpu

@@ -1,0 +1,60 @@
+#pragma once
+
+// Stages `sweep` and `narrow` of one sorted leaf.
+//
+// Rows are swept in chunks: some 16,000 candidates are collected, then filtered, then decided, so that candidates never
+// leave the cache and memory stays bounded however many there are. The chunk's size is exact work, not a guess: it
+// comes from the prefix sums of `sort` ([MZ] sec. 3.1), which also cut large leaves into tiles of equal work.
+
+#include <atomic>
+#include <functional>
+
+#include "base/cancellation.h"
+#include "crumple/collisions.h"
+#include "engine/cpu/kernels.h"
+#include "engine/cpu/ownership.h"
+#include "engine/pair_budget.h"
+#include "model/rules.h"
+#include "questions/intersect/decide.h"
+
+namespace crumple::cpu {
+
+/// What narrow needs to know about the call.
+struct NarrowContext {
+    const Scene& scene;
+    const Query& query;
+    const GroupRule& rule;
+    const Kernels& kernels;
+    PointRows points;
+    Cancellation& cancellation;
+    std::atomic<bool>* found = nullptr;  ///< not null: set, and everybody stops, as soon as a worker has found a pair
+    /// Takes the pairs of each chunk instead of letting them gather in NarrowScratch::pairs; null: they gather.
+    const std::function<void(const Array<Pair>&)>* sink = nullptr;
+    PairBudget* budget = nullptr;  ///< told of pairs that gather; null: there is no limit
+
+    /// Asked before each chunk. Throws if the call was cancelled.
+    bool stop() const {
+        cancellation.check();
+        return found && found->load(std::memory_order_relaxed);
+    }
+};
+
+/// Scratch and findings of one worker.
+struct NarrowScratch {
+    explicit NarrowScratch(MemoryMeter* m) : candidates(m), verdicts(m), pairs(m) {}
+    Candidates candidates;
+    Verdicts verdicts;
+    Array<Pair> pairs;      ///< joint numbering, lower id first
+    Statistics statistics;  ///< counts and times of sweep and narrow
+
+    std::int64_t most_candidates = 0;  ///< of all chunks so far
+
+    /// Makes room for the candidates of a leaf with so many rows.
+    void make_room(std::int64_t rows);
+};
+
+/// Sweeps rows [first, last) of a leaf and appends the colliding pairs that the leaf owns.
+void sweep_and_narrow(const NarrowContext& context, const SortedLeaf& leaf, const Ownership& ownership, float reach,
+                      std::int64_t first, std::int64_t last, NarrowScratch& scratch);
+
+}  // namespace crumple::cpu

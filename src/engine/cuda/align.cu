@@ -1,0 +1,145 @@
+#include "engine/cuda/align.h"
+
+#include <algorithm>
+
+#include <cub/block/block_reduce.cuh>
+
+#include "geometry/edge_moment.h"
+
+namespace crumple::cuda {
+namespace {
+
+constexpr int threads = 256;  // and as many samples for the covariance
+
+struct FrameShared {
+    cub::BlockReduce<double, threads>::TempStorage sum;
+    cub::BlockReduce<float, threads>::TempStorage most;
+    double sums[6];
+    PrincipalAxes axes;
+    Frame frame;
+};
+
+// The sum, or the largest, of what the block's threads have, for all of them.
+__device__ double block_sum(FrameShared& shared, double value, double& slot) {
+    __syncthreads();
+    const double sum = cub::BlockReduce<double, threads>(shared.sum).Sum(value);
+    if (threadIdx.x == 0) slot = sum;
+    __syncthreads();
+    return slot;
+}
+struct Larger {
+    __device__ float operator()(float a, float b) const { return a < b ? b : a; }
+};
+__device__ float block_max(FrameShared& shared, float value) {
+    __syncthreads();
+    const float most = cub::BlockReduce<float, threads>(shared.most).Reduce(value, Larger());
+    if (threadIdx.x == 0) shared.sums[0] = most;
+    __syncthreads();
+    return static_cast<float>(shared.sums[0]);
+}
+
+// An upper bound of any coordinate of the ball's triangle, relative to the frame's origin.
+__device__ float reach_of(const Ball& ball, const Frame& frame) {
+    return (largest(abs(Vec3f{ball.x, ball.y, ball.z} - frame.origin)) + ball.r) * 1.00001f;
+}
+
+__device__ Member exact_member(const Scene& scene, const PointRows& points, std::int32_t triangle, const Frame& frame) {
+    const std::int32_t* corner = scene.corners + 3 * static_cast<std::size_t>(triangle);
+    const Vec3d p[3] = {points[corner[0]], points[corner[1]], points[corner[2]]};
+    return member_of(p, corner, frame);
+}
+
+// The frame of one leaf, by one block.
+__device__ void make_frame(FrameShared& shared, unsigned long long begin, unsigned long long members,
+                           const std::int32_t* triangle, const Scene& scene, const PointRows& points, const Ball* balls,
+                           Frame& result) {
+    const auto samples = static_cast<unsigned>(members < threads ? members : threads);
+    const bool has = threadIdx.x < samples;
+    const std::int32_t sample = has ? triangle[begin + threadIdx.x * members / samples] : 0;
+    const Ball ball = has ? balls[sample] : Ball{0, 0, 0, 0};
+    const double share = has ? 1.0 / samples : 0.0;
+
+    Vec3d mean;
+    mean.x = block_sum(shared, share * ball.x, shared.sums[0]);
+    mean.y = block_sum(shared, share * ball.y, shared.sums[0]);
+    mean.z = block_sum(shared, share * ball.z, shared.sums[0]);
+    const double radius = block_sum(shared, share * ball.r, shared.sums[0]);
+    const Vec3d d = has ? Vec3d{ball.x, ball.y, ball.z} - mean : Vec3d{};
+    SymmetricMatrix covariance;
+    covariance.xx = block_sum(shared, share * d.x * d.x, shared.sums[0]);
+    covariance.xy = block_sum(shared, share * d.x * d.y, shared.sums[1]);
+    covariance.xz = block_sum(shared, share * d.x * d.z, shared.sums[2]);
+    covariance.yy = block_sum(shared, share * d.y * d.y, shared.sums[3]);
+    covariance.yz = block_sum(shared, share * d.y * d.z, shared.sums[4]);
+    covariance.zz = block_sum(shared, share * d.z * d.z, shared.sums[5]);
+    const float spread = block_max(shared, static_cast<float>(largest(abs(d))));
+
+    PrincipalAxes& axes = shared.axes;
+    if (threadIdx.x == 0) axes = principal_axes(covariance);
+    __syncthreads();
+    EdgeMoment moment;
+    if (has) {
+        const std::int32_t* corner = scene.corners + 3 * static_cast<std::size_t>(sample);
+        moment.add_triangle(points[corner[0]], points[corner[1]], points[corner[2]], axes);
+    }
+    moment = {block_sum(shared, moment.re, shared.sums[0]), block_sum(shared, moment.im, shared.sums[1])};
+
+    Frame& frame = shared.frame;
+    if (threadIdx.x == 0) {
+        turn_to_edges(axes, moment);
+        frame.origin = to_float(mean);
+        for (int i = 0; i < 3; ++i) frame.axis[i] = to_float(axes.axis[i]);
+        frame.big = 2 * (spread + static_cast<float>(radius)) + 1e-30f;
+    }
+    __syncthreads();
+
+    // The reach of all members by their balls, unless these let one seem big that is not; and their range along the
+    // sweep direction, for the bins, which need not be exact.
+    float reach = 0, low = INFINITY, high = -INFINITY;
+    for (unsigned long long m = begin + threadIdx.x; m < begin + members; m += threads) {
+        const Ball b = balls[triangle[m]];
+        const float own = reach_of(b, frame);
+        if (own > frame.big) {
+            const Member member = exact_member(scene, points, triangle[m], frame);
+            if (member.big) {
+                reach = max(reach, member.reach);
+                continue;
+            }
+        }
+        reach = max(reach, own);
+        const float x = dot(frame.axis[0], Vec3f{b.x, b.y, b.z} - frame.origin);
+        low = min(low, x - b.r);
+        high = max(high, x + b.r);
+    }
+    reach = block_max(shared, reach);
+    high = block_max(shared, high);
+    low = -block_max(shared, -low);
+    if (threadIdx.x != 0) return;
+    frame.reach = reach;
+    frame.margin = 12 * unit_roundoff * reach + 1e-30f;
+    const bool any = high - low > 1e-30f;
+    frame.base = any ? low : 0;
+    frame.scale = any ? bins / (high - low) : 0;
+    result = frame;
+}
+
+__global__ void frame_kernel(int leaves, const unsigned long long* first, const std::int32_t* triangle, Scene scene,
+                             PointRows points, const Ball* balls, Frame* frames) {
+    auto& shared = dynamic_shared<FrameShared>();
+    for (int leaf = static_cast<int>(blockIdx.x); leaf < leaves; leaf += static_cast<int>(gridDim.x)) {
+        const unsigned long long begin = first[leaf], members = first[leaf + 1] - begin;
+        if (members > 0) make_frame(shared, begin, members, triangle, scene, points, balls, frames[leaf]);
+    }
+}
+
+}  // namespace
+
+void make_frames(const Geometry& geometry, cudaStream_t stream, int leaves, const unsigned long long* first,
+                 const std::int32_t* triangle, const Scene& scene, const Points& points, const Ball* balls,
+                 Frame* frames) {
+    const unsigned blocks = std::min(static_cast<unsigned>(leaves), geometry.resident * geometry.threads / threads);
+    Launch{stream, blocks, threads, sizeof(FrameShared)}(frame_kernel, leaves, first, triangle, scene, points.rows(),
+                                                         balls, frames);
+}
+
+}  // namespace crumple::cuda

@@ -1,0 +1,253 @@
+// The cuda backend: brings scenes in and answers out, and keeps the callers' streams and ours in order.
+//
+// launch() gives a whole pass to the caller's stream and returns; wait() looks at the counters.
+
+#include "engine/backend.h"
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "crumple/error.h"
+#include "engine/cuda/device.h"
+#include "engine/cuda/input.h"
+#include "engine/cuda/part.h"
+#include "engine/cuda/search.h"
+#include "engine/output.h"
+
+namespace crumple {
+namespace cuda {
+namespace {
+
+class CudaBackend final : public BackendBase {
+   public:
+    CudaBackend(const Options& options, MemoryMeter& meter, Cancellation& cancellation)
+        : meter_(meter),
+          device_(options.device),
+          geometry_(device_.geometry()),
+          input_(options.device, stream_.get(), meter),
+          search_(device_, geometry_, stream_.get(), options, meter, cancellation, input_) {
+        reserve_stacks();
+    }
+    ~CudaBackend() override {
+        if (state_ == State::launched) cudaEventSynchronize(done_.get());  // it writes to what is freed now
+    }
+
+    void find(const Scene& scene, const Query& query, const Part* part, Collisions& result) override {
+        on_device([&] {
+            bring(scene);
+            find(query, part, result);
+        });
+    }
+    void find(const MeshView& a, const MeshView* b, const Query& query, const Part* part, Collisions& result) override {
+        on_device([&] {
+            view(a, b, query);
+            find(query, part, result);
+        });
+    }
+
+    bool any(const Scene& scene, const Query& query) override {
+        return on_device([&] {
+            bring(scene);
+            return any(query);
+        });
+    }
+    bool any(const MeshView& a, const MeshView* b, const Query& query) override {
+        return on_device([&] {
+            view(a, b, query);
+            return any(query);
+        });
+    }
+
+    std::vector<Part> partition(const MeshView& a, const MeshView* b, int count) override {
+        return on_device([&] {
+            view(a, b, {});
+            return make_parts(geometry_, stream_.get(), input_, meter_, count);
+        });
+    }
+
+    std::int64_t bytes_needed(const Scene& scene, const Query& query, const Part* part) override {
+        return on_device([&] {
+            bring(scene);
+            return bytes_needed(query, part);
+        });
+    }
+    std::int64_t bytes_needed(const MeshView& a, const MeshView* b, const Query& query, const Part* part) override {
+        return on_device([&] {
+            view(a, b, query);
+            return bytes_needed(query, part);
+        });
+    }
+
+    void launch(const MeshView& a, const MeshView* b, const Query& query) override {
+        on_device([&] {
+            finish();
+            refuse_captured(a, b);
+            input_.view(a, b, query.weld);
+            search_.adopt(query, nullptr);
+            const auto stream = static_cast<cudaStream_t>(a.stream);
+            if (b && b->stream != a.stream) order(before_, static_cast<cudaStream_t>(b->stream), stream);
+            const bool fits = search_.launch(stream);
+            CRUMPLE_CUDA(cudaEventRecord(done_.get(), stream));
+            state_ = fits ? State::launched : State::postponed;
+        });
+    }
+
+    const DeviceCollisions& wait() override {
+        if (state_ != State::launched && state_ != State::postponed)
+            throw Error(ErrorCode::invalid_argument, "wait() needs a launch before it");
+        on_device([&] {
+            const bool launched = state_ == State::launched;
+            finish();
+            search_.forget_statistics();
+            if (!(launched && search_.accept_launched())) search_.find();
+            search_.make_contacts();
+            shown_ = search_.show();
+        });
+        state_ = State::answered;
+        return shown_;
+    }
+
+    void download(Collisions& result) override {
+        if (state_ != State::answered) throw Error(ErrorCode::invalid_argument, "download() needs a wait() before it");
+        on_device([&] {
+            search_.download(result);
+            result.statistics = shown_.statistics;
+        });
+    }
+
+    void release() override {
+        std::optional<Device::Current> current;
+        try {
+            current.emplace(device_);
+            finish();
+        } catch (const Error&) {
+            state_ = State::idle;  // a device that has failed has nothing left to wait for
+        }
+        input_.release();
+        search_.release();
+    }
+
+    std::int64_t bytes_needed_for_launched() override {
+        return on_device([&] {
+            search_.drop_lists();
+            return bytes_needed();
+        });
+    }
+
+   private:
+    void find(const Query& query, const Part* part, Collisions& result) {
+        search_.adopt(query, part);
+        search_.find();
+        search_.copy_to(result);
+        result.statistics = search_.statistics();
+    }
+
+    bool any(const Query& query) {
+        search_.adopt(query, nullptr);
+        search_.find();
+        return search_.pairs() > 0;
+    }
+
+    std::int64_t bytes_needed(const Query& query, const Part* part) {
+        search_.adopt(query, part);
+        return bytes_needed();
+    }
+
+    std::int64_t bytes_needed() {
+        meter_.peak = meter_.used.load();
+        const auto pairs = static_cast<std::int64_t>(search_.count_in_chunks());
+        const std::size_t room =
+            Answer::bytes(search_.scene(), static_cast<std::size_t>(pairs), search_.query().contacts);
+        return meter_.peak + static_cast<std::int64_t>(room) + result_bytes(search_.scene(), search_.query(), pairs);
+    }
+
+    // Launches without work the kernels that keep data on their stacks. The driver keeps a stack for every thread that
+    // the device can hold from the first launch on (docs/cuda.md): now, and not when lists have taken what memory there
+    // is.
+    void reserve_stacks() {
+        const Device::Current current(device_);
+        MemoryMeter unlimited;
+        Block block(unlimited);
+        Counters* counters = nullptr;
+        lay_out(block, [&](Cutter& c) { counters = c.take<Counters>(1); });
+        fill(stream_.get(), counters, 0, sizeof *counters);
+        reserve_exact_stack(geometry_, stream_.get(), counters);
+        reserve_contact_stack(geometry_, stream_.get());
+        CRUMPLE_CUDA(cudaStreamSynchronize(stream_.get()));
+    }
+
+    template <class Work>
+    std::invoke_result_t<Work> on_device(Work work) {
+        const Device::Current current(device_);
+        try {
+            return work();
+        } catch (const OutOfDeviceMemory& error) {
+            throw Error(ErrorCode::device, error.message());
+        }
+    }
+
+    void bring(const Scene& scene) {
+        finish();
+        input_.bring(scene);
+    }
+    // Work of ours begins after what the callers' streams were given.
+    void view(const MeshView& a, const MeshView* b, const Query& query) {
+        finish();
+        refuse_captured(a, b);
+        order(before_, static_cast<cudaStream_t>(a.stream), stream_.get());
+        if (b) order(before_, static_cast<cudaStream_t>(b->stream), stream_.get());
+        input_.view(a, b, query.weld);
+    }
+    // We wait for the streams, which a capture forbids, and would spoil it.
+    static void refuse_captured(const MeshView& a, const MeshView* b) {
+        for (const MeshView* mesh : {&a, b}) {
+            if (!mesh || !mesh->stream) continue;
+            cudaStreamCaptureStatus status = cudaStreamCaptureStatusNone;
+            CRUMPLE_CUDA(cudaStreamIsCapturing(static_cast<cudaStream_t>(mesh->stream), &status));
+            if (status != cudaStreamCaptureStatusNone)
+                throw Error(ErrorCode::invalid_argument, "a mesh's stream is being captured, and cannot be waited for");
+        }
+    }
+    // A launch that nobody waited for is over before its memory is used again; an answer that wait() gave is gone.
+    void finish() {
+        const State before = std::exchange(state_, State::idle);
+        if (before == State::launched || before == State::postponed) CRUMPLE_CUDA(cudaEventSynchronize(done_.get()));
+    }
+
+    enum class State : std::uint8_t {
+        idle,
+        launched,   ///< a pass is on a caller's stream
+        postponed,  ///< there was no room for it: wait() does the work, after the stream's
+        answered,   ///< by wait(), and still there
+    };
+
+    MemoryMeter& meter_;
+    Device device_;
+    Geometry geometry_;
+    Stream stream_ = make_stream(device_);
+    Event before_ = make_event(device_), done_ = make_event(device_);
+    Input input_;
+    Search search_;
+    State state_ = State::idle;
+    DeviceCollisions shown_;
+};
+
+}  // namespace
+}  // namespace cuda
+
+std::unique_ptr<BackendBase> make_cuda_backend(const Options& options, MemoryMeter& meter, Cancellation& cancellation) {
+    try {
+        return std::make_unique<cuda::CudaBackend>(options, meter, cancellation);
+    } catch (const cuda::OutOfDeviceMemory& error) {
+        throw Error(ErrorCode::backend_unavailable,
+                    "the cuda backend is not available: device " + std::to_string(options.device) +
+                        " has no memory left for it (" + error.message() + ")",
+                    Element::option);
+    }
+}
+
+}  // namespace crumple

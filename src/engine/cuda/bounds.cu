@@ -1,0 +1,166 @@
+#include "engine/cuda/bounds.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+
+#include "engine/cuda/memory.h"
+
+namespace crumple::cuda {
+namespace {
+
+template <class T>
+bool is_aligned(const VertexReader& reader) {
+    return (reinterpret_cast<std::uintptr_t>(reader.data) | static_cast<std::uintptr_t>(reader.row_stride) |
+            static_cast<std::uintptr_t>(reader.column_stride)) %
+               alignof(T) ==
+           0;
+}
+bool is_aligned(const Scene& scene) {
+    return std::ranges::all_of(scene.reader, [](const VertexReader& reader) {
+        return reader.float32 ? is_aligned<float>(reader) : is_aligned<double>(reader);
+    });
+}
+
+// A vertex where the caller left it. Scene::position() copies single bytes on a device, for it knows of no alignment.
+template <class T>
+__device__ Vec3d read(const VertexReader& reader, std::size_t v) {
+    const std::byte* row = reader.data + static_cast<std::int64_t>(v) * reader.row_stride;
+    const auto scalar = [&](int axis) {
+        return static_cast<double>(*reinterpret_cast<const T*>(row + axis * reader.column_stride));
+    };
+    return {scalar(0), scalar(1), scalar(2)};
+}
+template <bool aligned>
+__device__ Vec3d position(const Scene& scene, std::size_t v) {
+    if constexpr (!aligned) return scene.position(static_cast<std::int64_t>(v));
+    const auto first = static_cast<std::size_t>(scene.vertices[0]);
+    const VertexReader& reader = scene.reader[v < first ? 0 : 1];
+    if (v >= first) v -= first;
+    return reader.float32 ? read<float>(reader, v) : read<double>(reader, v);
+}
+
+/// A box of each warp of a block, axis by axis.
+struct BoxShared {
+    unsigned long long low[3][32], high[3][32];
+};
+
+template <bool aligned>
+__global__ void check_kernel(Scene scene, SceneBox* box, Counters* counters) {
+    auto& shared = dynamic_shared<BoxShared>();
+    constexpr double most = 1.7976931348623157e308;
+    Vec3d low{most, most, most}, high{-most, -most, -most};
+    const auto n = static_cast<std::size_t>(scene.vertex_count());
+    for (std::size_t v = grid_thread(); v < n; v += grid_stride()) {
+        const Vec3d p = position<aligned>(scene, v);
+        // Neither NaN nor an infinity is at most the largest number.
+        if (!(std::abs(p.x) <= most && std::abs(p.y) <= most && std::abs(p.z) <= most)) {
+            const auto first = static_cast<std::size_t>(scene.vertices[0]);
+            const int side = v >= first;
+            atomicMin(&counters->bad_vertex[side], static_cast<unsigned long long>(side ? v - first : v));
+            continue;
+        }
+        low = min(low, p);
+        high = max(high, p);
+    }
+    for (int axis = 0; axis < 3; ++axis) {
+        unsigned long long least = ordered(low[axis]), greatest = ordered(high[axis]);
+        for (int lanes = 16; lanes > 0; lanes /= 2) {
+            least = min(least, __shfl_xor_sync(whole_warp, least, lanes));
+            greatest = max(greatest, __shfl_xor_sync(whole_warp, greatest, lanes));
+        }
+        if (threadIdx.x % 32 != 0) continue;
+        shared.low[axis][threadIdx.x / 32] = least;
+        shared.high[axis][threadIdx.x / 32] = greatest;
+    }
+    __syncthreads();
+    if (threadIdx.x >= 3) return;
+    const unsigned axis = threadIdx.x;
+    unsigned long long least = shared.low[axis][0], greatest = shared.high[axis][0];
+    for (unsigned warp = 1; warp < blockDim.x / 32; ++warp) {
+        least = min(least, shared.low[axis][warp]);
+        greatest = max(greatest, shared.high[axis][warp]);
+    }
+    atomicMin(&box->low[axis], least);
+    atomicMax(&box->high[axis], greatest);
+}
+
+template <bool aligned, class T>
+__global__ void normalise_kernel(Scene scene, const SceneBox* box, Row<T>* rows) {
+    auto& normaliser = dynamic_shared<Normaliser>();
+    if (threadIdx.x == 0) normaliser = normaliser_of(*box);
+    __syncthreads();
+    const auto n = static_cast<std::size_t>(scene.vertex_count());
+    for (std::size_t v = grid_thread(); v < n; v += grid_stride()) {
+        const Vec3d p = normaliser(position<aligned>(scene, v));
+        rows[v] = {static_cast<T>(p.x), static_cast<T>(p.y), static_cast<T>(p.z), 0};
+    }
+}
+
+template <class T>
+__device__ Vec3f in_float(const Row<T>& row) {
+    return {static_cast<float>(row.x), static_cast<float>(row.y), static_cast<float>(row.z)};
+}
+
+template <class T>
+__global__ void balls_kernel(Scene scene, const Row<T>* rows, Ball* balls, Counters* counters) {
+    const auto n = static_cast<std::size_t>(scene.triangle_count());
+    for (std::size_t t = grid_thread(); t < n; t += grid_stride()) {
+        const std::int32_t* corner = scene.corners + 3 * t;
+        balls[t] = corners_exist(scene, t, counters)
+                       ? ball_of(in_float(rows[corner[0]]), in_float(rows[corner[1]]), in_float(rows[corner[2]]))
+                       : Ball{0, 0, 0, NAN};
+    }
+}
+
+__global__ void check_triangles_kernel(Scene scene, Counters* counters) {
+    const auto n = static_cast<std::size_t>(scene.triangle_count());
+    for (std::size_t t = grid_thread(); t < n; t += grid_stride()) corners_exist(scene, t, counters);
+}
+
+}  // namespace
+
+void clear(Clearing& clearing, Counters* counters) {
+    // Where the lowest wrong element is noted, nothing is all bits set.
+    constexpr std::size_t noted = sizeof counters->bad_vertex + sizeof counters->bad_triangle;
+    static_assert(offsetof(Counters, members) == noted);
+    clearing.add(counters, noted, ~0u);
+    clearing.add(counters->members, sizeof *counters - noted);
+}
+
+void clear(Clearing& clearing, SceneBox* box) {
+    clearing.add(box->low, sizeof box->low, ~0u);
+    clearing.add(box->high, sizeof box->high);
+}
+
+void check_vertices(const Geometry& geometry, cudaStream_t stream, const Scene& scene, SceneBox* box,
+                    Counters* counters) {
+    const auto n = static_cast<std::size_t>(scene.vertex_count());
+    Launch{stream, geometry.blocks(n), geometry.threads, sizeof(BoxShared)}(
+        is_aligned(scene) ? check_kernel<true> : check_kernel<false>, scene, box, counters);
+}
+
+void check_triangles(const Geometry& geometry, cudaStream_t stream, const Scene& scene, Counters* counters) {
+    const Launch over_triangles{stream, geometry.blocks(static_cast<std::size_t>(scene.triangle_count())),
+                                geometry.threads};
+    over_triangles(check_triangles_kernel, scene, counters);
+}
+
+void compute_bounds(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const SceneBox* box,
+                    const Points& points, Ball* balls, Counters* counters) {
+    const auto vertices = static_cast<std::size_t>(scene.vertex_count());
+    const auto triangles = static_cast<std::size_t>(scene.triangle_count());
+    const Launch over_vertices{stream, geometry.blocks(vertices), geometry.threads, sizeof(Normaliser)};
+    const Launch over_triangles{stream, geometry.blocks(triangles), geometry.threads};
+    if (points.f) {
+        over_vertices(is_aligned(scene) ? normalise_kernel<true, float> : normalise_kernel<false, float>, scene, box,
+                      points.f);
+        over_triangles(balls_kernel<float>, scene, points.f, balls, counters);
+    } else {
+        over_vertices(is_aligned(scene) ? normalise_kernel<true, double> : normalise_kernel<false, double>, scene, box,
+                      points.d);
+        over_triangles(balls_kernel<double>, scene, points.d, balls, counters);
+    }
+}
+
+}  // namespace crumple::cuda

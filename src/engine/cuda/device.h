@@ -1,0 +1,61 @@
+#pragma once
+
+// The device that a backend works on, and the handles that live there.
+
+#include "crumple/collisions.h"
+#include "engine/cuda/runtime.h"
+
+namespace crumple::cuda {
+
+class Device {
+   public:
+    /// Throws Error (backend_unavailable) if there is no such device, with the reason.
+    explicit Device(int index);
+
+    /// Threads of a block, and how many blocks keep the device busy.
+    Geometry geometry() const;
+
+    /// Makes the device this thread's current one while it lives, and has it leave other threads' captures alone.
+    class Current {
+       public:
+        explicit Current(const Device& device);
+        ~Current();
+        Current(const Current&) = delete;
+        Current& operator=(const Current&) = delete;
+
+       private:
+        CaptureMode relaxed_{cudaStreamCaptureModeRelaxed};
+        int before_ = 0;
+        bool switched_ = false;
+    };
+
+    int index() const { return index_; }
+
+   private:
+    int index_;
+};
+
+/// Threads of a block, for devices made from now on; for tests: 64 or 256.
+extern unsigned block_threads;
+
+Stream make_stream(const Device& device);
+/// Without times.
+Event make_event(const Device& device);
+
+/// Makes what `then` is given from now on wait for what `first` was given.
+void order(const Event& event, cudaStream_t first, cudaStream_t then);
+
+/// Times of the stages: an event at the start of each.
+class Stopwatch {
+   public:
+    explicit Stopwatch(const Device& device);
+    void begin(Stage stage, cudaStream_t stream);
+    void end(cudaStream_t stream);
+    /// After the stream was synchronised.
+    void read(Statistics& statistics) const;
+
+   private:
+    Event events_[stage_count + 1];
+};
+
+}  // namespace crumple::cuda

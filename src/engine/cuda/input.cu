@@ -1,0 +1,313 @@
+#include "engine/cuda/input.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <vector>
+
+#include "model/outline.h"
+
+namespace crumple::cuda {
+namespace {
+
+constexpr std::int32_t no_vertex = -1;
+constexpr unsigned empty_slot = ~0u;
+
+/// A mesh's indices, wherever the caller has them; a device copies single bytes where they are not aligned.
+template <class Index, bool aligned>
+struct IndexReader {
+    const std::byte* data;
+    std::int64_t row_stride, column_stride;
+
+    explicit IndexReader(const TriangleView& view)
+        : data(static_cast<const std::byte*>(view.data)),
+          row_stride(view.row_stride),
+          column_stride(view.column_stride) {}
+    __device__ Index operator()(std::size_t t, int corner) const {
+        const std::byte* place = data + static_cast<std::int64_t>(t) * row_stride + corner * column_stride;
+        if constexpr (aligned) return *reinterpret_cast<const Index*>(place);
+        Index value;
+        std::memcpy(&value, place, sizeof value);
+        return value;
+    }
+};
+
+// One mesh's corners in joint numbering; those that name no vertex become no_vertex, which `bounds` reports.
+template <class Index, bool aligned>
+__global__ void join_kernel(IndexReader<Index, aligned> read, std::size_t triangles, std::int64_t vertices,
+                            std::int64_t offset, std::int32_t* corners) {
+    for (std::size_t i = grid_thread(); i < 3 * triangles; i += grid_stride()) {
+        const auto index = static_cast<std::int64_t>(read(i / 3, static_cast<int>(i % 3)));
+        corners[i] = index >= 0 && index < vertices ? static_cast<std::int32_t>(index + offset) : no_vertex;
+    }
+}
+
+// Open addressing, linear probing, half full at most. A slot holds the lowest vertex at its position.
+__global__ void fill_table_kernel(Scene scene, PositionHash hash, unsigned* table, std::size_t slots) {
+    const auto n = static_cast<std::size_t>(scene.vertex_count());
+    for (std::size_t v = grid_thread(); v < n; v += grid_stride()) {
+        const auto vertex = static_cast<unsigned>(v);
+        const Vec3d p = scene.position(vertex);
+        if (!(p == p)) continue;  // NaN equals nothing, so each would look at all that came before
+        std::size_t slot = hash(p) & (slots - 1);
+        for (;; slot = (slot + 1) & (slots - 1)) {
+            const unsigned holder = atomicCAS(&table[slot], empty_slot, vertex);
+            if (holder == empty_slot) break;
+            if (scene.position(holder) == p) {
+                atomicMin(&table[slot], vertex);
+                break;
+            }
+        }
+    }
+}
+
+__global__ void weld_kernel(Scene scene, PositionHash hash, const unsigned* table, std::size_t slots,
+                            std::int32_t* corners) {
+    const auto n = 3 * static_cast<std::size_t>(scene.triangle_count());
+    for (std::size_t i = grid_thread(); i < n; i += grid_stride()) {
+        if (corners[i] == no_vertex) continue;
+        const Vec3d p = scene.position(corners[i]);
+        if (!(p == p)) continue;  // NaN equals nothing; reported elsewhere
+        std::size_t slot = hash(p) & (slots - 1);
+        while (!(scene.position(table[slot]) == p)) slot = (slot + 1) & (slots - 1);
+        corners[i] = static_cast<std::int32_t>(table[slot]);
+    }
+}
+
+__global__ void part_centres_kernel(const SceneBox* box, const Vec3d* centre, int count, PartCentres* centres) {
+    const auto k = static_cast<std::size_t>(threadIdx.x);
+    const bool exists = k < static_cast<std::size_t>(count);
+    if (k == 0) centres->count = static_cast<std::size_t>(count);
+    if (exists) centres->centre[k] = normaliser_of(*box)(centre[k]);
+    __syncthreads();
+    if (exists) centres->measure(k);
+}
+
+// Masks of the `n` members, or, where these are null, of triangles [0, n).
+__global__ void part_kernel(Scene scene, const SceneBox* box, const PartCentres* centres, const std::int32_t* members,
+                            std::size_t n, std::uint64_t* mask, Counters* counters) {
+    const Normaliser normalise = normaliser_of(*box);
+    for (std::size_t i = grid_thread(); i < n; i += grid_stride()) {
+        const auto t = members ? static_cast<std::size_t>(members[i]) : i;
+        mask[t] = corners_exist(scene, t, counters)
+                      ? crumple::part_mask(scene.triangle(static_cast<std::int64_t>(t)), normalise, *centres)
+                      : 0;
+    }
+}
+
+template <class T>
+void copy(cudaStream_t stream, T* to, const T* from, std::size_t n) {
+    if (n == 0) return;
+    CRUMPLE_CUDA(cudaMemcpyAsync(to, from, n * sizeof(T), cudaMemcpyHostToDevice, stream));
+    CRUMPLE_CUDA(cudaStreamSynchronize(stream));  // the host's arrays need not last
+}
+
+std::size_t bytes_of(const Scene& scene, std::size_t side) {
+    return 3 * static_cast<std::size_t>(scene.vertices[side]) * scene.reader[side].scalar_bytes();
+}
+
+// The vertices of one mesh, row by row without gaps.
+const std::byte* pack(const Scene& scene, std::size_t side, Array<std::byte>& packed) {
+    const VertexReader& reader = scene.reader[side];
+    if (reader.contiguous()) return reader.data;
+    const std::size_t size = reader.scalar_bytes();
+    std::byte* out = packed.resize_discard(bytes_of(scene, side));
+    for (std::int64_t v = 0; v < scene.vertices[side]; ++v)
+        for (int axis = 0; axis < 3; ++axis, out += size)
+            std::memcpy(out, reader.data + v * reader.row_stride + axis * reader.column_stride, size);
+    return packed.data();
+}
+
+bool is_int32_rows(const TriangleView& view) {
+    return view.type != IndexType::int64 && view.column_stride == 4 && view.row_stride == 12 &&
+           reinterpret_cast<std::uintptr_t>(view.data) % 4 == 0;
+}
+
+}  // namespace
+
+void Input::bring(const Scene& host) {
+    scene_ = host;
+    mesh_[0] = mesh_[1] = {};
+    weld_ = false;
+    std::byte* vertices[2] = {};
+    const auto triangles = static_cast<std::size_t>(host.triangle_count());
+    lay_out(block_, [&](Cutter& c) {
+        box_ = c.take<SceneBox>(1);
+        for (std::size_t side = 0; side < 2; ++side) vertices[side] = c.take<std::byte>(bytes_of(host, side));
+        corners_ = c.take<std::int32_t>(3 * triangles);
+        groups_ = c.take<std::int32_t>(host.groups ? triangles : 0);
+        part_mask_ = c.take<std::uint64_t>(triangles);
+    });
+    SceneBox box;
+    for (int axis = 0; axis < 3; ++axis)
+        box.low[axis] = ordered(host.low[axis]), box.high[axis] = ordered(host.high[axis]);
+    copy(stream_, box_, &box, 1);
+    for (std::size_t side = 0; side < 2; ++side) {
+        copy(stream_, vertices[side], pack(host, side, packed_), bytes_of(host, side));
+        const auto size = static_cast<std::int64_t>(host.reader[side].scalar_bytes());
+        scene_.reader[side] = {vertices[side], 3 * size, size, host.reader[side].float32};
+    }
+    copy(stream_, corners_, host.corners, 3 * triangles);
+    if (host.groups) copy(stream_, groups_, host.groups, triangles);
+    scene_.corners = corners_;
+    scene_.groups = host.groups ? groups_ : nullptr;
+}
+
+void Input::view(const MeshView& a, const MeshView* b, bool weld) {
+    scene_ = outline_scene(a, b, MemorySpace::cuda);
+    places_.check(a, b);
+    mesh_[0] = a;
+    mesh_[1] = b ? std::optional(*b) : std::nullopt;
+    weld_ = weld;
+    const auto vertices = static_cast<std::size_t>(scene_.vertex_count());
+    const auto triangles = static_cast<std::size_t>(scene_.triangle_count());
+    const bool as_is = !b && !weld && is_int32_rows(a.triangles);
+    const bool any_groups = !a.groups.empty() || (b && !b->groups.empty());
+    slots_ = weld ? std::bit_ceil(2 * vertices + 1) : 0;
+    lay_out(block_, [&](Cutter& c) {
+        box_ = c.take<SceneBox>(1);
+        corners_ = c.take<std::int32_t>(as_is ? 0 : 3 * triangles);
+        groups_ = c.take<std::int32_t>(b && any_groups ? triangles : 0);
+        table_ = c.take<unsigned>(slots_);
+        part_mask_ = c.take<std::uint64_t>(triangles);
+    });
+    scene_.corners = as_is ? static_cast<const std::int32_t*>(a.triangles.data) : corners_;
+    scene_.groups = !any_groups ? nullptr : b ? groups_ : a.groups.data();
+}
+
+void Input::want(const Query& query, const Part* part) {
+    rule_.prepare(query);
+    parted_ = part != nullptr;
+    part_ = part ? part->index : 0;
+    part_count_ = part ? static_cast<int>(part->centres.size()) : 0;
+    const std::size_t first = part ? part->triangles.size() : 0, second = part ? part->triangles_second.size() : 0;
+    member_count_ = first + second;
+    const std::size_t excluded = rule_.excluded().size();
+    const void* const before = rule_block_.data();
+    lay_out(rule_block_, [&](Cutter& c) {
+        excluded_ = c.take<std::uint64_t>(excluded);
+        part_centre_ = c.take<Vec3d>(static_cast<std::size_t>(part_count_));
+        part_centres_ = c.take<PartCentres>(part ? 1 : 0);
+        members_ = c.take<std::int32_t>(member_count_);
+    });
+    // Frames of a simulation have the same rule, and no time to wait for a copy.
+    const bool known = rule_block_.data() == before && std::ranges::equal(uploaded_, rule_.excluded());
+    if (!known) copy(stream_, excluded_, rule_.excluded().data(), excluded);
+    std::ranges::copy(rule_.excluded(), uploaded_.resize_discard(excluded));
+    if (part) {
+        std::vector<Vec3d> centres;
+        for (const auto& [x, y, z] : part->centres) centres.push_back({x, y, z});
+        copy(stream_, part_centre_, centres.data(), centres.size());
+        std::vector<std::int32_t> members = part->triangles;
+        for (const std::int32_t t : part->triangles_second)
+            members.push_back(static_cast<std::int32_t>(scene_.triangles[0]) + t);
+        copy(stream_, members_, members.data(), members.size());
+    }
+    rules_ = {.policy = {query.neighbours == Neighbours::skip, query.intersections == Intersections::proper},
+              .by_group = !rule_.trivial(),
+              .between = query.wanted == Wanted::between,
+              .within = query.wanted == Wanted::within,
+              .excluded = excluded_,
+              .excluded_count = static_cast<int>(excluded)};
+}
+
+void Input::clear(Clearing& clearing) const {
+    if (mesh_[0]) {
+        cuda::clear(clearing, box_);
+        for (std::size_t side = 0; scene_.between && scene_.groups && side < 2; ++side)
+            if (mesh_[side]->groups.empty())
+                clearing.add(groups_ + (side ? scene_.triangles[0] : 0),
+                             static_cast<std::size_t>(scene_.triangles[side]) * sizeof *groups_);
+        if (weld_) clearing.add(table_, slots_ * sizeof *table_, empty_slot);
+    }
+    if (parted_ && member_count_ > 0)
+        clearing.add(part_mask_, static_cast<std::size_t>(scene_.triangle_count()) * sizeof *part_mask_);
+}
+
+void Input::join(const Geometry& geometry, cudaStream_t stream, Counters* counters) {
+    check_vertices(geometry, stream, scene_, box_, counters);
+    if (scene_.corners == corners_) {
+        for (std::size_t side = 0; side < (scene_.between ? 2u : 1u); ++side) {
+            const auto n = static_cast<std::size_t>(scene_.triangles[side]);
+            with_index_type(mesh_[side]->triangles.type, [&](auto index) {
+                using Index = decltype(index);
+                const TriangleView& view = mesh_[side]->triangles;
+                const auto join = [&]<bool aligned>() {
+                    Launch{stream, geometry.blocks(3 * n), geometry.threads}(
+                        join_kernel<Index, aligned>, IndexReader<Index, aligned>(view), n, scene_.vertices[side],
+                        side ? scene_.vertices[0] : 0, corners_ + (side ? 3 * scene_.triangles[0] : 0));
+                };
+                const auto places = reinterpret_cast<std::uintptr_t>(view.data) |
+                                    static_cast<std::uintptr_t>(view.row_stride | view.column_stride);
+                places % alignof(Index) == 0 ? join.template operator()<true>() : join.template operator()<false>();
+            });
+        }
+    }
+    for (std::size_t side = 0; scene_.between && scene_.groups && side < 2; ++side)
+        if (const auto& groups = mesh_[side]->groups; !groups.empty())
+            CRUMPLE_CUDA(cudaMemcpyAsync(groups_ + (side ? scene_.triangles[0] : 0), groups.data(), groups.size_bytes(),
+                                         cudaMemcpyDeviceToDevice, stream));
+    if (!weld_) return;
+    const Launch over_vertices{stream, geometry.blocks(static_cast<std::size_t>(scene_.vertex_count())),
+                               geometry.threads};
+    const Launch over_corners{stream, geometry.blocks(3 * static_cast<std::size_t>(scene_.triangle_count())),
+                              geometry.threads};
+    over_vertices(fill_table_kernel, scene_, hash_, table_, slots_);
+    over_corners(weld_kernel, scene_, hash_, table_, slots_, corners_);
+}
+
+void Input::enqueue(const Geometry& geometry, cudaStream_t stream, Counters* counters) {
+    if (mesh_[0]) join(geometry, stream, counters);
+    if (!parted_) return;
+    const auto triangles = static_cast<std::size_t>(scene_.triangle_count());
+    const bool listed = member_count_ > 0;
+    const std::size_t n = listed ? member_count_ : triangles;
+    Launch{stream, 1, 64}(part_centres_kernel, box_, part_centre_, part_count_, part_centres_);
+    Launch{stream, geometry.blocks(n), geometry.threads}(part_kernel, scene_, box_, part_centres_,
+                                                         listed ? members_ : nullptr, n, part_mask_, counters);
+}
+
+void Input::throw_error(const Counters& counters) const {
+    for (std::size_t side = 0; side < 2; ++side) {
+        const std::string which = mesh_name(scene_, side);
+        const unsigned long long vertex = counters.bad_vertex[side], t = counters.bad_triangle[side];
+        if (vertex != ~0ull) fail_not_finite(which, static_cast<std::int64_t>(vertex));
+        if (t == ~0ull) continue;
+        const TriangleView& view = mesh_[side]->triangles;
+        with_index_type(view.type, [&](auto index) {
+            std::int64_t wrong = 0;
+            for (int corner = 2; corner >= 0; --corner) {
+                const auto* row =
+                    static_cast<const std::byte*>(view.data) + static_cast<std::int64_t>(t) * view.row_stride;
+                CRUMPLE_CUDA(cudaMemcpyAsync(&index, row + corner * view.column_stride, sizeof index,
+                                             cudaMemcpyDeviceToHost, stream_));
+                CRUMPLE_CUDA(cudaStreamSynchronize(stream_));
+                const auto value = static_cast<std::int64_t>(index);
+                if (value < 0 || value >= scene_.vertices[side]) wrong = value;
+            }
+            fail_index(which, static_cast<std::int64_t>(t), wrong, scene_.vertices[side]);
+        });
+    }
+}
+
+Input::Work Input::work() const {
+    Work work;
+    for (std::size_t side = 0; side < 2; ++side) {
+        if (!mesh_[side]) continue;
+        work.triangles[side] = mesh_[side]->triangles;
+        work.groups[side] = mesh_[side]->groups.data();
+    }
+    work.block = block_.data();
+    work.weld = weld_;
+    return work;
+}
+
+void Input::release() {
+    block_.release();
+    rule_block_.release();
+    rule_.release();
+    uploaded_.release();
+    packed_.release();
+}
+
+}  // namespace crumple::cuda

@@ -1,0 +1,91 @@
+#pragma once
+
+// What a call is given, brought into the device's memory: a scene that the host has checked and joined, or meshes that
+// lie on the device already, which are checked, joined and welded there.
+
+#include <optional>
+
+#include "crumple/detector.h"
+#include "engine/cuda/bounds.h"
+#include "engine/cuda/memory.h"
+#include "engine/cuda/places.h"
+#include "engine/cuda/sweep.h"
+#include "geometry/position_hash.h"
+#include "model/part_mask.h"
+#include "model/rules.h"
+#include "model/scene.h"
+
+namespace crumple::cuda {
+
+class Input {
+   public:
+    Input(int device, cudaStream_t stream, MemoryMeter& meter)
+        : places_(device),
+          stream_(stream),
+          block_(meter),
+          rule_block_(meter),
+          rule_(&meter),
+          uploaded_(&meter),
+          packed_(&meter) {}
+
+    /// A scene in host memory; done when it returns.
+    void bring(const Scene& host);
+    /// One mesh or two in device memory. Throws Error (invalid_argument) for shapes that make no sense and for arrays
+    /// that lie elsewhere; contents are checked by the work that enqueue() gives to the stream.
+    void view(const MeshView& a, const MeshView* b, bool weld);
+    void want(const Query& query, const Part* part);
+
+    /// What is to be cleared before enqueue()'s work.
+    void clear(Clearing& clearing) const;
+    /// Work that each pass begins with: meshes of the device are joined, welded and measured, parts chosen. Bad
+    /// elements are noted by the counters.
+    void enqueue(const Geometry& geometry, cudaStream_t stream, Counters* counters);
+
+    /// Throws the Error that the counters tell of, if any.
+    void throw_error(const Counters& counters) const;
+
+    void release();
+
+    /// What enqueue()'s work depends on beside the scene: while it is equal, so is the work.
+    struct Work {
+        TriangleView triangles[2];
+        const void *groups[2] = {}, *block = nullptr;
+        bool weld = false;
+        friend bool operator==(const Work&, const Work&) = default;
+    };
+    Work work() const;
+
+    const Scene& scene() const { return scene_; }
+    const SceneBox* box() const { return box_; }
+    const std::uint64_t* part_mask() const { return parted_ ? part_mask_ : nullptr; }
+    int part() const { return part_; }
+    const Rules& rules() const { return rules_; }
+
+   private:
+    void join(const Geometry& geometry, cudaStream_t stream, Counters* counters);
+
+    Places places_;
+    cudaStream_t stream_;
+    Block block_, rule_block_;
+    GroupRule rule_;
+    Array<std::uint64_t> uploaded_;  ///< the excluded pairs of groups that lie at the front of rule_block_
+    Array<std::byte> packed_;
+    Scene scene_;
+    std::optional<MeshView> mesh_[2];  ///< on the device; none: the host has checked and joined
+    bool weld_ = false;
+    PositionHash hash_;
+    SceneBox* box_ = nullptr;
+    std::int32_t *corners_ = nullptr, *groups_ = nullptr;
+    unsigned* table_ = nullptr;  ///< of welding
+    std::size_t slots_ = 0;
+    bool parted_ = false;
+    int part_ = 0, part_count_ = 0;
+    std::size_t member_count_ = 0;
+    std::uint64_t *part_mask_ = nullptr, *excluded_ = nullptr;
+    Vec3d* part_centre_ = nullptr;
+    PartCentres* part_centres_ = nullptr;  ///< the same, normalised
+    std::int32_t* members_ = nullptr;      ///< that the part lists; null: all triangles
+    Rules rules_;
+};
+
+}  // namespace crumple::cuda

@@ -1,0 +1,41 @@
+#pragma once
+
+// Stage `narrow`: which of the pairs that no plane separates do collide. Filters in float32 first, then the exact
+// decision; what expansions cannot hold is left for the host.
+
+#include "engine/cuda/layout.h"
+#include "engine/cuda/runtime.h"
+#include "engine/cuda/sweep.h"
+#include "model/scene.h"
+
+namespace crumple::cuda {
+
+/// Where colliding pairs go. Counting: only their number by first triangle. Filling: to the places that prefix sums of
+/// these numbers gave, `second` of them. Otherwise: to a list, with their rank.
+struct Hits {
+    enum class Mode { list, count, fill };
+    Mode mode;
+    List<Hit> list;
+    unsigned long long* by_first;  ///< n: number of pairs of each first triangle; filling: where its next one goes
+    std::int32_t* second;
+};
+
+/// `doubles` counts the pairs that float32 leaves undecided.
+void narrow(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Sorted& sorted,
+            const Points& points, const Frame* frames, const Rules& rules, const List<Candidate>& survivors,
+            const List<Candidate>& undecided, const List<Pair>& beyond, const Hits& hits, unsigned long long* doubles);
+
+/// Launches the exact decision on no pairs, so that the driver gives it its stacks. All counters are 0.
+void reserve_exact_stack(const Geometry& geometry, cudaStream_t stream, Counters* counters);
+
+/// Writes pairs that the host has decided behind the list's first `begin` hits.
+void append_hits(const Geometry& geometry, cudaStream_t stream, const Pair* pairs, std::size_t count,
+                 unsigned long long begin, const List<Hit>& hits);
+/// Counts the list's hits by first triangle anew.
+void rank_hits(const Geometry& geometry, cudaStream_t stream, const List<Hit>& hits, unsigned long long* by_first);
+
+/// Adds pairs (in joint numbering, lower id first) that the host has decided.
+void add_hits(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Pair* pairs, std::size_t count,
+              const Hits& hits);
+
+}  // namespace crumple::cuda

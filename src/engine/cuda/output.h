@@ -1,0 +1,47 @@
+#pragma once
+
+// Stage `output`: pairs in lexicographic order, offsets by first triangle, hit flags. Pairs are bucketed by their first
+// triangle, which needs the offsets only; the few of one bucket are then put in order. See docs/output.md.
+
+#include "engine/cuda/layout.h"
+#include "engine/cuda/narrow.h"
+#include "engine/cuda/runtime.h"
+#include "model/scene.h"
+
+namespace crumple::cuda {
+
+struct Output {
+    unsigned long long* offsets;  ///< n + 1; before: pairs of each first triangle
+    unsigned long long* next;     ///< the same, for whoever writes pairs to their buckets
+    std::int32_t* second;         ///< by pair, in no order within a bucket
+    Pair* pairs;
+    std::uint8_t *hit, *hit_second;  ///< room for a multiple of four bytes
+    std::int32_t* long_rows;         ///< first triangles with more pairs than one thread each can put in order
+    unsigned long long capacity;     ///< of pairs
+    unsigned long long long_capacity;
+    void* scan;
+    std::size_t scan_bytes;
+
+    /// Pairs of the answer; none if there are more than fit, since not all of them were kept.
+    CRUMPLE_HD unsigned long long total(std::size_t n) const { return offsets[n] <= capacity ? offsets[n] : 0; }
+};
+
+std::size_t output_scratch_bytes(std::int64_t first_triangles);
+std::size_t long_row_capacity(std::size_t pairs);
+
+/// Bytes for so many flags: they are set by atomics on words.
+std::size_t whole_words(std::size_t flags);
+
+/// Turns numbers by first triangle into offsets.
+void make_offsets(cudaStream_t stream, const Scene& scene, const Output& output);
+/// Writes the list's hits to their buckets.
+void fill_buckets(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const List<Hit>& hits,
+                  const Output& output);
+/// What order_buckets() finds cleared, beside the counter of long rows.
+void clear_flags(Clearing& clearing, const Scene& scene, const Output& output);
+/// Puts each bucket in order and sets the flags. `told`, unless it is null, is given a copy of the counters: memory of
+/// the host that the device can write.
+void order_buckets(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Output& output,
+                   Counters* counters, Counters* told);
+
+}  // namespace crumple::cuda

@@ -1,0 +1,98 @@
+#pragma once
+
+// What the host chooses before a pass over the stages: clusters of each level, and room for each list. Only the device
+// learns how long the lists get; its counters tell afterwards whether the plan was good.
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "crumple/options.h"
+#include "engine/cuda/layout.h"
+
+namespace crumple::cuda {
+
+struct Plan {
+    int fan_out[2] = {0, 0};  ///< children of each cluster of a level; 0: there is no such level
+    bool cold = true;         ///< there are no centres yet to start from
+    unsigned long long members[2] = {0, 0};
+    unsigned long long survivors = 0, undecided = 0, beyond = 0, hits = 0;
+
+    friend bool operator==(const Plan&, const Plan&) = default;
+
+    int levels() const { return fan_out[1] > 0 ? 2 : 1; }
+    int leaves() const { return fan_out[0] * std::max(1, fan_out[1]); }
+    unsigned long long last_members() const { return members[levels() - 1]; }
+
+    /// Clusters and room for a scene of n triangles, of one mesh or between two, that is unlike the last one.
+    void choose(std::int64_t n, bool between, const Options& options) {
+        *this = {};
+        const std::int64_t leaves = std::max<std::int64_t>(1, (n + options.leaf_size - 1) / options.leaf_size);
+        const std::int64_t most = between ? max_fan_out_between : max_fan_out;
+        fan_out[0] = static_cast<int>(options.clusters > 0 ? std::min<std::int64_t>(options.clusters, most)
+                                                           : std::min(leaves, most));
+        if (leaves > fan_out[0]) fan_out[1] = static_cast<int>(std::min((leaves + fan_out[0] - 1) / fan_out[0], most));
+        const auto count = static_cast<unsigned long long>(n);
+        members[0] = members[1] = count + count / 2 + 1024;
+        survivors = 4 * count + 1024;
+        undecided = count / 2 + 1024;
+        beyond = 1024;
+        hits = count + 1024;
+    }
+
+    /// Lists of a few candidates: work is then done in slices.
+    void choose_chunks(std::int64_t n, bool between, const Options& options) {
+        constexpr unsigned long long candidates = 32ull * unit_columns;  // what one unit has at most
+        choose(n, between, options);
+        members[0] = members[1] = 1024;
+        survivors = undecided = beyond = candidates;
+        hits = 0;
+    }
+
+    /// False if a list of members was too short, or too many triangles joined too many clusters; the plan is then
+    /// another one. Splitting k ways pays while each triangle joins fewer than about k^(1/3) clusters
+    /// (docs/subdivide.md).
+    bool accepts_members(const Counters& c, std::int64_t n, const Options& options) {
+        const auto pays = [](unsigned long long joined, unsigned long long items, int k) {
+            return static_cast<double>(joined) <= 1.1 * std::cbrt(k) * static_cast<double>(items) + 64;
+        };
+        if (options.clusters == 0 && fan_out[0] > 1 &&
+            !pays(c.members[0], static_cast<unsigned long long>(n), fan_out[0])) {
+            fan_out[0] /= 2;
+            cold = true;
+            return false;
+        }
+        if (!grow(members[0], c.members[0])) return false;
+        if (levels() == 1) return true;
+        if (fan_out[1] > 1 && !pays(c.members[1], c.members[0], fan_out[1])) {
+            fan_out[1] = fan_out[1] > 3 ? fan_out[1] / 2 : 0;
+            cold = true;
+            return false;
+        }
+        return grow(members[1], c.members[1]);
+    }
+
+    bool accepts(const Counters& c, std::int64_t n, const Options& options) {
+        if (!accepts_members(c, n, options)) return false;
+        bool fits = grow(survivors, c.survivors);
+        fits = grow(undecided, c.undecided) && fits;
+        fits = grow(beyond, c.beyond) && fits;
+        return grow(hits, c.hits) && fits;
+    }
+
+    bool accepts_hits(unsigned long long wanted) { return grow(hits, wanted); }
+
+    /// The same for one cluster of many: how many join it says nothing about the clusters.
+    bool accepts_chunk(const Counters& c) {
+        return grow(members[0], c.members[0]) && (levels() == 1 || grow(members[1], c.members[1]));
+    }
+
+   private:
+    static bool grow(unsigned long long& capacity, unsigned long long wanted) {
+        if (wanted <= capacity) return true;
+        capacity = wanted + wanted / 4;
+        return false;
+    }
+};
+
+}  // namespace crumple::cuda

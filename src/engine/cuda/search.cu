@@ -1,0 +1,257 @@
+#include "engine/cuda/search.h"
+
+#include <vector>
+
+#include "engine/cuda/gather.h"
+#include "questions/intersect/decide.h"
+
+namespace crumple::cuda {
+
+Search::Search(const Device& device, const Geometry& geometry, cudaStream_t stream, const Options& options,
+               MemoryMeter& meter, Cancellation& cancellation, Input& input)
+    : options_(options),
+      meter_(meter),
+      cancellation_(cancellation),
+      geometry_(geometry),
+      stream_(stream),
+      input_(input),
+      watch_(device),
+      counters_(device),
+      graphs_(device, stream),
+      state_(meter),
+      work_(meter),
+      answer_(geometry, stream, meter),
+      pass_(geometry, stream, options) {}
+
+void Search::adopt(const Query& query, const Part* part) {
+    query_ = query;
+    input_.want(query, part);
+    pass_.scene = input_.scene();
+    pass_.box = input_.box();
+    pass_.part_mask = input_.part_mask();
+    pass_.part = input_.part();
+    pass_.rules = input_.rules();
+    lay_out(state_, [&](Cutter& c) { pass_.centres.cut(c); });
+    statistics_ = {};
+}
+
+void Search::drop_lists() {
+    laid_out_.reset();
+    answer_.release();
+    work_.release();
+}
+
+void Search::release() {
+    drop_lists();
+    state_.release();
+    graphs_.clear();
+    planned_for_ = {};
+    too_many_ = std::numeric_limits<std::int64_t>::max();
+}
+
+void Search::plan() {
+    const SceneKind kind{pass_.scene.triangle_count(), pass_.scene.between};
+    if (planned_for_ != kind) pass_.plan.choose(kind.triangles, kind.between, options_);
+    planned_for_ = kind;
+}
+
+void Search::lay_out_lists() {
+    const Layout wanted{pass_.scene.vertices, pass_.scene.triangles, pass_.scene.float32, pass_.plan};
+    if (laid_out_ == wanted) return;
+    laid_out_.reset();
+    lay_out(work_, [&](Cutter& c) { pass_.cut(c); });
+    answer_.make_room(pass_.scene, pass_.plan.hits);
+    laid_out_ = wanted;
+}
+
+// Whether there was memory for the work.
+template <class Work>
+bool Search::fits(Work work) {
+    try {
+        work();
+        return true;
+    } catch (const MemoryMeter::Exceeded&) {
+    } catch (const OutOfDeviceMemory&) {
+    }
+    return false;
+}
+
+// The same for a pass over the whole scene, which is not tried again for scenes of that size.
+template <class Work>
+bool Search::fits_at_once(Work work) {
+    if (pass_.scene.triangle_count() >= too_many_) return false;
+    if (fits(work)) return true;
+    too_many_ = pass_.scene.triangle_count();
+    return false;
+}
+
+// What is made of the answer. If there is no room for it, the lists go; if there is none then, the answer is found
+// again in chunks, for one that was found at once has room to spare. `undo` releases what was made.
+template <class Make, class Undo>
+void Search::with_room_for(Make make, Undo undo) {
+    if (fits(make)) return;
+    const auto clear = [&] {
+        undo();
+        answer_.release_contacts();
+        laid_out_.reset();
+        work_.release();
+    };
+    clear();
+    if (fits(make)) return;
+    if (pass_.scene.triangle_count() < too_many_) {
+        too_many_ = pass_.scene.triangle_count();
+        clear();
+        find();
+    }
+    clear();
+    make();
+}
+
+void Search::find() {
+    statistics_ = {};
+    if (!fits_at_once([&] { find_at_once(); })) find_in_chunks();
+}
+
+void Search::find_at_once() {
+    plan();
+    do {
+        cancellation_.check();
+        lay_out_lists();
+        enqueue(&watch_);
+        CRUMPLE_CUDA(cudaStreamSynchronize(stream_));
+    } while (!accept(*counters_));
+    watch_.read(statistics_);
+}
+
+bool Search::launch(cudaStream_t stream) {
+    return fits_at_once([&] {
+        plan();
+        lay_out_lists();
+        graphs_.run({pass_.scene, pass_.rules, pass_.plan, input_.work(), work_.data(), answer_.place(), state_.data()},
+                    stream, [&] { enqueue(nullptr); });
+    });
+}
+
+bool Search::accept_launched() {
+    bool complete = false;
+    return fits_at_once([&] { complete = accept(*counters_); }) && complete;
+}
+
+// The whole of [MZ] Algorithm 1, given to the stream.
+void Search::enqueue(Stopwatch* watch) {
+    const auto begin = [&](Stage stage) {
+        if (watch) watch->begin(stage, stream_);
+    };
+    Clearing clearing;
+    answer_.clear(clearing, pass_.scene);
+    pass_.clear(clearing);
+    input_.clear(clearing);
+    clearing.launch(geometry_, stream_);
+    begin(Stage::bounds);
+    input_.enqueue(geometry_, stream_, pass_.counters);
+    pass_.bounds();
+    begin(Stage::subdivide);
+    pass_.subdivide_scene();
+    pass_.subdivide_clusters(~std::uint64_t{0});
+    begin(Stage::align);
+    pass_.align();
+    begin(Stage::sort);
+    pass_.sort();
+    begin(Stage::sweep);
+    pass_.sweep({});
+    begin(Stage::narrow);
+    pass_.narrow({Hits::Mode::list, pass_.hits(), answer_.output.offsets, nullptr});
+    begin(Stage::output);
+    answer_.write(pass_.scene, pass_.hits(), pass_.counters, counters_.get());
+    if (watch) watch->end(stream_);
+}
+
+// Whether the pass that these counters tell of was complete. If not, the plan is another one.
+bool Search::accept(const Counters& counters) {
+    input_.throw_error(counters);
+    const std::int64_t n = pass_.scene.triangle_count();
+    if (!pass_.plan.accepts(counters, n, options_)) return false;
+    answer_.total = counters.hits;
+    if (counters.beyond > 0) {
+        const std::size_t found = decide_beyond(static_cast<std::size_t>(counters.beyond));
+        answer_.total += found;
+        if (!pass_.plan.accepts_hits(answer_.total)) return false;
+        if (found > 0) {
+            append_hits(geometry_, stream_, pass_.beyond(), found, counters.hits, pass_.hits());
+            Clearing clearing;
+            answer_.clear(clearing, pass_.scene);
+            clearing.add(&pass_.counters->long_rows, sizeof pass_.counters->long_rows);
+            clearing.launch(geometry_, stream_);
+            rank_hits(geometry_, stream_, pass_.hits(), answer_.output.offsets);
+            answer_.write(pass_.scene, pass_.hits(), pass_.counters, nullptr);
+            CRUMPLE_CUDA(cudaStreamSynchronize(stream_));
+        }
+    }
+    count(counters);
+    pass_.plan.cold = false;
+    return true;
+}
+
+// Pairs that even expansions could not hold, in rational arithmetic. Leaves those that collide at the front of the
+// list, and returns how many.
+std::size_t Search::decide_beyond(std::size_t n) {
+    std::vector<Pair> pairs(n), hits;
+    copy(pairs.data(), pass_.beyond(), n, cudaMemcpyDeviceToHost);
+    Gathered gathered(geometry_, stream_, pass_.scene, meter_);
+    gathered.each(pass_.beyond(), n, 0, [&](std::size_t i, const Triangle& a, const Triangle& b) {
+        cancellation_.check();
+        DecisionCounts counts;
+        if (collide(a, b, query_.neighbours, query_.intersections, counts)) hits.push_back(pairs[i]);
+    });
+    copy(pass_.beyond(), hits.data(), hits.size(), cudaMemcpyHostToDevice);
+    return hits.size();
+}
+
+Counters Search::read_counters() {
+    copy(counters_.get(), pass_.counters, 1, cudaMemcpyDeviceToHost);
+    return *counters_;
+}
+
+void Search::count(const Counters& c) {
+    Statistics& s = statistics_;
+    s.backend = "cuda";
+    s.clusters = pass_.plan.fan_out[0];
+    s.leaves = pass_.plan.leaves();
+    s.members += static_cast<std::int64_t>(c.members[pass_.plan.levels() - 1]);
+    s.interval_tests += static_cast<std::int64_t>(c.interval_tests);
+    s.box_overlaps += static_cast<std::int64_t>(c.box_overlaps);
+    s.edge_tests += static_cast<std::int64_t>(c.survivors);
+    s.double_tests += static_cast<std::int64_t>(c.doubles);
+    s.exact_tests += static_cast<std::int64_t>(c.undecided);
+    s.rational_tests += static_cast<std::int64_t>(c.beyond);
+}
+
+void Search::make_contacts() {
+    with_room_for(
+        [&] {
+            if (query_.contacts) statistics_.rational_contacts = answer_.make_contacts(pass_.scene, cancellation_);
+        },
+        [] {});
+}
+
+void Search::copy_to(Collisions& result) {
+    with_room_for(
+        [&] {
+            if (query_.contacts) statistics_.rational_contacts = answer_.make_contacts(pass_.scene, cancellation_);
+            answer_.copy_to(pass_.scene, query_.contacts, result);
+        },
+        [&] {
+            result.pairs.release();
+            result.contacts.points.release();
+        });
+}
+
+DeviceCollisions Search::show() const {
+    DeviceCollisions shown = answer_.show(pass_.scene, query_.contacts);
+    shown.statistics = statistics_;
+    shown.statistics.triangles = pass_.scene.triangle_count();
+    shown.statistics.pairs = static_cast<std::int64_t>(answer_.total);
+    return shown;
+}
+
+}  // namespace crumple::cuda

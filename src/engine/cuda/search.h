@@ -1,0 +1,124 @@
+#pragma once
+
+// One scene searched: planned, passed over, and passed over again where a list was too short.
+//
+// A plan gives each list a capacity. After a pass the host reads the counters; if a list was too short, it grows and
+// the pass is run again (layout.h). Where that does not fit the memory limit or the device, clusters are done one after
+// another, in slices, and each twice: pairs are counted, then written to their places ([MZ] sec. 3.1; chunks.cu).
+
+#include <limits>
+#include <optional>
+
+#include "engine/cuda/answer.h"
+#include "engine/cuda/graph_cache.h"
+#include "engine/cuda/input.h"
+#include "engine/cuda/pass.h"
+
+namespace crumple::cuda {
+
+class Search {
+   public:
+    Search(const Device& device, const Geometry& geometry, cudaStream_t stream, const Options& options,
+           MemoryMeter& meter, Cancellation& cancellation, Input& input);
+
+    /// What is asked of the input, whichever way it came.
+    void adopt(const Query& query, const Part* part);
+
+    /// Leaves the answer on the device.
+    void find();
+    /// Gives a whole pass to `stream`; false if there is no room for it, so that find() has to do the work.
+    bool launch(cudaStream_t stream);
+    /// After it is done: whether that pass has left the whole answer.
+    bool accept_launched();
+
+    /// Counts pairs without storing them, in as little memory as may be.
+    unsigned long long count_in_chunks();
+
+    /// The contacts, if they are wanted; on the device, or with all of the answer copied to the host.
+    void make_contacts();
+    void copy_to(Collisions& result);
+    /// What make_contacts() and find() have left.
+    DeviceCollisions show() const;
+    void download(Collisions& result) { answer_.copy_to(scene(), query_.contacts, result); }
+
+    const Scene& scene() const { return pass_.scene; }
+    const Query& query() const { return query_; }
+    unsigned long long pairs() const { return answer_.total; }
+    const Statistics& statistics() const { return statistics_; }
+    void forget_statistics() { statistics_ = {}; }
+
+    /// Gives back the memory of lists and answer.
+    void drop_lists();
+    /// The same, and all else that is kept between calls.
+    void release();
+
+   private:
+    // Everything that the commands of a pass were made of. While it stays the same, they are the same.
+    struct Key {
+        Scene scene;
+        Rules rules;
+        Plan plan;
+        Input::Work input;
+        const void *work, *result, *state;
+        friend bool operator==(const Key&, const Key&) = default;
+    };
+    struct SceneKind {
+        std::int64_t triangles = -1;
+        bool between = false;
+        friend bool operator==(const SceneKind&, const SceneKind&) = default;
+    };
+    /// What sizes and places of all arrays follow from.
+    struct Layout {
+        std::array<std::int64_t, 2> vertices, triangles;
+        bool float32;
+        Plan plan;
+        friend bool operator==(const Layout&, const Layout&) = default;
+    };
+
+    void plan();
+    void lay_out_lists();
+    void find_at_once();
+    void enqueue(Stopwatch* watch);
+    bool accept(const Counters& counters);
+    void count(const Counters& counters);
+    Counters read_counters();
+    std::size_t decide_beyond(std::size_t n);
+
+    // chunks.cu
+    void find_in_chunks();
+    void lay_out_chunks();
+    void pass_over_chunks(Hits hits);
+    void pass_over_slices(Hits hits, std::size_t& counted);
+    void require_room(std::size_t pairs) const;
+
+    template <class Work>
+    static bool fits(Work work);
+    template <class Work>
+    bool fits_at_once(Work work);
+    template <class Make, class Undo>
+    void with_room_for(Make make, Undo undo);
+    template <class T>
+    void copy(T* to, const T* from, std::size_t n, cudaMemcpyKind kind) {
+        copy_now(stream_, to, from, n, kind);
+    }
+
+    const Options& options_;
+    MemoryMeter& meter_;
+    Cancellation& cancellation_;
+    const Geometry& geometry_;
+    cudaStream_t stream_;
+    Input& input_;
+    Stopwatch watch_;
+    Pinned<Counters> counters_;
+    GraphCache<Key> graphs_;
+    Block state_, work_;
+    Answer answer_;
+    Pass pass_;
+    Query query_;
+    Statistics statistics_;
+    std::optional<Layout> laid_out_;                                    ///< what the lists are laid out for
+    SceneKind planned_for_;                                             ///< what the plan was made for
+    std::int64_t too_many_ = std::numeric_limits<std::int64_t>::max();  ///< triangles that did not fit at once
+};
+
+}  // namespace crumple::cuda

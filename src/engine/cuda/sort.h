@@ -1,0 +1,38 @@
+#pragma once
+
+// Stage `sort`: members of each leaf by the start of their interval ([MZ] sec. 3), by a counting sort into bins. Within
+// a bin the order does not matter: each row takes all rows behind it up to its last bin's end, and box tests decide.
+
+#include "engine/cuda/clearing.h"
+#include "engine/cuda/layout.h"
+#include "engine/cuda/runtime.h"
+#include "model/scene.h"
+
+namespace crumple::cuda {
+
+/// Who handles a pair: a leaf owns it iff no lower cluster of any level holds both triangles, no lower part either. The
+/// last level's clusters are bits of Sorted::conflict; upper levels are looked up for the pairs that are left.
+struct Ownership {
+    const std::uint64_t* part_mask;  ///< by triangle, or null
+    int part;
+    const std::uint64_t* upper_mask;  ///< by triangle, of the first of two levels, or null
+    const std::uint64_t* last_mask;   ///< by member of the first level, or by triangle if there is one level
+    int last_fan_out;
+};
+
+/// What `sort_members` needs beside the arrays that it fills.
+struct SortScratch {
+    void* scan;
+    std::size_t scan_bytes;
+};
+std::size_t sort_scratch_bytes(int leaves, std::size_t capacity);
+
+/// What sort_members() finds cleared.
+void clear(Clearing& clearing, const Sorted& sorted, int leaves);
+
+/// `first`: leaves + 1; the last one is the number of members, at most `capacity`.
+void sort_members(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Points& points, int leaves,
+                  const unsigned long long* first, const Members& members, const Frame* frames,
+                  const Ownership& ownership, const Sorted& sorted, const SortScratch& scratch, Counters* counters);
+
+}  // namespace crumple::cuda

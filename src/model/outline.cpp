@@ -1,0 +1,69 @@
+#include "model/outline.h"
+
+#include <limits>
+
+#include "crumple/error.h"
+
+namespace crumple {
+namespace {
+
+constexpr std::int64_t most = std::numeric_limits<std::int32_t>::max();
+
+void check_shape(const MeshView& mesh, const std::string& subject, MemorySpace memory) {
+    const auto refuse = [&](const std::string& what) {
+        throw Error(ErrorCode::invalid_argument, subject + ' ' + what);
+    };
+    if (mesh.memory != memory)
+        refuse(memory == MemorySpace::host ? "lies in device memory, which needs the cuda backend"
+                                           : "lies in host memory, the other one in device memory");
+    if (mesh.vertices.rows < 0 || mesh.vertices.rows > most)
+        refuse("has " + std::to_string(mesh.vertices.rows) + " vertices; 0 to 2147483647 are possible");
+    if (mesh.triangles.rows < 0 || mesh.triangles.rows > most)
+        refuse("has " + std::to_string(mesh.triangles.rows) + " triangles; 0 to 2147483647 are possible");
+    if (mesh.vertices.rows > 0 && !mesh.vertices.data) refuse("has no vertex data");
+    if (mesh.triangles.rows > 0 && !mesh.triangles.data) refuse("has no triangle data");
+    if (!mesh.groups.empty() && static_cast<std::int64_t>(mesh.groups.size()) != mesh.triangles.rows)
+        refuse("has " + std::to_string(mesh.groups.size()) + " group ids for " + std::to_string(mesh.triangles.rows) +
+               " triangles");
+}
+
+}  // namespace
+
+Scene outline_scene(const MeshView& a, const MeshView* b, MemorySpace memory) {
+    Scene scene;
+    scene.between = b != nullptr;
+    const std::array<const MeshView*, 2> meshes{&a, b};
+    const std::array<std::string, 2> subject{b ? "the first mesh" : "the mesh", "the second mesh"};
+    for (std::size_t side = 0; side < (b ? 2u : 1u); ++side) {
+        const MeshView& mesh = *meshes[side];
+        check_shape(mesh, subject[side], memory);
+        scene.vertices[side] = mesh.vertices.rows;
+        scene.triangles[side] = mesh.triangles.rows;
+        scene.reader[side] = {static_cast<const std::byte*>(mesh.vertices.data), mesh.vertices.row_stride,
+                              mesh.vertices.column_stride, mesh.vertices.type == ScalarType::float32};
+        scene.float32 = scene.float32 && scene.reader[side].float32;
+    }
+    if (scene.vertex_count() > most || scene.triangle_count() > most)
+        throw Error(ErrorCode::invalid_argument,
+                    "both meshes together have more than 2147483647 vertices or triangles");
+    return scene;
+}
+
+std::string mesh_name(const Scene& scene, std::size_t side) {
+    if (!scene.between) return "";
+    return side == 0 ? "first mesh: " : "second mesh: ";
+}
+
+void fail_not_finite(const std::string& which, std::int64_t vertex) {
+    throw Error(ErrorCode::not_finite, which + "vertex " + std::to_string(vertex) + " is not finite", Element::vertex,
+                vertex);
+}
+
+void fail_index(const std::string& which, std::int64_t triangle, std::int64_t index, std::int64_t vertex_count) {
+    throw Error(ErrorCode::index_out_of_range,
+                which + "triangle " + std::to_string(triangle) + " names vertex " + std::to_string(index) + " of " +
+                    std::to_string(vertex_count),
+                Element::triangle, triangle);
+}
+
+}  // namespace crumple

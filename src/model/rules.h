@@ -1,0 +1,54 @@
+#pragma once
+
+// Which pairs of triangles a query wants, by sides, groups and parts; everything but geometry.
+
+#include <algorithm>
+#include <cstdint>
+#include <span>
+
+#include "crumple/array.h"
+#include "crumple/options.h"
+#include "model/scene.h"
+
+namespace crumple {
+
+/// Group rules of a query, prepared for look-up.
+class GroupRule {
+   public:
+    explicit GroupRule(MemoryMeter* meter = nullptr) : excluded_(meter) {}
+
+    /// Gives its memory back.
+    void release() { excluded_.release(); }
+
+    void prepare(const Query& query) {
+        wanted_ = query.wanted;
+        excluded_.resize_discard(query.excluded_groups.size());
+        std::transform(query.excluded_groups.begin(), query.excluded_groups.end(), excluded_.begin(),
+                       [](GroupPair p) { return key(p.first, p.second); });
+        std::sort(excluded_.begin(), excluded_.end());
+    }
+    /// Every pair is wanted: callers may skip the test.
+    bool trivial() const { return wanted_ == Wanted::both && excluded_.empty(); }
+
+    /// No pair within a group is wanted.
+    bool groups_apart() const { return wanted_ == Wanted::between; }
+
+    /// Excluded pairs of groups as sorted keys: the lower id in the upper half.
+    std::span<const std::uint64_t> excluded() const { return excluded_.span(); }
+
+    bool operator()(std::int32_t g, std::int32_t h) const {
+        if (wanted_ == Wanted::between && g == h) return false;
+        if (wanted_ == Wanted::within && g != h) return false;
+        return excluded_.empty() || !std::binary_search(excluded_.begin(), excluded_.end(), key(g, h));
+    }
+
+   private:
+    static std::uint64_t key(std::int32_t g, std::int32_t h) {
+        const auto low = static_cast<std::uint32_t>(std::min(g, h)), high = static_cast<std::uint32_t>(std::max(g, h));
+        return static_cast<std::uint64_t>(low) << 32 | high;
+    }
+    Wanted wanted_ = Wanted::both;
+    Array<std::uint64_t> excluded_;
+};
+
+}  // namespace crumple

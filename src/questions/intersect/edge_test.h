@@ -1,0 +1,55 @@
+#pragma once
+
+// The second filter of `narrow` for one pair of records: no plane separates them, all six signs are certain, and they
+// share no vertex. Proof and bound: docs/narrow.md; in lanes: engine/cpu/simd/edge_test-inl.h. Compiled for host and
+// device.
+
+#include "questions/intersect/record.h"
+#include "questions/intersect/verdict.h"
+
+namespace crumple {
+
+/// The corner that is alone on its side, by the bits of those below; 0 and 7 (no straddling) do not occur.
+CRUMPLE_HD constexpr int lone_corner(int below) { return (0b00'00'01'10'10'01'00'00 >> 2 * below) & 3; }
+
+/// Corners for the edge test, p1, q1, r1, p2, q2, r2 in two bits each. A triangle's lone corner comes first; the other
+/// two are swapped where that corner lies below the other's plane, which is the same as turning that plane over.
+CRUMPLE_HD constexpr int edge_order(int below_a, int below_b) {
+    const int p1 = lone_corner(below_b), p2 = lone_corner(below_a);
+    // Next and last corner, exchanged by adding 1 or 2.
+    const int turn1 = 1 + (below_a >> p2 & 1), turn2 = 1 + (below_b >> p1 & 1);
+    const int q1 = (p1 + turn1) % 3, r1 = (p1 + 3 - turn1) % 3, q2 = (p2 + turn2) % 3, r2 = (p2 + 3 - turn2) % 3;
+    return p1 | q1 << 2 | r1 << 4 | p2 << 6 | q2 << 8 | r2 << 10;
+}
+
+/// Certain sign of det(a, b, c), or 0. Each coordinate errs by at most delta beyond its own rounding.
+CRUMPLE_HD inline int determinant_sign(const Vec3f& a, const Vec3f& b, const Vec3f& c, float delta) {
+    const Vec3f plus{b.y * c.z, b.z * c.x, b.x * c.y}, minus{b.z * c.y, b.x * c.z, b.y * c.x};
+    const float value = dot(a, plus - minus), permanent = dot(abs(a), abs(plus) + abs(minus));
+    const auto norm1 = [](const Vec3f& p) { return std::abs(p.x) + std::abs(p.y) + std::abs(p.z); };
+    const float A = norm1(a), B = norm1(b), C = norm1(c);
+    const float input = A * B + B * C + A * C + 3 * delta * (A + B + C) + 6 * delta * delta;
+    const float error = 10 * unit_roundoff * permanent + delta * input + determinant_slack;
+    return value > error ? 1 : value < -error ? -1 : 0;
+}
+
+/// Whether the pair collides. `below_a`: the bits of b's corners below a's plane; `reach`: the leaf's largest
+/// |coordinate|. Intervals that overlap mean a proper intersection unless they are the same, so `proper` hits stay
+/// undecided.
+CRUMPLE_HD inline Verdict edge_test(const Record& a, const Record& b, unsigned below_a, unsigned below_b, float reach,
+                                    bool proper) {
+    const int order = edge_order(static_cast<int>(below_a), static_cast<int>(below_b));
+    const auto corner = [&](const Record& r, int place) {
+        const int k = order >> 2 * place & 3;
+        return Vec3f{r.x[k], r.y[k], r.z[k]};
+    };
+    const Vec3f p1 = corner(a, 0), q1 = corner(a, 1) - p1, r1 = corner(a, 2) - p1;
+    const Vec3f p2 = corner(b, 3) - p1, q2 = corner(b, 4) - p1, r2 = corner(b, 5) - p1;
+    // Each difference of two corners carries the rounding of both relative coordinates.
+    const float delta = 2.1f * unit_roundoff * reach;
+    const int first = determinant_sign(q1, p2, q2, delta), second = determinant_sign(r1, r2, p2, delta);
+    if (first > 0 || second > 0) return Verdict::apart;
+    return first < 0 && second < 0 && !proper ? Verdict::collides : Verdict::undecided;
+}
+
+}  // namespace crumple

@@ -1,0 +1,70 @@
+#pragma once
+
+// The first filter of `narrow` for one pair of records, and what its signs mean (docs/narrow.md): the plain text of
+// engine/cpu/simd/plane_filter-inl.h and classify-inl.h. Compiled for host and device.
+
+#include "questions/intersect/record.h"
+
+namespace crumple {
+
+/// What a query asks of the filters.
+struct NarrowPolicy {
+    bool skip_neighbours = false;
+    bool proper = false;
+    friend bool operator==(const NarrowPolicy&, const NarrowPolicy&) = default;
+};
+
+/// Where the corners of a pair lie: one bit a corner.
+struct PairSigns {
+    unsigned above_a = 0, below_a = 0;    ///< b's corners against a's plane, where certain
+    unsigned above_b = 0, below_b = 0;    ///< a's corners against b's plane
+    unsigned shared_a = 0, shared_b = 0;  ///< corners of a that b names, too; corners of b that a names
+
+    /// One names nothing that the other does not.
+    CRUMPLE_HD bool all_shared() const { return shared_a == 7 || shared_b == 7; }
+};
+
+/// The corners of `other` that lie for certain above and below the plane of `plane`.
+CRUMPLE_HD inline void sides_of_plane(const Record& plane, const Record& other, unsigned& above, unsigned& below) {
+    for (int k = 0; k < 3; ++k) {
+        const float side = plane.x[3] * other.x[k] + plane.y[3] * other.y[k] + plane.z[3] * other.z[k] - plane.c;
+        above |= static_cast<unsigned>(side > 1) << k;
+        below |= static_cast<unsigned>(side < -1) << k;
+    }
+}
+
+CRUMPLE_HD inline PairSigns pair_signs(const Record& a, const Record& b) {
+    PairSigns s;
+    sides_of_plane(a, b, s.above_a, s.below_a);
+    sides_of_plane(b, a, s.above_b, s.below_b);
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) {
+            const auto same = static_cast<unsigned>(a.id[i] == b.id[j]);
+            s.shared_a |= same << i;
+            s.shared_b |= same << j;
+        }
+    }
+    return s;
+}
+
+/// What can decide a pair: nothing more is needed, or the edge test, or the separation tests alone.
+enum class PairKind : std::uint8_t { apart, hit, edge, open };
+
+CRUMPLE_HD inline PairKind classify(const PairSigns& s, const NarrowPolicy& policy) {
+    const auto single = [](unsigned corners) { return corners == 1 || corners == 2 || corners == 4; };
+    const auto next_corner = [](unsigned corner) { return corner == 4 ? 1u : 2 * corner; };
+    const bool neighbours = s.shared_b != 0;
+    if (neighbours && policy.skip_neighbours) return PairKind::apart;
+    // Duplicated faces are for the exact test.
+    if (s.shared_b != 7 && ((s.above_a | s.shared_b) == 7 || (s.below_a | s.shared_b) == 7 ||
+                            (s.above_b | s.shared_a) == 7 || (s.below_b | s.shared_a) == 7))
+        return PairKind::apart;
+    const bool certain = ((s.above_a | s.below_a | s.shared_b) & (s.above_b | s.below_b | s.shared_a)) == 7;
+    if (!neighbours) return certain ? PairKind::edge : PairKind::open;
+    // Two segments that end in the same point cross no inside, so `proper` has to look closer.
+    if (!certain || policy.proper || !single(s.shared_a) || !single(s.shared_b)) return PairKind::open;
+    const bool a1 = s.below_b & next_corner(s.shared_a), b1 = s.below_a & next_corner(s.shared_b);
+    return a1 != b1 ? PairKind::hit : PairKind::apart;
+}
+
+}  // namespace crumple
