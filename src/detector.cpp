@@ -14,6 +14,9 @@
 #include "base/float_environment.h"
 #include "crumple/error.h"
 #include "engine/backend.h"
+#include "engine/reference/worlds.h"
+#include "engine/world_output.h"
+#include "engine/worlds.h"
 #include "model/fuzzy_c_means.h"
 #include "model/part.h"
 
@@ -74,6 +77,20 @@ Collisions metered(MemoryMeter* meter) {
             {}};
 }
 
+WorldCollisions metered_world(MemoryMeter* m) {
+    WorldCollisions result;
+    result.world_hit = Array<std::uint8_t>(m);
+    result.world_counts = Array<std::int64_t>(m);
+    result.bodies = Array<BodyPair>(m);
+    result.pairs = Array<Pair>(m);
+    result.contacts = {Array<ContactKind>(m), Array<std::int64_t>(m), Array<std::array<double, 3>>(m)};
+    result.world_offsets = Array<std::int64_t>(m);
+    result.body_offsets = Array<std::int64_t>(m);
+    result.first_triangle = Array<std::int64_t>(m);
+    result.hit = Array<std::uint8_t>(m);
+    return result;
+}
+
 }  // namespace
 
 struct Detector::Implementation {
@@ -81,7 +98,9 @@ struct Detector::Implementation {
     MemoryMeter meter;
     SceneBuffers buffers{&meter};
     Collisions result = metered(&meter);
+    WorldCollisions world_result = metered_world(&meter);
     Cancellation cancellation;
+    WorldSearch worlds{meter, cancellation};
     Backend working = Backend::cpu;  ///< what `backend` is
     std::unique_ptr<BackendBase> backend;
     std::string fallback;
@@ -119,6 +138,8 @@ struct Detector::Implementation {
         backend->release();
         buffers = SceneBuffers(&meter);
         result = metered(&meter);
+        worlds.release();
+        world_result = metered_world(&meter);
     }
 
     // Runs `work` on the prepared scene, or on_device() where the meshes lie on a device; a detector that throws holds
@@ -198,6 +219,52 @@ struct Detector::Implementation {
         result.statistics.milliseconds =
             std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
         return result;
+    }
+
+    const WorldCollisions& find(const World& world, const Intersect& question) {
+        const auto begin = std::chrono::steady_clock::now();
+        const FloatEnvironment environment;
+        cancellation.begin();
+        meter.peak = meter.used.load();
+        const auto attempt = [&] {
+            if (working == Backend::reference)
+                find_by_brute_force(world, question, meter, cancellation, world_result);
+            else
+                worlds.find(*backend, world, question, world_result);
+        };
+        try {
+            try {
+                attempt();
+            } catch (const MemoryMeter::Exceeded&) {
+                forget();  // perhaps it was what earlier calls have left
+                attempt();
+            }
+        } catch (const MemoryMeter::Exceeded& exceeded) {
+            const std::int64_t least = std::max(exceeded.bytes, options.memory_limit + 1);
+            forget();
+            throw_limit_error(least, [&] { return bytes_needed(world, question); });
+        } catch (...) {
+            forget();
+            throw;
+        }
+        Statistics& statistics = world_result.statistics;
+        statistics.peak_memory_bytes = meter.peak;
+        statistics.milliseconds =
+            std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+        return world_result;
+    }
+
+    // The limit that suffices: found by answering without one.
+    std::int64_t bytes_needed(const World& world, const Intersect& question) {
+        std::int64_t needed = 0;
+        {
+            const Lifted lifted(meter);
+            meter.peak = meter.used.load();
+            worlds.find(*backend, world, question, world_result);
+            needed = meter.peak;
+        }
+        forget();
+        return needed;
     }
 
     void swap_result(Collisions& other) {
@@ -301,6 +368,9 @@ bool Detector::has_collision(const MeshView& mesh, const Query& query) {
 }
 bool Detector::has_collision(const MeshView& a, const MeshView& b, const Query& query) {
     return implementation_->any(a, &b, query);
+}
+const WorldCollisions& Detector::find(const World& world, const Intersect& question) {
+    return implementation_->find(world, question);
 }
 std::vector<Part> Detector::partition(const MeshView& mesh, int count) {
     return implementation_->partition(mesh, nullptr, count);

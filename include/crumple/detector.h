@@ -10,6 +10,7 @@
 #include "crumple/collisions.h"
 #include "crumple/mesh.h"
 #include "crumple/options.h"
+#include "crumple/world.h"
 
 namespace crumple {
 
@@ -53,6 +54,12 @@ class Detector {
     bool has_collision(const MeshView& mesh, const Query& query = {});
     bool has_collision(const MeshView& a, const MeshView& b, const Query& query = {});
     bool has_collision(const MeshView& mesh, DefaultQuery) { return has_collision(mesh, Query()); }
+
+    /// All pairs of triangles of different bodies, and within bodies, that intersect; or less, as Intersect::wants says.
+    /// One body in place gives the pairs of find_self, two that are wanted `between` those of find_between. Bodies whose
+    /// shapes are named cost next to nothing while they are clear of others; flags for such bodies end at the first
+    /// hit. Errors name body or shape. The cuda backend searches copies on its device and keeps nothing.
+    const WorldCollisions& find(const World& world, const Intersect& question = {});
 
     /// Cuts a scene into `count` (1 to 64) parts. Depends only on the arguments, so that several machines that are
     /// given the same meshes make the same parts.

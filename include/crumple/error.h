@@ -19,7 +19,7 @@ enum class ErrorCode : std::uint8_t {
 };
 
 /// What Error::index counts.
-enum class Element : std::uint8_t { none, vertex, triangle, group, option, line, byte };
+enum class Element : std::uint8_t { none, vertex, triangle, group, option, line, byte, body, shape };
 
 /// Every failure of the library. The message is a sentence that names the place, e.g.
 /// "vertex 17 is not finite" or "triangle 4 names vertex 90 of 80". The detector that threw stays usable.

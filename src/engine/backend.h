@@ -30,6 +30,10 @@ class BackendBase : public ParallelFor {
     /// Whether there is any pair; stops at the first.
     virtual bool any(const Scene& scene, const Query& query) = 0;
 
+    /// Whether the rules of a scene that is made of a world (Scene::bodies) are heeded; else its answer has pairs that
+    /// they do not want, too.
+    virtual bool heeds_bodies() const { return false; }
+
     /// The same for meshes in device memory (b null: one), which the backend checks itself. Only cuda can.
     virtual void find(const MeshView& a, const MeshView* b, const Query& query, const Part* part, Collisions& result);
     virtual std::int64_t bytes_needed(const MeshView& a, const MeshView* b, const Query& query, const Part* part);

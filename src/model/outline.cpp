@@ -9,7 +9,9 @@ namespace {
 
 constexpr std::int64_t most = std::numeric_limits<std::int32_t>::max();
 
-void check_shape(const MeshView& mesh, const std::string& subject, MemorySpace memory) {
+}  // namespace
+
+void check_mesh_outline(const MeshView& mesh, const std::string& subject, MemorySpace memory) {
     const auto refuse = [&](const std::string& what) {
         throw Error(ErrorCode::invalid_argument, subject + ' ' + what);
     };
@@ -27,8 +29,6 @@ void check_shape(const MeshView& mesh, const std::string& subject, MemorySpace m
                " triangles");
 }
 
-}  // namespace
-
 Scene outline_scene(const MeshView& a, const MeshView* b, MemorySpace memory) {
     Scene scene;
     scene.between = b != nullptr;
@@ -36,7 +36,7 @@ Scene outline_scene(const MeshView& a, const MeshView* b, MemorySpace memory) {
     const std::array<std::string, 2> subject{b ? "the first mesh" : "the mesh", "the second mesh"};
     for (std::size_t side = 0; side < (b ? 2u : 1u); ++side) {
         const MeshView& mesh = *meshes[side];
-        check_shape(mesh, subject[side], memory);
+        check_mesh_outline(mesh, subject[side], memory);
         scene.vertices[side] = mesh.vertices.rows;
         scene.triangles[side] = mesh.triangles.rows;
         scene.reader[side] = {static_cast<const std::byte*>(mesh.vertices.data), mesh.vertices.row_stride,

@@ -11,6 +11,10 @@
 
 namespace crumple {
 
+/// Throws Error (invalid_argument) if counts, pointers or groups of the mesh make no sense, or it lies elsewhere than
+/// in `memory`. `subject`: what the message calls it.
+void check_mesh_outline(const MeshView& mesh, const std::string& subject, MemorySpace memory);
+
 /// Counts and readers of one mesh (b null) or two that lie in `memory`. Throws Error (invalid_argument).
 Scene outline_scene(const MeshView& a, const MeshView* b, MemorySpace memory);
 

@@ -8,6 +8,7 @@
 
 #include "crumple/array.h"
 #include "crumple/options.h"
+#include "model/body_rules.h"
 #include "model/scene.h"
 
 namespace crumple {
@@ -20,33 +21,35 @@ class GroupRule {
     /// Gives its memory back.
     void release() { excluded_.release(); }
 
-    void prepare(const Query& query) {
+    /// `bodies`: of a scene whose groups are classes of bodies, and which decides instead of the query; else null.
+    void prepare(const Query& query, const BodyRules* bodies = nullptr) {
+        bodies_ = bodies;
+        classes_apart_ = bodies && bodies->classes_apart();
         wanted_ = query.wanted;
         excluded_.resize_discard(query.excluded_groups.size());
         std::transform(query.excluded_groups.begin(), query.excluded_groups.end(), excluded_.begin(),
-                       [](GroupPair p) { return key(p.first, p.second); });
+                       [](GroupPair p) { return unordered_key(p.first, p.second); });
         std::sort(excluded_.begin(), excluded_.end());
     }
     /// Every pair is wanted: callers may skip the test.
-    bool trivial() const { return wanted_ == Wanted::both && excluded_.empty(); }
+    bool trivial() const { return !bodies_ && wanted_ == Wanted::both && excluded_.empty(); }
 
     /// No pair within a group is wanted.
-    bool groups_apart() const { return wanted_ == Wanted::between; }
+    bool groups_apart() const { return bodies_ ? classes_apart_ : wanted_ == Wanted::between; }
 
     /// Excluded pairs of groups as sorted keys: the lower id in the upper half.
     std::span<const std::uint64_t> excluded() const { return excluded_.span(); }
 
     bool operator()(std::int32_t g, std::int32_t h) const {
+        if (bodies_) return (*bodies_)(g, h);
         if (wanted_ == Wanted::between && g == h) return false;
         if (wanted_ == Wanted::within && g != h) return false;
-        return excluded_.empty() || !std::binary_search(excluded_.begin(), excluded_.end(), key(g, h));
+        return excluded_.empty() || !std::binary_search(excluded_.begin(), excluded_.end(), unordered_key(g, h));
     }
 
    private:
-    static std::uint64_t key(std::int32_t g, std::int32_t h) {
-        const auto low = static_cast<std::uint32_t>(std::min(g, h)), high = static_cast<std::uint32_t>(std::max(g, h));
-        return static_cast<std::uint64_t>(low) << 32 | high;
-    }
+    const BodyRules* bodies_ = nullptr;
+    bool classes_apart_ = false;
     Wanted wanted_ = Wanted::both;
     Array<std::uint64_t> excluded_;
 };

@@ -22,6 +22,8 @@
 
 namespace crumple {
 
+class BodyRules;
+
 /// Reads coordinates where the caller left them.
 struct VertexReader {
     const std::byte* data = nullptr;
@@ -57,6 +59,7 @@ struct Scene {
     std::array<std::int64_t, 2> triangles{};
     const std::int32_t* corners = nullptr;     ///< 3 a triangle
     const std::int32_t* groups = nullptr;      ///< 1 a triangle, or null: all in group 0
+    const BodyRules* bodies = nullptr;         ///< of a world: its groups are classes of these, which decide
     Vec3d low, high;                           ///< box of all vertices; 0 if there are none
     std::array<Vec3d, 2> side_low, side_high;  ///< box of each mesh's vertices; low > high if there are none
 

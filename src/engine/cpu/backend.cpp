@@ -104,6 +104,8 @@ class CpuBackend final : public BackendBase {
         return found;
     }
 
+    bool heeds_bodies() const override { return true; }
+
     void parallel_for(std::size_t n, Task task) override {
         workers_.run([&] { workers_.parallel_for(n, [&](std::size_t i, std::size_t) { task(i); }); });
     }
@@ -224,7 +226,7 @@ class CpuBackend final : public BackendBase {
             scratch->narrow.statistics = {};
         }
         Stopwatch watch;
-        rule_.prepare(query);
+        rule_.prepare(query, scene.bodies);
         const bool repeats_corner = compute_bounds(scene, kernels_, workers_, *points_, balls_);
         if (part)
             crumple::part_masks(scene, *part, *this, part_masks_);

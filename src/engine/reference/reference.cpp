@@ -105,7 +105,7 @@ class Reference final : public BackendBase {
 
    private:
     void prepare(const Scene& scene, const Query& query, const Part* part, Statistics& statistics) {
-        rule_.prepare(query);
+        rule_.prepare(query, scene.bodies);
         const std::int64_t triangles = scene.triangle_count();
 
         const Stopwatch subdivide;

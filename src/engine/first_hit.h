@@ -1,0 +1,31 @@
+#pragma once
+
+// Whether two bodies of known shape meet at all: a walk over both trees that ends at the first pair of triangles that
+// collides. No list, no sort; each pair of overlapping groups is decided at once, triangle by triangle.
+
+#include <array>
+#include <cstdint>
+
+#include "model/body_rules.h"
+#include "model/shape_tree.h"
+#include "model/world.h"
+
+namespace crumple {
+
+/// A group of a tree under a pose: its vertices, and a box for each triangle.
+class PosedGroup {
+   public:
+    void pose(const ShapeTree& tree, const Placement& place, std::int32_t group);
+
+    std::int32_t index = -1;  ///< of the group, -1: none yet
+    const ShapeTree::Group* group = nullptr;
+    std::array<Bounds, ShapeTree::most_triangles> box;
+    Bounds all;
+    std::array<Vec3d, 3 * ShapeTree::most_triangles> vertex;
+};
+
+/// Thread-safe: touches nothing but its arguments. Adds to `decided` the pairs whose boxes overlapped.
+bool bodies_meet(const WorldOutline& outline, const Intersect& question, const BodyRules& rules, std::int32_t a,
+                 const ShapeTree& tree_a, std::int32_t b, const ShapeTree& tree_b, std::int64_t& decided);
+
+}  // namespace crumple

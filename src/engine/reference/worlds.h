@@ -1,0 +1,13 @@
+#pragma once
+
+#include "base/cancellation.h"
+#include "crumple/world.h"
+
+namespace crumple {
+
+/// A world by brute force: all triangles of all bodies posed, all wanted pairs whose boxes overlap decided in rational
+/// arithmetic. Shares with other engines how a world is read, the pose and the rules.
+void find_by_brute_force(const World& world, const Intersect& question, MemoryMeter& meter, Cancellation& cancellation,
+                         WorldCollisions& result);
+
+}  // namespace crumple

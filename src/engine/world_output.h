@@ -1,0 +1,31 @@
+#pragma once
+
+// The answer for a world, as it is put together pair by pair.
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "crumple/world.h"
+#include "model/world.h"
+
+namespace crumple {
+
+/// Empty, with room for what each world gets.
+void clear(WorldCollisions& result, const WorldOutline& outline, const Intersect& question);
+/// Gives the memory of all arrays back.
+void release(WorldCollisions& result);
+
+/// Something collides in this pass: in world `pass`, or (pass = worlds()) among the bodies that are in all worlds.
+void hit(std::int32_t pass, const WorldOutline& outline, WorldCollisions& result);
+
+/// A colliding pair, as far as it is wanted. Pairs come in their order.
+void add_pair(const WorldOutline& outline, const Intersect& question, std::int32_t pass, BodyPair bodies, Pair pair,
+              WorldCollisions& result);
+/// Where the last pair meets.
+void add_contact(ContactKind kind, std::span<const std::array<double, 3>> points, WorldCollisions& result);
+
+/// What follows from the pairs: offsets and hit flags; bodies in order.
+void finish(const WorldOutline& outline, const Intersect& question, WorldCollisions& result);
+
+}  // namespace crumple

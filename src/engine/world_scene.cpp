@@ -1,0 +1,147 @@
+#include "engine/world_scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "crumple/error.h"
+
+namespace crumple {
+namespace {
+
+bool finite(const Vec3d& p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
+
+constexpr std::int64_t chunk = 8192;
+
+}  // namespace
+
+void fail_body_not_finite(const WorldOutline& outline, std::int32_t b) {
+    const VertexReader position = reader_of(outline.shape(b));
+    const Placement place = outline.placement(b);
+    for (std::int64_t v = 0; v < outline.shape(b).vertices.rows; ++v) {
+        const Vec3d given = position(v);
+        if (finite(place(given))) continue;
+        const std::string what = finite(given) ? " is posed to infinity" : " is not finite";
+        throw Error(ErrorCode::not_finite, WorldOutline::name(b) + "vertex " + std::to_string(v) + what,
+                    Element::vertex, v);
+    }
+    throw Error(ErrorCode::not_finite, WorldOutline::name(b) + "a vertex is not finite", Element::body, b);
+}
+
+WorldScene::WorldScene(MemoryMeter* meter)
+    : f_(meter),
+      d_(meter),
+      corner_(meter),
+      groups_(meter),
+      triangle_(meter),
+      added_(meter),
+      row_(meter),
+      buffers_(meter) {}
+
+void WorldScene::begin(bool float32, BodyRules& rules) {
+    float32_ = float32;
+    rules_ = &rules;
+    classes_ = &rules.classes;
+    classes_->clear();
+    f_.clear();
+    d_.clear();
+    for (auto* list : {&corner_, &groups_, &triangle_}) list->clear();
+    added_.clear();
+}
+
+void WorldScene::grow_vertices(std::int64_t more) {
+    const std::int64_t n = vertices() + more;
+    if (n > std::numeric_limits<std::int32_t>::max())
+        throw Error(ErrorCode::invalid_argument, "bodies that meet have more than 2147483647 vertices together");
+    if (float32_)
+        f_.resize(static_cast<std::size_t>(3 * n));
+    else
+        d_.resize(static_cast<std::size_t>(3 * n));
+}
+
+void WorldScene::put(std::int64_t vertex, const Vec3d& p) {
+    for (int axis = 0; axis < 3; ++axis) {
+        if (float32_)
+            f_[3 * vertex + axis] = static_cast<float>(p[axis]);
+        else
+            d_[3 * vertex + axis] = p[axis];
+    }
+}
+
+void WorldScene::begin_body(std::int32_t b) { added_.push_back({b, vertices()}); }
+
+void WorldScene::add_triangle(const WorldOutline& outline, std::int32_t b, bool everywhere, const Row& row) {
+    const Body& body = outline.body(b);
+    const auto& groups = outline.shape(b).groups;
+    const std::int32_t group = groups.empty() ? body.group : groups[static_cast<std::size_t>(row.triangle)];
+    const bool known = !classes_->empty() && classes_->back().body == b && classes_->back().group == group;
+    if (!known) classes_->push_back({b, group, body.self, everywhere});
+    groups_.push_back(static_cast<std::int32_t>(classes_->size()) - 1);
+    triangle_.push_back(row.triangle);
+    for (const std::int32_t corner : row.corner) corner_.push_back(corner);
+}
+
+void WorldScene::add(const WorldOutline& outline, std::int32_t b, bool everywhere, ParallelFor& workers) {
+    const Shape& shape = outline.shape(b);
+    const std::int64_t first = vertices(), n = shape.vertices.rows, m = shape.triangles.rows;
+    begin_body(b);
+    grow_vertices(n);
+    const VertexReader position = reader_of(shape);
+    const Placement place = outline.placement(b);
+    workers.parallel_for(static_cast<std::size_t>((n + chunk - 1) / chunk), [&](std::size_t c) {
+        const std::int64_t begin = static_cast<std::int64_t>(c) * chunk;
+        for (std::int64_t v = begin; v < std::min(n, begin + chunk); ++v) put(first + v, place(position(v)));
+    });
+    groups_.reserve(static_cast<std::size_t>(triangles() + m));
+    triangle_.reserve(static_cast<std::size_t>(triangles() + m));
+    corner_.reserve(static_cast<std::size_t>(3 * (triangles() + m)));
+    with_corner_reader(shape, [&](auto corner) {
+        for (std::int64_t t = 0; t < m; ++t) {
+            Row row{static_cast<std::int32_t>(t), {}};
+            for (int k = 0; k < 3; ++k) {
+                const std::int64_t v = corner(t, k);
+                if (v < 0 || v >= n) fail_index(WorldOutline::name(b), t, v, n);
+                row.corner[k] = static_cast<std::int32_t>(first + v);
+            }
+            add_triangle(outline, b, everywhere, row);
+        }
+    });
+}
+
+void WorldScene::add(const WorldOutline& outline, std::int32_t b, bool everywhere, const ShapeTree& tree,
+                     std::span<const std::int32_t> groups) {
+    const Placement place = outline.placement(b);
+    begin_body(b);
+    row_.clear();
+    for (const std::int32_t g : groups) {
+        const ShapeTree::Group& group = tree.group(g);
+        const auto first = static_cast<std::int32_t>(vertices());
+        grow_vertices(group.vertices);
+        for (std::int32_t v = 0; v < group.vertices; ++v) put(first + v, place(tree.vertices(group)[v]));
+        for (std::size_t k = 0; k < static_cast<std::size_t>(group.count); ++k) {
+            const auto& c = group.corner[k];
+            row_.push_back({group.triangle[k], {first + c[0], first + c[1], first + c[2]}});
+        }
+    }
+    std::sort(row_.begin(), row_.end(), [](const Row& a, const Row& b) { return a.triangle < b.triangle; });
+    for (const Row& row : row_) add_triangle(outline, b, everywhere, row);
+}
+
+Scene WorldScene::scene(const WorldOutline& outline, bool weld, ParallelFor& workers) {
+    const VertexView vertex = float32_ ? rows_of_three(f_.data(), vertices()) : rows_of_three(d_.data(), vertices());
+    const MeshView mesh(vertex, rows_of_three(corner_.data(), triangles()), groups_.span());
+    try {
+        Scene scene = prepare_scene(mesh, nullptr, weld, workers, buffers_);
+        scene.bodies = rules_;
+        return scene;
+    } catch (const Error& error) {
+        if (error.element != Element::vertex) throw;
+        const auto after =
+            std::upper_bound(added_.begin(), added_.end(), error.index,
+                             [](std::int64_t vertex, const Added& added) { return vertex < added.first_vertex; });
+        fail_body_not_finite(outline, (after - 1)->body);
+    }
+}
+
+}  // namespace crumple

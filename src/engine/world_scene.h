@@ -1,0 +1,70 @@
+#pragma once
+
+// Bodies of one world, or what of them may meet, as one scene of posed triangles that any backend can search.
+//
+// Bodies are added in ascending order, and triangles of each in ascending order, so that a scene's pairs are in the
+// order of the answer. The scene's groups are classes of BodyRules.
+
+#include <cstdint>
+
+#include "base/parallel_for.h"
+#include "crumple/array.h"
+#include "model/body_rules.h"
+#include "model/scene.h"
+#include "model/shape_tree.h"
+#include "model/world.h"
+
+namespace crumple {
+
+class WorldScene {
+   public:
+    explicit WorldScene(MemoryMeter* meter);
+
+    /// Begins anew, with classes in `rules`. `float32`: whether all shapes are.
+    void begin(bool float32, BodyRules& rules);
+
+    /// All of body b. `everywhere`: see BodyClass. Throws Error with the body, and vertex or triangle.
+    void add(const WorldOutline& outline, std::int32_t b, bool everywhere, ParallelFor& workers);
+    /// The triangles of the given groups of its tree. Pairs within the body are lost, for each group has vertices of
+    /// its own.
+    void add(const WorldOutline& outline, std::int32_t b, bool everywhere, const ShapeTree& tree,
+             std::span<const std::int32_t> groups);
+
+    /// The scene. Valid until begin().
+    Scene scene(const WorldOutline& outline, bool weld, ParallelFor& workers);
+
+    std::int64_t triangles() const { return static_cast<std::int64_t>(triangle_.size()); }
+    std::int32_t body(std::int32_t t) const { return (*classes_)[groups_[t]].body; }
+    std::int32_t group(std::int32_t t) const { return groups_[t]; }       ///< its class
+    std::int32_t triangle(std::int32_t t) const { return triangle_[t]; }  ///< within its body
+
+   private:
+    struct Added {
+        std::int32_t body;
+        std::int64_t first_vertex;
+    };
+    struct Row {
+        std::int32_t triangle, corner[3];
+    };
+
+    std::int64_t vertices() const { return static_cast<std::int64_t>(float32_ ? f_.size() : d_.size()) / 3; }
+    void put(std::int64_t vertex, const Vec3d& p);
+    void grow_vertices(std::int64_t more);
+    void begin_body(std::int32_t b);
+    void add_triangle(const WorldOutline& outline, std::int32_t b, bool everywhere, const Row& row);
+
+    bool float32_ = true;
+    Array<BodyClass>* classes_ = nullptr;
+    BodyRules* rules_ = nullptr;
+    Array<float> f_;
+    Array<double> d_;
+    Array<std::int32_t> corner_, groups_, triangle_;
+    Array<Added> added_;
+    Array<Row> row_;  ///< scratch
+    SceneBuffers buffers_;
+};
+
+/// Throws Error (not_finite) with the first vertex of the body that is not finite, or is posed to infinity.
+[[noreturn]] void fail_body_not_finite(const WorldOutline& outline, std::int32_t b);
+
+}  // namespace crumple

@@ -1,0 +1,105 @@
+#pragma once
+
+// How any backend answers worlds: each world's bodies become a scene of posed triangles, less what cannot meet.
+//
+//   shapes  --named, or in all of several worlds-->  trees (model/shape_tree.h), kept by name
+//   bodies  ---------------------------------------> boxes, and pairs of bodies whose boxes overlap
+//   both bodies of a pair have trees, and a flag is wanted:  engine/first_hit.h decides the pair at once
+//   else: groups of triangles that may meet, or whole bodies --> WorldScene --> the backend's search of a scene
+//
+// So a body that is clear of all others costs one box, and the work of one world does not depend on how many others
+// there are, or how far triangles that are in all worlds reach.
+
+#include <functional>
+#include <memory>
+#include <unordered_map>
+#include <vector>
+
+#include "base/cancellation.h"
+#include "crumple/world.h"
+#include "engine/backend.h"
+#include "engine/world_output.h"
+#include "engine/world_scene.h"
+#include "model/body_rules.h"
+#include "model/shape_tree.h"
+#include "model/world.h"
+
+namespace crumple {
+
+class WorldSearch {
+   public:
+    WorldSearch(MemoryMeter& meter, Cancellation& cancellation);
+
+    void find(BackendBase& backend, const World& world, const Intersect& question, WorldCollisions& result);
+
+    /// Forgets named shapes and gives all memory back.
+    void release();
+
+   private:
+    struct Named {
+        explicit Named(MemoryMeter* m) : tree(m) {}
+        ShapeTree tree;
+        std::int64_t vertices = 0, triangles = 0;
+        ScalarType type{};
+        std::int64_t used = 0;  ///< the call that used it last
+    };
+    struct Mark {
+        std::int32_t body, group;
+        friend auto operator<=>(const Mark&, const Mark&) = default;
+    };
+
+    /// A body that is in all worlds, and how far to the right those reach that begin no further right than it.
+    struct Rest {
+        std::int32_t body;
+        double low, reach;
+    };
+
+    void read_shapes();
+    const ShapeTree& named_tree(std::size_t s);
+    void build(ShapeTree& tree, std::size_t s);
+    bool drop_oldest();
+    void read_bodies();
+    Bounds read_box(std::int32_t b) const;
+
+    // One pass a world, and a last one for the bodies that are in all worlds, among themselves.
+    std::int32_t passes() const { return outline_.worlds() + 1; }
+    std::int32_t begin_of(std::int32_t pass) const { return outline_.first_body(pass); }
+    std::int32_t end_of(std::int32_t pass) const;
+
+    const ShapeTree* tree(std::int32_t b) const { return trees_[static_cast<std::size_t>(outline_.body(b).shape)]; }
+    bool may_meet(std::int32_t a, std::int32_t b) const;
+    bool direct(std::int32_t a, std::int32_t b) const { return tree(a) && tree(b); }
+    template <class Visit>
+    void for_each_body_pair(std::int32_t pass, Visit visit) const;
+
+    void search_directly(BackendBase& backend, WorldCollisions& result);
+    bool known(std::int32_t pass, const WorldCollisions& result) const {
+        return pass < outline_.worlds() && result.world_hit[pass] != 0;
+    }
+    bool gather(BackendBase& backend, std::int32_t pass);
+    void mark(std::int32_t a, std::int32_t b);
+    void search_scene(BackendBase& backend, std::int32_t pass, WorldCollisions& result);
+    void append(std::int32_t pass, bool only_wanted, WorldCollisions& result);
+
+    MemoryMeter& meter_;
+    Cancellation& cancellation_;
+    std::int64_t calls_ = 0;
+    std::unordered_map<std::uint64_t, std::unique_ptr<Named>> named_;
+
+    // Of the call that runs:
+    Intersect question_;
+    WorldOutline outline_;
+    BodyRules rules_;
+    bool float32_ = true;
+    bool boxes_ = false;                               ///< whether bodies have boxes
+    std::vector<const ShapeTree*> trees_;              ///< by shape; null: it has none
+    std::vector<std::unique_ptr<ShapeTree>> of_call_;  ///< trees of shapes without a name
+    Array<Bounds> box_;                                ///< by body
+    Array<Rest> rest_;                                 ///< those in all worlds, from left to right
+    Array<Mark> marks_;
+    Array<std::int32_t> groups_, whole_;
+    WorldScene scene_;
+    Collisions found_;
+};
+
+}  // namespace crumple

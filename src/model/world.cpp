@@ -1,0 +1,88 @@
+#include "model/world.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "crumple/error.h"
+
+namespace crumple {
+namespace {
+
+constexpr std::int64_t most = std::numeric_limits<std::int32_t>::max();
+
+[[noreturn]] void refuse(const std::string& message, Element element, std::int64_t index) {
+    throw Error(ErrorCode::invalid_argument, message, element, index);
+}
+
+void check_shapes(const World& world) {
+    if (static_cast<std::int64_t>(world.shapes.size()) > most)
+        refuse("a world has at most 2147483647 shapes", Element::none, -1);
+    for (std::size_t s = 0; s < world.shapes.size(); ++s) {
+        const Shape& shape = world.shapes[s];
+        MeshView mesh(shape.vertices, shape.triangles, shape.groups);
+        check_mesh_outline(mesh, "shape " + std::to_string(s), MemorySpace::host);
+    }
+}
+
+void check_body(const World& world, std::size_t b) {
+    const Body& body = world.bodies[b];
+    const auto refuse_body = [&](const std::string& what) {
+        refuse(WorldOutline::name(static_cast<std::int32_t>(b)) + what, Element::body, static_cast<std::int64_t>(b));
+    };
+    if (body.shape < 0 || static_cast<std::size_t>(body.shape) >= world.shapes.size())
+        refuse_body("there is no shape " + std::to_string(body.shape) + "; there are " +
+                    std::to_string(world.shapes.size()));
+    if (body.world < -1) refuse_body("its world is " + std::to_string(body.world) + "; worlds are 0 or more, or -1");
+    if (b > 0) {
+        const std::int32_t before = world.bodies[b - 1].world;
+        if (before == -1 && body.world != -1) refuse_body("bodies that are in all worlds (-1) come last");
+        if (body.world != -1 && body.world < before)
+            refuse_body("its world " + std::to_string(body.world) + " comes after world " + std::to_string(before) +
+                        "; world ids ascend over the bodies");
+    }
+    if (world.poses.empty()) return;
+    for (const double value : world.poses[b].rows)
+        if (!std::isfinite(value)) refuse_body("its pose is not finite");
+}
+
+void check_rules(const Rules& rules, std::int64_t bodies) {
+    const auto known = [](Wanted w) { return w == Wanted::both || w == Wanted::between || w == Wanted::within; };
+    if (!known(rules.bodies) || !known(rules.groups))
+        refuse("rules must be both, between or within", Element::option, -1);
+    for (const BodyPair& pair : rules.excluded_bodies)
+        for (const std::int32_t b : {pair.first, pair.second})
+            if (b < 0 || b >= bodies)
+                refuse("excluded_bodies names body " + std::to_string(b) + " of " + std::to_string(bodies),
+                       Element::body, b);
+}
+
+}  // namespace
+
+void WorldOutline::read(const World& world, const Intersect& question) {
+    world_ = world;
+    const auto n = static_cast<std::int64_t>(world.bodies.size());
+    if (n > most) refuse("a world has at most 2147483647 bodies", Element::none, -1);
+    if (!world.poses.empty() && world.poses.size() != world.bodies.size())
+        refuse("there are " + std::to_string(world.poses.size()) + " poses for " + std::to_string(n) + " bodies",
+               Element::none, -1);
+    check_shapes(world);
+    first_triangle_.resize_discard(static_cast<std::size_t>(n) + 1);
+    first_triangle_[0] = 0;
+    std::int32_t worlds = 0;
+    for (std::size_t b = 0; b < world.bodies.size(); ++b) {
+        check_body(world, b);
+        worlds = std::max(worlds, world.bodies[b].world + 1);
+        first_triangle_[b + 1] = first_triangle_[b] + shape(static_cast<std::int32_t>(b)).triangles.rows;
+    }
+    check_rules(question.rules, n);
+
+    first_body_.resize_discard(static_cast<std::size_t>(worlds) + 1);
+    std::int32_t b = 0;
+    for (std::int32_t w = 0; w <= worlds; ++w) {
+        while (b < n && body(b).world != -1 && body(b).world < w) ++b;
+        first_body_[w] = b;
+    }
+}
+
+}  // namespace crumple

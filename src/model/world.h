@@ -1,0 +1,72 @@
+#pragma once
+
+// What is known of a world before coordinates are read: that its numbers make sense, where each body's triangles begin
+// if all bodies' are counted one after the other, and which bodies belong to which world.
+
+#include <cstdint>
+#include <string>
+
+#include "crumple/array.h"
+#include "crumple/world.h"
+#include "model/outline.h"
+#include "model/placement.h"
+#include "model/scene.h"
+
+namespace crumple {
+
+class WorldOutline {
+   public:
+    explicit WorldOutline(MemoryMeter* meter) : first_triangle_(meter), first_body_(meter) {}
+
+    /// Throws Error (invalid_argument), with the body or shape it is about. Keeps a copy of the views in `world`.
+    void read(const World& world, const Intersect& question);
+
+    const World& world() const { return world_; }
+    std::int32_t bodies() const { return static_cast<std::int32_t>(world_.bodies.size()); }
+    const Body& body(std::int32_t b) const { return world_.bodies[static_cast<std::size_t>(b)]; }
+    const Shape& shape(std::int32_t b) const { return world_.shapes[static_cast<std::size_t>(body(b).shape)]; }
+    Placement placement(std::int32_t b) const {
+        return {world_.poses.empty() ? nullptr : &world_.poses[static_cast<std::size_t>(b)],
+                shape(b).vertices.type == ScalarType::float32};
+    }
+
+    /// Worlds are numbered from 0 to worlds() - 1, empty ones included; bodies of world w are [first_body(w),
+    /// first_body(w + 1)), those in all worlds [first_body(worlds()), bodies()).
+    std::int32_t worlds() const { return static_cast<std::int32_t>(first_body_.size()) - 1; }
+    std::int32_t first_body(std::int32_t world) const { return first_body_[world]; }
+
+    /// Of all bodies before b.
+    std::int64_t first_triangle(std::int32_t b) const { return first_triangle_[b]; }
+    std::int64_t triangles() const { return first_triangle_.back(); }
+
+    /// The body as an error names it: "body 3: ".
+    static std::string name(std::int32_t b) { return "body " + std::to_string(b) + ": "; }
+
+   private:
+    World world_;
+    Array<std::int64_t> first_triangle_;
+    Array<std::int32_t> first_body_;
+};
+
+/// Reads the vertices of a shape where the caller has them.
+inline VertexReader reader_of(const Shape& shape) {
+    return {static_cast<const std::byte*>(shape.vertices.data), shape.vertices.row_stride, shape.vertices.column_stride,
+            shape.vertices.type == ScalarType::float32};
+}
+
+/// Calls `function(read)`, where read(t, corner) is a triangle's index, int64.
+template <class Function>
+void with_corner_reader(const Shape& shape, Function function) {
+    with_index_type(shape.triangles.type, [&](auto type) {
+        const TriangleView& view = shape.triangles;
+        function([&view](std::int64_t t, int corner) {
+            decltype(type) index;
+            std::memcpy(&index,
+                        static_cast<const std::byte*>(view.data) + t * view.row_stride + corner * view.column_stride,
+                        sizeof index);
+            return static_cast<std::int64_t>(index);
+        });
+    });
+}
+
+}  // namespace crumple

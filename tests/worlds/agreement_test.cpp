@@ -1,0 +1,58 @@
+// Worlds against brute force in rational arithmetic.
+
+#include <gtest/gtest.h>
+
+#include "worlds/compare_worlds.h"
+#include "worlds/random_worlds.h"
+
+namespace crumple {
+namespace {
+
+using test::random_question;
+using test::random_world;
+using test::same_world_answer;
+
+class Worlds : public testing::TestWithParam<Backend> {
+   protected:
+    Detector detector_{Options{.backend = GetParam(), .threads = 2}};
+    Detector reference_{Options{.backend = Backend::reference}};
+
+    void compare(unsigned seed, const test::WorldKind& kind) {
+        SCOPED_TRACE(testing::Message() << "seed " << seed);
+        const auto world = random_world(seed, kind);
+        for (unsigned i = 0; i < 3; ++i) {
+            const Intersect question = random_question(7 * seed + i, kind.bodies);
+            SCOPED_TRACE(testing::Message() << "question " << i << ", wants " << static_cast<int>(question.wants));
+            // Under other names each time, for a detector holds on to what it knows.
+            auto shapes = world->shapes;
+            for (Shape& shape : shapes)
+                if (shape.name != 0) shape.name += 1000 * (seed + 1);
+            const World view{shapes, world->bodies, world->poses};
+            ASSERT_TRUE(same_world_answer(detector_.find(view, question), reference_.find(view, question)));
+        }
+    }
+};
+
+TEST_P(Worlds, of_some_bodies) {
+    for (unsigned seed = 0; seed < 40; ++seed) compare(seed, {});
+}
+TEST_P(Worlds, of_named_bodies_only) {
+    for (unsigned seed = 100; seed < 130; ++seed) compare(seed, {.named = 1});
+}
+TEST_P(Worlds, of_unnamed_bodies_only) {
+    for (unsigned seed = 200; seed < 220; ++seed) compare(seed, {.named = 0});
+}
+TEST_P(Worlds, at_one_place) {
+    for (unsigned seed = 300; seed < 330; ++seed) compare(seed, {.bodies = 12, .worlds = 5});
+}
+TEST_P(Worlds, of_many_bodies_each) {
+    for (unsigned seed = 400; seed < 406; ++seed)
+        compare(seed, {.bodies = 90, .worlds = 2, .triangles = 5, .everywhere = 0.5, .reach = 2});
+}
+TEST_P(Worlds, of_no_bodies) { compare(500, {.bodies = 0}); }
+
+INSTANTIATE_TEST_SUITE_P(, Worlds, testing::Values(Backend::cpu),
+                         [](const auto& info) { return std::string(test::backend_name(info.param)); });
+
+}  // namespace
+}  // namespace crumple
