@@ -1,5 +1,7 @@
 #include "engine/first_hit.h"
 
+#include <algorithm>
+
 #include "base/float_environment.h"
 #include "questions/intersect/decide.h"
 
@@ -9,7 +11,7 @@ namespace {
 // Vertices count by themselves in each body, from `first` on.
 Triangle triangle_of(const PosedGroup& posed, int k, std::int32_t first) {
     const auto& c = posed.group->corner[static_cast<std::size_t>(k)];
-    return {{posed.vertex[c[0]], posed.vertex[c[1]], posed.vertex[c[2]]}, {first + c[0], first + c[1], first + c[2]}};
+    return {{posed.vertex(c[0]), posed.vertex(c[1]), posed.vertex(c[2])}, {first + c[0], first + c[1], first + c[2]}};
 }
 
 // Equal positions become one vertex: the lowest.
@@ -32,15 +34,36 @@ void weld(Triangle& a, Triangle& b) {
 void PosedGroup::pose(const ShapeTree& tree, const Placement& place, std::int32_t g) {
     index = g;
     group = &tree.group(g);
-    const Vec3d* given = tree.vertices(*group);
-    for (std::int32_t v = 0; v < group->vertices; ++v) vertex[static_cast<std::size_t>(v)] = place(given[v]);
-    all = no_bounds;
-    for (std::size_t k = 0; k < static_cast<std::size_t>(group->count); ++k) {
-        const auto& c = group->corner[k];
-        const Vec3d &p = vertex[c[0]], &q = vertex[c[1]], &r = vertex[c[2]];
-        box[k] = {min(p, min(q, r)), max(p, max(q, r))};
-        all.widen(box[k]);
+    const double* const given[3] = {tree.vertices(*group, 0), tree.vertices(*group, 1), tree.vertices(*group, 2)};
+    double* const posed[3] = {coordinate[0], coordinate[1], coordinate[2]};
+    place(given, group->blocks, posed);
+    for (int axis = 0; axis < 3; ++axis) {
+        double low[4], high[4];
+        std::copy_n(posed[axis], 4, low);
+        std::copy_n(posed[axis], 4, high);
+        for (std::int32_t v = 4; v < 4 * group->blocks; v += 4)
+            for (int lane = 0; lane < 4; ++lane) {
+                low[lane] = min(low[lane], posed[axis][v + lane]);
+                high[lane] = max(high[lane], posed[axis][v + lane]);
+            }
+        all.low[axis] = min(min(low[0], low[1]), min(low[2], low[3]));
+        all.high[axis] = max(max(high[0], high[1]), max(high[2], high[3]));
     }
+}
+
+Bounds PosedGroup::box(int k) const {
+    const auto& c = group->corner[static_cast<std::size_t>(k)];
+    const Vec3d p = vertex(c[0]), q = vertex(c[1]), r = vertex(c[2]);
+    return {min(p, min(q, r)), max(p, max(q, r))};
+}
+
+std::int32_t PosedGroup::boxes_within(const Bounds& other, Boxed* out) const {
+    std::int32_t n = 0;
+    for (int k = 0; k < group->count; ++k) {
+        out[n] = {box(k), k};
+        n += overlap(out[n].box, other);
+    }
+    return n;
 }
 
 bool bodies_meet(const WorldOutline& outline, const Intersect& question, const BodyRules& rules, std::int32_t a,
@@ -54,11 +77,15 @@ bool bodies_meet(const WorldOutline& outline, const Intersect& question, const B
     return !for_each_overlap(tree_a, place_a, tree_b, place_b, [&](std::int32_t group_a, std::int32_t group_b) {
         if (of_a.index != group_a) of_a.pose(tree_a, place_a, group_a);
         if (of_b.index != group_b) of_b.pose(tree_b, place_b, group_b);
-        for (int i = 0; i < of_a.group->count; ++i) {
-            const Bounds& box = of_a.box[static_cast<std::size_t>(i)];
-            if (!overlap(box, of_b.all)) continue;
-            for (int j = 0; j < of_b.group->count; ++j) {
-                if (!overlap(box, of_b.box[static_cast<std::size_t>(j)])) continue;
+        if (!overlap(of_a.all, of_b.all)) return true;
+        std::array<PosedGroup::Boxed, ShapeTree::most_triangles + 1> near_a, near_b;
+        const std::int32_t n = of_a.boxes_within(of_b.all, near_a.data()),
+                           m = of_b.boxes_within(of_a.all, near_b.data());
+        for (std::int32_t s_ = 0; s_ < n; ++s_) {
+            const auto& [box, i] = near_a[static_cast<std::size_t>(s_)];
+            for (std::int32_t t_ = 0; t_ < m; ++t_) {
+                const int j = near_b[static_cast<std::size_t>(t_)].triangle;
+                if (!overlap(box, near_b[static_cast<std::size_t>(t_)].box)) continue;
                 if (!rules.any_group() && !rules.groups(group_of(a, of_a.group->triangle[static_cast<std::size_t>(i)]),
                                                         group_of(b, of_b.group->triangle[static_cast<std::size_t>(j)])))
                     continue;

@@ -12,16 +12,25 @@
 
 namespace crumple {
 
-/// A group of a tree under a pose: its vertices, and a box for each triangle.
+/// A group of a tree under a pose: its vertices, and their box.
 class PosedGroup {
    public:
+    struct Boxed {
+        Bounds box;
+        int triangle;
+    };
+
     void pose(const ShapeTree& tree, const Placement& place, std::int32_t group);
+    Bounds box(int triangle) const;
+    /// Lists the triangles whose boxes overlap `other`; writes one more than there are.
+    std::int32_t boxes_within(const Bounds& other, Boxed* out) const;
 
     std::int32_t index = -1;  ///< of the group, -1: none yet
     const ShapeTree::Group* group = nullptr;
-    std::array<Bounds, ShapeTree::most_triangles> box;
     Bounds all;
-    std::array<Vec3d, 3 * ShapeTree::most_triangles> vertex;
+    alignas(64) double coordinate[3][3 * ShapeTree::most_triangles];
+
+    Vec3d vertex(std::size_t v) const { return {coordinate[0][v], coordinate[1][v], coordinate[2][v]}; }
 };
 
 /// Thread-safe: touches nothing but its arguments. Adds to `decided` the pairs whose boxes overlapped.

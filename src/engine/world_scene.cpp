@@ -118,7 +118,7 @@ void WorldScene::add(const WorldOutline& outline, std::int32_t b, bool everywher
         const ShapeTree::Group& group = tree.group(g);
         const auto first = static_cast<std::int32_t>(vertices());
         grow_vertices(group.vertices);
-        for (std::int32_t v = 0; v < group.vertices; ++v) put(first + v, place(tree.vertices(group)[v]));
+        for (std::int32_t v = 0; v < group.vertices; ++v) put(first + v, place(tree.vertex(group, v)));
         for (std::size_t k = 0; k < static_cast<std::size_t>(group.count); ++k) {
             const auto& c = group.corner[k];
             row_.push_back({group.triangle[k], {first + c[0], first + c[1], first + c[2]}});

@@ -3,7 +3,10 @@
 // Where a body's vertices are: its pose, applied to single vertices exactly as the contract says, and to boxes so that
 // they hold all vertices of what they held before.
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 #include "crumple/world.h"
@@ -26,6 +29,32 @@ inline constexpr double largest_number = std::numeric_limits<double>::max();
 inline constexpr Bounds no_bounds{{largest_number, largest_number, largest_number},
                                   {-largest_number, -largest_number, -largest_number}};
 
+/// A box by its middle and half extent, which hold it after rounding.
+struct CentredBox {
+    Vec3d middle, half;
+
+    CentredBox() = default;
+    explicit CentredBox(const Bounds& box) : middle(0.5 * box.low + 0.5 * box.high) {
+        half = max(box.high - middle, middle - box.low);
+        for (int axis = 0; axis < 3; ++axis) half[axis] += 0x1p-50 * half[axis] + 0x1p-1070;
+    }
+};
+
+/// (A | t) by columns.
+struct Affine {
+    std::array<double, 12> rows;
+    Vec3d operator()(const Vec3d& p) const {
+        const auto along = [&](std::size_t i) {
+            return ((rows[i] * p.x + rows[i + 1] * p.y) + rows[i + 2] * p.z) + rows[i + 3];
+        };
+        return {along(0), along(4), along(8)};
+    }
+    Vec3d column(int j) const {
+        const auto k = static_cast<std::size_t>(j);
+        return {rows[k], rows[4 + k], rows[8 + k]};
+    }
+};
+
 class Placement {
    public:
     Placement() = default;
@@ -41,31 +70,70 @@ class Placement {
         return float32_ ? rounded(posed) : posed;
     }
 
-    /// Holds every posed vertex whose given position `box` holds. A vertex is c + d with |d| <= h by axis, c and h the
-    /// box's middle and half extent; six roundings of float64, and one of the shape's precision, separate what is
-    /// computed from what is true.
-    Bounds operator()(const Bounds& box) const {
-        if (!pose_) return box;
-        const double u = float32_ ? 0x1p-22 : 0x1p-49, tiny = float32_ ? 0x1p-148 : 0x1p-1070;
-        const Vec3d c = 0.5 * box.low + 0.5 * box.high, h = max(box.high - c, c - box.low);
+    /// Many at once, in blocks of four: rows x, y, z of `blocks` blocks each.
+    void operator()(const double* const given[3], std::int32_t blocks, double* const posed[3]) const {
+        for (int axis = 0; axis < 3; ++axis) {
+            const std::array<double, 12> r = matrix().rows;
+            const auto k = static_cast<std::size_t>(4 * axis);
+            for (std::int32_t i = 0; i < 4 * blocks; i += 4) {
+                Block value;
+                for (std::size_t lane = 0; lane < 4; ++lane) {
+                    const auto v = static_cast<std::size_t>(i) + lane;
+                    value[lane] =
+                        pose_ ? ((r[k] * given[0][v] + r[k + 1] * given[1][v]) + r[k + 2] * given[2][v]) + r[k + 3]
+                              : given[axis][v];
+                }
+                if (pose_ && float32_) round_to_float(value);
+                std::copy_n(value, 4, posed[axis] + i);
+            }
+        }
+    }
+
+    Affine matrix() const { return {pose_ ? pose_->rows : Pose{}.rows}; }
+
+    /// Bound on the difference of a coordinate of a posed vertex in `box` from what it were without rounding: six
+    /// roundings of float64, and one of the shape's precision. Also covers what is computed of `box` in a few steps.
+    double error(const CentredBox& box) const {
+        const std::array<double, 12> r = matrix().rows;
+        double size = 0;
+        for (std::size_t i = 0; i < 12; i += 4) {
+            double sum = std::abs(r[i + 3]);
+            for (int j = 0; j < 3; ++j)
+                sum += std::abs(r[i + static_cast<std::size_t>(j)]) * (std::abs(box.middle[j]) + box.half[j]);
+            size = max(size, sum);
+        }
+        return float32_ ? 0x1p-21 * size + 0x1p-148 : 0x1p-46 * size + 0x1p-1070;
+    }
+
+    /// Holds every posed vertex whose given position `box` holds.
+    Bounds operator()(const CentredBox& box) const {
+        const double e = error(box);
+        const Affine p = matrix();
         Bounds posed;
         for (int axis = 0; axis < 3; ++axis) {
-            const double* r = row(axis);
-            const double x = std::abs(r[0]), y = std::abs(r[1]), z = std::abs(r[2]);
-            const double middle = ((r[0] * c.x + r[1] * c.y) + r[2] * c.z) + r[3];
-            const double reach = (x * h.x + y * h.y) + z * h.z;
-            const double size = reach + ((x * std::abs(c.x) + y * std::abs(c.y)) + z * std::abs(c.z)) + std::abs(r[3]);
-            posed.low[axis] = middle - (reach + (u * size + tiny));
-            posed.high[axis] = middle + (reach + (u * size + tiny));
+            const double* r = p.rows.data() + 4 * axis;
+            const double middle = ((r[0] * box.middle.x + r[1] * box.middle.y) + r[2] * box.middle.z) + r[3];
+            const double reach =
+                (std::abs(r[0]) * box.half.x + std::abs(r[1]) * box.half.y) + std::abs(r[2]) * box.half.z + e;
+            posed.low[axis] = middle - reach;
+            posed.high[axis] = middle + reach;
         }
         return posed;
     }
 
    private:
+    using Block = double[4];
+
     // By way of memory, since g++ 12 with -O3 takes double(float(x)) for x where it selects between both in lanes.
+    static void round_to_float(Block& value) {
+        volatile float rounded[4];
+        for (int lane = 0; lane < 4; ++lane) rounded[lane] = static_cast<float>(value[lane]);
+        for (int lane = 0; lane < 4; ++lane) value[lane] = static_cast<double>(rounded[lane]);
+    }
     static Vec3d rounded(const Vec3d& p) {
-        volatile float x = static_cast<float>(p.x), y = static_cast<float>(p.y), z = static_cast<float>(p.z);
-        return {static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)};
+        Block value{p.x, p.y, p.z, 0};
+        round_to_float(value);
+        return {value[0], value[1], value[2]};
     }
 
     const double* row(int axis) const { return pose_->rows.data() + 4 * axis; }

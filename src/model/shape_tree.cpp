@@ -12,6 +12,7 @@ void ShapeTree::build(const Shape& shape) {
     node_.clear();
     group_.clear();
     vertex_.clear();
+    box_.clear();
     for (std::int64_t v = 0; v < shape.vertices.rows; ++v) {
         const Vec3d p = position(v);
         if (!(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z))) fail_not_finite("", v);
@@ -37,17 +38,24 @@ void ShapeTree::build(const Shape& shape) {
         }
         add_node(shape, item, item + n, corners);
     });
+    frame_ = SmallFrame(box_[0]);
+    for (std::size_t i = 0; i < node_.size(); ++i) node_[i].box = frame_(box_[i]);
+    box_.release();
     order_.release();
 }
 
 template <class Corners>
-std::int32_t ShapeTree::add_node(const Shape& shape, Item* begin, Item* end, Corners corners) {
+Bounds ShapeTree::add_node(const Shape& shape, Item* begin, Item* end, Corners corners) {
     const auto i = static_cast<std::int32_t>(node_.size());
     node_.push_back({});
+    box_.push_back({});
+    const auto box_of = [&](const Bounds& box) {
+        box_[i] = CentredBox(box);
+        return box;
+    };
     if (end - begin <= most_triangles) {
         node_[i].group = static_cast<std::int32_t>(group_.size());
-        node_[i].box = add_group(shape, begin, end, corners);
-        return i;
+        return box_of(add_group(shape, begin, end, corners));
     }
     Bounds centroids = no_bounds;
     for (const Item* item = begin; item != end; ++item) centroids.widen(item->centroid);
@@ -58,13 +66,10 @@ std::int32_t ShapeTree::add_node(const Shape& shape, Item* begin, Item* end, Cor
     std::nth_element(begin, middle, end, [axis](const Item& a, const Item& b) {
         return a.centroid[axis] != b.centroid[axis] ? a.centroid[axis] < b.centroid[axis] : a.triangle < b.triangle;
     });
-    add_node(shape, begin, middle, corners);
-    const std::int32_t right = add_node(shape, middle, end, corners);
-    Bounds box = node_[i + 1].box;
-    box.widen(node_[right].box);
-    node_[i].box = box;
-    node_[i].right = right;
-    return i;
+    Bounds box = add_node(shape, begin, middle, corners);
+    node_[i].right = static_cast<std::int32_t>(node_.size());
+    box.widen(add_node(shape, middle, end, corners));
+    return box_of(box);
 }
 
 template <class Corners>
@@ -73,7 +78,7 @@ Bounds ShapeTree::add_group(const Shape& shape, Item* begin, Item* end, Corners 
     const VertexReader position = reader_of(shape);
     std::array<std::int64_t, 3 * most_triangles> vertex;
     Group group;
-    group.first_vertex = static_cast<std::int64_t>(vertex_.size());
+    group.first_block = static_cast<std::int64_t>(vertex_.size()) / 12;
     for (const Item* item = begin; item != end; ++item) {
         const auto k = static_cast<std::size_t>(group.count++);
         group.triangle[k] = item->triangle;
@@ -83,13 +88,16 @@ Bounds ShapeTree::add_group(const Shape& shape, Item* begin, Item* end, Corners 
             if (known == vertex.begin() + group.vertices) {
                 *known = ids[c];
                 ++group.vertices;
-                vertex_.push_back(position(ids[c]));
             }
             group.corner[k][c] = static_cast<std::uint8_t>(known - vertex.begin());
         }
     }
     Bounds box = no_bounds;
-    for (std::int32_t v = 0; v < group.vertices; ++v) box.widen(vertex_[group.first_vertex + v]);
+    for (std::int32_t v = 0; v < group.vertices; ++v) box.widen(position(vertex[static_cast<std::size_t>(v)]));
+    group.blocks = (group.vertices + 3) / 4;
+    for (int axis = 0; axis < 3; ++axis)
+        for (std::int32_t v = 0; v < 4 * group.blocks; ++v)
+            vertex_.push_back(position(vertex[static_cast<std::size_t>(std::min(v, group.vertices - 1))])[axis]);
     group_.push_back(group);
     return box;
 }

@@ -14,6 +14,7 @@
 #include <cstdint>
 
 #include "crumple/array.h"
+#include "model/box_separation.h"
 #include "model/placement.h"
 #include "model/world.h"
 
@@ -24,20 +25,23 @@ class ShapeTree {
     static constexpr int most_triangles = 16;
 
     struct Node {
-        Bounds box;
+        SmallBox box;
         std::int32_t right = 0;   ///< the right child; the left one is the next node
         std::int32_t group = -1;  ///< not negative: a leaf
+
+        float extent() const { return max(box.half[0], max(box.half[1], box.half[2])); }
     };
 
     struct Group {
-        std::int32_t count = 0;         ///< triangles
-        std::int64_t first_vertex = 0;  ///< in the tree's vertices
+        std::int32_t count = 0;        ///< triangles
+        std::int64_t first_block = 0;  ///< of four vertices, in the tree's
+        std::int32_t blocks = 0;       ///< the last vertex fills up the last one
         std::int32_t vertices = 0;
         std::array<std::int32_t, most_triangles> triangle;  ///< of the shape, ascending
         std::array<std::array<std::uint8_t, 3>, most_triangles> corner;
     };
 
-    explicit ShapeTree(MemoryMeter* meter) : node_(meter), group_(meter), vertex_(meter), order_(meter) {}
+    explicit ShapeTree(MemoryMeter* meter) : node_(meter), group_(meter), vertex_(meter), box_(meter), order_(meter) {}
 
     /// Reads the shape: coordinates must be finite and indices in range, or Error (without a shape's name) is thrown.
     /// O(m log m).
@@ -47,9 +51,18 @@ class ShapeTree {
     const Node& node(std::int32_t i) const { return node_[i]; }
     const Group& group(std::int32_t g) const { return group_[g]; }
     std::int32_t groups() const { return static_cast<std::int32_t>(group_.size()); }
-    const Vec3d* vertices(const Group& group) const { return vertex_.data() + group.first_vertex; }
+    /// Coordinates of a group's vertices along an axis.
+    const double* vertices(const Group& group, int axis) const {
+        return vertex_.data() + 12 * group.first_block + 4 * axis * group.blocks;
+    }
+    Vec3d vertex(const Group& group, std::int32_t v) const {
+        return {vertices(group, 0)[v], vertices(group, 1)[v], vertices(group, 2)[v]};
+    }
     /// Of the whole shape; only if it is not empty.
-    const Bounds& box() const { return node_[0].box; }
+    const CentredBox& box() const { return frame_.all; }
+    const SmallFrame& frame() const { return frame_; }
+    /// A node's box in the shape's own coordinates.
+    CentredBox box(const Node& node) const { return frame_.box(node.box); }
 
    private:
     struct Item {
@@ -58,14 +71,16 @@ class ShapeTree {
     };
 
     template <class Corners>
-    std::int32_t add_node(const Shape& shape, Item* begin, Item* end, Corners corners);
+    Bounds add_node(const Shape& shape, Item* begin, Item* end, Corners corners);
     template <class Corners>
     Bounds add_group(const Shape& shape, Item* begin, Item* end, Corners corners);
 
+    SmallFrame frame_;
     Array<Node> node_;
     Array<Group> group_;
-    Array<Vec3d> vertex_;
-    Array<Item> order_;  ///< scratch
+    Array<double> vertex_;   ///< group by group: all x, all y, all z
+    Array<CentredBox> box_;  ///< scratch: of the nodes
+    Array<Item> order_;      ///< scratch
 };
 
 /// Walks both trees, and calls visit(group of a, group of b) for each pair of groups whose posed boxes overlap; ends
@@ -80,24 +95,28 @@ void for_each_overlap(const ShapeTree& tree, const Placement& pose, const Bounds
 
 namespace detail {
 
-inline double extent(const Bounds& box) { return largest(box.high - box.low); }
-
 template <class Visit>
 struct PairWalk {
     const ShapeTree &a, &b;
-    const Placement &pose_a, &pose_b;
+    const BoxSeparation& separation;
     Visit& visit;
+    float extent_a = static_cast<float>(a.frame().unit), extent_b = static_cast<float>(b.frame().unit);
 
-    bool operator()(std::int32_t i, const Bounds& box_a, std::int32_t j, const Bounds& box_b) {
-        if (!overlap(box_a, box_b)) return true;
+    float gap(std::int32_t i, std::int32_t j) const { return separation.gap(a.node(i).box, b.node(j).box); }
+
+    // Of two nodes that are not apart. Those that overlap most come first: a hit is likely there.
+    bool operator()(std::int32_t i, std::int32_t j) {
         const ShapeTree::Node &node_a = a.node(i), &node_b = b.node(j);
         const bool leaf_a = node_a.group >= 0, leaf_b = node_b.group >= 0;
         if (leaf_a && leaf_b) return visit(node_a.group, node_b.group);
-        if (leaf_b || (!leaf_a && extent(box_a) > extent(box_b)))
-            return (*this)(i + 1, pose_a(a.node(i + 1).box), j, box_b) &&
-                   (*this)(node_a.right, pose_a(a.node(node_a.right).box), j, box_b);
-        return (*this)(i, box_a, j + 1, pose_b(b.node(j + 1).box)) &&
-               (*this)(i, box_a, node_b.right, pose_b(b.node(node_b.right).box));
+        const bool split_a = leaf_b || (!leaf_a && extent_a * node_a.extent() > extent_b * node_b.extent());
+        const std::int32_t left[2] = {split_a ? i + 1 : i, split_a ? j : j + 1};
+        const std::int32_t right[2] = {split_a ? node_a.right : i, split_a ? j : node_b.right};
+        const float gap_left = gap(left[0], left[1]), gap_right = gap(right[0], right[1]);
+        const bool swap = gap_right < gap_left;
+        const auto &first = swap ? right : left, &second = swap ? left : right;
+        if (!((swap ? gap_right : gap_left) > 0) && !(*this)(first[0], first[1])) return false;
+        return (swap ? gap_left : gap_right) > 0 || (*this)(second[0], second[1]);
     }
 };
 
@@ -107,7 +126,9 @@ template <class Visit>
 bool for_each_overlap(const ShapeTree& a, const Placement& pose_a, const ShapeTree& b, const Placement& pose_b,
                       Visit visit) {
     if (a.empty() || b.empty()) return true;
-    return detail::PairWalk<Visit>{a, b, pose_a, pose_b, visit}(0, pose_a(a.box()), 0, pose_b(b.box()));
+    const BoxSeparation separation(pose_a, a.frame(), pose_b, b.frame());
+    detail::PairWalk<Visit> walk{a, b, separation, visit};
+    return walk.gap(0, 0) > 0 || walk(0, 0);
 }
 
 template <class Visit>
@@ -115,7 +136,7 @@ void for_each_overlap(const ShapeTree& tree, const Placement& pose, const Bounds
     if (tree.empty()) return;
     const auto walk = [&](auto& self, std::int32_t i) -> void {
         const ShapeTree::Node& node = tree.node(i);
-        if (!overlap(pose(node.box), box)) return;
+        if (!overlap(pose(tree.box(node)), box)) return;
         if (node.group >= 0) return visit(node.group);
         self(self, i + 1);
         self(self, node.right);
