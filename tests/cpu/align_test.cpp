@@ -132,15 +132,16 @@ TEST(Build, boxes_hold_the_rotated_corners_and_planes_hold_their_triangle) {
                          static_cast<float>(axes.axis[i].z)};
     for (const float big : {10.0f, 0.3f}) {  // in the second case many are big
         frame.big = big;
-        for (const Kernels* kernels : test::kernel_tables()) {
+        for (const test::Tables& kernels : test::kernel_tables()) {
             for (const PointRows rows : {PointRows{points.data(), nullptr}, PointRows{nullptr, points64.data()}}) {
                 Array<Record> record;
                 Boxes boxes(nullptr);
                 record.resize(n + padding);
                 boxes.resize(n);
                 LeafBounds bounds;
-                kernels->build({rows, corners.data(), n, triangle.data(), n, frame}, record.data(), boxes, bounds);
-                EXPECT_EQ(bounds.big > 0, big < 1) << kernels->name;
+                kernels.intersect.build({rows, corners.data(), n, triangle.data(), n, frame}, record.data(), boxes,
+                                        bounds);
+                EXPECT_EQ(bounds.big > 0, big < 1) << kernels.name;
                 for (int t = 0; t < n; ++t) {
                     const BoxCorner l = boxes.low[static_cast<std::size_t>(t)],
                                     h = boxes.high[static_cast<std::size_t>(t)];
@@ -154,15 +155,15 @@ TEST(Build, boxes_hold_the_rotated_corners_and_planes_hold_their_triangle) {
                             const Vec3f e = frame.axis[axis];
                             const double turned = dot(Vec3d{e.x, e.y, e.z}, p);
                             const double margin = 8 * 0x1p-24 * std::max(1.0f, bounds.reach);
-                            EXPECT_LE(low[axis], turned + margin) << kernels->name;
-                            EXPECT_GE(high[axis], turned - margin) << kernels->name;
+                            EXPECT_LE(low[axis], turned + margin) << kernels.name;
+                            EXPECT_GE(high[axis], turned - margin) << kernels.name;
                         }
                         const Record& r = record[static_cast<std::size_t>(t)];
                         EXPECT_EQ(r.id[k], corners[static_cast<std::size_t>(3 * t + k)]);
                         const double off_plane = static_cast<double>(r.x[3]) * p.x + static_cast<double>(r.y[3]) * p.y +
                                                  static_cast<double>(r.z[3]) * p.z - static_cast<double>(r.c);
                         EXPECT_LE(std::abs(off_plane), static_cast<double>(plane_bound) * 0x1p-24)
-                            << kernels->name << ": the corners lie on the plane, within its bound";
+                            << kernels.name << ": the corners lie on the plane, within its bound";
                     }
                 }
             }

@@ -5,7 +5,7 @@
 #include <numeric>
 #include <random>
 
-#include "tables.h"
+#include "engine/cpu/kernels.h"
 
 namespace crumple::cpu {
 namespace {
@@ -27,7 +27,7 @@ Array<Ball> make_balls(const Centres& centres, int count, std::mt19937& engine) 
 TEST(Assign, a_cluster_whose_centre_is_nearest_to_a_point_of_the_ball_has_it_as_a_member) {
     std::mt19937 engine(11);
     const auto number = [&] { return static_cast<double>(engine()) * 0x1p-31 - 1; };
-    for (const Kernels* kernels : test::kernel_tables()) {
+    for (const StageKernels* kernels : all_stage_kernels()) {
         for (const int count : {1, 2, 3, 16, 17, 33, 64}) {
             Centres centres;
             centres.count = count;
@@ -73,7 +73,7 @@ TEST(Assign, a_cluster_whose_centre_is_nearest_to_a_point_of_the_ball_has_it_as_
 TEST(Assign, lists_the_members_of_a_child_and_writes_no_mask_beyond_the_last) {
     std::mt19937 engine(7);
     const auto random_mask = [&] { return std::uint64_t{engine()} << 32 | engine(); };
-    for (const Kernels* kernels : test::kernel_tables()) {
+    for (const StageKernels* kernels : all_stage_kernels()) {
         for (const std::size_t n :
              {std::size_t{0}, std::size_t{1}, std::size_t{15}, std::size_t{16}, std::size_t{333}}) {
             std::vector<std::uint64_t> mask(n + 5);
@@ -111,7 +111,7 @@ TEST(Assign, small_balls_have_few_clusters) {
     for (int k = 0; k < 16; ++k) centres.set(k, {number(), number(), number()});
     std::vector<Ball> balls;
     for (int i = 0; i < 4000; ++i) balls.push_back({number(), number(), number(), 0.01f});
-    for (const Kernels* kernels : test::kernel_tables()) {
+    for (const StageKernels* kernels : all_stage_kernels()) {
         std::vector<std::uint64_t> mask(balls.size());
         std::array<std::int64_t, max_clusters> counts{};
         kernels->assign(balls.data(), 4000, centres, mask.data(), counts.data());

@@ -7,7 +7,7 @@
 
 #include <functional>
 
-#include "cpu/tables.h"
+#include "engine/cpu/kernels.h"
 #include "error_of.h"
 #include "halves.h"
 #include "soups.h"
@@ -17,7 +17,6 @@ namespace {
 
 using test::difference;
 using test::error_of;
-using test::kernel_tables;
 using test::pairs_of;
 using Corners = std::array<std::int32_t, 3>;
 
@@ -176,7 +175,7 @@ TEST(Copies, belong_to_a_part_only_if_they_are_listed) {
 }
 
 TEST(Copies, are_seen_wherever_they_stand) {
-    for (const cpu::Kernels* kernels : kernel_tables()) {
+    for (const cpu::StageKernels* kernels : cpu::all_stage_kernels()) {
         for (std::int64_t n = 0; n < 70; ++n) {
             std::vector<std::int32_t> corners;
             for (std::int32_t i = 0; i < 3 * n; ++i) corners.push_back(i / 3 + i % 3);  // neighbours share vertices

@@ -6,7 +6,6 @@
 #include <set>
 
 #include "engine/cpu/sort.h"
-#include "tables.h"
 
 namespace crumple::cpu {
 namespace {
@@ -27,7 +26,6 @@ LeafMembers make_members(int n, float size, std::mt19937& engine) {
         members.bounds.high = max(members.bounds.high, high);
         members.boxes.low.push_back({low.x, low.y, low.z, 0});
         members.boxes.high.push_back({high.x, high.y, high.z, 0});
-        members.record.push_back(Record{});
         members.triangle.push_back(i);
         members.member.push_back(i);
         members.lower.push_back(static_cast<std::uint16_t>(1u << (engine() % 16) & (engine() % 2 ? 0xffff : 0)));
@@ -51,7 +49,7 @@ bool overlap(const Boxes& boxes, std::size_t i, std::size_t j) {
     return starts_before_end(i, j) && starts_before_end(j, i);
 }
 
-std::multiset<std::pair<int, int>> candidates_of(const Kernels& kernels, const SortedLeaf& leaf,
+std::multiset<std::pair<int, int>> candidates_of(const StageKernels& kernels, const SortedLeaf& leaf,
                                                  std::int64_t capacity) {
     std::multiset<std::pair<int, int>> found;
     Candidates out(nullptr);
@@ -84,7 +82,7 @@ std::multiset<std::pair<int, int>> candidates_of(const Kernels& kernels, const S
 
 TEST(Sweep, finds_all_overlapping_boxes_once_and_none_that_a_lower_cluster_owns) {
     std::mt19937 engine(6);
-    for (const Kernels* kernels : test::kernel_tables()) {
+    for (const StageKernels* kernels : all_stage_kernels()) {
         for (const int n : {1, 2, 31, 32, 33, 64, 700}) {
             for (const float size : {0.0f, 0.05f, 0.5f, 3.0f, -0.05f, -0.5f}) {
                 LeafMembers members = make_members(n, std::abs(size), engine);
@@ -124,7 +122,7 @@ TEST(Sweep, leaves_larger_than_16_bits_are_swept_in_blocks) {
     for (const bool between : {false, true}) {
         members.between = between;
         std::multiset<std::pair<int, int>> first;
-        for (const Kernels* kernels : test::kernel_tables()) {
+        for (const StageKernels* kernels : all_stage_kernels()) {
             SortScratch scratch(nullptr);
             SortedLeaf leaf(nullptr);
             sort_leaf(members, *kernels, scratch, leaf);

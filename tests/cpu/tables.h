@@ -3,14 +3,23 @@
 #include <vector>
 
 #include "engine/cpu/kernels.h"
-#include "engine/cpu/simd/simd.h"
+#include "questions/intersect/cpu/kernels.h"
 
 namespace crumple::test {
 
-/// The kernel tables of every instruction set that build and machine have.
-inline std::vector<const cpu::Kernels*> kernel_tables() {
-    std::vector<const cpu::Kernels*> tables = cpu::all_simd_kernels();
-    tables.insert(tables.begin(), &cpu::scalar_kernels);
+/// The kernels of one instruction set.
+struct Tables {
+    const char* name;
+    const cpu::StageKernels& stages;
+    const cpu::IntersectKernels& intersect;
+};
+
+/// Those of every instruction set that build and machine have.
+inline std::vector<Tables> kernel_tables() {
+    const auto stages = cpu::all_stage_kernels();
+    const auto intersect = cpu::all_intersect_kernels();
+    std::vector<Tables> tables;
+    for (std::size_t i = 0; i < stages.size(); ++i) tables.push_back({stages[i]->name, *stages[i], *intersect[i]});
     return tables;
 }
 

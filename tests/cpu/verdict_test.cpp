@@ -7,6 +7,7 @@
 #include <set>
 
 #include "engine/cpu/sort.h"
+#include "questions/intersect/cpu/records.h"
 #include "questions/intersect/rational_intersection.h"
 #include "tables.h"
 
@@ -51,7 +52,7 @@ std::vector<RationalIntersection> intersect_all(const Mesh& mesh) {
     return all;
 }
 
-void check(const Kernels& kernels, const Mesh& mesh, const std::vector<RationalIntersection>& exact,
+void check(const test::Tables& kernels, const Mesh& mesh, const std::vector<RationalIntersection>& exact,
            const NarrowPolicy& policy) {
     const auto n = static_cast<std::int64_t>(mesh.corners.size() / 3);
     Array<float> points;
@@ -66,26 +67,26 @@ void check(const Kernels& kernels, const Mesh& mesh, const std::vector<RationalI
         members.lower.push_back(0);
     }
     for (int i = 0; i < padding; ++i) members.triangle.push_back(static_cast<std::int32_t>(n - 1));
-    members.record.resize(static_cast<std::size_t>(n + padding));
     members.boxes.resize(static_cast<std::size_t>(n));
     LeafFrame frame;
     frame.origin = {0.5f, 0.45f, 0.01f};
     frame.axis[0] = {1, 0, 0}, frame.axis[1] = {0, 1, 0}, frame.axis[2] = {0, 0, 1};
     frame.big = 10;
     const PointRows rows{points.data(), nullptr};
-    kernels.build({rows, mesh.corners.data(), n, members.triangle.data(), n, frame}, members.record.data(),
-                  members.boxes, members.bounds);
+    LeafRecords records(nullptr);
+    records.build(kernels.intersect, {rows, mesh.corners.data(), n, members.triangle.data(), n, frame}, members);
     SortScratch scratch(nullptr);
     SortedLeaf leaf(nullptr);
-    sort_leaf(members, kernels, scratch, leaf);
+    sort_leaf(members, kernels.stages, scratch, leaf);
+    records.sort(kernels.intersect, leaf);
 
     Candidates candidates(nullptr);
     candidates.column.resize(static_cast<std::size_t>(n * n + 1000));
     candidates.row.resize(static_cast<std::size_t>(n * n + 1000));
-    const std::int64_t end = kernels.sweep(leaf, 0, n, n, static_cast<std::uint16_t>(n), n * n, candidates);
+    const std::int64_t end = kernels.stages.sweep(leaf, 0, n, n, static_cast<std::uint16_t>(n), n * n, candidates);
     ASSERT_EQ(end, n);
     Verdicts verdicts(nullptr);
-    kernels.filter(leaf, candidates, rows, policy, members.bounds.reach, verdicts);
+    kernels.intersect.filter(records.sorted.data(), candidates, rows, policy, records.reach, verdicts);
 
     const auto pair_of = [&](std::uint32_t packed) {
         const auto a = static_cast<std::size_t>(leaf.link[packed & 0xffff].triangle);
@@ -119,9 +120,9 @@ TEST(Verdict, no_table_drops_a_collision_or_invents_one) {
             for (const int vertices : {8, 40, 300}) {
                 const Mesh mesh = make_mesh(vertices, 70, thickness, lattice, engine);
                 const auto exact = intersect_all(mesh);
-                for (const Kernels* kernels : test::kernel_tables())
+                for (const test::Tables& kernels : test::kernel_tables())
                     for (const NarrowPolicy policy : {NarrowPolicy{}, {true, false}, {false, true}})
-                        check(*kernels, mesh, exact, policy);
+                        check(kernels, mesh, exact, policy);
             }
 }
 

@@ -108,16 +108,19 @@ struct Answer {
 
 CRUMPLE_HD Answer answer(const Leaf& leaf) {
     const PointRows points{leaf.rows, nullptr};
-    const auto make = [&](int t) {
-        const Vec3d p[3] = {points[leaf.id[3 * t]], points[leaf.id[3 * t + 1]], points[leaf.id[3 * t + 2]]};
-        return member_of(p, leaf.id + 3 * t, leaf.frame);
+    const auto corners = [&](int t, Vec3d p[3]) {
+        for (int k = 0; k < 3; ++k) p[k] = points[leaf.id[3 * t + k]];
     };
-    Member a = make(0), b = make(1);
-    const float reach = max(a.reach, b.reach);
-    scale_plane(a.record, plane_scale(reach));
-    scale_plane(b.record, plane_scale(reach));
+    Vec3d p[3], q[3];
+    corners(0, p);
+    corners(1, q);
+    const InFrame<3> a(p, leaf.frame), b(q, leaf.frame);
+    Record first = record_of(p, leaf.id, a), second = record_of(q, leaf.id + 3, b);
+    const float reach = max(a.counted_reach(), b.counted_reach());
+    scale_plane(first, plane_scale(reach));
+    scale_plane(second, plane_scale(reach));
     Answer result{};
-    result.verdict = filter_pair(a.record, b.record, {}, points, reach);
+    result.verdict = filter_pair(first, second, {}, points, reach);
     result.ball = ball_of(to_float(points[leaf.id[0]]), to_float(points[leaf.id[1]]), to_float(points[leaf.id[2]]));
     result.joins = joins(dot(a.low, a.low), 1.0f, result.ball.r, bisector_reach(b.high));
     return result;

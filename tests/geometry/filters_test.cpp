@@ -45,9 +45,9 @@ struct FilteredPair {
         LeafFrame frame{origin, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, big};
         const auto member = [&](const Triangle& t) {
             const Vec3d p[3] = {points()[t.vertex[0]], points()[t.vertex[1]], points()[t.vertex[2]]};
-            const Member m = member_of(p, t.vertex.data(), frame);
-            reach = std::max(reach, m.reach);
-            return m.record;
+            const InFrame<3> member(p, frame);
+            reach = std::max(reach, member.counted_reach());
+            return record_of(p, t.vertex.data(), member);
         };
         a = member(pair.a);
         b = member(pair.b);

@@ -43,9 +43,6 @@ LeafFrame leaf_frame(const Array<Ball>& balls, const PointRows& points, const st
         moment.add_triangle(points[corner(i)[0]], points[corner(i)[1]], points[corner(i)[2]], axes);
     turn_to_edges(axes, moment);
     LeafFrame frame;
-    const auto to_float = [](Vec3d p) {
-        return Vec3f{static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
-    };
     frame.origin = to_float(mean);
     for (int i = 0; i < 3; ++i) frame.axis[i] = to_float(axes.axis[i]);
     frame.big = static_cast<float>(2 * (spread + radius)) + 1e-30f;

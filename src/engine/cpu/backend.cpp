@@ -14,7 +14,6 @@
 #include "engine/cpu/bounds.h"
 #include "engine/cpu/copies.h"
 #include "engine/cpu/kernels.h"
-#include "engine/cpu/narrow.h"
 #include "engine/cpu/output.h"
 #include "engine/cpu/ownership.h"
 #include "engine/cpu/parallel.h"
@@ -24,6 +23,7 @@
 #include "engine/output.h"
 #include "model/part.h"
 #include "model/rules.h"
+#include "questions/intersect/cpu/narrow.h"
 
 namespace crumple {
 namespace cpu {
@@ -37,10 +37,11 @@ constexpr std::int64_t many_pairs = 8;
 
 /// Memory of one worker.
 struct Scratch {
-    explicit Scratch(MemoryMeter* m) : members(m), sort(m), leaf(m), tile_begin(m), narrow(m) {}
+    explicit Scratch(MemoryMeter* m) : members(m), sort(m), leaf(m), records(m), tile_begin(m), narrow(m) {}
     LeafMembers members;
     SortScratch sort;
     SortedLeaf leaf;
+    LeafRecords records;
     Array<std::int64_t> tile_begin;  ///< rows at which a large leaf is cut
     NarrowScratch narrow;
 };
@@ -49,7 +50,8 @@ class CpuBackend final : public BackendBase {
    public:
     CpuBackend(const Options& options, MemoryMeter& meter, Cancellation& cancellation)
         : options_(options),
-          kernels_(kernels_for(options.simd)),
+          kernels_(stage_kernels(options.simd)),
+          intersect_(intersect_kernels(options.simd)),
           cancellation_(cancellation),
           workers_(options.threads, cancellation),
           meter_(meter) {
@@ -208,7 +210,7 @@ class CpuBackend final : public BackendBase {
                 if (leaf.size < 2) continue;
                 Ownership ownership(scene, *subdivision_, part_masks(), part_index_, leaf);
                 if (!prepare_leaf(scene, leaf, ownership, scratch)) continue;
-                sweep_and_narrow(context, scratch.leaf, ownership, scratch.members.bounds.reach, 0, scratch.leaf.rows,
+                sweep_and_narrow(context, scratch.leaf, scratch.records, ownership, 0, scratch.leaf.rows,
                                  scratch.narrow);
             }
         }
@@ -274,7 +276,8 @@ class CpuBackend final : public BackendBase {
         for (const auto& scratch : scratch_) {
             scratch->members.make_room(static_cast<std::size_t>(largest));
             make_room(largest, between, scratch->sort, scratch->leaf);
-            scratch->narrow.make_room(scratch->leaf.rows);
+            scratch->records.make_room(largest, scratch->leaf.rows);
+            make_room(scratch->leaf.rows, scratch->narrow.candidates);
             if (most > 0) scratch->narrow.verdicts.make_room(most);
             scratch->narrow.pairs.reserve(share);
         }
@@ -287,7 +290,7 @@ class CpuBackend final : public BackendBase {
     NarrowContext narrow_context(const Scene& scene, const Query& query) const {
         // The SIMD filters form 4 vertex in 32 bits.
         const bool huge = scene.vertex_count() >= std::int64_t{1} << 29;
-        return {scene, query, rule_, huge ? scalar_kernels : kernels_, point_rows(scene), cancellation_};
+        return {scene, query, rule_, kernels_, huge ? scalar_intersect : intersect_, point_rows(scene), cancellation_};
     }
 
     const std::uint64_t* part_masks() const { return part_masks_.empty() ? nullptr : part_masks_.data(); }
@@ -320,13 +323,14 @@ class CpuBackend final : public BackendBase {
         ownership.bits(members.triangle.data(), members.member.data(), members.size(), rule_.groups_apart(),
                        members.lower.data());
         members.keep_members = !ownership.complete();
-        const RecordInput input{point_rows(scene),      scene.corners,
-                                scene.triangle_count(), members.triangle.data(),
-                                members.size(),         leaf_frame(balls_, point_rows(scene), scene.corners, members)};
+        const BuildInput input{point_rows(scene),      scene.corners,
+                               scene.triangle_count(), members.triangle.data(),
+                               members.size(),         leaf_frame(balls_, point_rows(scene), scene.corners, members)};
         const FlushToZero mode;
-        kernels_.build(input, members.record.data(), members.boxes, members.bounds);
+        scratch.records.build(intersect_, input, members);
         statistics[Stage::align] += watch.lap();
         sort_leaf(members, kernels_, scratch.sort, scratch.leaf);
+        scratch.records.sort(intersect_, scratch.leaf);
         statistics.interval_tests += scratch.leaf.work;
         statistics[Stage::sort] += watch.lap();
         return true;
@@ -338,9 +342,8 @@ class CpuBackend final : public BackendBase {
 
     void sweep_leaf(const NarrowContext& context, const Ownership& ownership, Scratch& scratch) {
         const SortedLeaf& leaf = scratch.leaf;
-        const float reach = scratch.members.bounds.reach;
         if (workers_.workers() == 1 || leaf.work <= tile_work) {
-            sweep_and_narrow(context, leaf, ownership, reach, 0, leaf.rows, scratch.narrow);
+            sweep_and_narrow(context, leaf, scratch.records, ownership, 0, leaf.rows, scratch.narrow);
             return;
         }
         // Tiles of rows with about the same number of interval tests: their prefix sum tells where to cut.
@@ -354,8 +357,8 @@ class CpuBackend final : public BackendBase {
         const std::size_t tiles = scratch.tile_begin.size();
         scratch.tile_begin.push_back(leaf.rows);
         workers_.parallel_for(tiles, [&](std::size_t tile, std::size_t worker) {
-            sweep_and_narrow(context, leaf, ownership, reach, scratch.tile_begin[tile], scratch.tile_begin[tile + 1],
-                             scratch_[worker]->narrow);
+            sweep_and_narrow(context, leaf, scratch.records, ownership, scratch.tile_begin[tile],
+                             scratch.tile_begin[tile + 1], scratch_[worker]->narrow);
         });
     }
 
@@ -370,7 +373,8 @@ class CpuBackend final : public BackendBase {
     }
 
     Options options_;
-    const Kernels& kernels_;
+    const StageKernels& kernels_;
+    const IntersectKernels& intersect_;
     Cancellation& cancellation_;
     Workers workers_;
     MemoryMeter& meter_;

@@ -29,7 +29,8 @@ void normalise(const Scene& scene, Workers& workers, Array<T>& points) {
 
 }  // namespace
 
-bool compute_bounds(const Scene& scene, const Kernels& kernels, Workers& workers, Points& points, Array<Ball>& balls) {
+bool compute_bounds(const Scene& scene, const StageKernels& kernels, Workers& workers, Points& points,
+                    Array<Ball>& balls) {
     PointRows rows;
     if (scene.float32) {
         normalise(scene, workers, points.f);

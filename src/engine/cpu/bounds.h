@@ -14,7 +14,8 @@
 namespace crumple::cpu {
 
 /// Returns whether a triangle names a vertex twice.
-bool compute_bounds(const Scene& scene, const Kernels& kernels, Workers& workers, Points& points, Array<Ball>& balls);
+bool compute_bounds(const Scene& scene, const StageKernels& kernels, Workers& workers, Points& points,
+                    Array<Ball>& balls);
 
 /// Between two meshes: sets masks[t] to 0 for triangles whose ball does not reach the other mesh's box. They cannot
 /// collide.

@@ -1,33 +1,24 @@
 #pragma once
 
-// The inner loops of the cpu backend, as a table of functions: plain C++ (kernels_scalar.cpp, which also documents what
-// each computes) and one table for each SIMD instruction set, from one source (simd/, by Highway). All tables give the
-// same pairs; approximate results may differ in the last bit.
+// The inner loops of the stages that every question shares, as a table of functions: plain C++ (kernels_scalar.cpp,
+// which also documents what each computes) and one table for each SIMD instruction set, from one source (simd/, by
+// Highway). All tables give the same overlaps; approximate results may differ in the last bit. A question's own loops
+// are a table of its own (questions/intersect/cpu/kernels.h).
 
 #include <cstdint>
+#include <vector>
 
-#include "crumple/collisions.h"
 #include "crumple/options.h"
 #include "engine/cpu/layout.h"
-#include "questions/intersect/plane_filter.h"
 
 namespace crumple::cpu {
-
-struct RecordInput {
-    PointRows points;
-    const std::int32_t* corners;   ///< 3 a triangle
-    std::int64_t triangles;        ///< of the scene
-    const std::int32_t* triangle;  ///< the leaf's members; the last one is repeated `padding` times
-    std::int64_t members;
-    LeafFrame frame;
-};
 
 /// Axis by axis; the fourth element is 0.
 struct Quantisation {
     float base_low[4], base_high[4], scale[4];
 };
 
-struct Kernels {
+struct StageKernels {
     const char* name;
 
     /// ball[t] holds triangle t, for t in [begin, end), and rubbish up to the next multiple of four past `end`; `begin`
@@ -47,35 +38,24 @@ struct Kernels {
     std::int64_t (*list_members)(const std::uint64_t* mask, std::int64_t begin, std::int64_t end, int child,
                                  std::int32_t* member);
 
-    /// Records (plane not yet scaled) and boxes of a leaf's members.
-    void (*build)(const RecordInput& input, Record* record, Boxes& boxes, LeafBounds& bounds);
-
     /// Boxes to 16 bits by (x - base) * scale, rounded down and clamped to [0, 65534]; monotone, so overlaps survive.
     void (*quantise)(const Boxes& boxes, std::int64_t n, const Quantisation& by, QuantisedBox* out);
 
     /// Writes the four columns of the sorted boxes of `rows` rows, and of half of the padding.
     void (*split_boxes)(const RowBox* box, std::int64_t rows, SortedLeaf& sorted);
 
-    /// Copies record i to sorted[position[i]], its plane times `scale`.
-    void (*scatter)(const Record* record, std::int64_t n, const std::int32_t* position, float scale, Record* sorted);
-
     /// Appends to `out` the candidates of rows [row, last) with columns in [columns, block_end), until at least
     /// `capacity` columns are there; returns the row to go on with. `dummy` is the block's padding column.
     std::int64_t (*sweep)(const SortedLeaf& leaf, std::int64_t row, std::int64_t last, std::int64_t block_end,
                           std::uint16_t dummy, std::int64_t capacity, Candidates& out);
-
-    /// Filters: sorts each candidate into hit, undecided or (silently) apart.
-    void (*filter)(const SortedLeaf& leaf, const Candidates& candidates, const PointRows& points,
-                   const NarrowPolicy& policy, float reach, Verdicts& verdicts);
-
-    /// The triangles of packed pairs (column << 16 | row), lower id first. Reads and writes up to `padding` more.
-    void (*name_pairs)(const std::uint32_t* packed, std::size_t count, const RowLink* rows, const RowLink* columns,
-                       Pair* out);
 };
 
 /// The table for an instruction set; throws backend_unavailable if the build or the machine lacks it.
-const Kernels& kernels_for(Simd simd);
+const StageKernels& stage_kernels(Simd simd);
 
-extern const Kernels scalar_kernels;
+/// Every table that build and machine have, the plain one first: for tests.
+std::vector<const StageKernels*> all_stage_kernels();
+
+extern const StageKernels scalar_stages;
 
 }  // namespace crumple::cpu

@@ -1,12 +1,10 @@
-// Plain C++ for every kernel: what a machine without a known SIMD instruction set runs, and the text to read first. The
-// arithmetic for one triangle or pair is in geometry/, shared with devices.
+// Plain C++ for every kernel of the stages: what a machine without a known SIMD instruction set runs, and the text to
+// read first. The arithmetic for one triangle is in geometry/, shared with devices.
 
 #include <algorithm>
-#include <bit>
 #include <limits>
 
 #include "engine/cpu/kernels.h"
-#include "questions/intersect/filters.h"
 
 namespace crumple::cpu {
 namespace {
@@ -51,24 +49,6 @@ std::int64_t list_members(const std::uint64_t* mask, std::int64_t begin, std::in
     return next - member;
 }
 
-void build(const RecordInput& in, Record* record, Boxes& boxes, LeafBounds& bounds) {
-    constexpr float most = std::numeric_limits<float>::max();
-    bounds = {{most, most, most}, {-most, -most, -most}, 0, 0};
-    for (std::int64_t i = 0; i < in.members; ++i) {
-        const std::int32_t* corner = in.corners + 3 * static_cast<std::int64_t>(in.triangle[i]);
-        const Vec3d p[3] = {in.points[corner[0]], in.points[corner[1]], in.points[corner[2]]};
-        const Member member = member_of(p, corner, in.frame);
-        record[i] = member.record;
-        boxes.low[static_cast<std::size_t>(i)] = {member.low.x, member.low.y, member.low.z, 0};
-        boxes.high[static_cast<std::size_t>(i)] = {member.high.x, member.high.y, member.high.z, 0};
-        bounds.reach = max(bounds.reach, member.reach);
-        bounds.big += member.big;
-        if (member.big) continue;
-        bounds.low = min(bounds.low, member.low);
-        bounds.high = max(bounds.high, member.high);
-    }
-}
-
 void quantise(const Boxes& boxes, std::int64_t n, const Quantisation& by, QuantisedBox* out) {
     const auto to_16_bits = [](float value, float base, float scale) {
         return static_cast<std::uint16_t>(std::clamp((value - base) * scale, 0.0f, 65534.0f));
@@ -92,14 +72,6 @@ void split_boxes(const RowBox* box, std::int64_t rows, SortedLeaf& sorted) {
         sorted.high_y[row] = box[row].high_y;
         sorted.low_z[row] = box[row].low_z;
         sorted.high_z[row] = box[row].high_z;
-    }
-}
-
-void scatter(const Record* record, std::int64_t n, const std::int32_t* position, float scale, Record* sorted) {
-    for (std::int64_t i = 0; i < n; ++i) {
-        Record& out = sorted[position[i]];
-        out = record[i];
-        scale_plane(out, scale);
     }
 }
 
@@ -127,43 +99,8 @@ std::int64_t sweep(const SortedLeaf& leaf, std::int64_t row, std::int64_t last, 
     return row;
 }
 
-void filter(const SortedLeaf& leaf, const Candidates& candidates, const PointRows& points, const NarrowPolicy& policy,
-            float reach, Verdicts& verdicts) {
-    verdicts.hit.resize_discard(static_cast<std::size_t>(candidates.count));
-    verdicts.undecided.resize_discard(static_cast<std::size_t>(candidates.count));
-    verdicts.edge_tests = verdicts.double_tests = 0;
-    std::size_t hits = 0, undecided = 0;
-    const Record* rows = leaf.record.data() + candidates.rows;
-    const Record* columns = leaf.record.data() + candidates.columns;
-    for (std::int64_t k = 0; k < candidates.count; ++k) {
-        const std::uint32_t i = candidates.row[k], j = candidates.column[k];
-        if (j == candidates.dummy) continue;
-        const Record &a = rows[i], &b = columns[j];
-        const PairSigns signs = pair_signs(a, b);
-        const PairKind kind = classify(signs, policy);
-        if (kind == PairKind::apart) continue;
-        ++verdicts.edge_tests;
-        const Verdict verdict = filter_in_float(a, b, signs, kind, policy, points, reach);
-        if (verdict == Verdict::collides) verdicts.hit[hits++] = j << 16 | i;
-        if (verdict != Verdict::undecided) continue;
-        ++verdicts.double_tests;
-        if (!filter_in_double(a, b, signs, points)) verdicts.undecided[undecided++] = j << 16 | i;
-    }
-    verdicts.hit.resize(hits);
-    verdicts.undecided.resize(undecided);
-}
-
-void name_pairs(const std::uint32_t* packed, std::size_t count, const RowLink* rows, const RowLink* columns,
-                Pair* out) {
-    for (std::size_t i = 0; i < count; ++i) {
-        const std::int32_t a = rows[packed[i] & 0xffff].triangle, b = columns[packed[i] >> 16].triangle;
-        out[i] = {std::min(a, b), std::max(a, b)};
-    }
-}
-
 }  // namespace
 
-const Kernels scalar_kernels{"scalar", balls,       repeats_corner, assign, list_members, build,
-                             quantise, split_boxes, scatter,        sweep,  filter,       name_pairs};
+const StageKernels scalar_stages{"scalar", balls, repeats_corner, assign, list_members, quantise, split_boxes, sweep};
 
 }  // namespace crumple::cpu

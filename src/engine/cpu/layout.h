@@ -4,23 +4,23 @@
 //
 //   bounds      scene            -> Points (one a vertex), Balls (one a triangle)
 //   subdivide   Balls            -> Memberships: leaves, each a list of triangles
-//   align       one leaf         -> Record (questions/intersect/record.h) and box of each member, in the leaf's frame
-//   sort        Records, Boxes   -> SortedLeaf: by start along the leaf's first axis, boxes in 16 bits
+//   align       one leaf         -> LeafFrame; the question's `build` makes Boxes there, beside records of its own
+//   sort        Boxes            -> SortedLeaf: by start along the leaf's first axis, boxes in 16 bits; and where each
+//                                   member stands, for the question's records
 //   sweep       SortedLeaf       -> Candidates: pairs whose boxes overlap, four by four
-//   narrow      Candidates       -> pairs
+//   narrow      Candidates       -> the question's answer (questions/)
 //
 // Sorted members lie in blocks of `block_members`, each followed by one dummy that overlaps nothing, so that a column
 // fits 16 bits: physical position of member j = j + j / block_members. Nearly every leaf has one block.
 
-#include <array>
 #include <cstdint>
+#include <limits>
 
 #include "crumple/array.h"
 #include "geometry/ball.h"
+#include "geometry/leaf_frame.h"
 #include "geometry/point_rows.h"
 #include "model/fuzzy_c_means.h"
-#include "questions/intersect/edge_test.h"
-#include "questions/intersect/record.h"
 
 namespace crumple::cpu {
 
@@ -63,10 +63,21 @@ struct Points {
     explicit Points(MemoryMeter* meter) : f(meter), d(meter) {}
 };
 
-/// What `align` leaves behind beside records and boxes.
+/// What a question's `build` reads.
+struct BuildInput {
+    PointRows points;
+    const std::int32_t* corners;   ///< 3 a triangle
+    std::int64_t triangles;        ///< of the scene
+    const std::int32_t* triangle;  ///< the leaf's members; the last one is repeated `padding` times
+    std::int64_t members;
+    LeafFrame frame;
+};
+
+/// What `build` leaves behind beside boxes and records. Of no members: a box with its bounds the wrong way round.
 struct LeafBounds {
-    Vec3f low, high;  ///< of the boxes of all members that are not big
-    float reach = 0;  ///< largest |coordinate| of their corners, relative to the origin
+    static constexpr float most = std::numeric_limits<float>::max();
+    Vec3f low{most, most, most}, high{-most, -most, -most};  ///< of the boxes of all members that are not big
+    float reach = 0;  ///< largest |coordinate| of their corners, relative to the origin; of big ones big_share of it
     int big = 0;      ///< number of big members
 };
 
@@ -78,8 +89,8 @@ struct RowLink {
 /// A leaf after `sort`. `rows` arrays have physical positions.
 struct SortedLeaf {
     std::int64_t members = 0;
-    std::int64_t rows = 0;  ///< physical length, dummies included
-    Array<Record> record;
+    std::int64_t rows = 0;         ///< physical length, dummies included
+    Array<std::int32_t> position;  ///< physical position of each member, in the order of LeafMembers
     Array<std::uint16_t> low_y, high_y, low_z, high_z;
     Array<std::uint16_t> lower;  ///< memberships in lower clusters, sides; pairs with a common bit are not ours
     Array<std::int32_t> begin;   ///< first row to test with; empty: the next one
@@ -90,8 +101,15 @@ struct SortedLeaf {
         return begin.empty() ? row + 1 : begin[static_cast<std::size_t>(row)];
     }
     explicit SortedLeaf(MemoryMeter* m)
-        : record(m), low_y(m), high_y(m), low_z(m), high_z(m), lower(m), begin(m), link(m), member(m) {}
+        : position(m), low_y(m), high_y(m), low_z(m), high_z(m), lower(m), begin(m), link(m), member(m) {}
 };
+
+/// Calls visit(row) for each row that is nobody's: the blocks' dummies, and the padding.
+template <class Visit>
+void for_each_dummy(const SortedLeaf& leaf, Visit visit) {
+    for (std::int64_t row = block_members; row < leaf.rows - 1; row += block_stride) visit(row);
+    for (std::int64_t row = leaf.rows - 1; row < leaf.rows + padding; ++row) visit(row);
+}
 
 /// Candidate pairs: row[i] against column[i], as offsets from `rows` and `columns`. Four in a row, from a multiple of
 /// four on, have the same row; gaps are filled with the block's dummy. `count` is a multiple of 16.
@@ -103,61 +121,5 @@ struct Candidates {
     Array<std::uint16_t> row, column;
     explicit Candidates(MemoryMeter* m) : row(m), column(m) {}
 };
-
-/// Where the corners of candidates lie: one nibble a pair, its three low bits one a corner; the fourth means nothing.
-struct PlaneSigns {
-    Array<std::uint8_t> above_a, below_a;  ///< the column's corners against the row's plane, where certain
-    Array<std::uint8_t> above_b, below_b;  ///< the row's corners against the column's plane
-    Array<std::uint8_t> same[3];           ///< the column's corners that are the row's corner 0, 1, 2
-    explicit PlaneSigns(MemoryMeter* m)
-        : above_a(m),
-          below_a(m),
-          above_b(m),
-          below_b(m),
-          same{Array<std::uint8_t>(m), Array<std::uint8_t>(m), Array<std::uint8_t>(m)} {}
-    void resize(std::int64_t candidates) {
-        for (auto* stream : {&above_a, &below_a, &above_b, &below_b, &same[0], &same[1], &same[2]})
-            stream->resize_discard(static_cast<std::size_t>(candidates / 2 + padding));
-    }
-};
-
-/// What the filters of `narrow` say, and what they hand to each other. Pairs are packed as column << 16 | row.
-struct Verdicts {
-    Array<std::uint32_t> hit;        ///< collide for certain
-    Array<std::uint32_t> undecided;  ///< for exact arithmetic
-    std::int64_t edge_tests = 0;     ///< pairs that no plane separated
-    std::int64_t double_tests = 0;   ///< pairs that float32 filters left open
-    // Between the SIMD filters:
-    PlaneSigns signs;
-    Array<std::uint8_t> code;                      ///< what `classify` makes of each candidate
-    Array<std::uint32_t> survivor, survivor_code;  ///< those that no plane separates
-    Array<std::uint32_t> edges, edge_signs;        ///< pairs for edge_test; below_a | below_b << 3
-    Array<std::uint32_t> flat, flat_shared;        ///< pairs for flat_test; shared_b | shared_a << 3
-    explicit Verdicts(MemoryMeter* m)
-        : hit(m),
-          undecided(m),
-          signs(m),
-          code(m),
-          survivor(m),
-          survivor_code(m),
-          edges(m),
-          edge_signs(m),
-          flat(m),
-          flat_shared(m) {}
-    void make_room(std::int64_t candidates) {
-        const auto n = static_cast<std::size_t>(candidates + 2 * padding);
-        signs.resize(candidates);
-        code.reserve(n);
-        for (auto* list : {&hit, &undecided, &survivor, &survivor_code, &edges, &edge_signs, &flat, &flat_shared})
-            list->reserve(n);
-    }
-};
-
-/// Corner orders for the edge test, by below_a | below_b << 3.
-inline constexpr std::array<std::int32_t, 64> edge_orders = [] {
-    std::array<std::int32_t, 64> orders{};
-    for (int bits = 0; bits < 64; ++bits) orders[static_cast<std::size_t>(bits)] = edge_order(bits & 7, bits >> 3);
-    return orders;
-}();
 
 }  // namespace crumple::cpu

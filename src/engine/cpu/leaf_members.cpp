@@ -9,7 +9,6 @@ void LeafMembers::make_room(std::size_t n) {
     triangle.resize_discard(n + padding);
     member.resize_discard(n);
     lower.resize_discard(n);
-    record.resize_discard(n + padding);
     boxes.resize(n);
 }
 

@@ -9,8 +9,7 @@
 namespace crumple::cpu {
 
 struct LeafMembers {
-    explicit LeafMembers(MemoryMeter* m) : record(m), boxes(m), triangle(m), member(m), lower(m) {}
-    Array<Record> record;
+    explicit LeafMembers(MemoryMeter* m) : boxes(m), triangle(m), member(m), lower(m) {}
     Boxes boxes;
     Array<std::int32_t> triangle;  ///< id in the scene; the last one is repeated `padding` times
     Array<std::int32_t> member;    ///< position in the subdivision's member arrays

@@ -13,12 +13,9 @@ std::int64_t blocks_of(std::int64_t members) {
 
 constexpr int bin_bits = 10, bins = 1 << bin_bits, bin_shift = 16 - bin_bits;
 
-// A record that no filter can mistake for a triangle; its box overlaps nothing either.
-constexpr Record dummy_record{{0, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, 0}, {-1, -1, -1}, -2};
-
+// A row whose box overlaps nothing.
 void write_dummy(SortScratch& scratch, SortedLeaf& s, std::int64_t row) {
     constexpr std::uint16_t most = std::numeric_limits<std::uint16_t>::max();
-    s.record[row] = dummy_record;
     scratch.sorted_box[row] = {most, 0, most, 0};
     s.lower[row] = most;
     s.link[row] = {0, -1};
@@ -55,7 +52,7 @@ std::int64_t place(const LeafMembers& in, int side, const BinStarts& own, const 
         std::int32_t begin = row + 1;
         if constexpr (between) s.begin[row] = begin = row_of(other[first_bin + side]);
         const std::int32_t end = row_of(other[last_bin + 1] - 1) + 1;
-        scratch.position[i] = row;
+        s.position[i] = row;
         scratch.sorted_box[row] = box.across;
         s.link[row] = {end, in.triangle[i]};
         s.lower[row] = in.lower[i];
@@ -82,11 +79,10 @@ std::int64_t place(const LeafMembers& in, SortScratch& scratch, SortedLeaf& s) {
 void make_room(std::int64_t members, bool between, SortScratch& scratch, SortedLeaf& s) {
     const auto n = static_cast<std::size_t>(members);
     scratch.box.resize_discard(n + padding);
-    scratch.position.resize_discard(n + padding);
+    s.position.resize_discard(n + padding);
     s.members = members;
     s.rows = members + blocks_of(members);
     const auto length = static_cast<std::size_t>(s.rows + padding);
-    s.record.resize_discard(length);
     for (auto* array : {&s.low_y, &s.high_y, &s.low_z, &s.high_z, &s.lower}) array->resize_discard(length);
     scratch.sorted_box.resize_discard(length);
     s.link.resize_discard(length);
@@ -94,16 +90,16 @@ void make_room(std::int64_t members, bool between, SortScratch& scratch, SortedL
     s.member.resize_discard(length);
 }
 
-void sort_leaf(const LeafMembers& in, const Kernels& kernels, SortScratch& scratch, SortedLeaf& s) {
+void sort_leaf(const LeafMembers& in, const StageKernels& kernels, SortScratch& scratch, SortedLeaf& s) {
     const LeafBounds& bounds = in.bounds;
     const auto members = in.size();
-    // Range of quantisation. A computed coordinate errs by at most 8 u reach, so starts are moved down and ends up by
-    // 12 u reach (docs/align.md); both by way of the base that is subtracted.
+    // Range of quantisation. Starts are moved down and ends up by the margin, both by way of the base that is
+    // subtracted (docs/align.md).
     const bool any = bounds.low.x <= bounds.high.x;
     Quantisation by{};
     for (int axis = 0; axis < 3; ++axis) {
         const float low = any ? bounds.low[axis] : 0, high = any ? bounds.high[axis] : 1;
-        const float margin = 12 * unit_roundoff * bounds.reach + 1e-30f;
+        const float margin = box_margin(bounds.reach);
         const float base = low - 2 * margin;
         by.base_low[axis] = base + margin;
         by.base_high[axis] = base - margin;
@@ -112,15 +108,11 @@ void sort_leaf(const LeafMembers& in, const Kernels& kernels, SortScratch& scrat
     make_room(members, in.between, scratch, s);
     kernels.quantise(in.boxes, members, by, scratch.box.data());
 
-    for (std::int64_t block = 0; block < blocks_of(members); ++block)
-        write_dummy(scratch, s, std::min<std::int64_t>(block * block_stride + block_members, s.rows - 1));
-    for (std::int64_t row = s.rows; row < s.rows + padding; ++row) write_dummy(scratch, s, row);
-
+    for_each_dummy(s, [&](std::int64_t row) { write_dummy(scratch, s, row); });
     s.work = members <= block_members ? place<true>(in, scratch, s) : place<false>(in, scratch, s);
     if (in.keep_members)
-        for (std::int64_t i = 0; i < members; ++i) s.member[scratch.position[i]] = in.member[i];
+        for (std::int64_t i = 0; i < members; ++i) s.member[s.position[i]] = in.member[i];
     kernels.split_boxes(scratch.sorted_box.data(), s.rows, s);
-    kernels.scatter(in.record.data(), members, scratch.position.data(), plane_scale(bounds.reach), s.record.data());
 }
 
 }  // namespace crumple::cpu

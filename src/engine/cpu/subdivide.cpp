@@ -35,7 +35,8 @@ FuzzyOptions fuzzy(const Options& options, bool first) {
 // Writes the members of clusters [begin, end), cluster by cluster, in the order of triangles: prefix sums of the counts
 // give each chunk of triangles its places. Members are found by comparing lanes: a loop over a mask's bits would end
 // where nobody can foresee it.
-void scatter_members(std::int64_t n, int begin, int end, const Kernels& kernels, Workers& workers, Subdivision& s) {
+void scatter_members(std::int64_t n, int begin, int end, const StageKernels& kernels, Workers& workers,
+                     Subdivision& s) {
     const auto chunks = static_cast<std::size_t>((n + chunk - 1) / chunk);
     s.place.resize_discard(chunks * max_clusters);
     std::int64_t total = 0;
@@ -66,7 +67,7 @@ void scatter_members(std::int64_t n, int begin, int end, const Kernels& kernels,
 
 // Masks of the first level and their histogram; returns the number of memberships.
 std::int64_t assign_all(const Array<Ball>& balls, std::int64_t n, const std::uint64_t* part_masks, int part,
-                        const Kernels& kernels, Workers& workers, const Centres& centres, Subdivision& s) {
+                        const StageKernels& kernels, Workers& workers, const Centres& centres, Subdivision& s) {
     const auto chunks = static_cast<std::size_t>((n + chunk - 1) / chunk);
     s.histogram.assign(chunks * max_clusters, 0);
     workers.parallel_for(chunks, [&](std::size_t c, std::size_t) {
@@ -88,7 +89,7 @@ std::int64_t assign_all(const Array<Ball>& balls, std::int64_t n, const std::uin
 // Lists the members [begin, end) of each child, one child behind the other. Chunk by chunk, while a chunk's masks are
 // in the cache.
 void list_children(std::int64_t begin, std::int64_t end, int children, const std::int64_t* sizes,
-                   const Kernels& kernels, const Array<std::uint64_t>& mask, Array<std::int32_t>& list) {
+                   const StageKernels& kernels, const Array<std::uint64_t>& mask, Array<std::int32_t>& list) {
     std::int64_t next[max_clusters];
     std::exclusive_scan(sizes, sizes + children, next, std::int64_t{0});
     list.resize_discard(static_cast<std::size_t>(std::accumulate(sizes, sizes + children, std::int64_t{0})));
@@ -105,7 +106,7 @@ void list_children(std::int64_t begin, std::int64_t end, int children, const std
 
 // Splits cluster k if it is large and that pays: writes its members' masks and the children's sizes and lists. Returns
 // the number of children, 0 if it stays whole.
-int split_cluster(int cluster, const Array<Ball>& balls, const Options& options, const Kernels& kernels,
+int split_cluster(int cluster, const Array<Ball>& balls, const Options& options, const StageKernels& kernels,
                   Centres& centres, Subdivision& s, std::array<std::int64_t, max_clusters>& sizes) {
     const auto k = static_cast<std::size_t>(cluster);
     const std::int64_t begin = s.first[k], members = s.first[k + 1] - begin;
@@ -138,7 +139,7 @@ int split_cluster(int cluster, const Array<Ball>& balls, const Options& options,
 }  // namespace
 
 void place_clusters(const Array<Ball>& balls, std::int64_t n, const std::uint64_t* part_masks, int part,
-                    const Options& options, const Kernels& kernels, Workers& workers, WarmCentres& warm,
+                    const Options& options, const StageKernels& kernels, Workers& workers, WarmCentres& warm,
                     Subdivision& s) {
     Centres& centres = warm.level1;
     std::int64_t members = n;
@@ -182,7 +183,7 @@ void place_clusters(const Array<Ball>& balls, std::int64_t n, const std::uint64_
 }
 
 void gather_leaves(const Array<Ball>& balls, std::int64_t n, int begin, int end, const Options& options,
-                   const Kernels& kernels, Workers& workers, WarmCentres& warm, Subdivision& s) {
+                   const StageKernels& kernels, Workers& workers, WarmCentres& warm, Subdivision& s) {
     scatter_members(n, begin, end, kernels, workers, s);
 
     std::array<std::array<std::int64_t, max_clusters>, max_clusters> sizes;

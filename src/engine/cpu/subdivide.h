@@ -55,11 +55,11 @@ struct Subdivision {
 
 /// First level: centres and masks of triangles [0, n). Only those with bit `part` in part_masks, if that is not null.
 void place_clusters(const Array<Ball>& balls, std::int64_t n, const std::uint64_t* part_masks, int part,
-                    const Options& options, const Kernels& kernels, Workers& workers, WarmCentres& warm,
+                    const Options& options, const StageKernels& kernels, Workers& workers, WarmCentres& warm,
                     Subdivision& subdivision);
 
 /// Gathers the members of clusters [begin, end), splits the large ones again, and lists the leaves of these.
 void gather_leaves(const Array<Ball>& balls, std::int64_t n, int begin, int end, const Options& options,
-                   const Kernels& kernels, Workers& workers, WarmCentres& warm, Subdivision& subdivision);
+                   const StageKernels& kernels, Workers& workers, WarmCentres& warm, Subdivision& subdivision);
 
 }  // namespace crumple::cpu

@@ -43,10 +43,11 @@ __device__ float reach_of(const Ball& ball, const Frame& frame) {
     return (largest(abs(Vec3f{ball.x, ball.y, ball.z} - frame.origin)) + ball.r) * 1.00001f;
 }
 
-__device__ Member exact_member(const Scene& scene, const PointRows& points, std::int32_t triangle, const Frame& frame) {
+__device__ InFrame<3> exact_member(const Scene& scene, const PointRows& points, std::int32_t triangle,
+                                  const Frame& frame) {
     const std::int32_t* corner = scene.corners + 3 * static_cast<std::size_t>(triangle);
     const Vec3d p[3] = {points[corner[0]], points[corner[1]], points[corner[2]]};
-    return member_of(p, corner, frame);
+    return {p, frame};
 }
 
 // The frame of one leaf, by one block.
@@ -100,9 +101,9 @@ __device__ void make_frame(FrameShared& shared, unsigned long long begin, unsign
         const Ball b = balls[triangle[m]];
         const float own = reach_of(b, frame);
         if (own > frame.big) {
-            const Member member = exact_member(scene, points, triangle[m], frame);
+            const InFrame<3> member = exact_member(scene, points, triangle[m], frame);
             if (member.big) {
-                reach = max(reach, member.reach);
+                reach = max(reach, member.counted_reach());
                 continue;
             }
         }
@@ -116,7 +117,7 @@ __device__ void make_frame(FrameShared& shared, unsigned long long begin, unsign
     low = -block_max(shared, -low);
     if (threadIdx.x != 0) return;
     frame.reach = reach;
-    frame.margin = 12 * unit_roundoff * reach + 1e-30f;
+    frame.margin = box_margin(reach);
     const bool any = high - low > 1e-30f;
     frame.base = any ? low : 0;
     frame.scale = any ? bins / (high - low) : 0;

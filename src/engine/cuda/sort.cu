@@ -14,14 +14,6 @@ __device__ std::uint32_t bin_of(float x, const Frame& frame) {
     return b > 0 ? (b < bins - 1 ? static_cast<std::uint32_t>(b) : bins - 1) : 0;
 }
 
-template <class T>
-__device__ Member load_member(const Scene& scene, const Row<T>* rows, std::int32_t triangle, const Frame& frame) {
-    const std::int32_t* corner = scene.corners + 3 * static_cast<std::size_t>(triangle);
-    Vec3d p[3];
-    load_corners(rows, corner, p);
-    return member_of(p, corner, frame);
-}
-
 // First and last bin of each member, and its place among those that start in the same bin.
 template <class T>
 __global__ void bin_kernel(Scene scene, const Row<T>* rows, const unsigned long long* count, Members members,
@@ -30,7 +22,9 @@ __global__ void bin_kernel(Scene scene, const Row<T>* rows, const unsigned long 
         const std::int32_t t = members.triangle[m];
         const std::uint32_t leaf = members.child[m];
         const Frame& frame = frames[leaf];
-        const Member member = load_member(scene, rows, t, frame);
+        Vec3d p[3];
+        load_corners(rows, scene.corners + 3 * static_cast<std::size_t>(t), p);
+        const InFrame<3> member(p, frame);
         const std::uint32_t first = bin_of(member.low.x - frame.margin, frame);
         const std::uint32_t last = bin_of(member.high.x + frame.margin, frame);
         sorted.bin[m] = first | last << 16;
@@ -48,15 +42,19 @@ __global__ void place_kernel(Scene scene, const Row<T>* rows, const unsigned lon
         const std::uint32_t row = sorted.bin_first[leaf * bins + (bin & 0xffff)] + sorted.rank[m];
         const std::uint32_t end = sorted.bin_first[leaf * bins + (bin >> 16) + 1];
         const Frame& frame = frames[leaf];
-        Member member = load_member(scene, rows, t, frame);
-        scale_plane(member.record, plane_scale(frame.reach));
+        const std::int32_t* corner = scene.corners + 3 * static_cast<std::size_t>(t);
+        Vec3d p[3];
+        load_corners(rows, corner, p);
+        const InFrame<3> member(p, frame);
+        Record record = record_of(p, corner, member);
+        scale_plane(record, plane_scale(frame.reach));
         const auto item = members.item[m];
         const auto child = leaf % static_cast<std::uint32_t>(ownership.last_fan_out);
         const std::uint64_t lower = ownership.last_mask[item] & ((std::uint64_t{1} << child) - 1);
         const std::uint64_t side = scene.between ? std::uint64_t{1} << (max_fan_out_between - 1 + scene.second(t)) : 0;
         sorted.box[row] = {member.low.y - frame.margin, member.high.y + frame.margin, member.low.z - frame.margin,
                            member.high.z + frame.margin};
-        sorted.record[row] = member.record;
+        sorted.record[row] = record;
         sorted.conflict[row] = lower | side;
         sorted.end[row] = end;
         sorted.triangle[row] = t;

@@ -62,7 +62,7 @@ inline bool repeats_corner(const std::int32_t* HWY_RESTRICT corners, std::int64_
         hn::LoadInterleaved3(d, corners + 3 * t, a, b, c);
         repeats = hn::Or(repeats, hn::Or(hn::Eq(a, b), hn::Or(hn::Eq(b, c), hn::Eq(c, a))));
     }
-    return !hn::AllFalse(d, repeats) || scalar_kernels.repeats_corner(corners, t, end);
+    return !hn::AllFalse(d, repeats) || scalar_stages.repeats_corner(corners, t, end);
 }
 
 }  // namespace HWY_NAMESPACE

@@ -6,17 +6,17 @@
 // of one separates them but for shared corners on that line. Pairs that intersect, and ties, stay undecided. Bounds:
 // docs/narrow.md.
 
-#if defined(CRUMPLE_CPU_SIMD_SEPARATION_INL_H_) == defined(HWY_TARGET_TOGGLE)
-#ifdef CRUMPLE_CPU_SIMD_SEPARATION_INL_H_
-#undef CRUMPLE_CPU_SIMD_SEPARATION_INL_H_
+#if defined(CRUMPLE_INTERSECT_CPU_SEPARATION_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef CRUMPLE_INTERSECT_CPU_SEPARATION_INL_H_
+#undef CRUMPLE_INTERSECT_CPU_SEPARATION_INL_H_
 #else
-#define CRUMPLE_CPU_SIMD_SEPARATION_INL_H_
+#define CRUMPLE_INTERSECT_CPU_SEPARATION_INL_H_
 #endif
 
-#include "engine/cpu/simd/records-inl.h"
+#include "questions/intersect/cpu/records-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace crumple::cpu {
+namespace crumple::cpu::intersect {
 namespace HWY_NAMESPACE {
 
 /// A vector of triangles.
@@ -119,13 +119,13 @@ HWY_INLINE void drop_undecided(D d, Verdicts& out, Apart apart) {
 
 // Drops pairs that an edge line separates in float32; corners come from triangles_of(record of each lane).
 template <class TrianglesOf>
-HWY_INLINE void separation_test_with(const SortedLeaf& leaf, const Candidates& candidates, float delta,
+HWY_INLINE void separation_test_with(const Record* record, const Candidates& candidates, float delta,
                                      TrianglesOf triangles_of, Verdicts& out) {
     const hn::ScalableTag<float> d;
     using D = hn::ScalableTag<float>;
     using V = hn::Vec<D>;
-    const Record* rows = leaf.record.data() + candidates.rows;
-    const Record* columns = leaf.record.data() + candidates.columns;
+    const Record* rows = record + candidates.rows;
+    const Record* columns = record + candidates.columns;
     drop_undecided(d, out, [&](const std::uint32_t* packed) HWY_ATTR {
         const auto row = triangles_of([&](int lane) { return rows + (packed[lane] & 0xffff); });
         const auto column = triangles_of([&](int lane) { return columns + (packed[lane] >> 16); });
@@ -143,10 +143,10 @@ HWY_INLINE void separation_test_with(const SortedLeaf& leaf, const Candidates& c
 
 /// Corners come from the normalised rows where these are float32, and so exact; otherwise from the records, whose
 /// corners were rounded when the leaf's origin was subtracted.
-inline void separation_test_float(const SortedLeaf& leaf, const Candidates& candidates, const PointRows& points,
+inline void separation_test_float(const Record* record, const Candidates& candidates, const PointRows& points,
                                   float reach, Verdicts& out) {
     with_triangles(points, reach, [&](float difference_error, auto triangles_of) {
-        separation_test_with(leaf, candidates, difference_error, triangles_of, out);
+        separation_test_with(record, candidates, difference_error, triangles_of, out);
     });
 }
 
@@ -192,19 +192,19 @@ HWY_INLINE hn::Mask<Doubles> separated_by_plane(const Corners<Doubles>& t, const
 }
 
 /// Drops pairs that a plane or an edge line separates in float64.
-inline void separation_test_double(const SortedLeaf& leaf, const Candidates& candidates, const PointRows& points,
+inline void separation_test_double(const Record* record, const Candidates& candidates, const PointRows& points,
                                    Verdicts& out) {
     const Doubles d;
     const hn::Rebind<std::int32_t, Doubles> ids;
     const hn::Rebind<std::uint32_t, Doubles> bits;
     const hn::RebindToSigned<Doubles> wide;
     const double tiny = points.f ? float32_rows_slack : float64_rows_slack;
-    const auto* rows = reinterpret_cast<const std::int32_t*>(leaf.record.data() + candidates.rows) + 12;
-    const auto* columns = reinterpret_cast<const std::int32_t*>(leaf.record.data() + candidates.columns) + 12;
+    const auto* rows = reinterpret_cast<const std::int32_t*>(record + candidates.rows) + 12;
+    const auto* columns = reinterpret_cast<const std::int32_t*>(record + candidates.columns) + 12;
     drop_undecided(d, out, [&](const std::uint32_t* packed) {
         const auto both = hn::LoadU(bits, packed);
-        const auto record = [&](auto id) { return hn::BitCast(ids, hn::ShiftLeft<4>(id)); };  // 16 numbers each
-        const auto row = record(hn::And(both, hn::Set(bits, 0xffffu))), column = record(hn::ShiftRight<16>(both));
+        const auto offset = [&](auto id) { return hn::BitCast(ids, hn::ShiftLeft<4>(id)); };  // 16 numbers a record
+        const auto row = offset(hn::And(both, hn::Set(bits, 0xffffu))), column = offset(hn::ShiftRight<16>(both));
         Corners<Doubles> a, b;
         hn::Vec<decltype(wide)> id_a[3], id_b[3];
         for (int c = 0; c < 3; ++c) {
@@ -227,7 +227,7 @@ inline void separation_test_double(const SortedLeaf& leaf, const Candidates& can
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace crumple::cpu
+}  // namespace crumple::cpu::intersect
 HWY_AFTER_NAMESPACE();
 
 #endif

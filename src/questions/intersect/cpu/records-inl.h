@@ -1,17 +1,18 @@
 // Records of any order in vectors: what the filters of `narrow` load.
 
-#if defined(CRUMPLE_CPU_SIMD_RECORDS_INL_H_) == defined(HWY_TARGET_TOGGLE)
-#ifdef CRUMPLE_CPU_SIMD_RECORDS_INL_H_
-#undef CRUMPLE_CPU_SIMD_RECORDS_INL_H_
+#if defined(CRUMPLE_INTERSECT_CPU_RECORDS_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef CRUMPLE_INTERSECT_CPU_RECORDS_INL_H_
+#undef CRUMPLE_INTERSECT_CPU_RECORDS_INL_H_
 #else
-#define CRUMPLE_CPU_SIMD_RECORDS_INL_H_
+#define CRUMPLE_INTERSECT_CPU_RECORDS_INL_H_
 #endif
 
 #include "engine/cpu/simd/corners-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace crumple::cpu {
+namespace crumple::cpu::intersect {
 namespace HWY_NAMESPACE {
+using namespace cpu::HWY_NAMESPACE;  // what the stages' lanes share
 
 /// Record *record(b) in block b, transposed: X = x0 x1 x2 nx | ..., I = id0 id1 id2 c | ... Shuffles are what filters
 /// would wait for, so halves of vectors are joined in loading, which is none.
@@ -119,7 +120,7 @@ HWY_INLINE void with_triangles(const PointRows& points, float reach, Test test) 
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace crumple::cpu
+}  // namespace crumple::cpu::intersect
 HWY_AFTER_NAMESPACE();
 
 #endif

@@ -1,20 +1,18 @@
 #pragma once
 
-// Stages `sweep` and `narrow` of one sorted leaf.
-//
-// Rows are swept in chunks: some 16,000 candidates are collected, then filtered, then decided, so that candidates never
-// leave the cache and memory stays bounded however many there are. The chunk's size is exact work, not a guess: it
-// comes from the prefix sums of `sort` ([MZ] sec. 3.1), which also cut large leaves into tiles of equal work.
+// Stages `sweep` and `narrow` of one sorted leaf: candidates are swept in chunks (engine/cpu/sweep.h), and each chunk
+// is filtered, then decided, while it is still in the cache.
 
 #include <atomic>
 #include <functional>
 
 #include "base/cancellation.h"
 #include "crumple/collisions.h"
-#include "engine/cpu/kernels.h"
 #include "engine/cpu/ownership.h"
+#include "engine/cpu/sweep.h"
 #include "engine/pair_budget.h"
 #include "model/rules.h"
+#include "questions/intersect/cpu/records.h"
 #include "questions/intersect/decide.h"
 
 namespace crumple::cpu {
@@ -24,7 +22,8 @@ struct NarrowContext {
     const Scene& scene;
     const Query& query;
     const GroupRule& rule;
-    const Kernels& kernels;
+    const StageKernels& stages;
+    const IntersectKernels& kernels;
     PointRows points;
     Cancellation& cancellation;
     std::atomic<bool>* found = nullptr;  ///< not null: set, and everybody stops, as soon as a worker has found a pair
@@ -48,13 +47,10 @@ struct NarrowScratch {
     Statistics statistics;  ///< counts and times of sweep and narrow
 
     std::int64_t most_candidates = 0;  ///< of all chunks so far
-
-    /// Makes room for the candidates of a leaf with so many rows.
-    void make_room(std::int64_t rows);
 };
 
 /// Sweeps rows [first, last) of a leaf and appends the colliding pairs that the leaf owns.
-void sweep_and_narrow(const NarrowContext& context, const SortedLeaf& leaf, const Ownership& ownership, float reach,
-                      std::int64_t first, std::int64_t last, NarrowScratch& scratch);
+void sweep_and_narrow(const NarrowContext& context, const SortedLeaf& leaf, const LeafRecords& records,
+                      const Ownership& ownership, std::int64_t first, std::int64_t last, NarrowScratch& scratch);
 
 }  // namespace crumple::cpu

@@ -1,17 +1,18 @@
 // Packed pairs of rows and columns to pairs of triangles, lower id first: the end of `narrow`.
 
-#if defined(CRUMPLE_CPU_SIMD_PAIRS_INL_H_) == defined(HWY_TARGET_TOGGLE)
-#ifdef CRUMPLE_CPU_SIMD_PAIRS_INL_H_
-#undef CRUMPLE_CPU_SIMD_PAIRS_INL_H_
+#if defined(CRUMPLE_INTERSECT_CPU_PAIRS_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef CRUMPLE_INTERSECT_CPU_PAIRS_INL_H_
+#undef CRUMPLE_INTERSECT_CPU_PAIRS_INL_H_
 #else
-#define CRUMPLE_CPU_SIMD_PAIRS_INL_H_
+#define CRUMPLE_INTERSECT_CPU_PAIRS_INL_H_
 #endif
 
 #include "engine/cpu/simd/common-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace crumple::cpu {
+namespace crumple::cpu::intersect {
 namespace HWY_NAMESPACE {
+using namespace cpu::HWY_NAMESPACE;  // what the stages' lanes share
 
 inline void name_pairs(const std::uint32_t* HWY_RESTRICT packed, std::size_t count, const RowLink* rows,
                        const RowLink* columns, Pair* HWY_RESTRICT out) {
@@ -32,7 +33,7 @@ inline void name_pairs(const std::uint32_t* HWY_RESTRICT packed, std::size_t cou
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace crumple::cpu
+}  // namespace crumple::cpu::intersect
 HWY_AFTER_NAMESPACE();
 
 #endif

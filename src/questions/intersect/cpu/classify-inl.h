@@ -13,18 +13,19 @@
 // Three passes: codes of all candidates, in 8-bit lanes; those that are not 0, packed; these by kind. Survivors are one
 // in five, so the last pass, the only one with several lists, is a short one.
 
-#if defined(CRUMPLE_CPU_SIMD_CLASSIFY_INL_H_) == defined(HWY_TARGET_TOGGLE)
-#ifdef CRUMPLE_CPU_SIMD_CLASSIFY_INL_H_
-#undef CRUMPLE_CPU_SIMD_CLASSIFY_INL_H_
+#if defined(CRUMPLE_INTERSECT_CPU_CLASSIFY_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef CRUMPLE_INTERSECT_CPU_CLASSIFY_INL_H_
+#undef CRUMPLE_INTERSECT_CPU_CLASSIFY_INL_H_
 #else
-#define CRUMPLE_CPU_SIMD_CLASSIFY_INL_H_
+#define CRUMPLE_INTERSECT_CPU_CLASSIFY_INL_H_
 #endif
 
 #include "engine/cpu/simd/compress-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace crumple::cpu {
+namespace crumple::cpu::intersect {
 namespace HWY_NAMESPACE {
+using namespace cpu::HWY_NAMESPACE;  // what the stages' lanes share
 
 // A code's two upper bits tell edge or flat, with six bits of detail below; else it is one of the others.
 constexpr std::uint8_t code_apart = 0, code_hit = 1, code_open = 2, code_edge = 0x40, code_flat = 0x80;
@@ -158,7 +159,7 @@ inline void classify(const Candidates& candidates, const NarrowPolicy& policy, V
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace crumple::cpu
+}  // namespace crumple::cpu::intersect
 HWY_AFTER_NAMESPACE();
 
 #endif

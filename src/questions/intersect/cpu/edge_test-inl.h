@@ -8,30 +8,30 @@
 // Intervals that overlap mean a proper intersection unless they are the same: then edges meet edges at both ends. So a
 // query for proper intersections leaves hits undecided.
 
-#if defined(CRUMPLE_CPU_SIMD_EDGE_TEST_INL_H_) == defined(HWY_TARGET_TOGGLE)
-#ifdef CRUMPLE_CPU_SIMD_EDGE_TEST_INL_H_
-#undef CRUMPLE_CPU_SIMD_EDGE_TEST_INL_H_
+#if defined(CRUMPLE_INTERSECT_CPU_EDGE_TEST_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef CRUMPLE_INTERSECT_CPU_EDGE_TEST_INL_H_
+#undef CRUMPLE_INTERSECT_CPU_EDGE_TEST_INL_H_
 #else
-#define CRUMPLE_CPU_SIMD_EDGE_TEST_INL_H_
+#define CRUMPLE_INTERSECT_CPU_EDGE_TEST_INL_H_
 #endif
 
 #include "engine/cpu/simd/compress-inl.h"
-#include "engine/cpu/simd/records-inl.h"
+#include "questions/intersect/cpu/records-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace crumple::cpu {
+namespace crumple::cpu::intersect {
 namespace HWY_NAMESPACE {
 
 /// Appends to out.hit and out.undecided. `reach`: the leaf's largest coordinate.
-inline void edge_test(const SortedLeaf& leaf, const Candidates& candidates, float reach, bool proper, Verdicts& out) {
+inline void edge_test(const Record* record, const Candidates& candidates, float reach, bool proper, Verdicts& out) {
     const hn::ScalableTag<float> d;
     const hn::RebindToSigned<decltype(d)> di;
     const hn::RebindToUnsigned<decltype(d)> du;
     using V = hn::Vec<decltype(d)>;
     using VI = hn::Vec<decltype(di)>;
     constexpr std::size_t lanes = hn::MaxLanes(hn::ScalableTag<float>());
-    const Record* rows = leaf.record.data() + candidates.rows;
-    const Record* columns = leaf.record.data() + candidates.columns;
+    const Record* rows = record + candidates.rows;
+    const Record* columns = record + candidates.columns;
 
     const std::size_t count = out.edges.size();
     repeat_last(out.edges, lanes);
@@ -93,7 +93,7 @@ inline void edge_test(const SortedLeaf& leaf, const Candidates& candidates, floa
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace crumple::cpu
+}  // namespace crumple::cpu::intersect
 HWY_AFTER_NAMESPACE();
 
 #endif

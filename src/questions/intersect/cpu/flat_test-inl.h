@@ -5,24 +5,24 @@
 // not collide. With one shared vertex v, A = (v, p, q), B = (v, r, t), the lines through v and each of p, q, r, t may
 // do; with two, the line through both. What this does not settle, odd neighbours ([a, a, b]) among it, is undecided.
 
-#if defined(CRUMPLE_CPU_SIMD_FLAT_TEST_INL_H_) == defined(HWY_TARGET_TOGGLE)
-#ifdef CRUMPLE_CPU_SIMD_FLAT_TEST_INL_H_
-#undef CRUMPLE_CPU_SIMD_FLAT_TEST_INL_H_
+#if defined(CRUMPLE_INTERSECT_CPU_FLAT_TEST_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef CRUMPLE_INTERSECT_CPU_FLAT_TEST_INL_H_
+#undef CRUMPLE_INTERSECT_CPU_FLAT_TEST_INL_H_
 #else
-#define CRUMPLE_CPU_SIMD_FLAT_TEST_INL_H_
+#define CRUMPLE_INTERSECT_CPU_FLAT_TEST_INL_H_
 #endif
 
 #include "engine/cpu/simd/compress-inl.h"
-#include "engine/cpu/simd/records-inl.h"
+#include "questions/intersect/cpu/records-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace crumple::cpu {
+namespace crumple::cpu::intersect {
 namespace HWY_NAMESPACE {
 
 /// Appends to out.undecided. Corners come from triangles_of(record of each lane); each coordinate of a difference of
 /// two errs by at most `difference_error` beyond its own rounding.
 template <class TrianglesOf>
-HWY_INLINE void flat_test_with(const SortedLeaf& leaf, const Candidates& candidates, float difference_error,
+HWY_INLINE void flat_test_with(const Record* record, const Candidates& candidates, float difference_error,
                                TrianglesOf triangles_of, Verdicts& out) {
     const hn::ScalableTag<float> d;
     const hn::RebindToSigned<decltype(d)> di;
@@ -30,8 +30,8 @@ HWY_INLINE void flat_test_with(const SortedLeaf& leaf, const Candidates& candida
     using V = hn::Vec<decltype(d)>;
     using VI = hn::Vec<decltype(di)>;
     constexpr std::size_t lanes = hn::MaxLanes(hn::ScalableTag<float>());
-    const Record* rows = leaf.record.data() + candidates.rows;
-    const Record* columns = leaf.record.data() + candidates.columns;
+    const Record* rows = record + candidates.rows;
+    const Record* columns = record + candidates.columns;
 
     const std::size_t count = out.flat.size();
     repeat_last(out.flat, lanes);
@@ -106,15 +106,15 @@ HWY_INLINE void flat_test_with(const SortedLeaf& leaf, const Candidates& candida
 }
 
 /// `reach`: the leaf's largest coordinate.
-inline void flat_test(const SortedLeaf& leaf, const Candidates& candidates, const PointRows& points, float reach,
+inline void flat_test(const Record* record, const Candidates& candidates, const PointRows& points, float reach,
                       Verdicts& out) {
     with_triangles(points, reach, [&](float difference_error, auto triangles_of) {
-        flat_test_with(leaf, candidates, difference_error, triangles_of, out);
+        flat_test_with(record, candidates, difference_error, triangles_of, out);
     });
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace crumple::cpu
+}  // namespace crumple::cpu::intersect
 HWY_AFTER_NAMESPACE();
 
 #endif

@@ -6,17 +6,17 @@
 // is no branch and no gather; what is found goes, as one nibble a pair, into words for 16 pairs, which `classify`
 // reads.
 
-#if defined(CRUMPLE_CPU_SIMD_PLANE_FILTER_INL_H_) == defined(HWY_TARGET_TOGGLE)
-#ifdef CRUMPLE_CPU_SIMD_PLANE_FILTER_INL_H_
-#undef CRUMPLE_CPU_SIMD_PLANE_FILTER_INL_H_
+#if defined(CRUMPLE_INTERSECT_CPU_PLANE_FILTER_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef CRUMPLE_INTERSECT_CPU_PLANE_FILTER_INL_H_
+#undef CRUMPLE_INTERSECT_CPU_PLANE_FILTER_INL_H_
 #else
-#define CRUMPLE_CPU_SIMD_PLANE_FILTER_INL_H_
+#define CRUMPLE_INTERSECT_CPU_PLANE_FILTER_INL_H_
 #endif
 
-#include "engine/cpu/simd/records-inl.h"
+#include "questions/intersect/cpu/records-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace crumple::cpu {
+namespace crumple::cpu::intersect {
 namespace HWY_NAMESPACE {
 
 /// Stores the nibbles of `mask`, those of candidates `pair` and on. Where these are whole bytes, a mask goes straight
@@ -32,12 +32,12 @@ HWY_INLINE void put_nibbles(D d, M mask, std::int64_t pair, std::uint8_t* HWY_RE
     }
 }
 
-inline void plane_filter(const SortedLeaf& leaf, const Candidates& candidates, PlaneSigns& out) {
+inline void plane_filter(const Record* record, const Candidates& candidates, PlaneSigns& out) {
     const hn::ScalableTag<float> d;
     const hn::RebindToSigned<decltype(d)> di;
     using V = hn::Vec<decltype(d)>;
-    const Record* HWY_RESTRICT rows = leaf.record.data() + candidates.rows;
-    const Record* HWY_RESTRICT columns = leaf.record.data() + candidates.columns;
+    const Record* HWY_RESTRICT rows = record + candidates.rows;
+    const Record* HWY_RESTRICT columns = record + candidates.columns;
     const std::uint16_t* HWY_RESTRICT row = candidates.row.data();
     const std::uint16_t* HWY_RESTRICT column = candidates.column.data();
     std::uint8_t *above_a = out.above_a.data(), *below_a = out.below_a.data(), *above_b = out.above_b.data(),
@@ -68,7 +68,7 @@ inline void plane_filter(const SortedLeaf& leaf, const Candidates& candidates, P
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace crumple::cpu
+}  // namespace crumple::cpu::intersect
 HWY_AFTER_NAMESPACE();
 
 #endif

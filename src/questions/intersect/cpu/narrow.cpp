@@ -1,4 +1,4 @@
-#include "engine/cpu/narrow.h"
+#include "questions/intersect/cpu/narrow.h"
 
 #include <algorithm>
 
@@ -7,8 +7,6 @@
 
 namespace crumple::cpu {
 namespace {
-
-constexpr std::int64_t chunk_columns = 1 << 14;
 
 // Makes room for more pairs. Those that gather grow by half even under a limit; if that is too much, they are counted
 // only from then on: perhaps there are so many that no way of storing them fits, and the call can end.
@@ -71,50 +69,36 @@ void decide(const NarrowContext& context, const SortedLeaf& leaf, const Ownershi
 
 }  // namespace
 
-void NarrowScratch::make_room(std::int64_t rows) {
-    const auto longest_row = static_cast<std::size_t>(std::min<std::int64_t>(rows, block_stride));
-    candidates.column.resize_discard(static_cast<std::size_t>(chunk_columns) + longest_row + 4 * padding);
-    candidates.row.resize_discard(candidates.column.size());
-}
-
-void sweep_and_narrow(const NarrowContext& context, const SortedLeaf& leaf, const Ownership& ownership, float reach,
-                      std::int64_t first, std::int64_t last, NarrowScratch& scratch) {
+void sweep_and_narrow(const NarrowContext& context, const SortedLeaf& leaf, const LeafRecords& records,
+                      const Ownership& ownership, std::int64_t first, std::int64_t last, NarrowScratch& scratch) {
     const NarrowPolicy policy{context.query.neighbours == Neighbours::skip,
                               context.query.intersections == Intersections::proper};
     Statistics& statistics = scratch.statistics;
     Candidates& candidates = scratch.candidates;
-    scratch.make_room(leaf.rows);
-    for (std::int64_t block = 0; block < leaf.rows; block += block_stride) {
-        const std::int64_t block_end = std::min(block + block_stride, leaf.rows) - 1;  // without the dummy
-        const auto dummy = static_cast<std::uint16_t>(block_end - block);
-        // Within one mesh, rows lie before their columns.
-        const std::int64_t end = leaf.begin.empty() ? std::min(last, block_end) : last;
-        for (std::int64_t row = first; row < end;) {
-            if (context.stop()) return;
-            Stopwatch watch;
-            candidates.rows = row;
-            candidates.columns = block;
-            candidates.count = candidates.pairs = 0;
-            row = context.kernels.sweep(leaf, row, std::min(end, row + 65535), block_end, dummy, chunk_columns,
-                                        candidates);
-            statistics[Stage::sweep] += watch.lap();
-            if (candidates.pairs == 0) continue;
-            statistics.box_overlaps += candidates.pairs;
-            scratch.most_candidates = std::max(scratch.most_candidates, candidates.count);
-            {
-                const FlushToZero mode;
-                context.kernels.filter(leaf, candidates, context.points, policy, reach, scratch.verdicts);
-            }
-            statistics.edge_tests += scratch.verdicts.edge_tests;
-            statistics.double_tests += scratch.verdicts.double_tests;
-            decide(context, leaf, ownership, scratch);
-            if (context.sink) {
-                (*context.sink)(scratch.pairs);
-                scratch.pairs.clear();
-            }
-            statistics[Stage::narrow] += watch.lap();
+    Stopwatch watch;
+    const auto stop = [&] {
+        watch.lap();
+        return context.stop();
+    };
+    sweep_chunks(context.stages, leaf, first, last, candidates, stop, [&] {
+        statistics[Stage::sweep] += watch.lap();
+        if (candidates.pairs == 0) return;
+        statistics.box_overlaps += candidates.pairs;
+        scratch.most_candidates = std::max(scratch.most_candidates, candidates.count);
+        {
+            const FlushToZero mode;
+            context.kernels.filter(records.sorted.data(), candidates, context.points, policy, records.reach,
+                                   scratch.verdicts);
         }
-    }
+        statistics.edge_tests += scratch.verdicts.edge_tests;
+        statistics.double_tests += scratch.verdicts.double_tests;
+        decide(context, leaf, ownership, scratch);
+        if (context.sink) {
+            (*context.sink)(scratch.pairs);
+            scratch.pairs.clear();
+        }
+        statistics[Stage::narrow] += watch.lap();
+    });
 }
 
 }  // namespace crumple::cpu

@@ -1,0 +1,22 @@
+// The tables of a foreach_target file, best first: `table` of each target's namespace. Included once, in the namespace
+// around these, where `Kernels` is the tables' type. What Highway left out of the build for this architecture is left
+// out here; the last entry runs nowhere, for an array must have one.
+
+constexpr Table<Kernels> tables[] = {
+#if HWY_TARGETS & HWY_AVX3_DL
+    {HWY_AVX3_DL, Simd::avx512, &N_AVX3_DL::table},
+#endif
+#if HWY_TARGETS & HWY_AVX3
+    {HWY_AVX3, Simd::avx512, &N_AVX3::table},
+#endif
+#if HWY_TARGETS & HWY_AVX2
+    {HWY_AVX2, Simd::avx2, &N_AVX2::table},
+#endif
+#if HWY_TARGETS & HWY_SSE4
+    {HWY_SSE4, Simd::sse4, &N_SSE4::table},
+#endif
+#if HWY_TARGETS & HWY_NEON
+    {HWY_NEON, Simd::neon, &N_NEON::table},
+#endif
+    {0, Simd::scalar, nullptr},
+};

@@ -1,0 +1,44 @@
+#pragma once
+
+// Tables of kernels, one an instruction set, and how one is chosen. The stages have such tables, and each question.
+
+#include <span>
+#include <vector>
+
+#include "crumple/error.h"
+#include "crumple/options.h"
+#include "hwy/targets.h"
+
+namespace crumple::cpu {
+
+/// A table that Highway has compiled for a target.
+template <class Kernels>
+struct Table {
+    std::int64_t target;
+    Simd simd;
+    const Kernels* kernels;
+
+    bool runs_here() const { return (hwy::SupportedTargets() & target) != 0; }
+};
+
+/// The best of the tables, which come best first, for `simd`, or the plain one.
+template <class Kernels>
+const Kernels& choose(std::span<const Table<Kernels>> tables, const Kernels& plain, Simd simd) {
+    if (simd == Simd::scalar) return plain;
+    for (const auto& table : tables)
+        if (table.runs_here() && (simd == Simd::automatic || simd == table.simd)) return *table.kernels;
+    if (simd == Simd::automatic) return plain;
+    throw Error(ErrorCode::backend_unavailable,
+                "the instruction set asked for is not one that both this build and this machine have", Element::option);
+}
+
+/// All that run here, the plain one first.
+template <class Kernels>
+std::vector<const Kernels*> all_of(std::span<const Table<Kernels>> tables, const Kernels& plain) {
+    std::vector<const Kernels*> all{&plain};
+    for (const auto& table : tables)
+        if (table.runs_here()) all.push_back(table.kernels);
+    return all;
+}
+
+}  // namespace crumple::cpu
