@@ -4,6 +4,7 @@
 
 #include "crumple/options.h"
 #include "engine/cuda/layout.h"
+#include "questions/intersect/record.h"
 
 namespace crumple::benchmark {
 namespace {

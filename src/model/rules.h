@@ -9,6 +9,7 @@
 #include "crumple/array.h"
 #include "crumple/options.h"
 #include "model/body_rules.h"
+#include "model/group_rule.h"
 #include "model/scene.h"
 
 namespace crumple {
@@ -28,23 +29,25 @@ class GroupRule {
         wanted_ = query.wanted;
         excluded_.resize_discard(query.excluded_groups.size());
         std::transform(query.excluded_groups.begin(), query.excluded_groups.end(), excluded_.begin(),
-                       [](GroupPair p) { return unordered_key(p.first, p.second); });
+                       [](GroupPair p) { return WantedGroups::key(p.first, p.second); });
         std::sort(excluded_.begin(), excluded_.end());
     }
     /// Every pair is wanted: callers may skip the test.
-    bool trivial() const { return !bodies_ && wanted_ == Wanted::both && excluded_.empty(); }
+    bool trivial() const { return !bodies_ && wanted().all(); }
 
     /// No pair within a group is wanted.
     bool groups_apart() const { return bodies_ ? classes_apart_ : wanted_ == Wanted::between; }
 
-    /// Excluded pairs of groups as sorted keys: the lower id in the upper half.
+    /// Excluded pairs of groups as sorted keys.
     std::span<const std::uint64_t> excluded() const { return excluded_.span(); }
 
+    /// The rule by itself; valid while this is as it is.
+    WantedGroups wanted() const {
+        return {wanted_ == Wanted::between, wanted_ == Wanted::within, excluded_.data(),
+                static_cast<std::int64_t>(excluded_.size())};
+    }
     bool operator()(std::int32_t g, std::int32_t h) const {
-        if (bodies_) return (*bodies_)(g, h);
-        if (wanted_ == Wanted::between && g == h) return false;
-        if (wanted_ == Wanted::within && g != h) return false;
-        return excluded_.empty() || !std::binary_search(excluded_.begin(), excluded_.end(), unordered_key(g, h));
+        return bodies_ ? (*bodies_)(g, h) : wanted()(g, h);
     }
 
    private:

@@ -203,12 +203,8 @@ void Input::want(const Query& query, const Part* part) {
             members.push_back(static_cast<std::int32_t>(scene_.triangles[0]) + t);
         copy(stream_, members_, members.data(), members.size());
     }
-    rules_ = {.policy = {query.neighbours == Neighbours::skip, query.intersections == Intersections::proper},
-              .by_group = !rule_.trivial(),
-              .between = query.wanted == Wanted::between,
-              .within = query.wanted == Wanted::within,
-              .excluded = excluded_,
-              .excluded_count = static_cast<int>(excluded)};
+    wanted_ = rule_.wanted();
+    wanted_.excluded = excluded_;
 }
 
 void Input::clear(Clearing& clearing) const {

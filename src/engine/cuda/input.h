@@ -9,7 +9,6 @@
 #include "engine/cuda/bounds.h"
 #include "engine/cuda/memory.h"
 #include "engine/cuda/places.h"
-#include "engine/cuda/sweep.h"
 #include "geometry/position_hash.h"
 #include "model/part_mask.h"
 #include "model/rules.h"
@@ -59,7 +58,7 @@ class Input {
     const SceneBox* box() const { return box_; }
     const std::uint64_t* part_mask() const { return parted_ ? part_mask_ : nullptr; }
     int part() const { return part_; }
-    const Rules& rules() const { return rules_; }
+    const WantedGroups& groups_wanted() const { return wanted_; }
 
    private:
     void join(const Geometry& geometry, cudaStream_t stream, Counters* counters);
@@ -85,7 +84,7 @@ class Input {
     Vec3d* part_centre_ = nullptr;
     PartCentres* part_centres_ = nullptr;  ///< the same, normalised
     std::int32_t* members_ = nullptr;      ///< that the part lists; null: all triangles
-    Rules rules_;
+    WantedGroups wanted_;                  ///< on the device
 };
 
 }  // namespace crumple::cuda

@@ -6,8 +6,9 @@
 //   bounds      scene            -> Points (a row of four a vertex), balls (one a triangle)
 //   subdivide   balls            -> Levels: a mask an item; Members: leaf after leaf, in no order within
 //   align       members, balls   -> a Frame each leaf
-//   sort        members, frames  -> Sorted: members of each leaf by start along its first axis; their boxes, records
-//   sweep       Sorted           -> survivors: pairs whose boxes overlap and that no plane separates
+//   sort        members, frames  -> Sorted: members of each leaf by start along its first axis, and their boxes; beside
+//                                   them what the question keeps of each (questions/)
+//   sweep       Sorted           -> survivors: pairs whose boxes overlap and that the question's filter keeps
 //   narrow      survivors        -> hits
 //   output      hits             -> pairs, offsets, hit flags
 //
@@ -19,8 +20,8 @@
 
 #include "crumple/collisions.h"
 #include "geometry/ball.h"
+#include "geometry/leaf_frame.h"
 #include "geometry/point_rows.h"
-#include "questions/intersect/record.h"
 
 namespace crumple::cuda {
 
@@ -98,8 +99,7 @@ struct Sorted {
     std::uint32_t* rank;       ///< by member: place among those of its bin
     std::uint32_t* bin_first;  ///< leaves * bins + 1
     CrossBox* box;             ///< by row, as all that follow
-    Record* record;
-    std::uint64_t* conflict;  ///< pairs with a common bit are not ours: lower clusters of the last level, sides
+    std::uint64_t* conflict;   ///< pairs with a common bit are not ours: lower clusters of the last level, sides
     std::uint32_t* end;
     std::int32_t* triangle;
     std::uint16_t* leaf;

@@ -3,10 +3,11 @@
 // Stage `output`: pairs in lexicographic order, offsets by first triangle, hit flags. Pairs are bucketed by their first
 // triangle, which needs the offsets only; the few of one bucket are then put in order. See docs/output.md.
 
+#include "engine/cuda/clearing.h"
 #include "engine/cuda/layout.h"
-#include "engine/cuda/narrow.h"
 #include "engine/cuda/runtime.h"
 #include "model/scene.h"
+#include "questions/intersect/cuda/narrow.h"
 
 namespace crumple::cuda {
 

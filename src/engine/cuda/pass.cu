@@ -47,7 +47,7 @@ void Pass::cut(Cutter& c) {
     sorted_.rank = c.take<std::uint32_t>(rows);
     sorted_.bin_first = c.take<std::uint32_t>(leaves * bins + 1);
     sorted_.box = c.take<CrossBox>(rows);
-    sorted_.record = c.take<Record>(rows);
+    records_.record = c.take<Record>(rows);
     sorted_.conflict = c.take<std::uint64_t>(rows);
     sorted_.end = c.take<std::uint32_t>(rows);
     sorted_.triangle = c.take<std::int32_t>(rows);
@@ -114,16 +114,17 @@ void Pass::align() {
 
 void Pass::sort() {
     sort_members(geometry_, stream_, scene, points_, plan.leaves(), leaf_first(), members_[plan.levels() - 1], frames_,
-                 ownership(), sorted_, scratch_, counters);
+                 ownership(), sorted_, records_, scratch_, counters);
 }
 
 void Pass::sweep(const Slice& slice) {
-    cuda::sweep(geometry_, stream_, scene, sorted_, leaf_first() + plan.leaves(), ownership(), rules,
-                {survivors_, &counters->survivors, plan.survivors}, slice, counters);
+    cuda::sweep(geometry_, stream_, scene, sorted_, leaf_first() + plan.leaves(), ownership(), groups,
+                PlaneTest{records_.record, policy}, {survivors_, &counters->survivors, plan.survivors}, slice,
+                counters);
 }
 
 void Pass::narrow(const Hits& hits) {
-    cuda::narrow(geometry_, stream_, scene, sorted_, points_, frames_, rules,
+    cuda::narrow(geometry_, stream_, scene, sorted_, records_, points_, frames_, policy,
                  {survivors_, &counters->survivors, plan.survivors}, {undecided_, &counters->undecided, plan.undecided},
                  {beyond_, &counters->beyond, plan.beyond}, hits, &counters->doubles);
 }

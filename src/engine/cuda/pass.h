@@ -5,12 +5,12 @@
 #include "crumple/options.h"
 #include "engine/cuda/bounds.h"
 #include "engine/cuda/memory.h"
-#include "engine/cuda/narrow.h"
 #include "engine/cuda/output.h"
 #include "engine/cuda/plan.h"
 #include "engine/cuda/sort.h"
 #include "engine/cuda/subdivide.h"
 #include "engine/cuda/sweep.h"
+#include "questions/intersect/cuda/narrow.h"
 
 namespace crumple::cuda {
 
@@ -32,7 +32,8 @@ class Pass {
     const SceneBox* box = nullptr;
     const std::uint64_t* part_mask = nullptr;
     int part = 0;
-    Rules rules;
+    WantedGroups groups;
+    NarrowPolicy policy;
     Plan plan;
     Centres centres{};
 
@@ -77,6 +78,7 @@ class Pass {
     Members members_[2] = {};
     Frame* frames_ = nullptr;
     Sorted sorted_{};
+    RecordRows records_{};
     SortScratch scratch_{};
     Candidate *survivors_ = nullptr, *undecided_ = nullptr;
     Pair* beyond_ = nullptr;

@@ -30,7 +30,8 @@ void Search::adopt(const Query& query, const Part* part) {
     pass_.box = input_.box();
     pass_.part_mask = input_.part_mask();
     pass_.part = input_.part();
-    pass_.rules = input_.rules();
+    pass_.groups = input_.groups_wanted();
+    pass_.policy = policy_of(query.neighbours, query.intersections);
     lay_out(state_, [&](Cutter& c) { pass_.centres.cut(c); });
     statistics_ = {};
 }
@@ -127,7 +128,8 @@ bool Search::launch(cudaStream_t stream) {
     return fits_at_once([&] {
         plan();
         lay_out_lists();
-        graphs_.run({pass_.scene, pass_.rules, pass_.plan, input_.work(), work_.data(), answer_.place(), state_.data()},
+        graphs_.run({pass_.scene, pass_.groups, pass_.policy, pass_.plan, input_.work(), work_.data(), answer_.place(),
+                     state_.data()},
                     stream, [&] { enqueue(nullptr); });
     });
 }

@@ -56,7 +56,8 @@ class Search {
     // Everything that the commands of a pass were made of. While it stays the same, they are the same.
     struct Key {
         Scene scene;
-        Rules rules;
+        WantedGroups groups;
+        NarrowPolicy policy;
         Plan plan;
         Input::Work input;
         const void *work, *result, *state;

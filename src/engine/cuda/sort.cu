@@ -32,39 +32,6 @@ __global__ void bin_kernel(Scene scene, const Row<T>* rows, const unsigned long 
     }
 }
 
-template <class T>
-__global__ void place_kernel(Scene scene, const Row<T>* rows, const unsigned long long* count, Members members,
-                             const Frame* frames, Ownership ownership, Sorted sorted, Counters* counters) {
-    unsigned long long tests = 0;
-    for (unsigned long long m = grid_thread(); m < *count; m += grid_stride()) {
-        const std::int32_t t = members.triangle[m];
-        const std::uint32_t leaf = members.child[m], bin = sorted.bin[m];
-        const std::uint32_t row = sorted.bin_first[leaf * bins + (bin & 0xffff)] + sorted.rank[m];
-        const std::uint32_t end = sorted.bin_first[leaf * bins + (bin >> 16) + 1];
-        const Frame& frame = frames[leaf];
-        const std::int32_t* corner = scene.corners + 3 * static_cast<std::size_t>(t);
-        Vec3d p[3];
-        load_corners(rows, corner, p);
-        const InFrame<3> member(p, frame);
-        Record record = record_of(p, corner, member);
-        scale_plane(record, plane_scale(frame.reach));
-        const auto item = members.item[m];
-        const auto child = leaf % static_cast<std::uint32_t>(ownership.last_fan_out);
-        const std::uint64_t lower = ownership.last_mask[item] & ((std::uint64_t{1} << child) - 1);
-        const std::uint64_t side = scene.between ? std::uint64_t{1} << (max_fan_out_between - 1 + scene.second(t)) : 0;
-        sorted.box[row] = {member.low.y - frame.margin, member.high.y + frame.margin, member.low.z - frame.margin,
-                           member.high.z + frame.margin};
-        sorted.record[row] = record;
-        sorted.conflict[row] = lower | side;
-        sorted.end[row] = end;
-        sorted.triangle[row] = t;
-        sorted.leaf[row] = static_cast<std::uint16_t>(leaf);
-        tests += end - row - 1;
-    }
-    for (int lanes = 16; lanes > 0; lanes /= 2) tests += __shfl_xor_sync(whole_warp, tests, lanes);
-    if (tests && threadIdx.x % 32 == 0) atomicAdd(&counters->interval_tests, tests);
-}
-
 // Units of each group of 32 rows; a group is a warp's.
 __global__ void unit_kernel(const unsigned long long* count, std::size_t groups, Sorted sorted) {
     const unsigned lane = threadIdx.x % 32;
@@ -88,20 +55,6 @@ std::size_t scan_bytes(In data, std::size_t n) {
 
 std::size_t groups_of(std::size_t capacity) { return (capacity + 31) / 32; }
 
-template <class T>
-void place(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Row<T>* rows, int leaves,
-           const unsigned long long* first, const Members& members, const Frame* frames, const Ownership& ownership,
-           const Sorted& sorted, const SortScratch& scratch, Counters* counters) {
-    const auto bin_total = static_cast<std::size_t>(leaves) * bins + 1;
-    const unsigned long long* count = first + leaves;
-    const Launch over_members{stream, geometry.blocks(members.capacity), geometry.threads};
-    over_members(bin_kernel<T>, scene, rows, count, members, frames, sorted, sorted.bin_first);
-    std::size_t bytes = scratch.scan_bytes;
-    CRUMPLE_CUDA(
-        cub::DeviceScan::ExclusiveSum(scratch.scan, bytes, sorted.bin_first, sorted.bin_first, bin_total, stream));
-    over_members(place_kernel<T>, scene, rows, count, members, frames, ownership, sorted, counters);
-}
-
 }  // namespace
 
 void clear(Clearing& clearing, const Sorted& sorted, int leaves) {
@@ -113,16 +66,28 @@ std::size_t sort_scratch_bytes(int leaves, std::size_t capacity) {
                     scan_bytes(static_cast<unsigned long long*>(nullptr), groups_of(capacity) + 1));
 }
 
-void sort_members(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Points& points, int leaves,
-                  const unsigned long long* first, const Members& members, const Frame* frames,
-                  const Ownership& ownership, const Sorted& sorted, const SortScratch& scratch, Counters* counters) {
+void bin_members(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Points& points, int leaves,
+                 const unsigned long long* first, const Members& members, const Frame* frames, const Sorted& sorted,
+                 const SortScratch& scratch) {
+    const auto bin_total = static_cast<std::size_t>(leaves) * bins + 1;
+    const Launch over_members{stream, geometry.blocks(members.capacity), geometry.threads};
+    const auto count = [&](const auto* rows, auto kernel) {
+        over_members(kernel, scene, rows, first + leaves, members, frames, sorted, sorted.bin_first);
+    };
     if (points.f)
-        place(geometry, stream, scene, points.f, leaves, first, members, frames, ownership, sorted, scratch, counters);
+        count(points.f, bin_kernel<float>);
     else
-        place(geometry, stream, scene, points.d, leaves, first, members, frames, ownership, sorted, scratch, counters);
+        count(points.d, bin_kernel<double>);
+    std::size_t bytes = scratch.scan_bytes;
+    CRUMPLE_CUDA(
+        cub::DeviceScan::ExclusiveSum(scratch.scan, bytes, sorted.bin_first, sorted.bin_first, bin_total, stream));
+}
+
+void count_units(const Geometry& geometry, cudaStream_t stream, const unsigned long long* count, std::size_t capacity,
+                 const Sorted& sorted, const SortScratch& scratch) {
     // One group more, so that the scan ends with the total.
-    const std::size_t groups = groups_of(members.capacity) + 1;
-    Launch{stream, geometry.blocks(32 * groups), geometry.threads}(unit_kernel, first + leaves, groups, sorted);
+    const std::size_t groups = groups_of(capacity) + 1;
+    Launch{stream, geometry.blocks(32 * groups), geometry.threads}(unit_kernel, count, groups, sorted);
     std::size_t bytes = scratch.scan_bytes;
     CRUMPLE_CUDA(
         cub::DeviceScan::ExclusiveSum(scratch.scan, bytes, sorted.unit_first, sorted.unit_first, groups, stream));

@@ -1,33 +1,26 @@
 #pragma once
 
-// Stage `sweep`: pairs of rows whose boxes overlap ([MZ] sec. 3.1), and, while their records are at hand, the first
-// filter of `narrow`: pairs that no plane separates go on.
+// Stage `sweep`: pairs of rows whose boxes overlap ([MZ] sec. 3.1), that the leaf owns, whose groups are wanted, and
+// that the question's filter keeps. A filter while a pair's rows are in the cache saves the list most of its length.
 
 #include "engine/cuda/layout.h"
 #include "engine/cuda/runtime.h"
 #include "engine/cuda/sort.h"
+#include "model/group_rule.h"
 #include "model/scene.h"
-#include "questions/intersect/plane_filter.h"
 
 namespace crumple::cuda {
-
-/// Which pairs of groups are wanted; `excluded` is sorted.
-struct Rules {
-    NarrowPolicy policy;
-    bool by_group = false, between = false, within = false;  ///< groups that differ, groups that are equal
-    const std::uint64_t* excluded = nullptr;
-    int excluded_count = 0;
-    friend bool operator==(const Rules&, const Rules&) = default;
-};
 
 /// The part of all units that one call sweeps: number `turn` of `turns`.
 struct Slice {
     unsigned long long turn = 0, turns = 1;
 };
 
-/// `members`: their number, on the device.
+/// `members`: their number, on the device. `Filter`: a function of the device that tells of a Candidate whether it goes
+/// on. Defined in sweep_kernel.h.
+template <class Filter>
 void sweep(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Sorted& sorted,
-           const unsigned long long* members, const Ownership& ownership, const Rules& rules,
-           const List<Candidate>& survivors, const Slice& slice, Counters* counters);
+           const unsigned long long* members, const Ownership& ownership, const WantedGroups& groups,
+           const Filter& filter, const List<Candidate>& survivors, const Slice& slice, Counters* counters);
 
 }  // namespace crumple::cuda

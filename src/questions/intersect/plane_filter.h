@@ -3,6 +3,7 @@
 // The first filter of `narrow` for one pair of records, and what its signs mean (docs/narrow.md): the plain text of
 // engine/cpu/simd/plane_filter-inl.h and classify-inl.h. Compiled for host and device.
 
+#include "crumple/options.h"
 #include "questions/intersect/record.h"
 
 namespace crumple {
@@ -13,6 +14,10 @@ struct NarrowPolicy {
     bool proper = false;
     friend bool operator==(const NarrowPolicy&, const NarrowPolicy&) = default;
 };
+
+inline NarrowPolicy policy_of(Neighbours neighbours, Intersections intersections) {
+    return {neighbours == Neighbours::skip, intersections == Intersections::proper};
+}
 
 /// Where the corners of a pair lie: one bit a corner.
 struct PairSigns {

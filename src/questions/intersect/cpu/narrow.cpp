@@ -71,8 +71,7 @@ void decide(const NarrowContext& context, const SortedLeaf& leaf, const Ownershi
 
 void sweep_and_narrow(const NarrowContext& context, const SortedLeaf& leaf, const LeafRecords& records,
                       const Ownership& ownership, std::int64_t first, std::int64_t last, NarrowScratch& scratch) {
-    const NarrowPolicy policy{context.query.neighbours == Neighbours::skip,
-                              context.query.intersections == Intersections::proper};
+    const NarrowPolicy policy = policy_of(context.query.neighbours, context.query.intersections);
     Statistics& statistics = scratch.statistics;
     Candidates& candidates = scratch.candidates;
     Stopwatch watch;

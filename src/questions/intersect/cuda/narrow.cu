@@ -1,4 +1,4 @@
-#include "engine/cuda/narrow.h"
+#include "questions/intersect/cuda/narrow.h"
 
 #include <algorithm>
 
@@ -32,8 +32,9 @@ __device__ Pair pair_of(const Sorted& sorted, const Candidate& c) {
 
 // What filters can prove, in float32 and then in float64.
 __global__ void __launch_bounds__(256, 3)
-    filter_kernel(Scene scene, Sorted sorted, PointRows points, const Frame* frames, NarrowPolicy policy,
-                  List<Candidate> survivors, List<Candidate> undecided, Hits hits, unsigned long long* doubles) {
+    filter_kernel(Scene scene, Sorted sorted, RecordRows records, PointRows points, const Frame* frames,
+                  NarrowPolicy policy, List<Candidate> survivors, List<Candidate> undecided, Hits hits,
+                  unsigned long long* doubles) {
     const unsigned long long n = survivors.filled(), warps_end = (n + 31) / 32 * 32;
     for (unsigned long long i = grid_thread(); i < warps_end; i += grid_stride()) {
         Verdict verdict = Verdict::apart;
@@ -44,7 +45,7 @@ __global__ void __launch_bounds__(256, 3)
             candidate = survivors.data[i];
             pair = pair_of(sorted, candidate);
             // Copied by four words at a time.
-            const Record a = sorted.record[candidate.row], b = sorted.record[candidate.column];
+            const Record a = records.record[candidate.row], b = records.record[candidate.column];
             const PairSigns signs = pair_signs(a, b);
             const float reach = frames[sorted.leaf[candidate.row]].reach;
             verdict = filter_in_float(a, b, signs, classify(signs, policy), policy, points, reach);
@@ -97,12 +98,13 @@ __global__ void rank_kernel(List<Hit> hits, unsigned long long* by_first) {
 }  // namespace
 
 void narrow(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Sorted& sorted,
-            const Points& points, const Frame* frames, const Rules& rules, const List<Candidate>& survivors,
-            const List<Candidate>& undecided, const List<Pair>& beyond, const Hits& hits, unsigned long long* doubles) {
-    const Neighbours neighbours = rules.policy.skip_neighbours ? Neighbours::skip : Neighbours::geometric;
-    const Intersections intersections = rules.policy.proper ? Intersections::proper : Intersections::all;
+            const RecordRows& records, const Points& points, const Frame* frames, const NarrowPolicy& policy,
+            const List<Candidate>& survivors, const List<Candidate>& undecided, const List<Pair>& beyond,
+            const Hits& hits, unsigned long long* doubles) {
+    const Neighbours neighbours = policy.skip_neighbours ? Neighbours::skip : Neighbours::geometric;
+    const Intersections intersections = policy.proper ? Intersections::proper : Intersections::all;
     Launch{stream, std::min(geometry.blocks(survivors.capacity), geometry.fitting(filter_kernel)), geometry.threads}(
-        filter_kernel, scene, sorted, points.rows(), frames, rules.policy, survivors, undecided, hits, doubles);
+        filter_kernel, scene, sorted, records, points.rows(), frames, policy, survivors, undecided, hits, doubles);
     // Its registers let one block in at a time.
     const unsigned blocks = std::min(geometry.blocks(undecided.capacity), std::max(1u, geometry.multiprocessors));
     Launch{stream, blocks, geometry.threads}(exact_kernel, scene, sorted, neighbours, intersections, undecided, beyond,

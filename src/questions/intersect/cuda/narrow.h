@@ -5,8 +5,8 @@
 
 #include "engine/cuda/layout.h"
 #include "engine/cuda/runtime.h"
-#include "engine/cuda/sweep.h"
 #include "model/scene.h"
+#include "questions/intersect/cuda/records.h"
 
 namespace crumple::cuda {
 
@@ -22,8 +22,9 @@ struct Hits {
 
 /// `doubles` counts the pairs that float32 leaves undecided.
 void narrow(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Sorted& sorted,
-            const Points& points, const Frame* frames, const Rules& rules, const List<Candidate>& survivors,
-            const List<Candidate>& undecided, const List<Pair>& beyond, const Hits& hits, unsigned long long* doubles);
+            const RecordRows& records, const Points& points, const Frame* frames, const NarrowPolicy& policy,
+            const List<Candidate>& survivors, const List<Candidate>& undecided, const List<Pair>& beyond,
+            const Hits& hits, unsigned long long* doubles);
 
 /// Launches the exact decision on no pairs, so that the driver gives it its stacks. All counters are 0.
 void reserve_exact_stack(const Geometry& geometry, cudaStream_t stream, Counters* counters);

@@ -1,3 +1,7 @@
+#pragma once
+
+// The kernel of `sweep`, for those who bring a filter: a question includes this and instantiates sweep<Filter>().
+//
 // A warp sweeps 32 rows at a time, one a lane, against columns that all lanes read from shared memory. What overlaps
 // waits in a queue of the warp until there are 32 candidates, one a lane again, for the tests that gather from memory;
 // what these leave waits in a second queue until 32 places in the list can be had by one atomic. So lanes are busy
@@ -5,14 +9,10 @@
 
 #include "engine/cuda/sweep.h"
 
-#include "questions/intersect/plane_filter.h"
-
-#include <algorithm>
-
 namespace crumple::cuda {
-namespace {
+namespace detail {
 
-constexpr unsigned long long shares_a_warp = 8;
+inline constexpr unsigned long long shares_a_warp = 8;
 
 struct WarpShared {
     CrossBox box[32];
@@ -24,33 +24,20 @@ struct SweepShared {
     WarpShared warp[threads / 32];
 };
 
-__device__ bool wanted(const Rules& rules, std::int32_t g, std::int32_t h) {
-    if ((rules.between && g == h) || (rules.within && g != h)) return false;
-    const auto low = static_cast<std::uint32_t>(min(g, h)), high = static_cast<std::uint32_t>(max(g, h));
-    const std::uint64_t key = static_cast<std::uint64_t>(low) << 32 | high;
-    int begin = 0, end = rules.excluded_count;
-    while (begin < end) {
-        const int middle = (begin + end) / 2;
-        if (rules.excluded[middle] < key)
-            begin = middle + 1;
-        else
-            end = middle;
-    }
-    return begin == rules.excluded_count || rules.excluded[begin] != key;
-}
-
-__device__ bool ours(const Ownership& o, std::uint32_t leaf, std::int32_t a, std::int32_t b) {
+__device__ inline bool ours(const Ownership& o, std::uint32_t leaf, std::int32_t a, std::int32_t b) {
     if (o.part_mask && (o.part_mask[a] & o.part_mask[b] & ((std::uint64_t{1} << o.part) - 1))) return false;
     if (!o.upper_mask) return true;
     const auto cluster = leaf / static_cast<std::uint32_t>(o.last_fan_out);
     return !(o.upper_mask[a] & o.upper_mask[b] & ((std::uint64_t{1} << cluster) - 1));
 }
 
+template <class Filter>
 struct Sweep {
     const Scene& scene;
     const Sorted& sorted;
     const Ownership& ownership;
-    const Rules& rules;
+    const WantedGroups& groups;
+    const Filter& filter;
     const List<Candidate>& list;
     WarpShared& shared;
     unsigned lane;
@@ -60,10 +47,8 @@ struct Sweep {
     __device__ bool keeps(const Candidate& c) const {
         const std::int32_t a = sorted.triangle[c.row], b = sorted.triangle[c.column];
         if (!ours(ownership, sorted.leaf[c.row], a, b)) return false;
-        if (rules.by_group && !wanted(rules, scene.group(a), scene.group(b))) return false;
-        const Record first = sorted.record[c.row], second = sorted.record[c.column];  // copied by four words at a time
-        const PairSigns signs = pair_signs(first, second);
-        return classify(signs, rules.policy) != PairKind::apart;
+        if (!groups.all() && !groups(scene.group(a), scene.group(b))) return false;
+        return filter(c);
     }
 
     // Moves the last survivors of the queue, up to 32, to the list.
@@ -97,15 +82,15 @@ struct Sweep {
     }
 };
 
-template <int threads>
+template <int threads, class Filter>
 __global__ void __launch_bounds__(threads)
-    sweep_kernel(Scene scene, Sorted sorted, const unsigned long long* members, Ownership ownership, Rules rules,
-                 List<Candidate> list, Slice slice, Counters* counters) {
+    sweep_kernel(Scene scene, Sorted sorted, const unsigned long long* members, Ownership ownership,
+                 WantedGroups groups, Filter filter, List<Candidate> list, Slice slice, Counters* counters) {
     const unsigned lane = threadIdx.x % 32;
     WarpShared& shared = dynamic_shared<SweepShared<threads>>().warp[threadIdx.x / 32];
-    Sweep sweep{scene, sorted, ownership, rules, list, shared, lane};
-    const std::size_t rows = *members, groups = (rows + 31) / 32;
-    const unsigned long long all = sorted.unit_first[groups], begin_unit = all * slice.turn / slice.turns;
+    Sweep<Filter> sweep{scene, sorted, ownership, groups, filter, list, shared, lane};
+    const std::size_t rows = *members, row_groups = (rows + 31) / 32;
+    const unsigned long long all = sorted.unit_first[row_groups], begin_unit = all * slice.turn / slice.turns;
     const unsigned long long end_unit = all * (slice.turn + 1) / slice.turns;
     // Units differ in cost, so warps take some at a time: few, or the last one would be late.
     const unsigned long long share = (end_unit - begin_unit) / (shares_a_warp * (grid_stride() / 32)) + 1;
@@ -119,7 +104,7 @@ __global__ void __launch_bounds__(threads)
             if (unit >= end_unit) break;
         }
         if (unit < sorted.unit_first[group] || unit >= sorted.unit_first[group + 1])
-            group = segment_of(unit, sorted.unit_first, groups);
+            group = segment_of(unit, sorted.unit_first, row_groups);
         const auto row = static_cast<std::uint32_t>(32 * group) + lane;
         const bool valid = row < rows;
         const CrossBox box = valid ? sorted.box[row] : CrossBox{};
@@ -159,15 +144,17 @@ __global__ void __launch_bounds__(threads)
     if (lane == 0 && sweep.overlaps) atomicAdd(&counters->box_overlaps, sweep.overlaps);
 }
 
-}  // namespace
+}  // namespace detail
 
+template <class Filter>
 void sweep(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Sorted& sorted,
-           const unsigned long long* members, const Ownership& ownership, const Rules& rules,
-           const List<Candidate>& survivors, const Slice& slice, Counters* counters) {
+           const unsigned long long* members, const Ownership& ownership, const WantedGroups& groups,
+           const Filter& filter, const List<Candidate>& survivors, const Slice& slice, Counters* counters) {
     const auto run = [&]<int threads>() {
-        Launch{stream, geometry.fitting(sweep_kernel<threads>, sizeof(SweepShared<threads>)), threads,
-               sizeof(SweepShared<threads>)}(sweep_kernel<threads>, scene, sorted, members, ownership, rules, survivors,
-                                             slice, counters);
+        constexpr auto kernel = detail::sweep_kernel<threads, Filter>;
+        constexpr std::size_t shared = sizeof(detail::SweepShared<threads>);
+        Launch{stream, geometry.fitting(kernel, shared), threads, shared}(kernel, scene, sorted, members, ownership,
+                                                                          groups, filter, survivors, slice, counters);
     };
     if (geometry.threads == 64)
         run.template operator()<64>();

@@ -1,0 +1,17 @@
+// The stages that take a part of the question into their kernels, for this question.
+
+#include "engine/cuda/sort_kernel.h"
+#include "engine/cuda/sweep_kernel.h"
+#include "questions/intersect/cuda/records.h"
+
+namespace crumple::cuda {
+
+template void sort_members(const Geometry&, cudaStream_t, const Scene&, const Points&, int, const unsigned long long*,
+                           const Members&, const Frame*, const Ownership&, const Sorted&, const RecordRows&,
+                           const SortScratch&, Counters*);
+
+template void sweep(const Geometry&, cudaStream_t, const Scene&, const Sorted&, const unsigned long long*,
+                    const Ownership&, const WantedGroups&, const PlaneTest&, const List<Candidate>&, const Slice&,
+                    Counters*);
+
+}  // namespace crumple::cuda
