@@ -26,10 +26,13 @@ CRUMPLE_HD inline float bisector_reach(const Vec3f& between) {
     return 2.00001f * std::sqrt(dot(between, between)) + 1e-22f;
 }
 
+/// Widens the nearest centre's squared distance for the bisector rule.
+inline constexpr float bisector_factor = 1.000002f;
+
 /// Bisector rule: d_k^2 - d_min^2 <= 2 r |v_k - v_min|, with factors that cover the roundings: whether a ball of radius
 /// r may hold a point that is nearest to centre k. d2: squared distances of its centre to that one, and to the nearest.
 CRUMPLE_HD inline bool joins(float d2, float nearest_d2, float r, float reach) {
-    return !(d2 > nearest_d2 * 1.000002f + r * reach);
+    return !(d2 > nearest_d2 * bisector_factor + r * reach);
 }
 
 }  // namespace crumple

@@ -32,6 +32,12 @@ struct Centres {
     void set(std::integral auto k, Vec3f p) { x.data()[k] = p.x, y.data()[k] = p.y, z.data()[k] = p.z; }
 };
 
+/// Splitting `clusters` ways pays while each triangle joins fewer than about clusters^(1/3) of them: a sweep costs
+/// members^2 times the mean interval over the extent, and the extent of a k-th of the scene is k^(1/3) times smaller.
+inline bool splitting_pays(double memberships, double members, int clusters) {
+    return memberships <= 1.1 * std::cbrt(clusters) * members;
+}
+
 struct FuzzyOptions {
     double fuzziness = 2;  ///< t > 1
     int iterations = 2;

@@ -13,10 +13,8 @@ constexpr std::int64_t chunk = 4096;
 constexpr std::size_t samples1 = 1024;            // points that place the first level's centres
 constexpr std::size_t samples2_per_cluster = 32;  // points for each centre of the second level
 
-// Splitting k ways pays while each triangle joins fewer than about k^(1/3) clusters: a sweep costs members^2 times the
-// mean interval over the extent, and the extent of a k-th of the scene is k^(1/3) times smaller.
 bool pays(std::int64_t memberships, std::int64_t members, int clusters) {
-    return static_cast<double>(memberships) <= 1.1 * std::cbrt(clusters) * static_cast<double>(members);
+    return splitting_pays(static_cast<double>(memberships), static_cast<double>(members), clusters);
 }
 
 int choose_clusters(std::int64_t n, const Options& options) {

@@ -4,11 +4,11 @@
 // learns how long the lists get; its counters tell afterwards whether the plan was good.
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 
 #include "crumple/options.h"
 #include "engine/cuda/layout.h"
+#include "model/fuzzy_c_means.h"
 
 namespace crumple::cuda {
 
@@ -50,11 +50,11 @@ struct Plan {
     }
 
     /// False if a list of members was too short, or too many triangles joined too many clusters; the plan is then
-    /// another one. Splitting k ways pays while each triangle joins fewer than about k^(1/3) clusters
-    /// (docs/subdivide.md).
+    /// another one (docs/subdivide.md).
     bool accepts_members(const Counters& c, std::int64_t n, const Options& options) {
+        // A few memberships more do not matter, as where there are hardly any triangles.
         const auto pays = [](unsigned long long joined, unsigned long long items, int k) {
-            return static_cast<double>(joined) <= 1.1 * std::cbrt(k) * static_cast<double>(items) + 64;
+            return splitting_pays(static_cast<double>(joined) - 64, static_cast<double>(items), k);
         };
         if (options.clusters == 0 && fan_out[0] > 1 &&
             !pays(c.members[0], static_cast<unsigned long long>(n), fan_out[0])) {

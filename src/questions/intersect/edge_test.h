@@ -29,7 +29,7 @@ CRUMPLE_HD inline int determinant_sign(const Vec3f& a, const Vec3f& b, const Vec
     const auto norm1 = [](const Vec3f& p) { return std::abs(p.x) + std::abs(p.y) + std::abs(p.z); };
     const float A = norm1(a), B = norm1(b), C = norm1(c);
     const float input = A * B + B * C + A * C + 3 * delta * (A + B + C) + 6 * delta * delta;
-    const float error = 10 * unit_roundoff * permanent + delta * input + determinant_slack;
+    const float error = determinant_error * permanent + delta * input + determinant_slack;
     return value > error ? 1 : value < -error ? -1 : 0;
 }
 
@@ -45,8 +45,7 @@ CRUMPLE_HD inline Verdict edge_test(const Record& a, const Record& b, unsigned b
     };
     const Vec3f p1 = corner(a, 0), q1 = corner(a, 1) - p1, r1 = corner(a, 2) - p1;
     const Vec3f p2 = corner(b, 3) - p1, q2 = corner(b, 4) - p1, r2 = corner(b, 5) - p1;
-    // Each difference of two corners carries the rounding of both relative coordinates.
-    const float delta = 2.1f * unit_roundoff * reach;
+    const float delta = corner_error(reach);
     const int first = determinant_sign(q1, p2, q2, delta), second = determinant_sign(r1, r2, p2, delta);
     if (first > 0 || second > 0) return Verdict::apart;
     return first < 0 && second < 0 && !proper ? Verdict::collides : Verdict::undecided;

@@ -28,6 +28,17 @@ inline constexpr float plane_bound = 28;
 inline constexpr float plane_slack = 1e-28f, determinant_slack = 1e-34f, turn_slack = 1e-35f;
 inline constexpr double float32_rows_slack = 1e-35, float64_rows_slack = 1e-290;
 
+/// How far filters' values err for each unit of their monomials' magnitudes: a determinant of relative corners, a turn
+/// in projection, and, in float64, a plane's value (docs/narrow.md).
+inline constexpr float determinant_error = 10 * unit_roundoff;
+template <class T>
+inline constexpr T turn_error = static_cast<T>(6 * (sizeof(T) == 4 ? 0x1p-24 : 0x1p-53));
+inline constexpr double plane_error = 10 * 0x1p-53;
+
+/// By how much a coordinate of a difference of two relative corners errs beyond its own rounding: each was rounded when
+/// the leaf's origin was subtracted.
+CRUMPLE_HD constexpr float corner_error(float reach) { return 2.1f * unit_roundoff * reach; }
+
 struct alignas(64) Record {
     float x[4], y[4], z[4];
     std::int32_t id[3];

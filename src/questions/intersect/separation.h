@@ -25,10 +25,9 @@ struct FlatError {
 /// Certain sign of the turn from a to b, or 0.
 template <class T>
 CRUMPLE_HD int turn_sign(T au, T aw, T bu, T bw, const FlatError<T>& e) {
-    constexpr T u = static_cast<T>(sizeof(T) == 4 ? 0x1p-24 : 0x1p-53);
     const T m = au * bw, n = aw * bu, value = m - n;
     const T size = (std::abs(au) + std::abs(aw)) + (std::abs(bu) + std::abs(bw));
-    const T error = 6 * u * (std::abs(m) + std::abs(n)) + (e.delta * size + (2 * e.delta * e.delta + e.tiny));
+    const T error = turn_error<T> * (std::abs(m) + std::abs(n)) + (e.delta * size + (2 * e.delta * e.delta + e.tiny));
     return value > error ? 1 : value < -error ? -1 : 0;
 }
 
@@ -76,7 +75,7 @@ CRUMPLE_HD inline bool separated_in_float(const Record& a, const Record& b, unsi
         return points.in_float(r.id[k]);
     };
     const Vec3f p[3] = {corner(a, 0), corner(a, 1), corner(a, 2)}, q[3] = {corner(b, 0), corner(b, 1), corner(b, 2)};
-    const FlatError<float> error{points.f ? 0.0f : 2.1f * unit_roundoff * reach, turn_slack};
+    const FlatError<float> error{points.f ? 0.0f : corner_error(reach), turn_slack};
     return edge_lines_separate(p, shared_a, q, shared_b, {a.x[3], a.y[3], a.z[3]}, error);
 }
 
@@ -90,7 +89,7 @@ CRUMPLE_HD inline bool plane_separates(const Vec3d t[3], const Vec3d other[3], u
     for (int k = 0; k < 3; ++k) {
         if (shared >> k & 1) continue;
         const Vec3d w = other[k] - t[0];
-        const double value = dot(n, w), error = 10 * 0x1p-53 * dot(size, abs(w)) + tiny;
+        const double value = dot(n, w), error = plane_error * dot(size, abs(w)) + tiny;
         above = above && value > error;
         below = below && value < -error;
     }

@@ -15,7 +15,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
 #include <limits>
 
 #include "engine/cpu/simd/compress-inl.h"
@@ -33,10 +32,7 @@ inline void assign(const Ball* ball, std::int64_t n, const Centres& centres, std
 
     alignas(64) float reach[max_clusters][max_clusters];  // [k][nearest]
     for (int k = 0; k < centres.count; ++k)
-        for (int j = 0; j < centres.count; ++j) {
-            const Vec3f between = centres[k] - centres[j];
-            reach[k][j] = 2.00001f * std::sqrt(dot(between, between)) + 1e-22f;
-        }
+        for (int j = 0; j < centres.count; ++j) reach[k][j] = bisector_reach(centres[k] - centres[j]);
     const bool few = centres.count <= lanes;
     HWY_ALIGN float d2[max_clusters * hn::MaxLanes(d)];
     for (std::int64_t i = 0; i < n; i += lanes) {
@@ -57,7 +53,7 @@ inline void assign(const Ball* ball, std::int64_t n, const Centres& centres, std
         }
         const V root = hn::MulAdd(hn::Set(d, 2.0f), pr, hn::Sqrt(best));
         const V loose = hn::Mul(hn::Mul(root, root), hn::Set(d, 1.00001f));
-        const V tight = hn::Mul(best, hn::Set(d, 1.000002f));
+        const V tight = hn::Mul(best, hn::Set(d, bisector_factor));
         const auto distance_to = [&](int k) { return hn::Load(d, d2 + static_cast<std::size_t>(k) * hn::MaxLanes(d)); };
         auto low = hn::Zero(du), high = hn::Zero(du);
         const auto valid = hn::FirstN(d, static_cast<std::size_t>(n - i));

@@ -36,9 +36,8 @@ inline void edge_test(const Record* record, const Candidates& candidates, float 
     const std::size_t count = out.edges.size();
     repeat_last(out.edges, lanes);
     repeat_last(out.edge_signs, lanes);
-    const V relative = hn::Set(d, 10 * unit_roundoff), tiny = hn::Set(d, determinant_slack);
-    // Each difference of two corners carries the rounding of both relative coordinates.
-    const V delta = hn::Set(d, 2.1f * unit_roundoff * reach), delta3 = hn::Mul(delta, hn::Set(d, 3.0f));
+    const V relative = hn::Set(d, determinant_error), tiny = hn::Set(d, determinant_slack);
+    const V delta = hn::Set(d, corner_error(reach)), delta3 = hn::Mul(delta, hn::Set(d, 3.0f));
     const V delta6 = hn::Mul(hn::Mul(delta, delta), hn::Set(d, 6.0f));
     const auto norm1 = [](const Point<V>& p) { return hn::Add(hn::Abs(p.x), hn::Add(hn::Abs(p.y), hn::Abs(p.z))); };
     // +1, -1 or undecided sign of det(a, b, c): sets of lanes.

@@ -39,7 +39,7 @@ HWY_INLINE void flat_test_with(const Record* record, const Candidates& candidate
     const VI zero = hn::Zero(di), one = hn::Set(di, 1), two = hn::Set(di, 2), seven = hn::Set(di, 7);
     const auto next = [&](VI corner) { return hn::IfThenElse(hn::Eq(corner, two), zero, hn::Add(corner, one)); };
     const auto is_single = [&](VI e) { return hn::And(hn::Ne(e, zero), hn::Eq(hn::And(e, hn::Sub(e, one)), zero)); };
-    const V relative = hn::Set(d, 6 * unit_roundoff);
+    const V relative = hn::Set(d, turn_error<float>);
     const V delta = hn::Set(d, difference_error),
             tiny = hn::Set(d, 2 * difference_error * difference_error + turn_slack);
 

@@ -116,7 +116,7 @@ HWY_INLINE void with_triangles(const PointRows& points, float reach, Test test) 
     if (points.f)
         test(0.0f, [&](auto record) HWY_ATTR { return load_exact_triangles(d, record, points.f); });
     else
-        test(2.1f * unit_roundoff * reach, [&](auto record) HWY_ATTR { return load_triangles(d, record); });
+        test(corner_error(reach), [&](auto record) HWY_ATTR { return load_triangles(d, record); });
 }
 
 }  // namespace HWY_NAMESPACE

@@ -36,9 +36,9 @@ struct Sides {
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE Sides<D> side_of(D d, V au, V aw, V bu, V bw, hn::TFromD<D> delta, hn::TFromD<D> tiny) {
     using T = hn::TFromD<D>;
-    constexpr T u = sizeof(T) == 4 ? static_cast<T>(0x1p-24) : static_cast<T>(0x1p-53);
     const V m = hn::Mul(au, bw), n = hn::Mul(aw, bu), value = hn::Sub(m, n);
-    V error = hn::MulAdd(hn::Set(d, 6 * u), hn::Add(hn::Abs(m), hn::Abs(n)), hn::Set(d, 2 * delta * delta + tiny));
+    V error =
+        hn::MulAdd(hn::Set(d, turn_error<T>), hn::Add(hn::Abs(m), hn::Abs(n)), hn::Set(d, 2 * delta * delta + tiny));
     if constexpr (sizeof(T) == 4) {
         const V size = hn::Add(hn::Add(hn::Abs(au), hn::Abs(aw)), hn::Add(hn::Abs(bu), hn::Abs(bw)));
         error = hn::MulAdd(hn::Set(d, delta), size, error);
@@ -175,7 +175,7 @@ HWY_INLINE hn::Mask<Doubles> separated_by_plane(const Corners<Doubles>& t, const
         n[axis] = hn::Sub(m1, m2);
         size[axis] = hn::Add(hn::Abs(m1), hn::Abs(m2));
     }
-    const V relative = hn::Set(d, 10 * 0x1p-53), tiny = hn::Set(d, slack);
+    const V relative = hn::Set(d, plane_error), tiny = hn::Set(d, slack);
     auto above = hn::Eq(tiny, tiny), below = above;
     for (int k = 0; k < 3; ++k) {
         V value = hn::Zero(d), error = hn::Zero(d);
