@@ -8,14 +8,9 @@
 
 #include "crumple/array.h"
 #include "crumple/world.h"
+#include "model/group_rule.h"
 
 namespace crumple {
-
-/// An unordered pair of ids as a key for look-up: the lower one in the upper half.
-inline std::uint64_t unordered_key(std::int32_t a, std::int32_t b) {
-    const auto low = static_cast<std::uint32_t>(std::min(a, b)), high = static_cast<std::uint32_t>(std::max(a, b));
-    return static_cast<std::uint64_t>(low) << 32 | high;
-}
 
 struct BodyClass {
     std::int32_t body = 0, group = 0;
@@ -33,7 +28,7 @@ class BodyRules {
         const auto keys = [](const auto& pairs, Array<std::uint64_t>& out) {
             out.resize_discard(pairs.size());
             std::transform(pairs.begin(), pairs.end(), out.begin(),
-                           [](const auto& p) { return unordered_key(p.first, p.second); });
+                           [](const auto& p) { return WantedGroups::key(p.first, p.second); });
             std::sort(out.begin(), out.end());
         };
         keys(rules.excluded_bodies, excluded_bodies_);
@@ -69,7 +64,7 @@ class BodyRules {
 
    private:
     static bool contains(const Array<std::uint64_t>& keys, std::int32_t a, std::int32_t b) {
-        return !keys.empty() && std::binary_search(keys.begin(), keys.end(), unordered_key(a, b));
+        return !keys.empty() && std::binary_search(keys.begin(), keys.end(), WantedGroups::key(a, b));
     }
 
     Wanted bodies_ = Wanted::both, groups_ = Wanted::both;

@@ -1,0 +1,45 @@
+// Stage `bounds`: vertices keep their exact place, and the ball holds the triangle.
+
+#include "geometry/normaliser.h"
+#include "stages/cases.h"
+
+namespace crumple::test {
+namespace {
+
+using Bounds = Stages;
+INSTANTIATE_TEST_SUITE_P(, Bounds, testing::ValuesIn(stage_backends()), [](const auto& b) { return b.param.name; });
+
+TEST_P(Bounds, moves_no_vertex_but_by_its_exact_map) {
+    run([](const StageCase& the, const StageState& state) {
+        const Normaliser map(the.scene.low, the.scene.high);
+        ASSERT_EQ(state.point.size(), static_cast<std::size_t>(the.scene.vertex_count()));
+        for (std::int64_t v = 0; v < the.scene.vertex_count(); ++v) {
+            const Vec3<Rational> given = value(the.scene.position(v)), shift = value(map.shift);
+            const Vec3d found = state.point[static_cast<std::size_t>(v)];
+            for (int axis = 0; axis < 3; ++axis) {
+                const Rational exact = (given[axis] * Rational(map.pre) - shift[axis]) * Rational(map.post);
+                ASSERT_EQ(Rational(found[axis]), exact) << "vertex " << v << ", axis " << axis;
+                ASSERT_LE(std::abs(found[axis]), 1);
+            }
+        }
+    });
+}
+
+TEST_P(Bounds, the_ball_holds_the_triangle) {
+    run([](const StageCase& the, const StageState& state) {
+        ASSERT_EQ(state.ball.size(), static_cast<std::size_t>(the.scene.triangle_count()));
+        for (std::size_t t = 0; t < state.ball.size(); ++t) {
+            const Ball& ball = state.ball[t];
+            const Vec3<Rational> centre = value(Vec3d{ball.x, ball.y, ball.z});
+            const Rational r(ball.r);
+            for (std::size_t k = 0; k < 3; ++k) {
+                const auto vertex = static_cast<std::size_t>(the.scene.corners[3 * t + k]);
+                const Vec3<Rational> d = value(state.point[vertex]) - centre;
+                ASSERT_LE(d.x * d.x + d.y * d.y + d.z * d.z, r * r) << "triangle " << t << ", corner " << k;
+            }
+        }
+    });
+}
+
+}  // namespace
+}  // namespace crumple::test

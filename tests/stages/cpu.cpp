@@ -1,0 +1,125 @@
+// The stages of the cpu backend, by each table of kernels that the machine runs.
+
+#include <limits>
+
+#include "base/float_environment.h"
+#include "cpu/tables.h"
+#include "engine/cpu/align.h"
+#include "engine/cpu/bounds.h"
+#include "engine/cpu/ownership.h"
+#include "engine/cpu/sort.h"
+#include "engine/cpu/sweep.h"
+#include "questions/intersect/cpu/records.h"
+#include "stages/state.h"
+
+namespace crumple::test {
+namespace {
+
+using namespace cpu;
+
+Pair ordered(std::int32_t a, std::int32_t b) { return {std::min(a, b), std::max(a, b)}; }
+
+/// Scratch and results of one run.
+struct Run {
+    const Tables& tables;
+    const Scene& scene;
+    const Options& options;
+    Points points{nullptr};
+    Array<Ball> balls{nullptr};
+    Array<std::uint64_t> part_masks{nullptr};
+    Subdivision subdivision{nullptr};
+
+    PointRows rows() const {
+        return scene.float32 ? PointRows{points.f.data(), nullptr} : PointRows{nullptr, points.d.data()};
+    }
+
+    LeafState leaf(const Leaf& leaf) const {
+        LeafState state;
+        LeafMembers members(nullptr);
+        members.gather(scene, subdivision, leaf);
+        state.member.assign(members.triangle.begin(), members.triangle.begin() + members.size());
+        if (members.size() < 2) return state;
+        Ownership ownership(scene, subdivision, part_masks.empty() ? nullptr : part_masks.data(), 0, leaf);
+        ownership.bits(members.triangle.data(), members.member.data(), members.size(), false, members.lower.data());
+        state.sweep_asks_all = ownership.complete();
+        for (std::int64_t i = 0; i < members.size(); ++i)
+            for (std::int64_t j = i + 1; j < members.size(); ++j) {
+                const std::int32_t a = members.triangle[i], b = members.triangle[j];
+                const bool ours = !(members.lower[i] & members.lower[j]) &&
+                                  ownership.owns(a, members.member[i], b, members.member[j]);
+                if (ours && (!scene.between || scene.second(a) != scene.second(b)))
+                    state.owned.push_back(ordered(a, b));
+            }
+
+        state.frame = leaf_frame(balls, rows(), scene.corners, members);
+        LeafRecords records(nullptr);
+        const FlushToZero mode;
+        records.build(
+            tables.intersect,
+            {rows(), scene.corners, scene.triangle_count(), members.triangle.data(), members.size(), state.frame},
+            members);
+        const double margin = static_cast<double>(box_margin(members.bounds.reach));
+        for (std::size_t i = 0; i < state.member.size(); ++i) {
+            const BoxCorner low = members.boxes.low[i], high = members.boxes.high[i];
+            state.box.push_back({{low.x - margin, low.y - margin, low.z - margin},
+                                 {high.x + margin, high.y + margin, high.z + margin}});
+        }
+
+        SortScratch scratch(nullptr);
+        SortedLeaf sorted(nullptr);
+        sort_leaf(members, tables.stages, scratch, sorted);
+        const auto triangle = [&](std::int64_t row) { return sorted.link[row].triangle; };
+        for (std::int64_t row = 0; row < sorted.rows; ++row)
+            for (std::int64_t column = sorted.begin_of(row); column < sorted.link[row].end; ++column)
+                if (triangle(row) >= 0 && triangle(column) >= 0)
+                    state.met.push_back(ordered(triangle(row), triangle(column)));
+
+        Candidates candidates(nullptr);
+        sweep_chunks(
+            tables.stages, sorted, 0, sorted.rows, candidates, [] { return false; },
+            [&] {
+                for (std::int64_t i = 0; i < candidates.count; ++i)
+                    if (candidates.column[i] != candidates.dummy)
+                        state.candidates.push_back(ordered(triangle(candidates.rows + candidates.row[i]),
+                                                           triangle(candidates.columns + candidates.column[i])));
+            });
+        return state;
+    }
+};
+
+StageState run_stages(const Tables& tables, const Scene& scene, const Options& options) {
+    Cancellation cancellation;
+    Workers workers(1, cancellation);
+    StageState state;
+    workers.run([&] {
+        Run run{tables, scene, options};
+        compute_bounds(scene, tables.stages, workers, run.points, run.balls);
+        const PointRows rows = run.rows();
+        for (std::int32_t v = 0; v < scene.vertex_count(); ++v) state.point.push_back(rows[v]);
+        state.ball.assign(run.balls.begin(), run.balls.begin() + scene.triangle_count());
+        if (scene.between) {
+            run.part_masks.assign(static_cast<std::size_t>(scene.triangle_count()), 1);
+            exclude_far(scene, workers, run.balls, run.part_masks);
+        }
+        WarmCentres warm;
+        place_clusters(run.balls, scene.triangle_count(), run.part_masks.empty() ? nullptr : run.part_masks.data(), 0,
+                       options, tables.stages, workers, warm, run.subdivision);
+        gather_leaves(run.balls, scene.triangle_count(), 0, run.subdivision.clusters, options, tables.stages, workers,
+                      warm, run.subdivision);
+        for (const Leaf& leaf : run.subdivision.leaves) state.leaves.push_back(run.leaf(leaf));
+    });
+    return state;
+}
+
+}  // namespace
+
+std::vector<StageBackend> stage_backends() {
+    std::vector<StageBackend> backends;
+    for (const Tables& tables : kernel_tables())
+        backends.push_back({tables.name, [tables](const Scene& scene, const Options& options) {
+                                return run_stages(tables, scene, options);
+                            }});
+    return backends;
+}
+
+}  // namespace crumple::test
