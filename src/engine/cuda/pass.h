@@ -58,7 +58,7 @@ class Pass {
     Pair* beyond() const { return beyond_; }
     Counters* counters = nullptr;
 
-   private:
+   protected:  // tests of the stages look at the arrays, and bring another question
     Level level(int i) const;
     Members members(int i) const;
     Fuzziness fuzziness(int i) const;

@@ -1,0 +1,153 @@
+// The stages of the cuda backend, with blocks of either size; the CPU plays the device, or one is there. The question
+// here keeps nothing of a member and every candidate: sort and sweep need no more than that.
+
+#include <limits>
+
+#include "cuda/device_mesh.h"
+#include "engine/cuda/pass.h"
+#include "engine/cuda/sort_kernel.h"
+#include "engine/cuda/sweep_kernel.h"
+#include "stages/state.h"
+
+namespace crumple::cuda {
+
+struct NoRecords {
+    __device__ void put(std::uint32_t, const Vec3d*, const std::int32_t*, const InFrame<3>&, const Frame&) const {}
+};
+struct KeepAll {
+    __device__ bool operator()(const Candidate&) const { return true; }
+};
+
+namespace {
+
+using test::to_host;
+
+Pair ordered(std::int32_t a, std::int32_t b) { return {std::min(a, b), std::max(a, b)}; }
+
+/// A copy of the arrays that a host scene shows, on the device.
+class DeviceScene {
+   public:
+    explicit DeviceScene(const Scene& host) : scene(host), corners_(bytes(host.corners, 12 * host.triangle_count())) {
+        scene.corners = static_cast<const std::int32_t*>(corners_.data());
+        for (std::size_t side = 0; side < 2; ++side) {
+            const VertexReader& reader = host.reader[side];
+            const auto size = 3 * static_cast<std::int64_t>(reader.scalar_bytes()) * host.vertices[side];
+            vertices_[side] = test::DeviceBytes(bytes(reader.data, size));
+            scene.reader[side].data = static_cast<const std::byte*>(vertices_[side].data());
+        }
+        SceneBox box;
+        for (int axis = 0; axis < 3; ++axis) {
+            box.low[axis] = ordered_number(host.low[axis]);
+            box.high[axis] = ordered_number(host.high[axis]);
+        }
+        box_ = test::DeviceBytes(bytes(&box, sizeof box));
+    }
+    const SceneBox* box() const { return static_cast<const SceneBox*>(box_.data()); }
+    Scene scene;
+
+   private:
+    static unsigned long long ordered_number(double x) { return cuda::ordered(x); }
+    static std::vector<std::byte> bytes(const void* data, std::int64_t size) {
+        const auto* begin = static_cast<const std::byte*>(data);
+        return {begin, begin + size};
+    }
+    test::DeviceBytes corners_, vertices_[2], box_;
+};
+
+class StagesOfPass : public Pass {
+   public:
+    using Pass::Pass;
+
+    test::StageState run(const Scene& host) {
+        const DeviceScene on_device(host);
+        scene = on_device.scene;
+        box = on_device.box();
+        const auto n = static_cast<unsigned long long>(host.triangle_count());
+        plan.choose(host.triangle_count(), host.between, options_);
+        plan.members[0] = plan.members[1] = 64 * n;
+        plan.survivors = 64 * n * n;
+        MemoryMeter meter;
+        Block kept(meter), work(meter);
+        lay_out(kept, [&](Cutter& c) { centres.cut(c); });
+        lay_out(work, [&](Cutter& c) { cut(c); });
+        Clearing clearing;
+        clear(clearing);
+        clearing.launch(geometry_, stream_);
+        bounds();
+        subdivide_scene();
+        subdivide_clusters(~std::uint64_t{0});
+        align();
+        sort_members(geometry_, stream_, scene, points_, plan.leaves(), leaf_first(), members_[plan.levels() - 1],
+                     frames_, ownership(), sorted_, NoRecords{}, scratch_, counters);
+        cuda::sweep(geometry_, stream_, scene, sorted_, leaf_first() + plan.leaves(), ownership(), groups, KeepAll{},
+                    {survivors_, &counters->survivors, plan.survivors}, {}, counters);
+        CRUMPLE_CUDA(cudaStreamSynchronize(stream_));
+        return look(host);
+    }
+
+   private:
+    // Rows are leaf after leaf, as members are.
+    test::StageState look(const Scene& host) const {
+        test::StageState state;
+        if (points_.f)
+            for (const auto& p : to_host(points_.f, host.vertex_count())) state.point.push_back({p.x, p.y, p.z});
+        else
+            for (const auto& p : to_host(points_.d, host.vertex_count())) state.point.push_back({p.x, p.y, p.z});
+        state.ball = to_host(balls_, host.triangle_count());
+
+        const auto first = to_host(leaf_first(), plan.leaves() + 1);
+        const auto rows = static_cast<std::int64_t>(first.back());
+        const auto triangle = to_host(sorted_.triangle, rows);
+        const auto end = to_host(sorted_.end, rows);
+        const auto conflict = to_host(sorted_.conflict, rows);
+        const auto crossing = to_host(sorted_.box, rows);
+        const auto frames = to_host(frames_, plan.leaves());
+        const auto upper = plan.levels() == 2 ? to_host(mask_[0], host.triangle_count()) : std::vector<std::uint64_t>();
+        state.leaves.resize(static_cast<std::size_t>(plan.leaves()));
+        std::vector<std::size_t> leaf_of(static_cast<std::size_t>(rows));
+        for (std::size_t leaf = 0; leaf < state.leaves.size(); ++leaf) {
+            test::LeafState& it = state.leaves[leaf];
+            it.frame = frames[leaf];
+            const auto cluster = leaf / static_cast<std::size_t>(std::max(1, plan.fan_out[1]));
+            const std::uint64_t lower_clusters = (std::uint64_t{1} << cluster) - 1;
+            for (std::size_t i = first[leaf]; i < first[leaf + 1]; ++i) {
+                leaf_of[i] = leaf;
+                it.member.push_back(triangle[i]);
+                constexpr double all = std::numeric_limits<double>::infinity();
+                const CrossBox& b = crossing[i];
+                it.box.push_back({{-all, b.low_y, b.low_z}, {all, b.high_y, b.high_z}});
+                for (std::size_t j = i + 1; j < first[leaf + 1]; ++j) {
+                    const auto a = static_cast<std::size_t>(triangle[i]), c = static_cast<std::size_t>(triangle[j]);
+                    const bool others = !upper.empty() && (upper[a] & upper[c] & lower_clusters);
+                    if (!others && !(conflict[i] & conflict[j])) it.owned.push_back(ordered(triangle[i], triangle[j]));
+                    if (j < end[i]) it.met.push_back(ordered(triangle[i], triangle[j]));
+                }
+            }
+        }
+        const Counters counted = to_host(counters, 1)[0];
+        for (const Candidate& c : to_host(survivors_, static_cast<std::int64_t>(counted.survivors)))
+            state.leaves[leaf_of[c.row]].candidates.push_back(ordered(triangle[c.row], triangle[c.column]));
+        return state;
+    }
+};
+
+}  // namespace
+}  // namespace crumple::cuda
+
+namespace crumple::test {
+
+std::vector<StageBackend> stage_backends() {
+    std::vector<StageBackend> backends;
+    for (const unsigned threads : {64u, 256u})
+        backends.push_back({"blocks_of_" + std::to_string(threads), [=](const Scene& scene, const Options& options) {
+                                const cuda::Device device(0);
+                                const cuda::Device::Current current(device);
+                                cuda::Geometry geometry = device.geometry();
+                                geometry.resident = geometry.resident * geometry.threads / threads;
+                                geometry.threads = threads;
+                                return cuda::StagesOfPass(geometry, nullptr, options).run(scene);
+                            }});
+    return backends;
+}
+
+}  // namespace crumple::test
