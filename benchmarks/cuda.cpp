@@ -317,9 +317,7 @@ void serve(const Settings& settings) {
 }
 
 void write(const Settings& settings, const nlohmann::json& result) {
-    if (settings.json.empty()) return;
-    std::ofstream file(settings.json);
-    if (!(file << result.dump(1) << '\n').flush()) throw std::runtime_error("cannot write " + settings.json);
+    if (!settings.json.empty()) write_json(settings.json, result);
 }
 
 int run(Settings settings) {

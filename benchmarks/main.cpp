@@ -5,10 +5,10 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <exception>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "contest.h"
+#include "report.h"
 #include "requests.h"
 #include "sequence.h"
 #include "studies/studies.h"
@@ -85,10 +85,7 @@ int run(const Settings& settings) {
             result = {{"peers", describe_peers()}, {"contests", contests(settings)}};
         else
             result["studies"] = run_studies(settings);
-        if (!settings.json.empty()) {
-            std::ofstream file(settings.json);
-            if (!(file << result.dump(1) << '\n').flush()) throw std::runtime_error("cannot write " + settings.json);
-        }
+        if (!settings.json.empty()) write_json(settings.json, result);
     }
     return 0;
 }

@@ -15,6 +15,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+from figures import write
+
 
 def output(*command, **arguments):
     run = subprocess.run(command, capture_output=True, text=True, **arguments)
@@ -80,7 +82,7 @@ def main():
     for part in map(Path, parts):
         if part.exists():
             merge(result, json.loads(part.read_text()))
-    Path(out).write_text(json.dumps(result, indent=1) + "\n")
+    write(out, result)
     print(f"\nFigures: {out}" + (f", after {seconds / 60:.0f} minutes" if seconds else ""))
 
 

@@ -25,6 +25,8 @@ import tempfile
 from pathlib import Path
 from statistics import median, quantiles
 
+from figures import write
+
 sys.dont_write_bytecode = True
 PEERS = ["peers.ipc_toolkit", "peers.mesh_lib", "peers.libigl", "peers.true_form", "peers.coal", "peers.warp_boxes"]
 ON_DEVICE = ["peers.warp_boxes"]
@@ -187,9 +189,7 @@ def race(contestants, rounds, seconds, budget):
 
 def summary(values):
     lower, middle, upper = quantiles(values, method="inclusive") if len(values) > 1 else 3 * values
-    last = quantiles(values, n=100, method="inclusive")[-1] if len(values) > 1 else values[0]
-    return {"median": middle, "lower_quartile": lower, "upper_quartile": upper, "minimum": min(values), "percentile_99": last,
-            "calls": len(values)}
+    return {"median": middle, "lower_quartile": lower, "upper_quartile": upper}
 
 
 def judge(contestants):
@@ -288,7 +288,7 @@ def main():
     rows = [contest(s, arguments.benchmark, arguments.quick, arguments.on_device, arguments.repetitions or rounds, seconds, budget)
             for s in scenes]
     if arguments.json:
-        Path(arguments.json).write_text(json.dumps({"peers": describe_peers(arguments.on_device), "contests": rows}, indent=1) + "\n")
+        write(arguments.json, {"peers": describe_peers(arguments.on_device), "contests": rows})
 
 
 if __name__ == "__main__":

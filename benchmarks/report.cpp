@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <fstream>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 
 namespace crumple::benchmark {
 
@@ -49,10 +51,45 @@ double exponent(std::span<const double> x, std::span<const double> y) {
 nlohmann::json to_json(const Summary& summary) {
     return {{"median", summary.median},
             {"lower_quartile", summary.lower_quartile},
-            {"upper_quartile", summary.upper_quartile},
-            {"minimum", summary.minimum},
-            {"percentile_99", summary.percentile_99},
-            {"calls", summary.calls}};
+            {"upper_quartile", summary.upper_quartile}};
+}
+
+nlohmann::json with_percentile_99(const Summary& summary) {
+    nlohmann::json row = to_json(summary);
+    row["percentile_99"] = summary.percentile_99;
+    return row;
+}
+
+namespace {
+
+bool has_list(const nlohmann::json& value) {
+    return value.is_array() || (value.is_object() && std::ranges::any_of(value, has_list));
+}
+
+void write_lines(std::ostream& out, const nlohmann::json& value, const std::string& indent) {
+    const auto nested = [](const nlohmann::json& item) { return item.is_structured(); };
+    const bool apart = value.is_array() ? std::ranges::any_of(value, nested) : has_list(value);
+    if (!apart) {
+        out << value.dump();
+        return;
+    }
+    const char* separator = "\n";
+    out << (value.is_array() ? "[" : "{");
+    for (const auto& [key, item] : value.items()) {
+        out << separator << indent << ' ';
+        if (value.is_object()) out << nlohmann::json(key).dump() << ": ";
+        write_lines(out, item, indent + ' ');
+        separator = ",\n";
+    }
+    out << '\n' << indent << (value.is_array() ? "]" : "}");
+}
+
+}  // namespace
+
+void write_json(const std::string& path, const nlohmann::json& figures) {
+    std::ofstream file(path);
+    write_lines(file, figures, "");
+    if (!(file << '\n').flush()) throw std::runtime_error("cannot write " + path);
 }
 
 }  // namespace crumple::benchmark

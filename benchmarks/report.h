@@ -31,6 +31,12 @@ std::string range(const Summary& summary);
 /// Slope of the least squares line through (log x, log y).
 double exponent(std::span<const double> x, std::span<const double> y);
 
+/// Median and quartiles.
 nlohmann::json to_json(const Summary& summary);
+/// And the 99th percentile, for what a simulation waits for.
+nlohmann::json with_percentile_99(const Summary& summary);
+
+/// One record a line, as benchmarks/figures.py says. Throws std::runtime_error.
+void write_json(const std::string& path, const nlohmann::json& figures);
 
 }  // namespace crumple::benchmark

@@ -91,7 +91,7 @@ nlohmann::json study_scenes(const StudySettings& settings) {
             values.push_back({{"backend", ways[i].backend},
                               {"simd", ways[i].simd},
                               {"threads", ways[i].options.threads},
-                              {"warm", to_json(warm)},
+                              {"warm", with_percentile_99(warm)},
                               {"cold", to_json(cold)},
                               {"peak_bytes", peak}});
         }

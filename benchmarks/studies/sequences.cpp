@@ -147,7 +147,7 @@ nlohmann::json follow(const Sequence& sequence, int most, double budget) {
         const Summary all = over_all(run.total);
         nlohmann::json& kind = row["kinds"][kinds[k].name];
         kind["milliseconds"] = medians(run.total);
-        kind["summary"] = to_json(all);
+        kind["summary"] = with_percentile_99(all);
         double members = 0, candidates = 0;
         for (const Statistics& s : run.last) {
             members += static_cast<double>(s.members) / static_cast<double>(frames);
@@ -207,7 +207,7 @@ nlohmann::json peers_on(const Sequence& sequence, const std::vector<std::size_t>
                         {"way", way.way},
                         {"computes", way.computes},
                         {"milliseconds", way.milliseconds},
-                        {"summary", to_json(all)}});
+                        {"summary", with_percentile_99(all)}});
     }
     table.print();
     return rows;
