@@ -1,6 +1,8 @@
 #!/usr/bin/env bash
-# Writes docs/benchmarks.md, its plots, and the tables of README.md and docs/ anew from the committed figures.
+# Writes the tables of README.md and docs/, and the plots of docs/benchmarks.md, anew from the committed figures. The findings of
+# docs/benchmarks.md are written by hand: that page names the commit whose figures it tells.
 #   scripts/report.sh [--check]         --check: changes nothing, fails if something would change
+#                                       Both fail if docs/benchmarks.md tells the figures of another commit.
 #   scripts/report.sh --pictures        draws the rendered pictures, too, by crumple_benchmark of scripts/bench.sh
 # Installs pinned packages from PyPI into build-report/.
 set -euo pipefail

@@ -1,1 +1,1 @@
-"""Tables, plots and docs/benchmarks.md from the figures of scripts/bench.sh."""
+"""Tables and plots from the figures of scripts/bench.sh."""

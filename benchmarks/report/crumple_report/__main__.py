@@ -1,4 +1,4 @@
-"""crumple-report: tables, plots and docs/benchmarks.md from benchmarks/results/*.json.
+"""crumple-report: plots, and the tables of README.md and docs/, from benchmarks/results/*.json.
 
 Plots are the same bytes only with the matplotlib that they were made with, so without it they are not compared.
 """
@@ -10,9 +10,12 @@ import tempfile
 import tomllib
 from pathlib import Path
 
-from .page import IMAGES, PAGE, page
-from .results import COMMITTED, TOP
-from .tables import Tables, pages
+from . import appendix, blocks, tables  # noqa: F401: what tables define registers itself
+from .results import COMMITTED, TOP, Results
+
+IMAGES = TOP / "docs/images/benchmarks"
+# Its findings are written by hand, and name the commit whose figures they tell.
+FINDINGS = TOP / "docs/benchmarks.md"
 
 
 def pinned():
@@ -35,17 +38,14 @@ def missing_for_plots():
 
 def draw(results, folder):
     """Every plot that the figures allow, in both variants."""
-    from . import drawings, plots, style
+    from . import bars, drawings, plots, style  # noqa: F401: what they define registers itself
 
-    drawn = set()
-    for name, function in {**drawings.DRAWINGS, **plots.all_plots(results)}.items():
+    for name, function in style.PLOTS.items():
         for theme in style.THEMES:
             style.apply(theme)
             figure = function(results, theme)
             if figure is not None:
                 style.save(figure, folder / f"{name}-{theme.name}.svg")
-                drawn.add(f"{name}-{theme.name}.svg")
-    return drawn
 
 
 def main():
@@ -53,20 +53,17 @@ def main():
     parser.add_argument("--results", type=Path, default=COMMITTED, help="figures (default: the committed ones)")
     parser.add_argument("--check", action="store_true", help="change nothing; fail if something would change")
     only = parser.add_mutually_exclusive_group()
-    only.add_argument("--tables", action="store_true", help="tables and pages alone: needs no packages")
+    only.add_argument("--tables", action="store_true", help="tables alone: needs no packages")
     only.add_argument("--plots", action="store_true", help="plots alone")
     only.add_argument("--pictures", metavar="BENCHMARK", help="rendered pictures alone, by this crumple_benchmark")
-    only.add_argument("--preview", type=Path, metavar="FOLDER", help="plots as PNG on their backgrounds, to look at")
     arguments = parser.parse_args()
-    results = Tables(arguments.results)
-    if arguments.preview:
-        return preview(results, arguments.preview)
+    results = Results(arguments.results)
     if arguments.pictures:
         from .pictures import draw_pictures
 
         return draw_pictures(IMAGES, arguments.pictures)
 
-    stale = [] if arguments.plots else texts_anew(results, arguments.check)
+    stale = [] if arguments.plots else tables_anew(results, arguments.check)
     if not arguments.tables:
         reason = missing_for_plots()
         if not reason:
@@ -80,13 +77,16 @@ def main():
         sys.exit(f"not what the committed figures give: {names}; run scripts/report.sh")
     for path in stale:
         print(path.relative_to(TOP))
+    commit = results.data["commit"][:12]
+    if not arguments.plots and f"`{commit}`" not in FINDINGS.read_text():
+        sys.exit(f"{FINDINGS.relative_to(TOP)} tells other figures than those of commit {commit}: read it again, and name that commit")
 
 
-def texts_anew(results, check):
+def tables_anew(results, check):
     """Returns the pages that do not show the figures, and rewrites them unless `check`."""
     stale = []
-    for path, text in [*pages(results), (PAGE, page(results))]:
-        if not path.exists() or path.read_text() != text:
+    for path, text in blocks.pages(results):
+        if path.read_text() != text:
             stale.append(path)
             if not check:
                 path.write_text(text)
@@ -96,7 +96,8 @@ def texts_anew(results, check):
 def plots_anew(results, check):
     """Draws all plots; returns those that differ from what is there, and replaces them unless `check`."""
     with tempfile.TemporaryDirectory() as folder:
-        fresh = {name: (Path(folder) / name).read_bytes() for name in draw(results, Path(folder))}
+        draw(results, Path(folder))
+        fresh = {path.name: path.read_bytes() for path in Path(folder).iterdir()}
     stale = []
     IMAGES.mkdir(parents=True, exist_ok=True)
     for old in IMAGES.glob("*.svg"):
@@ -111,21 +112,6 @@ def plots_anew(results, check):
             if not check:
                 path.write_bytes(content)
     return stale
-
-
-def preview(results, folder):
-    """To look at: PNG of both variants on their backgrounds."""
-    from . import drawings, plots, style
-
-    folder.mkdir(parents=True, exist_ok=True)
-    for name, function in {**drawings.DRAWINGS, **plots.all_plots(results)}.items():
-        for theme in style.THEMES:
-            style.apply(theme)
-            figure = function(results, theme)
-            if figure is not None:
-                figure.set_facecolor(theme.surface)
-                style.plt.rcParams["savefig.facecolor"] = "auto"
-                style.save(figure, folder / f"{name}-{theme.name}.png", dpi=110)
 
 
 if __name__ == "__main__":

@@ -4,12 +4,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.patches import Polygon, Rectangle
 
-DRAWINGS = {}
-
-
-def drawing(function):
-    DRAWINGS[function.__name__] = function
-    return function
+from .style import plot
 
 
 def triangle(centre, angle, size, stretch=1.0):
@@ -26,7 +21,7 @@ def intervals_overlap(a, b):
     return bool(a.min(0)[0] <= b.max(0)[0] and b.min(0)[0] <= a.max(0)[0])
 
 
-@drawing
+@plot
 def sweep_direction(_, theme):
     """[MZ] fig. 1: the same triangles, along x and along the first principal component of their centroids."""
     along = np.deg2rad(42)
@@ -64,7 +59,7 @@ def sweep_direction(_, theme):
     return figure
 
 
-@drawing
+@plot
 def overlap(_, theme):
     """[MZ] fig. 4: two triangles that collide across the border between clusters, under two rules."""
     a, b = triangle((-0.3, 0.25), 1.45, 0.85), triangle((0.42, -0.1), 0.3, 0.8)

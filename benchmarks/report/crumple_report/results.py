@@ -1,4 +1,4 @@
-"""The figures of one benchmark run, and how to find one's way in them."""
+"""The figures of one benchmark run, and how to find them by name."""
 
 import json
 from pathlib import Path
@@ -21,20 +21,9 @@ SCENES = {
     "kick": "Kick",
 }
 
-# Milliseconds of [MZ] fig. 6, averages over the sequence, as published.
-PUBLISHED = {
-    "Cloth on Ball": {
-        "[MZ], GTX 480": 20.24,
-        "CStreams, GPU": 18.6,
-        "Pabst, CPU and GPU": 36.6,
-        "HPCCD, CPU and GPU": 23.2,
-        "MCCD, 16 cores": 32.5,
-    },
-    "Funnel": {"[MZ], GTX 480": 6.53, "CStreams, GPU": 4.4, "Pabst, CPU and GPU": 6.7},
-}
+STAGES = ["bounds", "subdivide", "align", "sort", "sweep", "narrow", "output"]
 
-
-# Share of the processors below which a measurement is said to be disturbed.
+# Share of the processors below which a measurement counts as disturbed.
 QUIET = 0.85
 
 
@@ -70,6 +59,10 @@ class Results:
     def study(self, name):
         """A study's figures, an empty list if it was not run."""
         return self.studies.get(name) or []
+
+    def sizes(self):
+        """Those of the growth curve."""
+        return (self.study("growth") or {"sizes": []})["sizes"]
 
     def fastest(self, question, name):
         """Of each workload with this question: the contest and the peer's fastest way, if it was raced."""
@@ -109,8 +102,8 @@ class Results:
                  if entry.get("processors_at_hand", every) < QUIET * every]
         if not found:
             return ""
-        return f"Busy: {', '.join(found)} of {every} processors were at hand; whoever uses all threads is underrated there."
+        return f"Other load left {' and '.join(found)} of {every} cores free, so multi-threaded times are pessimistic."
 
-    def sequences(self):
-        """Those of the sequences that are long enough to plot, by name."""
-        return {s["sequence"]: s for s in self.study("sequences") if len(s["frames"]) > 2}
+    def sequences(self, least=3):
+        """Those of at least so many frames, by name."""
+        return {s["sequence"]: s for s in self.study("sequences") if len(s["frames"]) >= least}

@@ -10,6 +10,16 @@ import matplotlib
 
 matplotlib.use("svg")
 import matplotlib.pyplot as plt  # noqa: E402
+import numpy as np  # noqa: E402
+from matplotlib.ticker import FuncFormatter, NullLocator  # noqa: E402
+
+# Every plot by name: a function from results and a theme to a figure, or None where nothing was measured.
+PLOTS = {}
+
+
+def plot(function):
+    PLOTS[function.__name__] = function
+    return function
 
 
 @dataclass(frozen=True)
@@ -84,3 +94,29 @@ def save(figure, path, **how):
     plt.close(figure)
     if path.suffix == ".svg":  # matplotlib leaves blanks at the ends of lines
         path.write_text("".join(line.rstrip() + "\n" for line in path.read_text().splitlines()))
+
+
+def short(value, _=None):
+    for unit, size in (("M", 1e6), ("k", 1e3)):
+        if abs(value) >= size:
+            return f"{value / size:g}{unit}"
+    return f"{value:g}"
+
+
+def readable(axis):
+    axis.set_major_formatter(FuncFormatter(short))
+    axis.set_minor_locator(NullLocator())
+
+
+def log_ticks(axis, most=6):
+    """Ticks at 1, 2 and 5 times powers of ten if there is room for them, else at powers alone."""
+    axis.set_minor_locator(NullLocator())
+    low, high = sorted(axis.get_view_interval())
+    powers = range(int(np.floor(np.log10(low))), int(np.ceil(np.log10(high))) + 1)
+    for steps in ((1, 1.2, 1.5, 2, 3, 5, 7), (1, 2, 5), (1, 3), (1,)):
+        ticks = [step * 10.0**p for p in powers for step in steps if low <= step * 10.0**p <= high]
+        if len(ticks) <= most:
+            break
+    if len(ticks) > most:
+        ticks = ticks[::2]
+    axis.set_ticks(ticks, [short(float(f"{t:.3g}")) for t in ticks])

@@ -1,0 +1,79 @@
+"""Blocks of README.md and docs/ that show figures: each stands between `<!-- figures: NAME -->` and `<!-- end -->`, so that no
+figure of a table is typed. NAME may be followed by arguments. What words say of the figures is written by hand."""
+
+import re
+from statistics import median
+
+from . import results as figures
+from .results import digits
+
+PAGES = [figures.TOP / "README.md", *sorted((figures.TOP / "docs").glob("*.md"))]
+
+# Name: function from results and arguments to Markdown, the question of its contests, its studies.
+BLOCKS = {}
+
+
+def block(name, question=None, studies=()):
+    """Registers a function that makes a block. One without studies names them by its arguments."""
+    def register(function):
+        BLOCKS[name] = function, question, studies
+        return function
+    return register
+
+
+def show(results, name):
+    """The block, and what disturbed its measurement."""
+    arguments = ()
+    if name not in BLOCKS:
+        name, *arguments = name.split()
+    function, question, studies = BLOCKS[name]
+    body = function(results, *arguments)
+    if not body:
+        return "*Not measured in this run.*"
+    busy = results.busy(question, studies or arguments)
+    return body + (f"\n\n{busy}" if busy else "")
+
+
+def pages(results):
+    """Path and text anew of every page that shows figures."""
+    pattern = re.compile(r"(<!-- figures: ([\w ]+) -->\n).*?(<!-- end -->)", re.DOTALL)
+    for path in PAGES:
+        text = path.read_text()
+        fresh = pattern.sub(lambda match: match[1] + show(results, match[2]) + "\n" + match[3], text)
+        if pattern.search(text):
+            yield path, fresh
+
+
+def table(header, rows):
+    """In Markdown; nothing without rows."""
+    if not rows:
+        return ""
+    lines = ["| " + " | ".join(header) + " |", "|" + "---|" * len(header)]
+    return "\n".join(lines + ["| " + " | ".join(map(str, row)) + " |" for row in rows])
+
+
+def ms(summary):
+    return f"{digits(summary['median'])} ms"
+
+
+def spread(summary):
+    return f"{digits(summary['median'])} ({digits(summary['lower_quartile'])} to {digits(summary['upper_quartile'])})"
+
+
+def percent(share):
+    return f"{digits(100 * share)} %"
+
+
+def span(counts):
+    """The least and the greatest, or one of them if they are the same."""
+    low, high = f"{min(counts):,}", f"{max(counts):,}"
+    return low if low == high else f"{low} to {high}"
+
+
+def mebibytes(count):
+    return f"{count / 2**20:.1f}"
+
+
+def beside_median(values, index):
+    """One of the values over their median."""
+    return f"{values[index] / median(values):.2f}" if median(values) else ""
