@@ -83,13 +83,13 @@ Command add_make(CLI::App& app) {
     command.add_flag("--list", make->list, "List the scenes and do nothing else");
     command.add_option("--triangles", make->parameters.triangles, "About how many; without it the scene's own number")
         ->type_name("N")
-        ->check(CLI::Range(1, 500'000'000).description(""));
+        ->check(integer(1, 500'000'000));
     command.add_option("--frame", make->frame, "Which frame, from 0; without it the last")->type_name("I");
     command.add_flag("--all-frames", make->all_frames,
                      "Write every frame; FILE gets the frame's number before its extension");
     command.add_option("--seed", make->parameters.seed, "Other numbers give other scenes of the same kind")
         ->type_name("N")
-        ->check(CLI::Range(std::int64_t{0}, std::numeric_limits<std::int64_t>::max()).description(""));
+        ->check(integer(0, std::numeric_limits<std::int64_t>::max()));
     command
         .add_option("-o,--output", make->output,
                     "Mesh file: .ply, .obj, .stl or .off; - is standard output, see --format")

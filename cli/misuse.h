@@ -6,8 +6,8 @@
 
 namespace crumple::cli {
 
-/// What is wrong with the command line that `app` could not parse, in one sentence that names the word at fault and the
-/// command.
+/// CLI11's sentence about the command line that `app` could not parse, with the command, and either the word that was
+/// probably meant or where to find help.
 std::string explain(const CLI::ParseError& error, const CLI::App& app);
 
 }  // namespace crumple::cli

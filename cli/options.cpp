@@ -69,6 +69,16 @@ void fail(const char* message) { throw Error(ErrorCode::invalid_argument, messag
 
 }  // namespace
 
+CLI::Validator integer(std::int64_t low, std::int64_t high) {
+    return CLI::Validator(
+        [low, high](const std::string& text) {
+            std::int64_t value = 0;
+            const bool fits = CLI::detail::lexical_cast(text, value) && low <= value && value <= high;
+            return fits ? "" : fmt::format("{} is no integer from {} to {}", text, low, high);
+        },
+        "");
+}
+
 void add_reading_options(CLI::App& app, ReadingOptions& options) {
     CLI::Option* const weld = app.add_flag_callback(
         "--weld", [&options] { options.weld = true; }, "Vertices at equal positions are one");
@@ -143,13 +153,13 @@ void add_cost_options(CLI::App& app, Options& options) {
     app.add_option("--device", options.device,
                    "Device of the cuda backend, from 0; crumple info --devices lists them. Without it the first")
         ->type_name("N")
-        ->check(CLI::Range(0, std::numeric_limits<int>::max()).description(""));
+        ->check(integer(0, std::numeric_limits<int>::max()));
     app.add_option("--threads", options.threads, "Threads; without it as many as the machine has")
         ->type_name("N")
-        ->check(CLI::Range(1, 1024).description(""));
+        ->check(integer(1, 1024));
     app.add_option("--clusters", options.clusters, "Clusters of the first level, 1 to 64; without it as the size asks")
         ->type_name("N")
-        ->check(CLI::Range(1, 64).description(""));
+        ->check(integer(1, 64));
     app.add_option_function<std::string>(
            "--memory-limit", [&options](const std::string& text) { options.memory_limit = parse_bytes(text); },
            "Most memory that the search may own: 2GiB, 500MB, 1.5g or a number of bytes")

@@ -41,6 +41,9 @@ struct AnswerOptions : ReadingOptions {
     void check() const;
 };
 
+/// Lets an integer from `low` to `high` pass; help does not show it.
+CLI::Validator integer(std::int64_t low, std::int64_t high);
+
 void add_reading_options(CLI::App& app, ReadingOptions& options);
 void add_answer_options(CLI::App& app, AnswerOptions& options);
 /// What changes only the cost.

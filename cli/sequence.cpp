@@ -132,10 +132,10 @@ Command add_sequence(CLI::App& app) {
         ->type_name("NAME");
     command.add_option("--triangles", sequence->parameters.triangles, "Of the scene: about how many")
         ->type_name("N")
-        ->check(CLI::Range(1, 500'000'000).description(""));
+        ->check(integer(1, 500'000'000));
     command.add_option("--seed", sequence->parameters.seed, "Of the scene")
         ->type_name("N")
-        ->check(CLI::Range(std::int64_t{0}, std::numeric_limits<std::int64_t>::max()).description(""));
+        ->check(integer(0, std::numeric_limits<std::int64_t>::max()));
     command
         .add_option(
             "-o,--output", sequence->outputs,

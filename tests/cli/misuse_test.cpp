@@ -19,22 +19,29 @@ class Misuse : public Cli {
 
 TEST_F(Misuse, OfTheCommandLine) {
     expect_refused("", "detect, sequence, info, verify or make");
-    expect_refused("dettect five.off", "dettect is no command: detect, sequence, info, verify or make");
-    expect_refused("--fast", "crumple has no option --fast");
-    expect_refused("detect", "detect: FILE is required");
-    expect_refused("detect five.off five.off five.off", "FILE is given 3 times, and at most 2 are possible");
-    expect_refused("detect five.off --fast", "detect has no option --fast; see crumple detect --help");
-    expect_refused("detect five.off --neighbors skip", "no option --neighbors; did you mean --neighbours?");
-    expect_refused("info five.off --wels", "info has no option --wels; did you mean --weld?");
-    expect_refused("detect five.off --out x.txt", "detect has no option --out; did you mean --output?");
-    expect_refused("--verison", "crumple has no option --verison; did you mean --version?");
-    expect_refused("detect five.off --threads 1 --threads 2", "--threads is given 2 times, and at most 1 is possible");
-    expect_refused("detect five.off -o", "--output needs a value: OUT");
-    expect_refused("verify five.off", "FILE: at least 2 are needed, not 1");
-    expect_refused("info five.off five.off", "info has no use for the argument five.off");
+    expect_refused("dettect five.off", "dettect; did you mean detect?");
+    expect_refused("five.off", "not expected: five.off; see crumple --help");
+    expect_refused("--fast", "not expected: --fast; see crumple --help");
+    expect_refused("--verison", "--verison; did you mean --version?");
+    expect_refused("detect", "detect: FILE is required; see crumple detect --help");
+    expect_refused("info", "info: FILE is required");
     expect_refused("sequence", "frames or a --scene");
-    expect_refused("info", "FILE");
-    expect_refused("info five.off --neighbours skip", "--neighbours");
+    expect_refused("detect five.off five.off five.off", "detect: FILE: At Most 2 required but received 3");
+    expect_refused("verify five.off", "verify: FILE: At least 2 required but received 1");
+    expect_refused("info five.off five.off", "info: The following argument was not expected: five.off");
+    expect_refused("detect five.off --threads 1 --threads 2", "detect: --threads: At Most 1 required but received 2");
+    expect_refused("detect five.off -o", "detect: --output: 1 required OUT missing");
+}
+
+TEST_F(Misuse, OfOptionsThatThereAreNot) {
+    expect_refused("detect five.off --fast",
+                   "detect: The following argument was not expected: --fast; see crumple detect --help");
+    expect_refused("detect five.off --neighbors skip", "--neighbors; did you mean --neighbours?");
+    expect_refused("detect five.off --neighbors=skip", "--neighbors=skip; did you mean --neighbours?");
+    expect_refused("info five.off --wels",
+                   "info: The following argument was not expected: --wels; did you mean --weld?");
+    expect_refused("detect five.off --out x.txt", "; did you mean --output?");
+    expect_refused("info five.off --neighbours skip", "--neighbours; see crumple info --help");
 }
 
 TEST_F(Misuse, OfOptionsWithFewValues) {
@@ -65,7 +72,7 @@ TEST_F(Misuse, OfNumbers) {
 }
 
 TEST_F(Misuse, OfOptionsThatDoNotGoTogether) {
-    expect_refused("detect five.off --weld --no-weld", "exclude each other");
+    expect_refused("detect five.off --weld --no-weld", "--weld excludes --no-weld");
     expect_refused("detect five.off --wanted between", "need --groups");
     expect_refused("detect five.off --wanted within", "need --groups");
     expect_refused("detect five.off --groups components", "--wanted");
