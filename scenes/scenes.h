@@ -40,7 +40,7 @@ using Progress = std::function<void(int reached, int wanted)>;
 class Animation {
    public:
     /// `parameters.frame` means nothing here. Throws Error (invalid_argument) for a name that is unknown, naming the
-    /// known ones, or a number of triangles that is negative or above half a thousand million.
+    /// known ones, or a number of triangles that is negative or above 500 million.
     explicit Animation(std::string_view name, const Parameters& parameters = {}, Progress progress = {});
     ~Animation();
     Animation(Animation&&) noexcept;

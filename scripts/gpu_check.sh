@@ -80,7 +80,7 @@ step() {
         0) note "$name" ok "$seconds" ;;
         124 | 137) note "$name" "out of time" "$seconds" "after its budget of $budget s" ;;
         *)
-            # Machines that lend a device do not always lend its counters.
+            # Not every machine lets a program read its device's counters.
             if grep -qaE 'ERR_NVGPUCTRPERM|LibraryNotLoaded|Device not supported' "$log"; then
                 note "$name" "left out" "$seconds" "the machine does not let it: $remark"
                 return $not_allowed

@@ -17,7 +17,7 @@ namespace crumple {
 /// One of several independent, overlapping parts of a scene ([MZ] sec. 1.1). A plain value: send it anywhere, answer it
 /// there for the same meshes; each pair is owned by exactly one part, so the union over the parts is the whole answer.
 /// Both triangles of a pair are members of the part that owns it. The lists may be cleared before the part is sent, if
-/// the meshes are large and the way is narrow: then members are found again, by a look at every triangle.
+/// bandwidth is scarce: then members are found again, by a look at every triangle.
 struct Part {
     std::int32_t index = 0;                      ///< which of `centres` this part is
     std::vector<std::array<double, 3>> centres;  ///< cluster centres of all parts, in the scene's coordinates
@@ -33,7 +33,7 @@ struct Part {
 /// crumple::Error on bad input and leaves the detector usable.
 class Detector {
    public:
-    /// What `{}` is where a Query, a Part or a mesh could stand: the default Query.
+    /// Lets `find_self(mesh, {})` mean the default Query, not a Part or a mesh.
     enum class DefaultQuery {};
 
     explicit Detector(const Options& options = {});
@@ -50,7 +50,7 @@ class Detector {
     const Collisions& find_between(const MeshView& a, const MeshView& b, const Query& query = {});
     const Collisions& find_between(const MeshView& a, const MeshView& b, DefaultQuery) { return find_between(a, b); }
 
-    /// Whether anything collides; stops at the first pair found.
+    /// Whether anything collides. On the CPU it stops at the first pair found; the cuda backend finds all pairs.
     bool has_collision(const MeshView& mesh, const Query& query = {});
     bool has_collision(const MeshView& a, const MeshView& b, const Query& query = {});
     bool has_collision(const MeshView& mesh, DefaultQuery) { return has_collision(mesh, Query()); }
@@ -74,7 +74,7 @@ class Detector {
     /// limit no longer counts it. The detector's own result is empty afterwards. `other` gives its storage for the next
     /// result; what it held is dropped, and under a memory limit its storage as well. Swaps pointers, copies nothing.
     void swap_result(Collisions& other);
-    /// The same for an answer that needs a place; `spare` may be one taken before that nobody needs any more.
+    /// Returns the result by value; pass an old one to reuse its storage.
     Collisions take_result(Collisions spare = {}) {
         swap_result(spare);
         return spare;
@@ -92,8 +92,8 @@ class Detector {
     void set_poll(std::function<void()> poll);
 
     /// Starts a query on meshes in device memory and returns at once: on the stream of `mesh` (of `a`), which the
-    /// arrays have to be ready on. Only with the cuda backend. Frames of one shape after the other run as one CUDA
-    /// graph without any word between host and device. The arrays must stay as they are until wait() returns.
+    /// arrays have to be ready on. Only with the cuda backend. Consecutive frames of one shape run as one CUDA graph
+    /// each, and the host reads one struct of counters after it. The arrays must stay as they are until wait() returns.
     void launch_self(const MeshView& mesh, const Query& query = {});
     void launch_between(const MeshView& a, const MeshView& b, const Query& query = {});
 
