@@ -347,7 +347,7 @@ int run(Settings settings) {
                 {"scene", "triangles", "pairs", "device", "quartiles", "from idle", "with wait", "host to host", "cpu",
                  "first"});
     nlohmann::json& scenes = result["scenes"] = nlohmann::json::array();
-    // Whoever has run out of time has what was measured.
+    // Written scene by scene: a run that is cut short leaves what was measured.
     for (const std::string& scene : settings.scenes) {
         scenes.push_back(measure(settings, scene, table));
         write(settings, result);

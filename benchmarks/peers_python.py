@@ -47,7 +47,7 @@ class Ended(RuntimeError):
 
 
 class Process:
-    """Somebody who answers each line by a line of JSON."""
+    """A process that answers each line by a line of JSON."""
 
     def __init__(self, *command):
         self.process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)

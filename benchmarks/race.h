@@ -43,7 +43,7 @@ struct Times {
 };
 
 /// How many processors' worth of time this process gets when it asks for all of them, measured for a twentieth of a
-/// second. Fewer than there are: others are busy, and whoever uses all threads is underrated.
+/// second. Fewer than there are: other load takes the rest, and multi-threaded times are pessimistic.
 double processors_at_hand();
 /// The same in words, a warning if there are fewer.
 std::string describe_processors(double at_hand);

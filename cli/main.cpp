@@ -57,7 +57,7 @@ int main(int argc, char** argv) {
         print_error(error.what());
         return error.code == crumple::ErrorCode::memory_limit ? out_of_memory : failed;
     } catch (const std::bad_alloc&) {
-        print_error("the machine has not enough memory");
+        print_error("the machine does not have enough memory");
         return out_of_memory;
     } catch (const std::exception& error) {
         print_error(error.what());

@@ -49,7 +49,7 @@ void add_answer_options(CLI::App& app, AnswerOptions& options);
 /// What changes only the cost.
 void add_cost_options(CLI::App& app, Options& options);
 
-/// Throws Error (invalid_argument) for options that the backend has no use for.
+/// Throws Error (invalid_argument) for options that the backend does not use.
 void check_cost_options(const Options& options);
 
 /// `--polygons`, for commands whose pairs have ids.

@@ -18,7 +18,7 @@ extern "C" void stop_first(int signal) {
     std::signal(signal, die);
 }
 
-/// Unless whoever has started the process wants it to live on, as nohup does.
+/// Unless the process was started to ignore the signal, as by nohup.
 void handle(int signal, void (*handler)(int)) {
     struct sigaction before {};
     sigaction(signal, nullptr, &before);

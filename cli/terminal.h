@@ -16,11 +16,11 @@
 
 namespace crumple::cli {
 
-/// Calls write(out) and sees that everything arrives. That whoever reads has left (`crumple ... | head`) is no error.
+/// Calls write(out) and checks that everything arrives. A reader that has left (`crumple ... | head`) is no error.
 /// Throws Error (file).
 void to_standard_output(const std::function<void(std::ostream&)>& write);
 
-/// To standard error, as fmt::print, but that nobody may be there to read it, or no room, which changes nothing.
+/// To standard error, as fmt::print; where it cannot be written, nothing happens.
 void say(std::string_view text);
 template <class... Args>
 void say(fmt::format_string<Args...> format, Args&&... args) {

@@ -1,4 +1,4 @@
-// crumple verify: is somebody's list of pairs the answer?
+// crumple verify: is a list of pairs the answer?
 
 #include <algorithm>
 #include <iostream>

@@ -33,7 +33,7 @@ if "build-fuzz/tests/fuzz/fuzz_$name" "${options[@]}" -timeout=20 -rss_limit_mb=
 fi
 grep -vE '^#[0-9]+\s|NEW_FUNC' "build-fuzz/$name.log" | tail -n 200
 for artefact in $(find build-fuzz/artefacts -type f -newer "$started"); do
-    printf '\n%s, to be had again by base64 -d:\n' "$artefact"
+    printf '\n%s, for base64 -d:\n' "$artefact"
     base64 "$artefact"
 done
 exit 1

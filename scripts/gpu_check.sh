@@ -230,7 +230,7 @@ if [[ $packed ]] && ls "$packed"/wheels/nanobind-*.whl >/dev/null 2>&1; then
         step python_build 240 bash -c "set -e; $(declare -p settings top capability packed build site); build_python" &
         python=($!)
     else
-        note python "left out" 0 "python3 has not all of numpy, pytest, torch, or nvcc, cmake, ninja are not here"
+        note python "left out" 0 "not all of numpy, pytest, torch for python3, nvcc, cmake, ninja are here"
     fi
 else
     note python "left out" 0 "no nanobind in a pack"
@@ -280,7 +280,7 @@ if python3 -c 'import numpy, warp; warp.Bvh' 2>/dev/null; then
         "${scenes[@]}" --scene cloth:500000 --json "$out/cuda_peers.json"
     [[ ! -s $work/logs/warp ]] || cat "$work/logs/warp"
 else
-    note warp "left out" 0 "python3 has not both numpy and warp"
+    note warp "left out" 0 "python3 lacks numpy or warp"
 fi
 
 # Last what takes longest for what it may find; on small scenes.
