@@ -57,7 +57,8 @@ def sequences(results):
     for s in results.sequences(1).values():
         ours = dict(zip(s["frames"], s["kinds"]["warm, all threads"]["milliseconds"]))
         ours = mean(ours[frame] for frame in s["peer_frames"])
-        first = f"**{scene(s['sequence'])}** ({len(s['frames'])} frames, {max(s['triangles']):,} triangles, up to {max(s['pairs']):,} pairs)"
+        first = (f"**{scene(s['sequence'])}** ({len(s['frames'])} frames, {max(s['triangles']):,} triangles, "
+                 f"up to {max(s['pairs']):,} pairs)")
         for kind, label in (("warm, all threads", "Crumple, all threads"), ("warm", "Crumple, 1 thread"),
                             ("new, all threads", "Crumple, a new detector in each frame")):
             run = s["kinds"][kind]
@@ -137,8 +138,8 @@ def parts(results):
             rows.append([scene(row["workload"]) if i == 0 else "", size["parts"], digits(size["partition"]),
                          f"{size['members'] / row['triangles']:.2f}", f"{size['most_members'] * size['parts'] / size['members']:.2f}",
                          *(digits(size[kind][value]) for kind in ("alone", "owning") for value in ("inflation", "most_speed_up"))])
-    return table(["scene", "parts", "partition, ms", "members / triangles", "largest part / mean", "own mesh: sum / whole", "speed-up at most",
-                  "whole mesh read: sum / whole", "speed-up at most"], rows)
+    return table(["scene", "parts", "partition, ms", "members / triangles", "largest part / mean", "own mesh: sum / whole",
+                  "speed-up at most", "whole mesh read: sum / whole", "speed-up at most"], rows)
 
 
 @block("axes", studies=["axes"])
@@ -158,8 +159,9 @@ def axes(results):
                      f"{pca['interval_overlaps'] / fixed['interval_overlaps']:.2f}", f"{false_positives(pca, fixed):.2f}",
                      f"{times(pca, fixed):.2f}", f"{false_positives(edges, pca):.2f}", f"{times(edges, pca):.2f}",
                      f"{false_positives(two, pca):.1f}", f"{times(two, pca):.2f}"])
-    return table(["scene", "parts", "PCA: intervals", "false positives", "intervals / best fixed axis", "false positives / best", "time / best",
-                  "turned to edges: false positives / PCA", "time / PCA", "two axes: false positives / three", "time / three"], rows)
+    return table(["scene", "parts", "PCA: intervals", "false positives", "intervals / best fixed axis", "false positives / best",
+                  "time / best", "turned to edges: false positives / PCA", "time / PCA", "two axes: false positives / three",
+                  "time / three"], rows)
 
 
 @block("membership", studies=["membership"])

@@ -4,10 +4,9 @@ figure of a table is typed. NAME may be followed by arguments. What words say of
 import re
 from statistics import median
 
-from . import results as figures
-from .results import digits
+from .results import TOP, digits
 
-PAGES = [figures.TOP / "README.md", *sorted((figures.TOP / "docs").glob("*.md"))]
+PAGES = [TOP / "README.md", *sorted((TOP / "docs").glob("*.md"))]
 
 # Name: function from results and arguments to Markdown, the question of its contests, its studies.
 BLOCKS = {}
