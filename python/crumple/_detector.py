@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeVar
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 from . import _core
 from ._errors import InvalidInput
+from ._mesh import Mesh, as_mesh
 from ._names import suggesting
 from ._result import Result
 
@@ -22,13 +23,12 @@ Simd = Literal["automatic", "scalar", "sse4", "avx2", "avx512", "neon"]
 GroupPairs = Iterable[tuple[int, int]]
 
 
-Declaration = TypeVar("Declaration", bound=Callable[..., Any])
-
-
-def _in_c_plus_plus(declaration: Declaration) -> Declaration:
-    """The method that python/src/detector.cpp defines. Of the declaration nothing runs: it is what people read, and
-    refuses the calls that it does not allow."""
-    return _core.method(declaration)
+def _soup(vertices: Any, faces: Any, groups: Any) -> Mesh:
+    """The mesh of a search within one soup, which is given by its arrays or as one object."""
+    if faces is not None:
+        return Mesh(vertices, faces, groups)
+    mesh = as_mesh(vertices)
+    return mesh if groups is None else mesh._replace(groups=groups)
 
 
 class Detector(_core.Detector):
@@ -94,8 +94,22 @@ class Detector(_core.Detector):
         simd: Simd = "automatic",
         device: int = 0,
     ) -> None:
-        options = {name: value for name, value in locals().items() if name != "self"}
-        super().__init__(**options)
+        options = {
+            "backend": backend,
+            "threads": threads,
+            "memory_limit": memory_limit,
+            "count_bytes_needed": count_bytes_needed,
+            "clusters": clusters,
+            "leaf_size": leaf_size,
+            "fuzziness": fuzziness,
+            "max_iterations": max_iterations,
+            "first_iterations": first_iterations,
+            "stop": stop,
+            "first_stop": first_stop,
+            "simd": simd,
+            "device": device,
+        }
+        super().__init__(options)
         self._options = options
 
     @property
@@ -131,7 +145,7 @@ class Detector(_core.Detector):
             return "<crumple.Detector whose __init__ has not been called>"
         return "crumple.Detector(" + ", ".join(f"{name}={value!r}" for name, value in options.items()) + ")"
 
-    @_in_c_plus_plus
+    @suggesting
     def find_self(
         self,
         vertices: Any,
@@ -169,9 +183,11 @@ class Detector(_core.Detector):
         number of pairs of boxes that overlap; contacts take about a microsecond a pair. Source: Mainzer and Zachmann,
         Algorithm 1; see Detector. What a collision is: docs/contract.md.
         """
-        raise NotImplementedError
+        query = _core.Query(neighbours, intersections, weld, contacts, wanted, excluded_groups)
+        mesh = _soup(vertices, faces, groups)
+        return Result(self._find(mesh, None, query, part, copy), mesh, None)
 
-    @_in_c_plus_plus
+    @suggesting
     def find_between(
         self,
         a: Any,
@@ -192,9 +208,11 @@ class Detector(_core.Detector):
         with crumple.Mesh or a tuple of three. Equal indices share nothing here; with `weld` equal positions do. If one
         mesh is float64, both are computed in float64. Otherwise as find_self, errors, cost and source included.
         """
-        raise NotImplementedError
+        query = _core.Query(neighbours, intersections, weld, contacts, wanted, excluded_groups)
+        first, second = as_mesh(a), as_mesh(b)
+        return Result(self._find(first, second, query, part, copy), first, second)
 
-    @_in_c_plus_plus
+    @suggesting
     def has_intersections(
         self,
         vertices: Any,
@@ -212,9 +230,10 @@ class Detector(_core.Detector):
         Cost: that of find_self where nothing collides, as a rule a part of it where something does. Source: Mainzer and
         Zachmann, Algorithm 1, cut short.
         """
-        raise NotImplementedError
+        query = _core.Query(neighbours, intersections, weld, False, wanted, excluded_groups)
+        return self._any(_soup(vertices, faces, groups), None, query)
 
-    @_in_c_plus_plus
+    @suggesting
     def has_intersections_between(
         self,
         a: Any,
@@ -230,7 +249,8 @@ class Detector(_core.Detector):
 
         Cost and source: as of has_intersections, for the triangles of both.
         """
-        raise NotImplementedError
+        query = _core.Query(neighbours, intersections, weld, False, wanted, excluded_groups)
+        return self._any(as_mesh(a), as_mesh(b), query)
 
     @suggesting
     def partition(self, mesh: Any, second: Any = None, *, count: int) -> list[_core.Part]:
@@ -243,7 +263,7 @@ class Detector(_core.Detector):
         Cost: grows with triangles times parts; 5 ms for 92,000 triangles in 4 parts, 37 ms in 64. Source: Mainzer and
         Zachmann, sec. 1.1, for parts on several machines, and sec. 4, eqs. 2-4, for their centres.
         """
-        return super().partition(mesh, second, count)
+        return self._partition(as_mesh(mesh), None if second is None else as_mesh(second), count)
 
 
 def find_self_intersections(vertices: Any, faces: Any = None, *, copy: bool = False, **query: Any) -> NDArray[np.int32]:

@@ -74,10 +74,9 @@ def _contact_lines(result: Result):
 
 def drawing_of(result: Result) -> Drawing:
     """The meshes of a result with colliding triangles coloured, and its contacts. Copies; for pictures only."""
-    first, second = result._meshes
-    vertices, faces, colours = _coloured(first, result.hit, 0)
-    if second is not None:
-        more_vertices, more_faces, more_colours = _coloured(second, result.hit_second, 1)
+    vertices, faces, colours = _coloured(result._first, result.hit, 0)
+    if result._second is not None:
+        more_vertices, more_faces, more_colours = _coloured(result._second, result.hit_second, 1)
         faces = np.concatenate([faces, more_faces + len(vertices)])
         vertices = np.concatenate([vertices, more_vertices])
         colours = np.concatenate([colours, more_colours])

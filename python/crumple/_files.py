@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 from . import _core
 from ._errors import FileWarning
-from ._mesh import FileMesh, Mesh, Polygons
+from ._mesh import FileMesh, Mesh, Polygons, as_mesh
 from ._names import suggesting
 
 if TYPE_CHECKING:
@@ -59,7 +59,7 @@ def write_mesh(path: str | os.PathLike[str], mesh: Any) -> None:
     Coordinates keep every bit, but for .stl, which holds float32; groups are kept by .ply, as the face property
     `group`. Raises FileError, InvalidInput; the file then stays as it was. Ctrl-C waits until the file is written.
     """
-    _core.write_mesh(path, mesh)
+    _core.write_mesh(path, as_mesh(mesh))
 
 
 def read_pairs(path: str | os.PathLike[str]) -> NDArray[np.int32]:

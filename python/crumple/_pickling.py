@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import copy
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from . import _arrays, _core
 from ._errors import InvalidInput, InvalidType
-
-if TYPE_CHECKING:
-    from ._mesh import Mesh
-    from ._result import Result
+from ._mesh import Mesh
+from ._result import Result
 
 # Type and shape of each array; those of contacts are empty where there are none.
 _ARRAYS = {
@@ -39,16 +36,16 @@ def _mesh_as_arrays(mesh: Mesh, which: str, triangles: int) -> tuple[Any, Any, A
 
 def state_of(result: Result) -> dict[str, Any]:
     """What restore makes an equal result of; NumPy arrays, also of the meshes."""
-    state: dict[str, Any] = {name: getattr(result, "_" + name) for name in _ARRAYS}
-    first, second = result._meshes
+    answer, first, second = result._answer, result._first, result._second
+    state: dict[str, Any] = {name: getattr(answer, name) for name in _ARRAYS}
     one_soup = second is None
     return {
         **state,
         "statistics": result.statistics,
         "first": _mesh_as_arrays(first, "" if one_soup else "first mesh: ", len(state["hit"])),
         "second": None if second is None else _mesh_as_arrays(second, "second mesh: ", len(state["hit_second"])),
-        "has_contacts": result._has_contacts,
-        "copy": result._copy,
+        "has_contacts": answer.has_contacts,
+        "copy": answer.copy,
     }
 
 
@@ -74,11 +71,7 @@ def restore(state: Any) -> Result:
         if not isinstance(state[name], tuple) or len(state[name]) != 3:
             if name == "first" or state[name] is not None:
                 raise InvalidType(f"the state of a Result needs {name} as a tuple (vertices, faces, groups)")
-    return _core.restore(
-        *arrays, state["statistics"], state["first"], state["second"], state["has_contacts"], state["copy"]
-    )
-
-
-def deep_copy(result: Result, memo: dict[int, Any]) -> Result:
-    """A result with memory and meshes of its own."""
-    return _core.duplicate(result, copy.deepcopy(result._first, memo), copy.deepcopy(result._second, memo))
+    first = Mesh(*state["first"])
+    second = None if state["second"] is None else Mesh(*state["second"])
+    answer = _core.restore(*arrays, state["statistics"], first, second, state["has_contacts"], state["copy"])
+    return Result(answer, first, second)

@@ -5,12 +5,14 @@ from __future__ import annotations
 import io
 import os
 from collections.abc import Iterator
+from copy import deepcopy
 from enum import IntEnum
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from . import _core
-from ._core import Collisions, Statistics, duplicate, set_result_class
+from ._core import Answer, Statistics
 from ._errors import InvalidInput, InvalidType
 from ._mesh import Mesh
 
@@ -84,27 +86,7 @@ class Contacts:
         return f"<crumple.Contacts: {len(self)} pairs, {len(self.points)} points>"
 
 
-if TYPE_CHECKING:
-    _computed_once = property
-else:
-
-    class _computed_once(property):
-        """functools.cached_property without the __dict__ that each result would be made with."""
-
-        def __get__(self, result, owner=None):
-            if result is None:
-                return self
-            try:
-                known = result._known
-            except AttributeError:
-                known = result._known = {}
-            name = self.fget.__name__
-            if name not in known:
-                known[name] = self.fget(result)
-            return known[name]
-
-
-class Result(Collisions):
+class Result:
     """Every colliding pair, once, in lexicographic order: the same bytes from every backend and thread count.
 
     A result belongs to whoever holds it: it outlives the detector, and no later call changes it. Its arrays are
@@ -120,47 +102,50 @@ class Result(Collisions):
     written into the arrays of copy=True. Unpickling checks that all of it fits together, or raises InvalidInput.
     """
 
-    __slots__ = ("__weakref__", "_known")
+    def __init__(self, answer: Answer, first: Mesh, second: Mesh | None) -> None:
+        self._answer = answer
+        self._first = first
+        self._second = second
 
     def _array(self, name: str) -> Any:
-        array = getattr(self, "_" + name)
-        return array.copy() if self._copy else array
+        array = getattr(self._answer, name)
+        return array.copy() if self._answer.copy else array
 
-    @property
-    def _meshes(self) -> tuple[Mesh, Mesh | None]:
-        return Mesh(*self._first), None if self._second is None else Mesh(*self._second)
-
-    @_computed_once
+    @cached_property
     def pairs(self) -> NDArray[np.int32]:
         """(k, 2) int32: the colliding pairs, sorted. One soup: first < second; two meshes: index in each."""
         return self._array("pairs")
 
-    @_computed_once
+    @cached_property
     def offsets(self) -> NDArray[np.int64]:
         """(m + 1,) int64: the pairs of which triangle i is the first are pairs[offsets[i]:offsets[i + 1]]."""
         return self._array("offsets")
 
-    @_computed_once
+    @cached_property
     def hit(self) -> NDArray[np.bool_]:
         """(m,) bool: which triangles (of the first mesh) collide."""
         return self._array("hit")
 
-    @_computed_once
+    @cached_property
     def hit_second(self) -> NDArray[np.bool_]:
         """(m of the second mesh,) bool: the same for the second mesh; empty for one soup."""
         return self._array("hit_second")
 
-    @_computed_once
+    @cached_property
     def contacts(self) -> Contacts | None:
         """Where the pairs meet, or None if `contacts=True` was not asked for."""
-        if not self._has_contacts:
+        if not self._answer.has_contacts:
             return None
         return Contacts(self._array("contact_kinds"), self._array("contact_offsets"), self._array("contact_points"))
 
     @property
     def statistics(self) -> Statistics:
         """Counts and times of the stages."""
-        return self._statistics
+        return self._answer.statistics
+
+    def __len__(self) -> int:
+        """How many pairs."""
+        return len(self._answer)
 
     def __reduce__(self) -> Any:
         from ._pickling import restore, state_of
@@ -168,12 +153,10 @@ class Result(Collisions):
         return restore, (state_of(self),)
 
     def __copy__(self) -> Result:
-        return duplicate(self)
+        return Result(self._answer, self._first, self._second)
 
     def __deepcopy__(self, memo: dict[int, Any]) -> Result:
-        from ._pickling import deep_copy
-
-        return deep_copy(self, memo)
+        return Result(self._answer.deep_copy(), deepcopy(self._first, memo), deepcopy(self._second, memo))
 
     def __repr__(self) -> str:
         s = self.statistics
@@ -208,11 +191,11 @@ class Result(Collisions):
             if extension in _PAIR_FILES | _MESH_FILES and (extension, option) != (".html", "height"):
                 raise InvalidType(f"{option} is no option of {extension} files")
         if extension in _PAIR_FILES:
-            _core.write_pairs(path, self)
+            _core.write_pairs(path, self._answer)
         elif extension == ".html" and options:
             _core.write_bytes(path, self.to_html(**options).encode())
         elif extension in _MESH_FILES:
-            _core.write_coloured(path, self)
+            _core.write_coloured(path, self._first, self._second, self._answer)
         elif extension in _PICTURES:
             from ._pictures import image
 
@@ -231,7 +214,4 @@ class Result(Collisions):
         For a notebook: IPython.display.HTML(result.to_html()). It needs no package and no network. About 100 bytes a
         triangle. `height` is in pixels. Raises InvalidInput.
         """
-        return _core.to_html(self, height)
-
-
-set_result_class(Result)
+        return _core.to_html(self._first, self._second, self._answer, height)

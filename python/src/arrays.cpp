@@ -192,17 +192,10 @@ void import_numpy() {
     if (in_python([] { return PyArray_ImportNumPyAPI(); }) != 0) throw nb::python_error();
 }
 
-GivenMesh given_mesh(nb::handle mesh) {
-    const auto item = [&](Py_ssize_t i) { return nb::borrow(PyTuple_GetItem(mesh.ptr(), i)); };
-    const Py_ssize_t items = PyTuple_Check(mesh.ptr()) ? PyTuple_Size(mesh.ptr()) : 0;
-    if (items == 2) return {item(0), item(1), nb::none()};
-    if (items == 3) return {item(0), item(1), item(2)};
-    return given_mesh(call_python("crumple._mesh", "as_mesh", {mesh}));
-}
-
-BorrowedMesh::BorrowedMesh(const GivenMesh& mesh, const char* which)
-    : vertices_(borrow_array(mesh.vertices, are_vertices, "vertices", which, kept_)),
-      faces_(borrow_array(mesh.faces, are_faces, "faces", which, kept_)),
+BorrowedMesh::BorrowedMesh(const nb::tuple& mesh, const char* which)
+    : kept_{mesh},
+      vertices_(borrow_array(mesh[0], are_vertices, "vertices", which, kept_)),
+      faces_(borrow_array(mesh[1], are_faces, "faces", which, kept_)),
       view_(rows_of_three(vertices_, scalar_type(vertices_)), rows_of_three(faces_, index_type(faces_))) {
     const auto check_place = [&](const BorrowedArray& array, const char* name) {
         if (array.device != device())
@@ -211,14 +204,19 @@ BorrowedMesh::BorrowedMesh(const GivenMesh& mesh, const char* which)
     };
     check_place(faces_, "faces");
     if (device() != BorrowedArray::on_host) view_.memory = MemorySpace::cuda;
-    if (mesh.groups.is_none()) return;
-    groups_ = borrow_array(mesh.groups, are_groups, "groups", which, kept_);
+    if (mesh[2].is_none()) return;
+    groups_ = borrow_array(mesh[2], are_groups, "groups", which, kept_);
     check_place(groups_, "groups");
     // No groups at all are None. An empty array would be taken for that.
     if (groups_.shape[0] != view_.triangles.rows)
         refuse(std::string(which) + "groups must be one for each of the " + std::to_string(view_.triangles.rows) +
                " faces, not " + std::to_string(groups_.shape[0]));
     view_.groups = {static_cast<const std::int32_t*>(groups_.data), static_cast<std::size_t>(groups_.shape[0])};
+}
+
+BorrowedMeshes::BorrowedMeshes(const nb::tuple& one, const std::optional<nb::tuple>& other)
+    : first(one, other ? "first mesh: " : "") {
+    if (other) second.emplace(*other, "second mesh: ");
 }
 
 std::vector<GroupPair> group_pairs(nb::handle pairs) {

@@ -7,14 +7,15 @@
 // strides. Everything else goes through crumple/_arrays.py, which converts what can be converted without loss and
 // refuses the rest by name.
 //
-// NumPy's arrays are read by its C API, where they lie, and not by a protocol: a search sweeps the caches, so that each
-// line of code and data that is touched around it comes from memory.
+// NumPy's arrays are read by its C API, which tells strides in bytes: DLPack counts whole numbers, which the records of
+// a structured array need not be apart.
 
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "crumple/mesh.h"
@@ -37,26 +38,18 @@ struct BorrowedArray {
     int device = on_host;                            ///< number of the CUDA device that it lies on
 };
 
-/// A mesh as Python holds it; groups may be None.
-struct GivenMesh {
-    nanobind::object vertices, faces, groups;
-};
-
 /// Imports NumPy before the first array that comes or goes, to keep `import crumple` quick.
 void import_numpy();
-
-/// What crumple/_mesh.py takes for a mesh.
-GivenMesh given_mesh(nanobind::handle mesh);
 
 /// What to do with arrays that nobody reads where they lie.
 inline constexpr const char* copy_to_host =
     "copy them to the host (PyTorch: .cpu(), CuPy: .get(), JAX: jax.device_get, Warp: .numpy())";
 
-/// A mesh in place, as long as what it was given stays. Needs the GIL to come and go, not to be read.
+/// A crumple.Mesh in place. Needs the GIL to come and go, not to be read.
 class BorrowedMesh {
    public:
-    /// `which` leads every message: "first mesh: " or nothing.
-    BorrowedMesh(const GivenMesh& mesh, const char* which);
+    /// `mesh` is (vertices, faces, groups or None). `which` leads every message: "first mesh: " or nothing.
+    explicit BorrowedMesh(const nanobind::tuple& mesh, const char* which = "");
     const MeshView& view() const { return view_; }
     /// The CUDA device that all of it lies on, or BorrowedArray::on_host.
     int device() const { return vertices_.device; }
@@ -65,6 +58,15 @@ class BorrowedMesh {
     Kept kept_;
     BorrowedArray vertices_, faces_, groups_;
     MeshView view_;
+};
+
+/// The meshes of one call, in place; without a second one, one soup.
+struct BorrowedMeshes {
+    BorrowedMeshes(const nanobind::tuple& first, const std::optional<nanobind::tuple>& second);
+    const MeshView* second_or_null() const { return second ? &second->view() : nullptr; }
+
+    BorrowedMesh first;
+    std::optional<BorrowedMesh> second;
 };
 
 /// Pairs of group ids from a sequence of pairs or an (n, 2) array.

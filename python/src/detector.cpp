@@ -6,15 +6,16 @@
 #include <utility>
 #include <vector>
 
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/string_view.h>
 #include <nanobind/stl/vector.h>
 
+#include "answer.h"
 #include "arguments.h"
 #include "arrays.h"
 #include "crumple/device.h"
 #include "gil.h"
-#include "method.h"
 #include "names.h"
 #include "part.h"
 
@@ -25,7 +26,6 @@ namespace crumple::python {
 namespace {
 
 unsigned long main_thread = 0;
-nb::handle detector_class;  // the base of crumple.Detector
 
 }  // namespace
 
@@ -114,41 +114,46 @@ void check_device(const SharedDetector& detector, int device) {
                ", but the detector works on device " + std::to_string(detector.options().device));
 }
 
-/// The meshes of one call, and the views of them that the library gets.
-struct Meshes {
-    GivenMesh a;
-    std::optional<GivenMesh> b;
-    BorrowedMesh first;
-    std::optional<BorrowedMesh> second;
+void check_devices(const SharedDetector& detector, const BorrowedMeshes& meshes) {
+    check_device(detector, meshes.first.device());
+    if (meshes.second) check_device(detector, meshes.second->device());
+}
 
-    Meshes(const SharedDetector& detector, GivenMesh soup) : a(std::move(soup)), first(a, "") {
-        check_device(detector, first.device());
-    }
-    Meshes(const SharedDetector& detector, GivenMesh one, GivenMesh other)
-        : a(std::move(one)), b(std::move(other)), first(a, "first mesh: ") {
-        check_device(detector, first.device());
-        second.emplace(*b, "second mesh: ");
-        check_device(detector, second->device());
-    }
-    const MeshView* second_or_null() const { return second ? &second->view() : nullptr; }
+// A query as Python gives it, and the pairs that it refers to.
+struct OwningQuery {
+    OwningQuery(nb::handle neighbours, nb::handle intersections, nb::handle weld, nb::handle contacts,
+                nb::handle wanted, nb::handle excluded_groups)
+        : excluded(group_pairs(excluded_groups)),
+          query{.neighbours = named(neighbours_names, "neighbours", neighbours),
+                .intersections = named(intersections_names, "intersections", intersections),
+                .weld = flag("weld", weld),
+                .contacts = flag("contacts", contacts),
+                .wanted = named(wanted_names, "wanted", wanted),
+                .excluded_groups = excluded} {}
+    OwningQuery(const OwningQuery&) = delete;
+    OwningQuery& operator=(const OwningQuery&) = delete;
+
+    const std::vector<GroupPair> excluded;
+    const Query query;
 };
 
-/// The arguments that all methods share; null where nothing is given.
-struct GivenQuery {
-    nb::handle neighbours, intersections, weld, contacts, wanted, excluded_groups;
-
-    /// `excluded` is where the query keeps its pairs.
-    Query read(std::vector<GroupPair>& excluded) const {
-        Query query;
-        if (excluded_groups) query.excluded_groups = excluded = group_pairs(excluded_groups);
-        if (neighbours) query.neighbours = named(neighbours_names, "neighbours", neighbours);
-        if (intersections) query.intersections = named(intersections_names, "intersections", intersections);
-        if (weld) query.weld = flag("weld", weld);
-        if (contacts) query.contacts = flag("contacts", contacts);
-        if (wanted) query.wanted = named(wanted_names, "wanted", wanted);
-        return query;
-    }
-};
+Options options_of(const nb::dict& given) {
+    return {
+        .backend = named(backend_names, "backend", given["backend"]),
+        .threads = integer<int>("threads", given["threads"]),
+        .memory_limit = integer<std::int64_t>("memory_limit", given["memory_limit"]),
+        .count_bytes_needed = flag("count_bytes_needed", given["count_bytes_needed"]),
+        .clusters = integer<int>("clusters", given["clusters"]),
+        .leaf_size = integer<int>("leaf_size", given["leaf_size"]),
+        .fuzziness = real("fuzziness", given["fuzziness"]),
+        .max_iterations = integer<int>("max_iterations", given["max_iterations"]),
+        .first_iterations = integer<int>("first_iterations", given["first_iterations"]),
+        .stop = real("stop", given["stop"]),
+        .first_stop = real("first_stop", given["first_stop"]),
+        .simd = named(simd_names, "simd", given["simd"]),
+        .device = integer<int>("device", given["device"]),
+    };
+}
 
 template <class Work>
 auto without_gil(Work work, Detector* detector = nullptr) {
@@ -157,8 +162,7 @@ auto without_gil(Work work, Detector* detector = nullptr) {
 }
 
 void check_self(nb::handle self) {
-    if (!PyObject_TypeCheck(self.ptr(), reinterpret_cast<PyTypeObject*>(detector_class.ptr())))
-        refuse_type("self", "a crumple.Detector", self);
+    if (!nb::isinstance<SharedDetector>(self)) refuse_type("self", "a crumple.Detector", self);
 }
 
 // The detector that a method is called on. A class of Python may leave it without what __init__ makes.
@@ -168,143 +172,75 @@ SharedDetector& detector_of(nb::handle self) {
     return *nb::inst_ptr<SharedDetector>(self);
 }
 
-// The soup of find_self and has_intersections: arrays, or one object that holds them.
-GivenMesh given_soup(nb::handle vertices, nb::handle faces, nb::handle groups) {
-    const bool grouped = groups && !groups.is_none();
-    if (faces && !faces.is_none())
-        return {nb::borrow(vertices), nb::borrow(faces), grouped ? nb::borrow(groups) : nb::none()};
-    GivenMesh mesh = given_mesh(vertices);
-    if (grouped) mesh.groups = nb::borrow(groups);
-    return mesh;
+void make(nb::handle self, const nb::dict& given) {
+    check_self(self);
+    const Options options = options_of(given);
+    // From here on no code of Python runs, and no other thread.
+    if (nb::inst_ready(self)) refuse("crumple.Detector.__init__ has been called already");
+    new (nb::inst_ptr<SharedDetector>(self)) SharedDetector(options);
+    nb::inst_mark_ready(self);
 }
 
-nb::object find(SharedDetector& self, Meshes meshes, const GivenQuery& given, nb::handle part, nb::handle copy) {
-    std::vector<GroupPair> excluded;
-    const Query query = given.read(excluded);
+Answer find(nb::handle self, const nb::tuple& first, const std::optional<nb::tuple>& second, const OwningQuery& given,
+            nb::handle part, nb::handle copy) {
+    SharedDetector& detector = detector_of(self);
+    const BorrowedMeshes meshes(first, second);
+    check_devices(detector, meshes);
+    const Query& query = given.query;
     const Part* const of = part_or_null(part);
-    const bool copied = copy && flag("copy", copy);
-    const SharedDetector::Turn turn(self);
-    Result result{self.storage(), std::move(meshes.a), std::move(meshes.b), query.contacts, copied};
-    without_gil([&] { self.find(meshes.first.view(), meshes.second_or_null(), of, query, *result.storage); },
-                &self.library());
-    return make_result(std::move(result));
+    const bool copied = flag("copy", copy);
+    const SharedDetector::Turn turn(detector);
+    Answer answer{detector.storage(), query.contacts, copied};
+    without_gil([&] { detector.find(meshes.first.view(), meshes.second_or_null(), of, query, *answer.storage); },
+                &detector.library());
+    return answer;
 }
 
-nb::object any(SharedDetector& self, const Meshes& meshes, const GivenQuery& given) {
-    std::vector<GroupPair> excluded;
-    const Query query = given.read(excluded);
-    const SharedDetector::Turn turn(self);
-    return nb::bool_(
-        without_gil([&] { return self.any(meshes.first.view(), meshes.second_or_null(), query); }, &self.library()));
-}
-
-nb::object find_self(const Given<12>& given) {
-    const auto& [self, vertices, faces, groups, neighbours, intersections, weld, contacts, wanted, excluded_groups,
-                 part, copy] = given;
+bool any(nb::handle self, const nb::tuple& first, const std::optional<nb::tuple>& second, const OwningQuery& given) {
     SharedDetector& detector = detector_of(self);
-    return find(detector, Meshes{detector, given_soup(vertices, faces, groups)},
-                {neighbours, intersections, weld, contacts, wanted, excluded_groups}, part, copy);
+    const BorrowedMeshes meshes(first, second);
+    check_devices(detector, meshes);
+    const SharedDetector::Turn turn(detector);
+    return without_gil([&] { return detector.any(meshes.first.view(), meshes.second_or_null(), given.query); },
+                       &detector.library());
 }
 
-nb::object find_between(const Given<11>& given) {
-    const auto& [self, a, b, neighbours, intersections, weld, contacts, wanted, excluded_groups, part, copy] = given;
+std::vector<Part> partition(nb::handle self, const nb::tuple& first, const std::optional<nb::tuple>& second,
+                            nb::handle count) {
     SharedDetector& detector = detector_of(self);
-    return find(detector, Meshes{detector, given_mesh(a), given_mesh(b)},
-                {neighbours, intersections, weld, contacts, wanted, excluded_groups}, part, copy);
+    const BorrowedMeshes meshes(first, second);
+    check_devices(detector, meshes);
+    const int parts = integer<int>("count", count);
+    const SharedDetector::Turn turn(detector);
+    return without_gil([&] { return detector.partition(meshes.first.view(), meshes.second_or_null(), parts); },
+                       &detector.library());
 }
 
-nb::object has_intersections(const Given<9>& given) {
-    const auto& [self, vertices, faces, groups, neighbours, intersections, weld, wanted, excluded_groups] = given;
-    SharedDetector& detector = detector_of(self);
-    return any(detector, Meshes{detector, given_soup(vertices, faces, groups)},
-               {neighbours, intersections, weld, {}, wanted, excluded_groups});
-}
-
-nb::object has_intersections_between(const Given<8>& given) {
-    const auto& [self, a, b, neighbours, intersections, weld, wanted, excluded_groups] = given;
-    SharedDetector& detector = detector_of(self);
-    return any(detector, Meshes{detector, given_mesh(a), given_mesh(b)},
-               {neighbours, intersections, weld, {}, wanted, excluded_groups});
-}
-
-// As crumple/_detector.py declares them.
-constexpr Definition<12> find_self_method{{"self", "vertices", "faces", "groups", "neighbours", "intersections", "weld",
-                                           "contacts", "wanted", "excluded_groups", "part", "copy"},
-                                          find_self};
-constexpr Definition<11> find_between_method{
-    {"self", "a", "b", "neighbours", "intersections", "weld", "contacts", "wanted", "excluded_groups", "part", "copy"},
-    find_between};
-constexpr Definition<9> has_intersections_method{
-    {"self", "vertices", "faces", "groups", "neighbours", "intersections", "weld", "wanted", "excluded_groups"},
-    has_intersections};
-constexpr Definition<8> has_intersections_between_method{
-    {"self", "a", "b", "neighbours", "intersections", "weld", "wanted", "excluded_groups"}, has_intersections_between};
-
-constexpr std::pair<std::string_view, nb::object (*)(nb::handle)> methods[]{
-    {"find_self", make_method<find_self_method>},
-    {"find_between", make_method<find_between_method>},
-    {"has_intersections", make_method<has_intersections_method>},
-    {"has_intersections_between", make_method<has_intersections_between_method>}};
-
-nb::object method(nb::handle declaration) {
-    const auto declared = nb::cast<std::string>(declaration.attr("__name__"));
-    for (const auto& [name, make] : methods)
-        if (name == declared) return make(declaration);
-    refuse("no method " + declared + " is defined");
+nb::tuple listed_devices() {
+    const DeviceList list = without_gil(list_devices);
+    nb::list devices;
+    for (const DeviceInfo& d : list.devices)
+        devices.append(nb::make_tuple(d.number, d.name, d.major, d.minor, d.memory_bytes));
+    return nb::make_tuple(devices, list.reason);
 }
 
 }  // namespace
 
 void bind_detector(nb::module_& module) {
     main_thread = nb::cast<unsigned long>(nb::module_::import_("threading").attr("main_thread")().attr("ident"));
-    nb::class_<SharedDetector> type(module, "Detector", "The library's detector; crumple.Detector is one.");
-    detector_class = type;
-    type.def("__init__",
-             [](nb::handle self, const nb::kwargs& options) {
-                 check_self(self);
-                 const Options given{
-                     .backend = named(backend_names, "backend", options["backend"]),
-                     .threads = integer<int>("threads", options["threads"]),
-                     .memory_limit = integer<std::int64_t>("memory_limit", options["memory_limit"]),
-                     .count_bytes_needed = flag("count_bytes_needed", options["count_bytes_needed"]),
-                     .clusters = integer<int>("clusters", options["clusters"]),
-                     .leaf_size = integer<int>("leaf_size", options["leaf_size"]),
-                     .fuzziness = real("fuzziness", options["fuzziness"]),
-                     .max_iterations = integer<int>("max_iterations", options["max_iterations"]),
-                     .first_iterations = integer<int>("first_iterations", options["first_iterations"]),
-                     .stop = real("stop", options["stop"]),
-                     .first_stop = real("first_stop", options["first_stop"]),
-                     .simd = named(simd_names, "simd", options["simd"]),
-                     .device = integer<int>("device", options["device"]),
-                 };
-                 // From here on no code of Python runs, and no other thread.
-                 if (nb::inst_ready(self)) refuse("crumple.Detector.__init__ has been called already");
-                 new (nb::inst_ptr<SharedDetector>(self)) SharedDetector(given);
-                 nb::inst_mark_ready(self);
-             })
+    nb::class_<OwningQuery>(module, "Query", "The arguments that all searches share.")
+        .def(nb::init<nb::handle, nb::handle, nb::handle, nb::handle, nb::handle, nb::handle>(), "neighbours"_a.none(),
+             "intersections"_a.none(), "weld"_a.none(), "contacts"_a.none(), "wanted"_a.none(),
+             "excluded_groups"_a.none());
+    nb::class_<SharedDetector>(module, "Detector", "The library's detector; crumple.Detector is one.")
+        .def("__init__", make, "options"_a)
         .def_prop_ro("backend", [](nb::handle self) { return name_of(backend_names, detector_of(self).backend()); })
         .def_prop_ro("fallback", [](nb::handle self) { return detector_of(self).fallback(); })
         .def("cancel", [](nb::handle self) { detector_of(self).cancel(); })
-        .def(
-            "partition",
-            [](nb::handle object, nb::handle first, nb::handle second, nb::handle count) {
-                SharedDetector& self = detector_of(object);
-                const Meshes meshes = second.is_none() ? Meshes{self, given_mesh(first)}
-                                                       : Meshes{self, given_mesh(first), given_mesh(second)};
-                const int parts = integer<int>("count", count);
-                const SharedDetector::Turn turn(self);
-                return without_gil([&] { return self.partition(meshes.first.view(), meshes.second_or_null(), parts); },
-                                   &self.library());
-            },
-            "first"_a.none(), "second"_a.none(), "count"_a.none());
-    module.def("method", method, "declaration"_a);
-    module.def("list_devices", [] {
-        const DeviceList list = without_gil(list_devices);
-        nb::list devices;
-        for (const DeviceInfo& d : list.devices)
-            devices.append(nb::make_tuple(d.number, d.name, d.major, d.minor, d.memory_bytes));
-        return nb::make_tuple(devices, list.reason);
-    });
+        .def("_find", find, "first"_a, "second"_a.none(), "query"_a, "part"_a.none(), "copy"_a.none())
+        .def("_any", any, "first"_a, "second"_a.none(), "query"_a)
+        .def("_partition", partition, "first"_a, "second"_a.none(), "count"_a.none());
+    module.def("list_devices", listed_devices);
 }
 
 }  // namespace crumple::python

@@ -15,7 +15,6 @@
 #include <nanobind/nanobind.h>
 
 #include "crumple/detector.h"
-#include "result.h"
 
 namespace crumple::python {
 

@@ -1,6 +1,7 @@
 #include "errors.h"
 
 #include <array>
+#include <exception>
 #include <new>
 #include <string_view>
 #include <system_error>
@@ -87,15 +88,5 @@ void translate(const std::exception_ptr& pointer, void*) {
 }  // namespace
 
 void translate_errors() { nb::register_exception_translator(translate); }
-
-void raise_in_python(const std::exception_ptr& pointer) {
-    try {
-        translate(pointer, nullptr);
-    } catch (nb::python_error& error) {
-        error.restore();
-    } catch (const std::exception& error) {
-        PyErr_SetString(PyExc_RuntimeError, error.what());
-    }
-}
 
 }  // namespace crumple::python

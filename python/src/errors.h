@@ -2,7 +2,6 @@
 
 // Failures as Python exceptions: the classes of crumple/_errors.py, with the sentences of the C++ library.
 
-#include <exception>
 #include <string>
 
 #include <nanobind/nanobind.h>
@@ -13,9 +12,6 @@ namespace crumple::python {
 
 /// Lets crumple::Error cross into Python. Call once, at the module's start.
 void translate_errors();
-
-/// The same where nanobind does not catch what is thrown: sets Python's error.
-void raise_in_python(const std::exception_ptr& pointer);
 
 /// An argument of a type that cannot be one.
 struct InvalidType : Error {

@@ -8,16 +8,17 @@
 #include <variant>
 
 #include <nanobind/ndarray.h>
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/string_view.h>
 
+#include "answer.h"
 #include "arguments.h"
 #include "arrays.h"
 #include "crumple/io.h"
 #include "detector.h"
 #include "gil.h"
 #include "names.h"
-#include "result.h"
 #include "scenes/scenes.h"
 
 namespace nb = nanobind;
@@ -98,15 +99,7 @@ io::TriangleMesh copy_of(const MeshView& view) {
     return mesh;
 }
 
-// The meshes of a result, in place, and copied for those who draw them.
-struct BorrowedMeshes {
-    explicit BorrowedMeshes(const Result& result) : first(result.first, "") {
-        if (result.second) second.emplace(*result.second, "");
-    }
-    BorrowedMesh first;
-    std::optional<BorrowedMesh> second;
-};
-
+// The meshes of a result, for those who draw them.
 struct CopiedMeshes {
     explicit CopiedMeshes(const BorrowedMeshes& borrowed) : first(copy_of(borrowed.first.view())) {
         if (borrowed.second) second = copy_of(borrowed.second->view());
@@ -162,40 +155,33 @@ void bind_files(nb::module_& module) {
         "strict"_a.none());
     module.def(
         "write_mesh",
-        [](nb::handle path, nb::handle mesh) {
+        [](nb::handle path, const nb::tuple& mesh) {
             const Path to = python::path("path", path);
-            const GivenMesh given = given_mesh(mesh);
-            const BorrowedMesh borrowed(given, "");
+            const BorrowedMesh borrowed(mesh);
             const WithoutGil released(at_exit(to));
             io::write_mesh(to, copy_of(borrowed.view()));
         },
         "path"_a.none(), "mesh"_a);
     module.def(
         "write_coloured",
-        [](nb::handle path, nb::handle object) {
+        [](nb::handle path, const nb::tuple& first, const std::optional<nb::tuple>& second, const Answer& answer) {
             const Path to = python::path("path", path);
-            const Result& result = result_of(object);
-            const BorrowedMeshes meshes(result);
+            const BorrowedMeshes meshes(first, second);
             const WithoutGil released(at_exit(to));
             const CopiedMeshes copies(meshes);
-            io::write_coloured(to, copies.first, copies.second_or_null(), result.collisions());
+            io::write_coloured(to, copies.first, copies.second_or_null(), answer.collisions());
         },
-        "path"_a.none(), "result"_a);
+        "path"_a.none(), "first"_a, "second"_a.none(), "answer"_a);
     module.def(
         "to_html",
-        [](nb::handle object, nb::handle height) {
+        [](const nb::tuple& first, const std::optional<nb::tuple>& second, const Answer& answer, nb::handle height) {
             const int pixels = integer<int>("height", height);
-            const Result& result = result_of(object);
-            const BorrowedMeshes meshes(result);
-            std::string page;
-            {
-                const WithoutGil released;
-                const CopiedMeshes copies(meshes);
-                page = io::to_html(copies.first, copies.second_or_null(), result.collisions(), pixels);
-            }
-            return page;
+            const BorrowedMeshes meshes(first, second);
+            const WithoutGil released;
+            const CopiedMeshes copies(meshes);
+            return io::to_html(copies.first, copies.second_or_null(), answer.collisions(), pixels);
         },
-        "result"_a, "height"_a.none());
+        "first"_a, "second"_a.none(), "answer"_a, "height"_a.none());
     module.def(
         "write_bytes",
         [](nb::handle path, nb::bytes bytes) {
@@ -206,13 +192,12 @@ void bind_files(nb::module_& module) {
         "path"_a.none(), "bytes"_a);
     module.def(
         "write_pairs",
-        [](nb::handle path, nb::handle object) {
+        [](nb::handle path, const Answer& answer) {
             const Path to = python::path("path", path);
-            const Result& result = result_of(object);
             const WithoutGil released(at_exit(to));
-            io::write_pairs(to, result.collisions());
+            io::write_pairs(to, answer.collisions());
         },
-        "path"_a.none(), "result"_a);
+        "path"_a.none(), "answer"_a);
     module.def(
         "read_pairs",
         [](nb::handle path) {

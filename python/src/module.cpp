@@ -2,6 +2,7 @@
 
 #include <nanobind/nanobind.h>
 
+#include "answer.h"
 #include "crumple/version.h"
 #include "detector.h"
 #include "errors.h"
@@ -9,7 +10,6 @@
 #include "gil.h"
 #include "part.h"
 #include "pickling.h"
-#include "result.h"
 
 NB_MODULE(_core, module) {
     module.doc() = "The C++ library behind crumple. Private.";
@@ -17,7 +17,7 @@ NB_MODULE(_core, module) {
     nanobind::set_leak_warnings(false);  // what daemon threads hold at exit is theirs, and no news for anybody
     crumple::python::WithoutGil::watch_exit();
     crumple::python::translate_errors();
-    crumple::python::bind_result(module);
+    crumple::python::bind_answer(module);
     crumple::python::bind_pickling(module);
     crumple::python::bind_part(module);
     crumple::python::bind_detector(module);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -10,13 +12,14 @@
 
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/array.h>
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/string_view.h>
 
+#include "answer.h"
 #include "arguments.h"
 #include "arrays.h"
 #include "errors.h"
-#include "result.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -106,16 +109,14 @@ void check_fit(const Collisions& c, bool one_soup, bool has_contacts) {
         for (const double coordinate : point) check(std::isfinite(coordinate), "points of contacts");
 }
 
-void check_mesh(const GivenMesh& mesh, const char* which, const Array<std::uint8_t>& hit) {
-    const BorrowedMesh borrowed(mesh, which);
-    check(borrowed.view().triangles.rows == static_cast<std::int64_t>(hit.size()), "the number of faces");
+void check_mesh(const BorrowedMesh& mesh, const Array<std::uint8_t>& hit) {
+    check(mesh.view().triangles.rows == static_cast<std::int64_t>(hit.size()), "the number of faces");
 }
 
-nb::object restore(const Rows<std::int32_t, 2>& pairs, const Column<std::int64_t>& offsets,
-                   const Column<std::uint8_t>& hit, const Column<std::uint8_t>& hit_second,
-                   const Column<std::uint8_t>& kinds, const Column<std::int64_t>& contact_offsets,
-                   const Rows<double, 3>& points, nb::handle statistics, nb::handle first, nb::handle second,
-                   bool has_contacts, bool copy) {
+Answer restore(const Rows<std::int32_t, 2>& pairs, const Column<std::int64_t>& offsets, const Column<std::uint8_t>& hit,
+               const Column<std::uint8_t>& hit_second, const Column<std::uint8_t>& kinds,
+               const Column<std::int64_t>& contact_offsets, const Rows<double, 3>& points, nb::handle statistics,
+               const nb::tuple& first, const std::optional<nb::tuple>& second, bool has_contacts, bool copy) {
     const auto storage = std::make_shared<Collisions>();
     fill(storage->pairs, pairs);
     fill(storage->offsets, offsets);
@@ -127,13 +128,12 @@ nb::object restore(const Rows<std::int32_t, 2>& pairs, const Column<std::int64_t
     if (!nb::isinstance<Statistics>(statistics) || !nb::inst_ready(statistics))
         refuse_type("statistics", "crumple.Statistics with something in it", statistics);
     storage->statistics = *nb::inst_ptr<Statistics>(statistics);
-    Result result{storage, given_mesh(first), std::nullopt, has_contacts, copy};
-    if (!second.is_none()) result.second = given_mesh(second);
-    check_fit(*storage, !result.second, has_contacts);
-    check_mesh(result.first, result.second ? "first mesh: " : "", storage->hit);
-    if (result.second) check_mesh(*result.second, "second mesh: ", storage->hit_second);
+    check_fit(*storage, !second, has_contacts);
+    const BorrowedMeshes meshes(first, second);
+    check_mesh(meshes.first, storage->hit);
+    if (meshes.second) check_mesh(*meshes.second, storage->hit_second);
     check(storage->statistics.pairs == static_cast<std::int64_t>(storage->pairs.size()), "statistics");
-    return make_result(std::move(result));
+    return {storage, has_contacts, copy};
 }
 
 }  // namespace
@@ -166,18 +166,6 @@ void bind_pickling(nb::module_& module) {
     module.def("restore", restore, "pairs"_a, "offsets"_a, "hit"_a, "hit_second"_a, "contact_kinds"_a,
                "contact_offsets"_a, "contact_points"_a, "statistics"_a.none(), "first"_a, "second"_a.none(),
                "has_contacts"_a, "copy"_a);
-    module.def(
-        "duplicate", [](nb::handle result) { return make_result(Result(result_of(result))); }, "result"_a);
-    module.def(
-        "duplicate",
-        [](nb::handle object, nb::handle first, nb::handle second) {
-            Result result = result_of(object);
-            result.storage = std::make_shared<Collisions>(*result.storage);
-            result.first = given_mesh(first);
-            if (result.second) result.second = given_mesh(second);
-            return make_result(std::move(result));
-        },
-        "result"_a, "first"_a, "second"_a.none());
 }
 
 }  // namespace crumple::python
