@@ -39,7 +39,7 @@ if [[ $cuda ]]; then
     mkdir -p "$package"
     cp -r python/crumple/. build-python-cuda/python/_core*.so "$package"
     export PYTHONPATH=${package%/*} CRUMPLE_CUDA_ON_CPU=1 PYTHONDONTWRITEBYTECODE=1
-    exec "$python" -m pytest -q -n "$(nproc)" python/tests/test_{device,input}.py "$@"
+    exec "$python" -m pytest -q -n "$(nproc)" python/tests/test_{arguments,device,input}.py "$@"
 fi
 
 log=build-python/build-$version$sanitize.log
@@ -56,7 +56,7 @@ fi
 CMAKE_BUILD_PARALLEL_LEVEL=$(nproc) pip install --verbose --no-build-isolation --no-deps --force-reinstall \
     "${settings[@]}" . >"$log" 2>&1 || { cat "$log" >&2; exit 1; }
 if [[ $sanitize ]]; then
-    tests=(python/tests/test_{agreement,exit,input,methods,pickling,property,results,threads}.py)
+    tests=(python/tests/test_{agreement,arguments,exit,input,methods,pickling,property,results,threads}.py)
     # libstdc++ beside it, or exceptions are thrown before the sanitizer knows how.
     preload="$(g++ -print-file-name=libasan.so) $(g++ -print-file-name=libstdc++.so)"
     LD_PRELOAD=$preload ASAN_OPTIONS=detect_leaks=0 "$python" -m pytest -q -n "$(nproc)" "${tests[@]}" "$@"

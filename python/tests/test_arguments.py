@@ -1,0 +1,289 @@
+"""Arguments other than arrays, and groups: what is wrong is named, in calls, options, files and parts."""
+
+import re
+
+import numpy as np
+import pytest
+
+import crumple
+from conftest import soup
+
+MESH = soup(60, size=0.8)
+EXPECTED = crumple.find_self_intersections(MESH).tolist()
+
+OPTIONS = [
+    ({"groups": [0] * 59}, r"^groups must be one for each of the 60 faces, not 59$"),
+    ({"groups": []}, r"^groups must be one for each of the 60 faces, not 0$"),
+    ({"groups": np.zeros(0, np.int32)}, r"^groups must be one for each of the 60 faces, not 0$"),
+    ({"groups": np.zeros(61, np.int32)}, r"^groups must be one for each of the 60 faces, not 61$"),
+    ({"groups": [[0] * 60]}, r"groups must have shape \(faces,\), not \(1, 60\)"),
+    ({"groups": [0.5] * 60}, r"groups must be integers, not float64"),
+    ({"groups": [0] * 59 + [2**31]}, r"groups: group id 2147483648 at 59 does not fit int32"),
+    ({"neighbours": "none"}, r'neighbours must be one of "geometric", "skip", not "none"'),
+    ({"intersections": "some"}, r'intersections must be one of "all", "proper", not "some"'),
+    ({"wanted": "neither"}, r'wanted must be one of "both", "between", "within", not "neither"'),
+    ({"excluded_groups": [(1, 2, 3)]}, r"excluded_groups must have shape \(n, 2\), not \(1, 3\)"),
+    ({"wanted": "\udc80"}, r"^wanted must be text that UTF-8 can hold, not '\\udc80'$"),
+    ({"excluded_groups": [(1, -(2**31) - 1)]}, r"group id -2147483649 at 0 does not fit int32"),
+]
+
+
+@pytest.mark.parametrize("query, message", OPTIONS)
+def test_wrong_queries_are_named(query, message, detector):
+    with pytest.raises(crumple.InvalidInput, match=message):
+        detector.find_self(MESH, **query)
+
+
+WRONG_TYPES = [
+    ({"neighbours": None}, 'neighbours must be one of "geometric", "skip", not None'),
+    ({"intersections": 1}, 'intersections must be one of "all", "proper", not int'),
+    ({"wanted": ["both"]}, 'wanted must be one of "both", "between", "within", not list'),
+    ({"weld": 1}, "weld must be True or False, not int"),
+    ({"weld": None}, "weld must be True or False, not None"),
+    ({"contacts": "no"}, "contacts must be True or False, not str"),
+    ({"copy": 0.0}, "copy must be True or False, not float"),
+    ({"part": 1}, "part must be a crumple.Part, not int"),
+]
+
+
+@pytest.mark.parametrize("query, message", WRONG_TYPES)
+def test_wrong_types_in_a_query_are_named(query, message, detector):
+    with pytest.raises(crumple.InvalidType, match=f"^{message}$") as caught:
+        detector.find_self(MESH, **query)
+    assert isinstance(caught.value, TypeError) and isinstance(caught.value, crumple.InvalidInput)
+    if not set(query) & {"contacts", "copy", "part"}:
+        for call in (detector.has_intersections, detector.find_self):
+            with pytest.raises(TypeError, match=f"^{message}$"):
+                call(MESH, **query)
+
+
+@pytest.mark.parametrize(
+    "options, message",
+    [
+        ({"threads": "2"}, "threads must be an integer, not str"),
+        ({"threads": 2.0}, "threads must be an integer, not float"),
+        ({"threads": None}, "threads must be an integer, not None"),
+        ({"memory_limit": 1e9}, "memory_limit must be an integer, not float"),
+        ({"count_bytes_needed": 1}, "count_bytes_needed must be True or False, not int"),
+        ({"fuzziness": "2"}, "fuzziness must be a number, not str"),
+        ({"stop": None}, "stop must be a number, not None"),
+        ({"backend": 3}, 'backend must be one of "automatic", "cpu", "cuda", "reference", not int'),
+        ({"device": "0"}, "device must be an integer, not str"),
+        ({"simd": b"avx2"}, 'simd must be one of "automatic", .*, not bytes'),
+    ],
+)
+def test_wrong_types_of_options_are_named(options, message):
+    with pytest.raises(crumple.InvalidType, match=f"^{message}$"):
+        crumple.Detector(**options)
+
+
+@pytest.mark.parametrize("name", ["threads", "clusters", "leaf_size", "max_iterations", "first_iterations"])
+def test_integers_that_are_too_large_are_named(name):
+    for value in (10**12, -(10**12), 10**30):
+        with pytest.raises(crumple.InvalidInput, match=f"^{name} must be from -2147483648 to 2147483647, not {value}$"):
+            crumple.Detector(**{name: value})
+    with pytest.raises(crumple.InvalidInput, match="^memory_limit must be from .* not 1000000000000000000000$"):
+        crumple.Detector(memory_limit=10**21)
+    with pytest.raises(crumple.InvalidInput, match="^stop is beyond float64$"):
+        crumple.Detector(stop=10**400)
+
+
+def test_numpy_scalars_do_where_python_s_do():
+    for integer in (np.int8, np.uint16, np.int64, np.uint64):
+        detector = crumple.Detector(threads=integer(2), memory_limit=integer(0), leaf_size=integer(100))
+    detector = crumple.Detector(threads=np.int32(2), fuzziness=np.float32(2), stop=np.float64(0.01), first_stop=0)
+    result = detector.find_self(MESH, weld=np.bool_(False), contacts=np.bool_(True), copy=np.True_)
+    assert result.pairs.tolist() == EXPECTED and result.contacts and result.pairs.flags.writeable
+    assert len(detector.partition(MESH, count=np.int64(3))) == 3
+    assert len(crumple.make_scene("soup", triangles=np.int64(20), frame=np.uint8(0), seed=np.uint64(2**63)).faces)
+
+
+def test_other_wrong_types_are_named(detector, tmp_path):
+    for call, message in [
+        (lambda: detector.partition(MESH, count="3"), "count must be an integer, not str"),
+        (lambda: detector.partition(MESH, count=0), "the number of parts must be 1 to 64"),
+        (lambda: crumple.read_mesh(7), "path must be a str, bytes or os.PathLike, not int"),
+        (lambda: crumple.read_mesh(None), "path must be a str, bytes or os.PathLike, not None"),
+        (lambda: crumple.read_mesh("a\0b"), "path cannot be the name of a file"),
+        (lambda: crumple.read_mesh("a.ply", group_property=None), "group_property must be a str, not None"),
+        (lambda: crumple.read_pairs(1.5), "path must be a str, bytes or os.PathLike, not float"),
+        (lambda: crumple.write_mesh([], MESH), "path must be a str, bytes or os.PathLike, not list"),
+        (lambda: detector.find_self(MESH).save(None), "path must be a str, bytes or os.PathLike, not None"),
+        (lambda: detector.find_self(MESH).to_html(height="tall"), "height must be an integer, not str"),
+        (lambda: crumple.make_scene("\ud800"), r"name must be text that UTF-8 can hold, not '\\ud800'"),
+        (lambda: crumple.make_scene(3), "name must be a str, not int"),
+        (lambda: crumple.make_scene("cloth", triangles="many"), "triangles must be an integer, not str"),
+        (lambda: crumple.make_scene("cloth", seed=-1), "seed must be from 0 to 18446744073709551615, not -1"),
+        (lambda: detector.find_self(MESH.vertices), "a mesh must be .*, not numpy.ndarray"),
+        (lambda: detector.find_self((1, 2, 3, 4)), "a mesh must be .*, not a tuple of 4"),
+        (lambda: detector.find_between(None, MESH), "a mesh must be .*, not NoneType"),
+    ]:
+        with pytest.raises(crumple.InvalidInput, match=f"^{message}$"):
+            call()
+
+
+def test_between_groups_needs_groups(detector):
+    for call in (detector.find_self, detector.has_intersections):
+        with pytest.raises(crumple.InvalidInput, match="wanted between needs groups, and the mesh has none"):
+            call(MESH, wanted="between")
+    for call in (detector.find_between, detector.has_intersections_between):
+        with pytest.raises(crumple.InvalidInput, match="wanted between needs groups, and neither mesh has any"):
+            call(MESH, MESH, wanted="between")
+    assert len(detector.find_between(MESH, MESH._replace(groups=[1] * 60), wanted="between")) > 60
+    assert not detector.find_self((np.zeros((0, 3)), []), groups=[], wanted="between")
+    with pytest.raises(crumple.InvalidInput, match="^second mesh: groups must be one for each of the 60 faces, not 0$"):
+        detector.find_between(MESH, MESH._replace(groups=[]))
+
+
+def test_groups_of_every_integer_type(detector):
+    mesh = soup(100, size=0.4)
+    groups = np.arange(100) % 3
+    expected = detector.find_self(mesh, groups=groups.astype(np.int32), wanted="between").pairs.tolist()
+    assert 0 < len(expected) < len(detector.find_self(mesh))
+    for dtype in ("i1", "u1", "i2", "u2", "u4", "i8", "u8"):
+        assert detector.find_self(mesh, groups=groups.astype(dtype), wanted="between").pairs.tolist() == expected
+    assert detector.find_self(mesh, groups=np.repeat(groups, 2)[::2], wanted="between").pairs.tolist() == expected
+    assert detector.find_self(crumple.Mesh(*mesh[:2], groups), wanted="between").pairs.tolist() == expected
+    between = {frozenset(p) for p in ((0, 1), (0, 2), (1, 2))}
+    for excluded in (between, np.array([[1, 0], [2, 0], [2, 1]]), ((0, 1), (0, 2), (1, 2))):
+        as_pairs = [tuple(p) for p in excluded] if isinstance(excluded, set) else excluded
+        assert not detector.find_self(mesh, groups=groups, wanted="between", excluded_groups=as_pairs)
+
+
+def test_pairs_of_groups_from_any_iterable(detector):
+    mesh = soup(100, size=0.4)._replace(groups=np.arange(100) % 3)
+    pairs = [(0, 1), (0, 2)]
+    expected = detector.find_self(mesh, excluded_groups=pairs).pairs.tolist()
+    assert 0 < len(expected) < len(detector.find_self(mesh))
+    keyed = dict.fromkeys(pairs)
+    makers = [set, frozenset, iter, keyed.fromkeys, lambda p: keyed.keys(), lambda p: dict(enumerate(p)).values()]
+    makers += [lambda p: zip(*zip(*p)), lambda p: (pair for pair in p), lambda p: memoryview(np.array(p, np.int32))]
+    for make in makers:
+        assert detector.find_self(mesh, excluded_groups=make(pairs)).pairs.tolist() == expected
+    for none in (set(), iter([]), {}):
+        assert len(detector.find_self(mesh, excluded_groups=none)) == len(detector.find_self(mesh))
+
+
+class Raising:
+    """An argument of any kind that raises when it is looked at."""
+
+    def __init__(self, error):
+        self.error = error
+
+    def look(self):
+        raise self.error
+
+    __index__ = __float__ = __fspath__ = look
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda value: crumple.Detector(threads=value),
+        lambda value: crumple.Detector(stop=value),
+        lambda value: crumple.read_mesh(value),
+        lambda value: crumple.write_mesh(value, MESH),
+        lambda value: crumple.Detector().find_self(MESH).save(value),
+    ],
+)
+def test_what_is_not_about_the_argument_goes_on(call):
+    for error in (KeyboardInterrupt(), MemoryError(), ZeroDivisionError("inside")):
+        with pytest.raises(type(error)):
+            call(Raising(error))
+    with pytest.raises(crumple.InvalidType):
+        call(Raising(TypeError()))
+
+
+@pytest.mark.parametrize(
+    "options, message",
+    [
+        ({"threads": -1}, "threads must be 0"),
+        ({"clusters": 65}, "clusters must be 0 .chosen. to 64"),
+        ({"leaf_size": 0}, "leaf_size must be at least 1"),
+        ({"fuzziness": 1.0}, "fuzziness must be finite and above 1"),
+        ({"memory_limit": -5}, "memory_limit must be 0"),
+        ({"backend": "abacus"}, 'backend must be one of "automatic", "cpu", "cuda", "reference", not "abacus"'),
+        ({"device": -1}, "device must be 0 or more"),
+        ({"simd": "mmx"}, 'simd must be one of "automatic"'),
+    ],
+)
+def test_wrong_options_are_named(options, message):
+    with pytest.raises(crumple.InvalidInput, match=message):
+        crumple.Detector(**options)
+
+
+def test_a_missing_instruction_set_is_an_error(detector):
+    if detector.backend == "cuda":
+        pytest.skip("instruction sets are the cpu backend's")
+    missing = []
+    for simd in ("sse4", "avx2", "avx512", "neon"):
+        try:
+            crumple.Detector(simd=simd)
+        except crumple.BackendUnavailable as error:
+            missing.append((simd, str(error)))
+    assert missing, "no machine has both AVX and NEON"
+
+
+def test_the_cuda_backend_says_why_it_is_not_there():
+    try:
+        detector = crumple.Detector(backend="cuda", device=1000)
+    except crumple.BackendUnavailable as error:
+        assert re.match("the cuda backend (was not built; configure with|is not available: )", str(error))
+        assert error.code == "backend_unavailable"
+    else:
+        pytest.fail(f"{detector} has a thousand devices")
+
+
+def test_a_memory_limit_names_a_lower_bound_or_the_limit_that_suffices():
+    import pickle
+
+    mesh = soup(3000)
+    with pytest.raises(
+        crumple.MemoryLimit, match=r"memory limit of 10000 bytes is too small; at least \d+ bytes are needed"
+    ) as caught:
+        crumple.Detector(memory_limit=10_000).find_self(mesh)
+    least = caught.value
+    assert isinstance(least, MemoryError) and least.code == "memory_limit" and least.bytes_needed_at_least is True
+    copy = pickle.loads(pickle.dumps(least))
+    assert (copy.bytes_needed, copy.bytes_needed_at_least) == (least.bytes_needed, True)
+    with pytest.raises(
+        crumple.MemoryLimit, match=r"memory limit of 10000 bytes is too small; \d+ bytes suffice"
+    ) as caught:
+        crumple.Detector(memory_limit=10_000, count_bytes_needed=True).find_self(mesh)
+    assert caught.value.bytes_needed_at_least is False and caught.value.bytes_needed >= least.bytes_needed
+    enough = crumple.Detector(memory_limit=caught.value.bytes_needed)
+    held = [enough.find_self(mesh).pairs for _ in range(3)]  # results in hand do not count
+    for pairs in held:
+        np.testing.assert_array_equal(pairs, crumple.find_self_intersections(mesh))
+
+
+@pytest.mark.parametrize(
+    "state",
+    [
+        (),
+        (0,),
+        (0, 5, [], []),
+        (0, [(1.0, 2.0)], [], []),
+        ("0", [(1.0, 2.0, 3.0)], [], []),
+        (0, [(1.0, 2.0, 3.0)], [2**40], []),
+        (0, [(1.0, 2.0, 3.0)], [], None),
+        [0, 1],
+        None,
+    ],
+)
+def test_the_state_of_a_part_is_checked(state):
+    part = crumple.Part.__new__(crumple.Part)
+    with pytest.raises(crumple.InvalidType, match="^the state of a Part must be a tuple"):
+        part.__setstate__(state)
+
+
+def test_a_part_that_nothing_was_put_into_is_refused(detector):
+    empty = crumple.Part.__new__(crumple.Part)
+    for look in (
+        lambda: empty.centres,
+        lambda: empty.triangles,
+        lambda: empty.triangles_second,
+        lambda: detector.find_self(MESH, part=empty),
+    ):
+        with pytest.raises(crumple.InvalidInput, match="is a crumple.Part that nothing was put into$"):
+            look()
