@@ -1,7 +1,7 @@
-"""Arrays that the library cannot read in place: converted where nothing is lost, refused by name where it would be.
+"""Converts arrays that the library cannot read in place, if nothing is lost, and refuses the others by name.
 
-The extension module takes arrays in place where it can (python/src/arrays.h) and calls these functions for the
-others: Python lists, byte orders of other machines, narrow and unsigned integers, and whatever is wrong.
+The extension module reads arrays in place where it can (python/src/arrays.h) and calls these functions for the
+others: Python lists, byte orders of other machines, narrow and unsigned integers, and anything invalid.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _TO_HOST = "copy them to the host (PyTorch: .cpu(), CuPy: .get(), JAX: jax.devic
 def _kind_of_device(device: Any, name: str) -> int:
     try:
         kind = device()[0]
-        return int(getattr(kind, "value", kind))  # Open3D's enumerators are no integers
+        return int(getattr(kind, "value", kind))  # Open3D's enumerators are not integers
     except Exception as error:
         raise InvalidType(f"{name} do not tell where they lie, by __dlpack_device__: {error}") from error
 
@@ -41,7 +41,7 @@ def _refuse_mask(array: Any, name: str, **place: Any) -> None:
 
 
 def refuse_masked(array: Any, kind: str, which: str) -> None:
-    """For arrays that are read in place. A mask that masks nothing is none."""
+    """For arrays that are read in place. A mask that hides nothing does not count."""
     name, element = {
         "vertices": ("vertices are", "vertex"),
         "faces": ("faces are", "triangle"),
@@ -74,7 +74,7 @@ def _ragged(rows: Any) -> str:
 
 
 def _what_objects(array: Any, objects: np.ndarray) -> str:
-    """What an array of Python's objects holds instead of numbers, as far as can be told."""
+    """Says what an array of Python objects holds instead of numbers."""
     if objects.ndim == 0:
         return f"not {_name_of_type(array)}"
     if objects.ndim == 1 and any(_length(row) is not None for row in objects):
@@ -118,7 +118,7 @@ def host_array(array: Any, name: str, in_place: str = "") -> np.ndarray:
 
 
 def _triangles(array: np.ndarray, name: str) -> np.ndarray:
-    """(m, 3), of an array that may be flat."""
+    """The faces as (m, 3); they may be flat."""
     if array.ndim != 1:
         return _rows(array, 3, name)
     if len(array) and len(array) % 4 == 0 and (array[::4] == 3).all():
@@ -173,7 +173,7 @@ def vertices(array: Any, which: str) -> np.ndarray:
 
 
 def faces(array: Any, which: str) -> np.ndarray:
-    """(m, 3) of int64. Nothing is truncated: what int64 cannot hold names no vertex."""
+    """(m, 3) of int64. Nothing is truncated: indices beyond int64 are refused."""
     name = which + "faces"
     result = _triangles(_integers(array, name, "(m, 3) or (3m) of int32, uint32 or int64"), name)
     if result.dtype.kind == "u" and result.dtype.itemsize == 8 and result.size:
@@ -213,5 +213,5 @@ def group_pairs(pairs: Any, which: str) -> np.ndarray:
     """(n, 2) of int32, from an array or any iterable of pairs."""
     name = which + "excluded_groups"
     if isinstance(pairs, Iterable) and (isinstance(pairs, dict) or not hasattr(pairs, "__getitem__")):
-        pairs = list(pairs)  # a set, a generator: nothing that NumPy reads
+        pairs = list(pairs)  # a set or a generator, which NumPy does not read
     return _int32(_rows(_integers(pairs, name), 2, name), name)

@@ -34,14 +34,14 @@ def _soup(vertices: Any, faces: Any, groups: Any) -> Mesh:
 class Detector(_core.Detector):
     """Finds all pairs of triangles that intersect, exactly.
 
-    Keeps buffers and cluster centres between calls, so a detector that is fed the frames of a simulation is faster than
-    a new one for each; the topology may change freely. Any triangle soup will do.
+    Keeps buffers and cluster centres between calls, so one detector for all frames of a simulation is faster than a new
+    one for each; the topology may change freely. Any triangle soup will do.
 
     Meshes are given as (vertices, faces), or as one object that as_mesh knows: crumple.Mesh, a tuple, a mesh of
     trimesh, meshio, Open3D or PyVista. Arrays are read in place: NumPy or anything on the host that speaks DLPack or
     the buffer protocol, float32 or float64, int32, uint32 or int64, in any order and with any strides. Other integers
-    and Python lists are converted, at the cost of a copy. Inputs are not written to, and must stay as they are until
-    the call returns.
+    and Python lists are converted, at the cost of a copy. Inputs are not written to, and must not change until the
+    call returns.
 
     Calls release the GIL. Different detectors work at the same time; calls of one detector from several threads take
     turns. In the main thread Ctrl-C ends a call within about 50 ms, KeyboardInterrupt is raised, and the detector
@@ -51,10 +51,10 @@ class Detector(_core.Detector):
         backend: "automatic", "cpu", "cuda", or "reference", brute force in rational arithmetic to compare with.
             "automatic" is "cuda" where it was built and a device is there, else "cpu".
         threads: 0: as many as the machine has; they start when the detector is made.
-        memory_limit: bytes that the detector may own, 0: no limit. Results in Python's hands are not counted.
-            Work that exceeds the limit is cut into chunks, on one thread; what does not fit even so raises MemoryLimit.
+        memory_limit: bytes that the detector may own, 0: no limit. Results that Python holds are not counted.
+            Work that exceeds the limit is cut into chunks, on one thread; what still does not fit raises MemoryLimit.
         count_bytes_needed: before it raises MemoryLimit, count all pairs to name a limit that suffices, which may take
-            minutes. Without it a lower bound is named at once.
+            minutes. Otherwise it names a lower bound at once.
         clusters: parts of the first level of subdivision, 1 to 64; 0: chosen from the number of triangles.
         leaf_size: triangles that a leaf should have; larger clusters are subdivided again.
         fuzziness: t of fuzzy C-means, above 1.
@@ -66,8 +66,7 @@ class Detector(_core.Detector):
         device: number of the device that the cuda backend works on.
 
     No option changes an answer, only its cost. A detector keeps its options: a second __init__ is refused. Raises
-    InvalidInput for options out of range, BackendUnavailable for
-    what this machine or build lacks.
+    InvalidInput for options out of range, BackendUnavailable for what this machine or build lacks.
 
     Source: D. Mainzer, G. Zachmann, "Collision Detection Based on Fuzzy Scene Subdivision", Algorithm 1: clusters by
     fuzzy C-means (sec. 4, eqs. 2-4), each swept along its principal axis (sec. 3, eq. 1), then a test of each pair of
@@ -122,7 +121,7 @@ class Detector(_core.Detector):
 
     @property
     def backend(self) -> str:
-        """The backend that works, "cpu", "cuda" or "reference": what was asked for, or what "automatic" has chosen."""
+        """The backend in use, "cpu", "cuda" or "reference": the one asked for, or the one that "automatic" chose."""
         return super().backend
 
     @property
@@ -133,8 +132,8 @@ class Detector(_core.Detector):
     def cancel(self) -> None:
         """Asks the call that runs at this moment to end: it raises Error, code "cancelled", within some milliseconds.
 
-        For any other thread. The call may also return its answer, if that was all but there. Does nothing while no
-        call runs; one that waits for its turn goes on waiting. `partition` is not cut short while it clusters.
+        To be called from another thread. A call that is nearly done may still return its answer. Does nothing while
+        no call runs; one that waits for its turn goes on waiting. `partition` is not cut short while it clusters.
         """
         super().cancel()
 
@@ -175,7 +174,7 @@ class Detector(_core.Detector):
             wanted: which pairs, by their groups: "both", "between" different groups, "within" one.
             excluded_groups: pairs of groups that are not tested against each other: an array or any iterable.
             part: only the pairs that this part owns; see partition.
-            copy: give writable arrays of their own instead of read-only views.
+            copy: the result gets writable arrays of its own instead of read-only views.
 
         Raises InvalidInput, which names the argument and the place; MemoryLimit.
 
@@ -227,8 +226,8 @@ class Detector(_core.Detector):
     ) -> bool:
         """Whether any two triangles of a soup collide; stops at the first pair. Otherwise as find_self.
 
-        Cost: that of find_self where nothing collides, as a rule a part of it where something does. Source: Mainzer and
-        Zachmann, Algorithm 1, cut short.
+        Cost: as find_self if nothing collides, usually less if something does. Source: Mainzer and Zachmann,
+        Algorithm 1, cut short.
         """
         query = _core.Query(neighbours, intersections, weld, False, wanted, excluded_groups)
         return self._any(_soup(vertices, faces, groups), None, query)
@@ -297,10 +296,10 @@ class DeviceInfo(NamedTuple):
     """A device that the cuda backend can work on.
 
     Attributes:
-        number: what the option `device` names it by.
-        name: as its driver calls it.
+        number: selects it, as the option `device` of a Detector.
+        name: from its driver.
         major, minor: its compute capability.
-        memory_bytes: of the device, in use or not.
+        memory_bytes: all of its memory, in use or not.
     """
 
     number: int
@@ -311,7 +310,7 @@ class DeviceInfo(NamedTuple):
 
 
 class DeviceList(NamedTuple):
-    """The devices, and why there are none, in one line; "" if there are any."""
+    """The devices; and if there are none, the reason in one line, otherwise ""."""
 
     devices: list[DeviceInfo]
     reason: str

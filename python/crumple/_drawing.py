@@ -1,4 +1,4 @@
-"""What a picture of a result shows, as plain arrays: both ways of drawing (PyVista, WebGL) start here."""
+"""What a picture of a result shows, as plain arrays for PyVista."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class Drawing(NamedTuple):
 
 
 def _arrays_of(mesh: Mesh, triangles: int):
-    """Vertices and faces as they are now; what was changed after the search may not fit its answer any more."""
+    """Vertices and faces as they are now; what was changed after the search may no longer fit its answer."""
     vertices, faces = host_array(mesh.vertices, "vertices"), host_array(mesh.faces, "faces")
     if vertices.size % 3 == 0 and faces.size == 3 * triangles:
         vertices, faces = vertices.astype(np.float64).reshape(-1, 3), faces.astype(np.int64).reshape(-1, 3)
@@ -66,7 +66,7 @@ def _contact_lines(result: Result):
     following[ends - 1] = starts
     owner = np.repeat(np.arange(len(counts)), counts)
     drawn = counts[owner] > 1
-    drawn[ends[counts == 2] - 1] = False  # a segment is not drawn back
+    drawn[ends[counts == 2] - 1] = False  # a segment is drawn once
     return np.stack([contacts.points[drawn], contacts.points[following[drawn]]], axis=1), contacts.points[
         starts[counts == 1]
     ]

@@ -68,7 +68,7 @@ class FileError(Error, OSError):
     """A file cannot be opened, read or written.
 
     Attributes:
-        errno, strerror: as of OSError; None where it was not the operating system that refused.
+        errno, strerror: as in OSError; None if the failure is not the operating system's.
     """
 
     def __init__(self, message: str, *, errno: int | None = None, **place) -> None:

@@ -33,20 +33,20 @@ def read_mesh(
         precision: of the coordinates; "automatic" loses no bit of the file.
         weld: whether to join vertices at equal positions; "automatic": STL only, which names no vertices.
         group_property: PLY: the integer face property that holds the groups.
-        triangulation: how polygons become triangles. "ears": convex ones as a fan, concave ones without overlaps; "fan":
-            all from their first corner.
+        triangulation: how polygons become triangles. "ears": convex ones as a fan, concave ones without overlaps;
+            "fan": all from their first corner.
         strict: raise InvalidInput for what would be a FileWarning.
 
     Returns a FileMesh of (n, 3) float32 or float64, (m, 3) int32 and, if asked for, (m,) int32; it is a Mesh that also
-    tells the polygon of each triangle. Warns of what is odd about the file by FileWarning. Raises FileError, and
-    InvalidInput that names the file and the line or byte; never gives a part of a mesh. Hundreds of MB a second, during
-    which Ctrl-C waits. docs/input.md tells what the readers accept, warn of and refuse.
+    names the polygon of each triangle. Issues a FileWarning for anything odd about the file. Raises FileError, and
+    InvalidInput that names the file and the line or byte; never returns part of a mesh. Reads hundreds of MB a second;
+    Ctrl-C waits until it is done. docs/input.md tells what the readers accept, warn of and refuse.
     """
     (vertices, faces, groups, polygons), odd = _core.read_mesh(
         path, precision, weld, group_property, triangulation, strict
     )
     for message in odd:
-        warnings.warn(message, FileWarning, stacklevel=3)  # whoever called, past `suggesting`
+        warnings.warn(message, FileWarning, stacklevel=3)  # points at the caller, beyond `suggesting`
     mesh = FileMesh(vertices, faces, groups)
     if polygons is not None:
         mesh.polygons = Polygons(*polygons)
@@ -56,8 +56,8 @@ def read_mesh(
 def write_mesh(path: str | os.PathLike[str], mesh: Any) -> None:
     """Writes .ply, .obj, .stl or .off by extension. `mesh` is what as_mesh takes, with arrays on the host.
 
-    Coordinates keep every bit, but for .stl, which holds float32; groups are kept by .ply, as the face property
-    `group`. Raises FileError, InvalidInput; the file then stays as it was. Ctrl-C waits until the file is written.
+    Coordinates keep every bit, except in .stl, which holds float32; .ply keeps groups, as the face property `group`.
+    Raises FileError, InvalidInput; the file then stays as it was. Ctrl-C waits until the file is written.
     """
     _core.write_mesh(path, as_mesh(mesh))
 

@@ -1,4 +1,4 @@
-"""Meshes on their way in: crumple's own, and those of trimesh, meshio, Open3D and PyVista as they are."""
+"""Meshes as input: crumple's own, and those of trimesh, meshio, Open3D and PyVista."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class Polygons(NamedTuple):
 
 
 class FileMesh(Mesh):
-    """A Mesh that was read from a file.
+    """A Mesh read from a file.
 
     Attributes:
         polygons: the file's Polygons, or None where each of its faces is a triangle.
@@ -49,13 +49,13 @@ class FileMesh(Mesh):
 
 
 def as_mesh(mesh: Any) -> Mesh:
-    """Looks at another package's mesh as a Mesh, without a copy where that package's arrays allow it.
+    """Views another package's mesh as a Mesh, without a copy where that package's arrays allow it.
 
     Takes a Mesh, a tuple (vertices, faces) or (vertices, faces, groups), and meshes of
 
     - trimesh: Trimesh
-    - meshio: Mesh; triangles, and quadrilaterals split in two, in the order of its cells; vertices, lines and
-      higher-order relatives of those bound nothing and are left out
+    - meshio: Mesh; triangles, and quadrilaterals split in two, in the order of its cells; vertices and lines,
+      higher-order ones too, bound nothing and are left out
     - Open3D: geometry.TriangleMesh and t.geometry.TriangleMesh
     - PyVista: PolyData of triangles
 
@@ -67,7 +67,7 @@ def as_mesh(mesh: Any) -> Mesh:
         return Mesh(*mesh)
     if any(base.__module__.partition(".")[0] in ("pyvista", "pyvista_wasm") for base in type(mesh).__mro__):
         return _from_pyvista(mesh)
-    if hasattr(mesh, "vertices") and hasattr(mesh, "faces"):  # trimesh, and whatever calls its arrays so
+    if hasattr(mesh, "vertices") and hasattr(mesh, "faces"):  # trimesh, and packages that use its names
         return Mesh(mesh.vertices, mesh.faces)
     if hasattr(mesh, "points") and hasattr(mesh, "cells_dict"):
         return _from_meshio(mesh)
@@ -92,7 +92,7 @@ def _from_open3d(mesh: Any) -> Mesh:
 
 
 def _from_open3d_tensors(mesh: Any) -> Mesh:
-    # What an empty mesh has not is not even there.
+    # Empty meshes lack these attributes.
     return Mesh(
         mesh.vertex.positions if "positions" in mesh.vertex else [],
         mesh.triangle.indices if "indices" in mesh.triangle else [],
@@ -116,7 +116,7 @@ def _from_meshio(mesh: Any) -> Mesh:
     import numpy as np
 
     blocks = []
-    for block in mesh.cells:  # not cells_dict, which gathers cells of a kind
+    for block in mesh.cells:  # in their order; cells_dict gathers cells by type
         kind, cells = block.type, block.data
         if kind == "triangle":
             blocks.append(cells)

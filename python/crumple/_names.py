@@ -1,4 +1,4 @@
-"""Keyword arguments by nearly their names: what Python 3.13 suggests, in every version."""
+"""Suggestions for misspelt keyword arguments, as Python 3.13 makes them, in every version."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 def suggesting(function: Function) -> Function:
-    """The function, with suggestions for names of arguments that it does not know."""
+    """The function, which then suggests a name for an argument that it does not know."""
 
     @functools.wraps(function)
     def call(*arguments: Any, **named: Any) -> Any:

@@ -1,4 +1,4 @@
-"""A Result taken apart for pickle, and put together again: whatever comes is checked."""
+"""Takes a Result apart for pickle, and puts it together again, with all that is read checked."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ._errors import InvalidInput, InvalidType
 from ._mesh import Mesh
 from ._result import Result
 
-# Type and shape of each array; those of contacts are empty where there are none.
+# Type and shape of each array; without contacts, theirs are empty.
 _ARRAYS = {
     "pairs": (np.int32, (-1, 2)),
     "offsets": (np.int64, (-1,)),
@@ -35,7 +35,7 @@ def _mesh_as_arrays(mesh: Mesh, which: str, triangles: int) -> tuple[Any, Any, A
 
 
 def state_of(result: Result) -> dict[str, Any]:
-    """What restore makes an equal result of; NumPy arrays, also of the meshes."""
+    """What restore needs to make an equal result. All arrays are NumPy's, those of the meshes too."""
     answer, first, second = result._answer, result._first, result._second
     state: dict[str, Any] = {name: getattr(answer, name) for name in _ARRAYS}
     one_soup = second is None
@@ -60,7 +60,7 @@ def _array(array: Any, name: str) -> np.ndarray:
 
 
 def restore(state: Any) -> Result:
-    """A result of its own. Raises InvalidType and InvalidInput for what state_of does not give."""
+    """A result with memory of its own. Raises InvalidType and InvalidInput for what state_of cannot have given."""
     if not isinstance(state, dict) or set(state) != _ARRAYS.keys() | _OTHERS:
         raise InvalidType(f"the state of a Result must be a dict of {', '.join([*_ARRAYS, *sorted(_OTHERS)])}")
     arrays = [_array(state[name], name) for name in _ARRAYS]

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 def _in_front(actor: Any) -> None:
-    """Contacts lie in the surfaces: drawn a little nearer to the eye, or half of each line would be hidden."""
+    """Draws contacts a little nearer to the eye: the surfaces that they lie in would hide half of each line."""
     mapper = actor.mapper
     mapper.SetResolveCoincidentTopologyToPolygonOffset()
     mapper.SetRelativeCoincidentTopologyLineOffsetParameters(0.0, -300.0)
@@ -21,7 +21,7 @@ def _in_front(actor: Any) -> None:
 
 
 def plotter(result: Result, off_screen: bool | None) -> Any:
-    """A pyvista.Plotter with the result in it. Raises ModuleNotFoundError that says what to install."""
+    """A pyvista.Plotter that shows the result. Raises a ModuleNotFoundError that says what to install."""
     try:
         import pyvista
     except ModuleNotFoundError as error:
@@ -50,6 +50,6 @@ def image(result: Result, **options: Any) -> Any:
         pixels = scene.screenshot(**{**options, "filename": None, "return_img": True})
     finally:
         scene.close()
-    from PIL import Image  # which PyVista needs, too
+    from PIL import Image  # PyVista needs it, too
 
     return Image.fromarray(pixels)

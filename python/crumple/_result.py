@@ -1,4 +1,4 @@
-"""The answer to a call: NumPy views, and what can be made of them."""
+"""The answer to a call: NumPy views, and files and pictures of them."""
 
 from __future__ import annotations
 
@@ -89,12 +89,12 @@ class Contacts:
 class Result:
     """Every colliding pair, once, in lexicographic order: the same bytes from every backend and thread count.
 
-    A result belongs to whoever holds it: it outlives the detector, and no later call changes it. Its arrays are
-    read-only views of the library's memory that keep that memory alive; once the last of them is gone, the detector's
-    next call uses the memory again. With `copy=True` they are writable arrays of their own.
+    Detectors make results. A result outlives its detector, and no later call changes it. Its arrays are read-only views
+    of the library's memory that keep that memory alive; once the last of them is gone, the detector's next call uses
+    the memory again. With `copy=True` they are writable arrays of their own.
 
     `len(result)` is the number of pairs, and a result without pairs is false. A result keeps the input arrays too, for
-    show, save and to_html, but not copies: pictures show what is in them then.
+    show, save and to_html, but does not copy them: pictures show what the arrays hold by then.
 
     copy.copy shares all of that memory, copy.deepcopy none of it, the input arrays included. A pickled result is the
     answer and its meshes as NumPy arrays, which have to lie on the host: 8 bytes a pair and 9 a triangle, 1 more for
@@ -172,18 +172,18 @@ class Result:
         return plotter(self, off_screen=None).show(**options)
 
     def save(self, path: str | os.PathLike[str], **options: Any) -> None:
-        """Writes what the extension says.
+        """Writes a file of the kind that its extension names.
 
         - .txt, .csv, .json, .npz: the pairs, and contacts if there are any
         - .ply, .obj, .glb: the meshes with colliding triangles coloured
         - .png, .jpg, .jpeg, .bmp, .tif, .tiff: a picture, as show paints it; needs PyVista. `options`, for instance
           window_size=(1600, 1200), go to pyvista.Plotter.screenshot
-        - .html: a page to turn and zoom, which fills the window; with the option `height` a piece of one, as to_html
-          makes it
+        - .html: a page to turn and zoom, which fills the window; with the option `height`, the piece of one that
+          to_html makes
 
-        A file appears when it is whole; the old one stays until then. What shows a mesh needs its arrays on the host.
-        Ctrl-C waits until the file is written. Raises InvalidInput for other extensions and for options that a file has
-        not, FileError, and ModuleNotFoundError without PyVista.
+        A file appears when it is complete; the old one stays until then. Files that show a mesh need its arrays on the
+        host. Ctrl-C waits until the file is written. Raises InvalidInput for other extensions and for options that do
+        not belong to the extension, FileError, and ModuleNotFoundError without PyVista.
         """
         name = _file_name(path)
         extension = Path(name).suffix.lower()

@@ -14,7 +14,8 @@ using namespace nb::literals;
 namespace crumple::python {
 namespace {
 
-// A read-only NumPy view of an array, with as many columns as its elements have. Whoever returns it names its owner.
+// A read-only NumPy view of an array, with as many columns as its elements have. The property that returns it names its
+// owner.
 template <class Number, class Element, class... Columns>
 nb::ndarray<nb::numpy, const Number> view(const Array<Element>& array, Columns... columns) {
     import_numpy();

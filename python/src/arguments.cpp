@@ -17,7 +17,7 @@ std::string name_of_type(nb::handle value) {
 }
 
 // Clears the error that Python has raised, if the argument's value is to blame; anything else, such as a
-// KeyboardInterrupt in somebody's __index__, goes on.
+// KeyboardInterrupt in an argument's __index__, goes on.
 void check_cause(std::initializer_list<PyObject*> blaming) {
     for (PyObject* const type : blaming)
         if (PyErr_ExceptionMatches(type)) return PyErr_Clear();

@@ -29,7 +29,7 @@ double real(std::string_view argument, nanobind::handle value);
 /// A str, bytes or os.PathLike.
 std::filesystem::path path(std::string_view argument, nanobind::handle value);
 
-/// An int, or whatever Python takes for an index, such as NumPy's integers.
+/// An int, or anything that Python takes for an index, such as NumPy's integers.
 nanobind::object any_integer(std::string_view argument, nanobind::handle value);
 
 /// The same within the limits of `Integer`.

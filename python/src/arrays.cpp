@@ -120,7 +120,7 @@ nb::object capsule_of(nb::handle object) {
     return capsule;
 }
 
-// One on a device is ready for what is given to the legacy default stream: DLPack's rule for whoever names no stream.
+// One on a device is ready for what is given to the legacy default stream: DLPack's rule where no stream is named.
 bool borrow_dlpack(nb::handle object, BorrowedArray& result, Kept& kept) {
     using Tensor = nb::ndarray<nb::ro>;
     Tensor tensor;

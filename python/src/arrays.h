@@ -2,7 +2,7 @@
 
 // Arrays on their way in: views of what Python holds, without a copy wherever the library can read it in place.
 //
-// Accepted as they are: NumPy's arrays, and whatever speaks DLPack, in host memory or CUDA's; vertices (n, 3) of
+// Accepted as they are: NumPy's arrays, and anything that speaks DLPack, in host memory or CUDA's; vertices (n, 3) of
 // float32 or float64, faces (m, 3) or flat (3m) of int32, uint32 or int64, groups (m) of int32 without gaps; any
 // strides. Everything else goes through crumple/_arrays.py, which converts what can be converted without loss and
 // refuses the rest by name.
@@ -41,7 +41,7 @@ struct BorrowedArray {
 /// Imports NumPy before the first array that comes or goes, to keep `import crumple` quick.
 void import_numpy();
 
-/// What to do with arrays that nobody reads where they lie.
+/// What to do with arrays that cannot be read where they lie.
 inline constexpr const char* copy_to_host =
     "copy them to the host (PyTorch: .cpu(), CuPy: .get(), JAX: jax.device_get, Warp: .numpy())";
 

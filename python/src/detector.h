@@ -1,7 +1,7 @@
 #pragma once
 
-// crumple::Detector for Python: the GIL released, calls from several threads one after another, results that belong to
-// whoever holds them.
+// crumple::Detector for Python: the GIL released, calls from several threads one after another, results that outlive
+// it.
 
 #include <condition_variable>
 #include <cstdint>

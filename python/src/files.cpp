@@ -114,8 +114,8 @@ nb::object shown(const std::string& text) {
     return nb::steal(PyUnicode_DecodeUTF8(text.data(), static_cast<Py_ssize_t>(text.size()), "backslashreplace"));
 }
 
-// A file is written to its end, so that no part of it lies about. What is no regular file, such as a pipe, may never
-// end, and has no temporary file beside it.
+// A file is written to its end, so that no part of it is left behind. What is no regular file, such as a pipe, may
+// never end, and has no temporary file beside it.
 WithoutGil::AtExit at_exit(const Path& written) {
     std::error_code ignored;
     const std::filesystem::file_status status = std::filesystem::status(written, ignored);

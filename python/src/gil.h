@@ -56,7 +56,7 @@ class WithoutGil {
     WithoutGil(const WithoutGil&) = delete;
     WithoutGil& operator=(const WithoutGil&) = delete;
 
-    /// False once the interpreter has ended: nobody will see what the work gives.
+    /// False once the interpreter has ended: the result of the work is lost.
     bool wanted() const { return wanted_.load(std::memory_order_relaxed); }
 
     /// Has the process wait at its exit. Call once.

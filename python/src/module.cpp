@@ -14,7 +14,7 @@
 NB_MODULE(_core, module) {
     module.doc() = "The C++ library behind crumple. Private.";
     module.attr("__version__") = CRUMPLE_VERSION;
-    nanobind::set_leak_warnings(false);  // what daemon threads hold at exit is theirs, and no news for anybody
+    nanobind::set_leak_warnings(false);  // daemon threads may hold objects at exit
     crumple::python::WithoutGil::watch_exit();
     crumple::python::translate_errors();
     crumple::python::bind_answer(module);
