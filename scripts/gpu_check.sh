@@ -236,6 +236,7 @@ else
     note python "left out" 0 "no nanobind in a pack"
 fi
 
+check stages 60 "$bin/device_stages_test" --gtest_brief=1
 check portable 60 "$bin/device_portable_test" --gtest_brief=1
 if [[ -f $data/gt/cloth_ball92.txt ]]; then
     check truth 60 "$bin/device_truth_test" --gtest_brief=1 --gtest_filter='*cloth_ball92*:*cloth_funnel227*:*balls16_18*'

@@ -5,7 +5,7 @@ frames=(scalable-ccd/cloth-ball/frames/cloth_ball92.ply scalable-ccd/cloth-funne
     scalable-ccd/n-body-simulation/frames/balls16_18.ply gt/cloth_ball92.txt gt/cloth_funnel227.txt gt/balls16_18.txt)
 # The check's programs, where a build folder has them.
 programs=(tests/device/device_test tests/device/device_truth_test tests/device/device_agreement_test
-    tests/device/device_portable_test benchmarks/crumple_cuda_benchmark cli/crumple)
+    tests/device/device_stages_test tests/device/device_portable_test benchmarks/crumple_cuda_benchmark cli/crumple)
 
 commit_of() {
     git -C "$1" rev-parse HEAD 2>/dev/null || { echo unknown; return; }

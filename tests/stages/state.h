@@ -5,6 +5,7 @@
 // the device.
 
 #include <functional>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -41,6 +42,7 @@ struct StageBackend {
     std::string name;
     std::function<StageState(const Scene&, const Options&)> run;
 };
+inline void PrintTo(const StageBackend& backend, std::ostream* out) { *out << backend.name; }
 std::vector<StageBackend> stage_backends();
 
 }  // namespace crumple::test
