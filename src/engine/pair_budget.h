@@ -11,41 +11,38 @@
 
 namespace crumple {
 
+/// Not even the result fits the limit, however it is found: no other way need be tried.
+struct ResultExceeds : MemoryMeter::Exceeded {};
+
 class PairBudget {
    public:
-    /// What is asked: of `part_masks` and `part` see count_duplicates().
+    /// What is asked: of `part_masks`, empty for all triangles, and `part` see count_duplicates().
     struct Call {
         const Scene& scene;
         const Query& query;
         const GroupRule& rule;
-        const std::uint64_t* part_masks;
+        const Array<std::uint64_t>& part_masks;
         int part;
     };
 
-    /// `held`: bytes that the detector owns beside the result, and will when the result is made. Duplicates are counted
-    /// when so many pairs a triangle were found.
-    PairBudget(const Call& call, MemoryMeter& meter, std::int64_t held, std::int64_t pairs_a_triangle)
-        : call_(call), meter_(meter), held_(held), next_(pairs_a_triangle * call.scene.triangle_count()) {}
+    /// Duplicates are counted when so many pairs a triangle were found.
+    PairBudget(const Call& call, MemoryMeter& meter, std::int64_t pairs_a_triangle)
+        : call_(call), meter_(meter), next_(pairs_a_triangle * call.scene.triangle_count()) {}
 
-    /// So many more pairs were found, each for the first time. From any thread. Throws MemoryMeter::Exceeded with the
-    /// bytes that are needed at least.
+    /// So many more pairs were found, each for the first time. From any thread. Throws ResultExceeds with the bytes
+    /// that are needed at least.
     void add(std::int64_t pairs) {
         const std::int64_t found = found_.fetch_add(pairs, std::memory_order_relaxed) + pairs;
-        if (exceeded()) fail();  // another thread has seen it
+        if (least_.load(std::memory_order_relaxed) > 0) fail();  // another thread has seen it
         if (found > next_.load(std::memory_order_relaxed)) look(found);
     }
 
-    /// Whether pairs are stored while they are found, or counted only.
-    bool stores() const { return stores_.load(std::memory_order_relaxed); }
-    void stop_storing() { stores_.store(false, std::memory_order_relaxed); }
-
-    /// Whether add() has thrown.
-    bool exceeded() const { return least_.load(std::memory_order_relaxed) > 0; }
-
    private:
     void look(std::int64_t found) {
-        if (!counted_.exchange(true))
-            require(count_duplicates(call_.scene, call_.query, call_.rule, call_.part_masks, call_.part, &meter_));
+        if (!counted_.exchange(true)) {
+            const std::uint64_t* const masks = call_.part_masks.empty() ? nullptr : call_.part_masks.data();
+            require(count_duplicates(call_.scene, call_.query, call_.rule, masks, call_.part, &meter_));
+        }
         require(found);
         const std::int64_t none = bytes(0);
         next_.store((meter_.limit - none) / (bytes(1) - none), std::memory_order_relaxed);
@@ -55,18 +52,17 @@ class PairBudget {
         least_.store(bytes(pairs), std::memory_order_relaxed);
         fail();
     }
-    [[noreturn]] void fail() const { throw MemoryMeter::Exceeded{least_.load(std::memory_order_relaxed)}; }
+    [[noreturn]] void fail() const { throw ResultExceeds{{least_.load(std::memory_order_relaxed)}}; }
     std::int64_t bytes(std::int64_t pairs) const {
         constexpr std::int64_t most = std::int64_t{1} << 54;  // more would overflow, and is no use
-        return held_ + result_bytes(call_.scene, call_.query, std::min(pairs, most));
+        return result_bytes(call_.scene, call_.query, std::min(pairs, most));
     }
 
     const Call call_;
     MemoryMeter& meter_;
-    const std::int64_t held_;
     std::atomic<std::int64_t> found_{0}, next_;
     std::atomic<std::int64_t> least_{0};  ///< bytes that are needed, once they are more than the limit
-    std::atomic<bool> counted_{false}, stores_{true};
+    std::atomic<bool> counted_{false};
 };
 
 }  // namespace crumple

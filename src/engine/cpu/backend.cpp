@@ -6,7 +6,6 @@
 #include <functional>
 #include <limits>
 #include <memory>
-#include <optional>
 #include <vector>
 
 #include "base/float_environment.h"
@@ -63,11 +62,11 @@ class CpuBackend final : public BackendBase {
             if (scene.triangle_count() >= too_many_) {
                 find_in_chunks(scene, query, part, result);
             } else {
-                std::optional<PairBudget> budget;
                 try {
-                    find_at_once(scene, query, part, result, budget);
+                    find_at_once(scene, query, part, result);
+                } catch (const ResultExceeds&) {
+                    throw;
                 } catch (const MemoryMeter::Exceeded&) {
-                    if (budget && budget->exceeded()) throw;
                     too_many_ = scene.triangle_count();
                     find_in_chunks(scene, query, part, result);
                 }
@@ -131,18 +130,16 @@ class CpuBackend final : public BackendBase {
     }
 
    private:
-    // Under a memory limit, `budget` is told of the pairs.
-    void find_at_once(const Scene& scene, const Query& query, const Part* part, Collisions& result,
-                      std::optional<PairBudget>& budget) {
+    void find_at_once(const Scene& scene, const Query& query, const Part* part, Collisions& result) {
         start(scene, query, part);
         Stopwatch watch;
         gather_leaves(balls_, scene.triangle_count(), 0, subdivision_->clusters, options_, kernels_, workers_, warm_,
                       *subdivision_);
         statistics_[Stage::subdivide] += watch.lap();
         NarrowContext context = narrow_context(scene, query);
-        if (meter_.limit > 0) context.budget = &budget.emplace(asked(scene, query), meter_, 0, many_pairs);
+        PairBudget budget(asked(scene, query), meter_, many_pairs);
+        if (meter_.limit > 0) context.budget = &budget;
         sweep_leaves(context);
-        if (budget && !budget->stores()) throw MemoryMeter::Exceeded{};
         watch.lap();
         if (!copies_.empty())
             workers_.parallel_for(scratch_.size(), [&](std::size_t w, std::size_t) {
@@ -159,7 +156,7 @@ class CpuBackend final : public BackendBase {
     void find_in_chunks(const Scene& scene, const Query& query, const Part* part, Collisions& result) {
         crumple::release(result);
         prepare_chunks(scene, query, part);
-        PairBudget budget(asked(scene, query), meter_, meter_.used, many_pairs);
+        PairBudget budget(asked(scene, query), meter_, many_pairs);
         const auto n = static_cast<std::size_t>(scene.triangles[0]);
         result.offsets.assign(n + 1, 0);
         std::int64_t* offsets = result.offsets.data();
@@ -284,7 +281,7 @@ class CpuBackend final : public BackendBase {
     }
 
     PairBudget::Call asked(const Scene& scene, const Query& query) const {
-        return {scene, query, rule_, part_masks(), part_index_};
+        return {scene, query, rule_, part_masks_, part_index_};
     }
 
     NarrowContext narrow_context(const Scene& scene, const Query& query) const {

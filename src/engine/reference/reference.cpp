@@ -51,8 +51,7 @@ class Reference final : public BackendBase {
         // Under a limit the pairs are counted first, so that they are stored without room to spare.
         if (meter_.limit > 0) {
             crumple::release(result);
-            PairBudget budget({scene, query, rule_, part ? masks_.data() : nullptr, part ? part->index : 0}, meter_,
-                              meter_.used, 0);
+            PairBudget budget({scene, query, rule_, masks_, part ? part->index : 0}, meter_, 0);
             result.pairs.resize_discard(static_cast<std::size_t>(count(scene, query, part, &budget)));
         }
         statistics.box_overlaps = 0;
@@ -109,6 +108,7 @@ class Reference final : public BackendBase {
         const std::int64_t triangles = scene.triangle_count();
 
         const Stopwatch subdivide;
+        masks_.clear();
         if (part) part_masks(scene, *part, *this, masks_);
         statistics[Stage::subdivide] = subdivide.milliseconds();
 

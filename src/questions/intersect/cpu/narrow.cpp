@@ -8,26 +8,6 @@
 namespace crumple::cpu {
 namespace {
 
-// Makes room for more pairs. Those that gather grow by half even under a limit; if that is too much, they are counted
-// only from then on: perhaps there are so many that no way of storing them fits, and the call can end.
-void make_room(const NarrowContext& context, std::size_t more, Array<Pair>& pairs) {
-    PairBudget* const budget = context.budget;
-    if (budget && !budget->stores()) pairs.release();
-    const std::size_t wanted = pairs.size() + more;
-    if (wanted <= pairs.capacity()) return;
-    if (!budget || pairs.empty()) {
-        pairs.reserve(context.sink ? wanted : wanted + wanted / 2);
-        return;
-    }
-    try {
-        pairs.reserve(wanted + wanted / 2);
-    } catch (const MemoryMeter::Exceeded&) {
-        budget->stop_storing();
-        pairs.release();
-        pairs.reserve(more);
-    }
-}
-
 // Turns one chunk's verdicts into pairs.
 void decide(const NarrowContext& context, const SortedLeaf& leaf, const Ownership& ownership, NarrowScratch& scratch) {
     const Candidates& candidates = scratch.candidates;
@@ -45,8 +25,8 @@ void decide(const NarrowContext& context, const SortedLeaf& leaf, const Ownershi
         };
         hits.resize(static_cast<std::size_t>(std::remove_if(hits.begin(), hits.end(), foreign) - hits.begin()));
     }
-    make_room(context, hits.size() + undecided.size() + padding, scratch.pairs);
-    const std::size_t before = scratch.pairs.size();
+    const std::size_t before = scratch.pairs.size(), most = before + hits.size() + undecided.size() + padding;
+    if (most > scratch.pairs.capacity()) scratch.pairs.reserve(context.sink ? most : most + most / 2);
     Pair* next = scratch.pairs.data() + before;
     context.kernels.name_pairs(hits.data(), hits.size(), leaf.link.data() + candidates.rows,
                                leaf.link.data() + candidates.columns, next);

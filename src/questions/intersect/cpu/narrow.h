@@ -29,7 +29,7 @@ struct NarrowContext {
     std::atomic<bool>* found = nullptr;  ///< not null: set, and everybody stops, as soon as a worker has found a pair
     /// Takes the pairs of each chunk instead of letting them gather in NarrowScratch::pairs; null: they gather.
     const std::function<void(const Array<Pair>&)>* sink = nullptr;
-    PairBudget* budget = nullptr;  ///< told of pairs that gather; null: there is no limit
+    PairBudget* budget = nullptr;  ///< told of the pairs; null: there is no limit
 
     /// Asked before each chunk. Throws if the call was cancelled.
     bool stop() const {
