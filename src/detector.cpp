@@ -4,7 +4,6 @@
 #include "crumple/detector.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -12,6 +11,7 @@
 
 #include "base/cancellation.h"
 #include "base/float_environment.h"
+#include "base/stopwatch.h"
 #include "crumple/error.h"
 #include "engine/backend.h"
 #include "engine/reference/worlds.h"
@@ -207,7 +207,7 @@ struct Detector::Implementation {
     }
 
     const Collisions& find(const MeshView& a, const MeshView* b, const Part* part, const Query& query) {
-        const auto begin = std::chrono::steady_clock::now();
+        Stopwatch watch;
         meter.peak = meter.used.load();
         result.statistics = {};
         guarded(
@@ -216,8 +216,7 @@ struct Detector::Implementation {
         result.statistics.triangles = a.triangles.rows + (b ? b->triangles.rows : 0);
         result.statistics.pairs = static_cast<std::int64_t>(result.pairs.size());
         result.statistics.peak_memory_bytes = meter.peak;
-        result.statistics.milliseconds =
-            std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+        result.statistics.milliseconds = watch.lap();
         return result;
     }
 

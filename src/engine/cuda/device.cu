@@ -89,7 +89,7 @@ Stream make_stream(const Device& device) {
     return Stream(stream);
 }
 
-Stopwatch::Stopwatch(const Device& device) {
+StageEvents::StageEvents(const Device& device) {
     const Device::Current current(device);
     for (Event& event : events_) {
         cudaEvent_t fresh;
@@ -97,11 +97,11 @@ Stopwatch::Stopwatch(const Device& device) {
         event = Event(fresh);
     }
 }
-void Stopwatch::begin(Stage stage, cudaStream_t stream) {
+void StageEvents::begin(Stage stage, cudaStream_t stream) {
     CRUMPLE_CUDA(cudaEventRecord(events_[static_cast<std::size_t>(stage)].get(), stream));
 }
-void Stopwatch::end(cudaStream_t stream) { CRUMPLE_CUDA(cudaEventRecord(events_[stage_count].get(), stream)); }
-void Stopwatch::read(Statistics& statistics) const {
+void StageEvents::end(cudaStream_t stream) { CRUMPLE_CUDA(cudaEventRecord(events_[stage_count].get(), stream)); }
+void StageEvents::read(Statistics& statistics) const {
     for (std::size_t s = 0; s < stage_count; ++s) {
         float milliseconds = 0;
         CRUMPLE_CUDA(cudaEventElapsedTime(&milliseconds, events_[s].get(), events_[s + 1].get()));

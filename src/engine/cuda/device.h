@@ -46,9 +46,9 @@ Event make_event(const Device& device);
 void order(const Event& event, cudaStream_t first, cudaStream_t then);
 
 /// Times of the stages: an event at the start of each.
-class Stopwatch {
+class StageEvents {
    public:
-    explicit Stopwatch(const Device& device);
+    explicit StageEvents(const Device& device);
     void begin(Stage stage, cudaStream_t stream);
     void end(cudaStream_t stream);
     /// After the stream was synchronised.

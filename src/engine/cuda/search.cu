@@ -140,7 +140,7 @@ bool Search::accept_launched() {
 }
 
 // The whole of [MZ] Algorithm 1, given to the stream.
-void Search::enqueue(Stopwatch* watch) {
+void Search::enqueue(StageEvents* watch) {
     const auto begin = [&](Stage stage) {
         if (watch) watch->begin(stage, stream_);
     };

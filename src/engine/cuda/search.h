@@ -79,7 +79,7 @@ class Search {
     void plan();
     void lay_out_lists();
     void find_at_once();
-    void enqueue(Stopwatch* watch);
+    void enqueue(StageEvents* watch);
     bool accept(const Counters& counters);
     void count(const Counters& counters);
     Counters read_counters();
@@ -109,7 +109,7 @@ class Search {
     const Geometry& geometry_;
     cudaStream_t stream_;
     Input& input_;
-    Stopwatch watch_;
+    StageEvents watch_;
     Pinned<Counters> counters_;
     GraphCache<Key> graphs_;
     Block state_, work_;

@@ -3,8 +3,8 @@
 // the ownership of public parts. One thread, O(m²) box tests, about 20 us for each overlapping pair.
 
 #include <algorithm>
-#include <chrono>
 
+#include "base/stopwatch.h"
 #include "engine/backend.h"
 #include "engine/output.h"
 #include "engine/pair_budget.h"
@@ -26,16 +26,6 @@ bool overlap(const Box& a, const Box& b) {
            a.low.z <= b.high.z && b.low.z <= a.high.z;
 }
 
-class Stopwatch {
-   public:
-    double milliseconds() const {
-        return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin_).count();
-    }
-
-   private:
-    std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
-};
-
 class Reference final : public BackendBase {
    public:
     Reference(MemoryMeter& meter, Cancellation& cancellation)
@@ -47,7 +37,7 @@ class Reference final : public BackendBase {
         statistics.simd = "scalar";
         prepare(scene, query, part, statistics);
 
-        const Stopwatch narrow;
+        Stopwatch narrow;
         // Under a limit the pairs are counted first, so that they are stored without room to spare.
         if (meter_.limit > 0) {
             crumple::release(result);
@@ -62,9 +52,9 @@ class Reference final : public BackendBase {
         });
         statistics.edge_tests = statistics.double_tests = statistics.exact_tests = statistics.rational_tests =
             statistics.box_overlaps;
-        statistics[Stage::narrow] = narrow.milliseconds();
+        statistics[Stage::narrow] = narrow.lap();
 
-        const Stopwatch output;
+        Stopwatch output;
         index_pairs(scene, result);
         result.contacts.kinds.clear();
         result.contacts.offsets.clear();
@@ -76,7 +66,7 @@ class Reference final : public BackendBase {
                     task(i);
                 }
             });
-        statistics[Stage::output] = output.milliseconds();
+        statistics[Stage::output] = output.lap();
     }
 
     std::int64_t bytes_needed(const Scene& scene, const Query& query, const Part* part) override {
@@ -107,16 +97,16 @@ class Reference final : public BackendBase {
         rule_.prepare(query, scene.bodies);
         const std::int64_t triangles = scene.triangle_count();
 
-        const Stopwatch subdivide;
+        Stopwatch subdivide;
         masks_.clear();
         if (part) part_masks(scene, *part, *this, masks_);
-        statistics[Stage::subdivide] = subdivide.milliseconds();
+        statistics[Stage::subdivide] = subdivide.lap();
 
-        const Stopwatch bounds;
+        Stopwatch bounds;
         boxes_.clear();
         boxes_.reserve(static_cast<std::size_t>(triangles));
         for (std::int64_t t = 0; t < triangles; ++t) boxes_.push_back(Box(scene.triangle(t).point));
-        statistics[Stage::bounds] = bounds.milliseconds();
+        statistics[Stage::bounds] = bounds.lap();
     }
 
     /// Calls visit(pair, intersection) for each collision in lexicographic order until it returns false.

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "base/float_environment.h"
-#include "engine/cpu/stopwatch.h"
+#include "base/stopwatch.h"
 
 namespace crumple::cpu {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <chrono>
 
-namespace crumple::cpu {
+namespace crumple {
 
 /// Milliseconds since it was made or last asked.
 class Stopwatch {
@@ -18,4 +18,4 @@ class Stopwatch {
     std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
-}  // namespace crumple::cpu
+}  // namespace crumple

@@ -1,0 +1,26 @@
+#pragma once
+
+// The stages of one leaf, `align` to `narrow`, on one worker's buffers; tiles of a large leaf on several workers.
+
+#include "engine/cpu/order.h"
+#include "engine/cpu/ownership.h"
+
+namespace crumple::cpu {
+
+/// What `narrow` needs to know, once the bounds are there.
+NarrowContext narrow_context(const Call& call);
+
+/// Whoever gets the largest leaf, and more than their share of the pairs, finds room for them, so that warm calls
+/// allocate nothing. Leaves far larger than others are usual are left to those who get them.
+void make_room_for_workers(const Call& call);
+
+/// False if the leaf holds no pair. Tells `ownership` of its members.
+bool align_leaf(const Call& call, const PointRows& points, const Leaf& leaf, Ownership& ownership,
+                WorkerBuffers& worker);
+
+void sort_leaf(const Call& call, WorkerBuffers& worker);
+
+/// Stages `sweep` and `narrow`.
+void sweep_leaf(const Call& call, const NarrowContext& context, const Ownership& ownership, WorkerBuffers& worker);
+
+}  // namespace crumple::cpu

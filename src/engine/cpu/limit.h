@@ -1,0 +1,23 @@
+#pragma once
+
+// What happens under a memory limit: first-level clusters one after another, on one worker, and twice: pairs are
+// counted, then written to their places ([MZ] sec. 3.1's use of prefix sums). Nothing is stored but records and the
+// result.
+
+#include "engine/cpu/order.h"
+
+namespace crumple::cpu {
+
+/// As find(), in as little memory as may be. Throws MemoryMeter::Exceeded, or ResultExceeds, if that is too much.
+void find_in_chunks(Call call, Collisions& result);
+
+/// The number of pairs, without storing any.
+std::int64_t count_in_chunks(Call call);
+
+/// Whether there is any.
+bool any_in_chunks(Call call);
+
+/// Told of the pairs of a call while it finds them; under no limit nobody need be told.
+PairBudget budget_of(const Call& call);
+
+}  // namespace crumple::cpu

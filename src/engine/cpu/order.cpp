@@ -1,0 +1,129 @@
+#include "engine/cpu/order.h"
+
+#include <algorithm>
+
+#include "base/stopwatch.h"
+#include "engine/cpu/bounds.h"
+#include "engine/cpu/leaves.h"
+#include "engine/output.h"
+#include "model/part.h"
+
+namespace crumple::cpu {
+namespace {
+
+void begin(const Call& call) {
+    Statistics& statistics = call.statistics;
+    statistics.backend = "cpu";
+    statistics.simd = call.kernels.name;
+    statistics.threads = call.workers.workers();
+    statistics.leaves = statistics.members = 0;
+    for (auto& worker : call.buffers.worker) {
+        worker->narrow.pairs.clear();
+        worker->narrow.statistics = {};
+    }
+    if (call.frugal) call.buffers.warm = {};  // each pass makes the same leaves
+    call.buffers.rule.prepare(call.query, call.scene.bodies);
+}
+
+// Which triangles are looked at.
+void choose_triangles(const Call& call, bool repeats_corner) {
+    Buffers& b = call.buffers;
+    if (call.part)
+        part_masks(call.scene, *call.part, call.parallel, b.part_masks);
+    else if (call.scene.between)
+        b.part_masks.assign(static_cast<std::size_t>(call.scene.triangle_count()), 1);
+    else
+        b.part_masks.clear();
+    if (call.scene.between) exclude_far(call.scene, call.workers, b.balls, b.part_masks);
+    b.copies.clear();
+    if (repeats_corner) {
+        b.copies.find(call.scene, b.rule, b.masks(), call.part_index());
+        b.copies.leave_out(b.part_masks);
+    }
+}
+
+template <class Work>
+void for_each_leaf(const Call& call, Work work) {
+    const Array<Leaf>& leaves = call.buffers.subdivision.leaves;
+    const auto on_worker = [&](std::size_t l, std::size_t w) { work(leaves[l], *call.buffers.worker[w]); };
+    if (call.frugal)
+        for (std::size_t l = 0; l < leaves.size(); ++l) on_worker(l, 0);
+    else
+        call.workers.parallel_for(leaves.size(), on_worker);
+    call.statistics.leaves += static_cast<std::int64_t>(leaves.size());
+    for (const Leaf& leaf : leaves) call.statistics.members += leaf.size;
+}
+
+void add_counts(const Statistics& from, Statistics& to) {
+    for (std::size_t s = 0; s < stage_count; ++s) to.stage_milliseconds[s] += from.stage_milliseconds[s];
+    to.interval_tests += from.interval_tests;
+    to.box_overlaps += from.box_overlaps;
+    to.edge_tests += from.edge_tests;
+    to.double_tests += from.double_tests;
+    to.exact_tests += from.exact_tests;
+    to.rational_tests += from.rational_tests;
+}
+
+}  // namespace
+
+void find_pairs(const Call& call) {
+    const Scene& scene = call.scene;
+    const StageKernels& kernels = call.kernels;
+    Workers& workers = call.workers;
+    Statistics& statistics = call.statistics;
+    Buffers& b = call.buffers;
+    const std::int64_t n = scene.triangle_count();
+    Stopwatch watch;
+    begin(call);
+    const bool repeats_corner = compute_bounds(scene, kernels, workers, b.points, b.balls);
+    choose_triangles(call, repeats_corner);
+    statistics[Stage::bounds] += watch.lap();
+    place_clusters(b.balls, n, b.masks(), call.part_index(), call.options, kernels, workers, b.warm, b.subdivision);
+    statistics.clusters = b.subdivision.clusters;
+
+    const NarrowContext context = narrow_context(call);
+    const int together = call.frugal ? 1 : b.subdivision.clusters;
+    for (int k = 0; k < b.subdivision.clusters && !context.stop(); k += together) {
+        gather_leaves(b.balls, n, k, k + together, call.options, kernels, workers, b.warm, b.subdivision);
+        statistics[Stage::subdivide] += watch.lap();
+        if (!call.frugal) make_room_for_workers(call);
+        for_each_leaf(call, [&](const Leaf& leaf, WorkerBuffers& worker) {
+            if (leaf.size < 2 || context.stop()) return;
+            Ownership ownership(scene, b.subdivision, b.masks(), call.part_index(), leaf);
+            if (!align_leaf(call, context.points, leaf, ownership, worker)) return;
+            sort_leaf(call, worker);
+            sweep_leaf(call, context, ownership, worker);  // and narrow
+        });
+        watch.lap();
+    }
+    for (const auto& worker : b.worker) add_counts(worker->narrow.statistics, statistics);
+}
+
+void find(const Call& call, Collisions& result) {
+    find_pairs(call);
+    Buffers& b = call.buffers;
+    Stopwatch watch;
+    if (!b.copies.empty())
+        call.workers.parallel_for(b.worker.size(), [&](std::size_t w, std::size_t) {
+            b.copies.expand(b.worker[w]->narrow.pairs, call.cancellation);
+        });
+    write_output(call.scene, call.workers, b.found, b.output, result);
+    b.pairs_before = result.pairs.size();
+    write_contacts(call, result);
+    call.statistics[Stage::output] += watch.lap();
+}
+
+void write_contacts(const Call& call, Collisions& result) {
+    result.contacts.kinds.clear();
+    result.contacts.offsets.clear();
+    result.contacts.points.clear();
+    if (!call.query.contacts) return;
+    constexpr std::size_t batch = 256;
+    call.statistics.rational_contacts = contacts_of_pairs(call.scene, result, [&](std::size_t n, auto task) {
+        call.workers.parallel_for((n + batch - 1) / batch, [&](std::size_t b, std::size_t) {
+            for (std::size_t i = b * batch; i < std::min(n, (b + 1) * batch); ++i) task(i);
+        });
+    });
+}
+
+}  // namespace crumple::cpu
