@@ -30,6 +30,8 @@ void check(bool holds, const char* message) {
 void check_options(const Options& o) {
     check(o.threads >= 0, "threads must be 0 (as many as the machine has) or more");
     check(o.threads <= 1024, "threads must be at most 1024");
+    check(!o.executor || (o.executor->concurrency() >= 1 && o.executor->concurrency() <= 1024),
+          "an executor must have 1 to 1024 workers");
     check(o.device >= 0, "device must be 0 or more");
     check(o.memory_limit >= 0, "memory_limit must be 0 (none) or a number of bytes");
     check(o.clusters >= 0 && o.clusters <= max_clusters, "clusters must be 0 (chosen) to 64");

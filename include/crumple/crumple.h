@@ -5,6 +5,7 @@
 #include "crumple/detector.h"
 #include "crumple/device.h"
 #include "crumple/error.h"
+#include "crumple/executor.h"
 #include "crumple/mesh.h"
 #include "crumple/options.h"
 #include "crumple/version.h"

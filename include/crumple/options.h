@@ -1,7 +1,10 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
+
+#include "crumple/executor.h"
 
 namespace crumple {
 
@@ -40,6 +43,9 @@ struct Options {
     double first_stop = 1e-4;  ///< the same for a first frame
     Simd simd = Simd::automatic;
     int device = 0;  ///< of the cuda backend: its number among those of list_devices()
+
+    /// Whose threads the cpu backend works on, in place of `threads` of its own; null: oneTBB's.
+    std::shared_ptr<Executor> executor = {};
 };
 
 /// Pairs of triangles that share a vertex.

@@ -21,7 +21,7 @@ class CpuBackend final : public BackendBase {
           kernels_(stage_kernels(options.simd)),
           intersect_(intersect_kernels(options.simd)),
           cancellation_(cancellation),
-          workers_(options.threads, cancellation),
+          workers_(options, cancellation),
           meter_(meter) {
         release();
     }

@@ -85,9 +85,10 @@ void sort_leaf(const Call& call, WorkerBuffers& worker) {
     worker.narrow.statistics[Stage::sort] += watch.lap();
 }
 
-void sweep_leaf(const Call& call, const NarrowContext& context, const Ownership& ownership, WorkerBuffers& worker) {
+void sweep_leaf(const Call& call, const NarrowContext& context, const Ownership& ownership, bool in_tiles,
+                WorkerBuffers& worker) {
     const SortedLeaf& leaf = worker.leaf;
-    if (call.frugal || call.workers.workers() == 1 || leaf.work <= tile_work) {
+    if (!in_tiles || call.workers.workers() == 1 || leaf.work <= tile_work) {
         sweep_and_narrow(context, leaf, worker.records, ownership, 0, leaf.rows, worker.narrow);
         return;
     }

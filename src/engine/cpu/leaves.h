@@ -20,7 +20,8 @@ bool align_leaf(const Call& call, const PointRows& points, const Leaf& leaf, Own
 
 void sort_leaf(const Call& call, WorkerBuffers& worker);
 
-/// Stages `sweep` and `narrow`.
-void sweep_leaf(const Call& call, const NarrowContext& context, const Ownership& ownership, WorkerBuffers& worker);
+/// Stages `sweep` and `narrow`. `in_tiles`: on several workers, if there is enough to do.
+void sweep_leaf(const Call& call, const NarrowContext& context, const Ownership& ownership, bool in_tiles,
+                WorkerBuffers& worker);
 
 }  // namespace crumple::cpu

@@ -42,14 +42,31 @@ void choose_triangles(const Call& call, bool repeats_corner) {
     }
 }
 
+// How many leaves are done one after another, each on all workers: where a task cannot start a loop, those that are far
+// larger than others are usual, or the only one. The largest come first.
+std::size_t leaves_alone(const Call& call) {
+    const Array<Leaf>& leaves = call.buffers.subdivision.leaves;
+    if (call.workers.nests()) return 0;
+    if (leaves.size() == 1) return 1;
+    const auto large = [&](const Leaf& leaf) { return leaf.size > 4 * std::int64_t{call.options.leaf_size}; };
+    return static_cast<std::size_t>(std::partition_point(leaves.begin(), leaves.end(), large) - leaves.begin());
+}
+
+/// Calls work(leaf, worker, in_tiles): whether other workers may help with the leaf.
 template <class Work>
 void for_each_leaf(const Call& call, Work work) {
     const Array<Leaf>& leaves = call.buffers.subdivision.leaves;
-    const auto on_worker = [&](std::size_t l, std::size_t w) { work(leaves[l], *call.buffers.worker[w]); };
-    if (call.frugal)
-        for (std::size_t l = 0; l < leaves.size(); ++l) on_worker(l, 0);
-    else
-        call.workers.parallel_for(leaves.size(), on_worker);
+    const auto on_worker = [&](std::size_t l, std::size_t w, bool in_tiles) {
+        work(leaves[l], *call.buffers.worker[w], in_tiles);
+    };
+    if (call.frugal) {
+        for (std::size_t l = 0; l < leaves.size(); ++l) on_worker(l, 0, false);
+    } else {
+        const std::size_t alone = leaves_alone(call);
+        for (std::size_t l = 0; l < alone; ++l) on_worker(l, 0, true);
+        call.workers.parallel_for(leaves.size() - alone,
+                                  [&](std::size_t l, std::size_t w) { on_worker(alone + l, w, call.workers.nests()); });
+    }
     call.statistics.leaves += static_cast<std::int64_t>(leaves.size());
     for (const Leaf& leaf : leaves) call.statistics.members += leaf.size;
 }
@@ -87,12 +104,12 @@ void find_pairs(const Call& call) {
         gather_leaves(b.balls, n, k, k + together, call.options, kernels, workers, b.warm, b.subdivision);
         statistics[Stage::subdivide] += watch.lap();
         if (!call.frugal) make_room_for_workers(call);
-        for_each_leaf(call, [&](const Leaf& leaf, WorkerBuffers& worker) {
+        for_each_leaf(call, [&](const Leaf& leaf, WorkerBuffers& worker, bool in_tiles) {
             if (leaf.size < 2 || context.stop()) return;
             Ownership ownership(scene, b.subdivision, b.masks(), call.part_index(), leaf);
             if (!align_leaf(call, context.points, leaf, ownership, worker)) return;
             sort_leaf(call, worker);
-            sweep_leaf(call, context, ownership, worker);  // and narrow
+            sweep_leaf(call, context, ownership, in_tiles, worker);  // and narrow
         });
         watch.lap();
     }

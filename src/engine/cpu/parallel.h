@@ -1,23 +1,25 @@
 #pragma once
 
-// The one seam through which the cpu backend uses threads: an arena of workers and a parallel loop.
+// The one seam through which the cpu backend uses threads: an arena of workers, oneTBB's or an Executor that the host
+// application lends, and a parallel loop.
 //
-// With CRUMPLE_STD_THREADS it is plain std::thread, which ThreadSanitizer understands (it reports races inside a clean
-// oneTBB). Either way each task holds the floating point environment, and `worker` is below `workers()` and unique
-// among the tasks that run at the same time, so that scratch memory can be one per worker. Before each task a
-// loop looks whether the call was cancelled, and throws.
+// With CRUMPLE_STD_THREADS there is no oneTBB: what nobody lends is plain std::thread, which ThreadSanitizer
+// understands (it reports races inside a clean oneTBB). Either way each task holds the floating point environment, and
+// `worker` is below `workers()` and unique among the tasks that run at the same time, so that scratch memory can be one
+// per worker. Before each task a loop looks whether the call was cancelled, and throws.
 
 #include <atomic>
 #include <cstddef>
+#include <exception>
+#include <memory>
+#include <mutex>
 
 #include "base/cancellation.h"
 #include "base/float_environment.h"
+#include "crumple/options.h"
 
 #ifdef CRUMPLE_STD_THREADS
-#include <exception>
-#include <mutex>
-#include <thread>
-#include <vector>
+#include "engine/cpu/std_threads.h"
 #else
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -29,70 +31,40 @@ namespace crumple::cpu {
 class Workers {
    public:
 #ifdef CRUMPLE_STD_THREADS
-    Workers(int threads, Cancellation& cancellation)
-        : count_(threads > 0 ? threads : default_count()), cancellation_(cancellation) {}
-    int workers() const { return count_; }
+    Workers(const Options& options, Cancellation& cancellation)
+        : lent_(options.executor ? options.executor : std::make_shared<StdThreads>(options.threads)),
+          cancellation_(cancellation) {}
+    int workers() const { return lent_->concurrency(); }
+    bool nests() const { return false; }
 
     template <class Function>
     void run(Function function) {
         function();
     }
-
-    /// Calls task(i, worker) for i in [0, n), in any order. Tasks of a nested loop run on the caller's worker.
     template <class Task>
     void parallel_for(std::size_t n, Task task) {
-        if (inside_ || count_ == 1 || n < 2) {
-            for (std::size_t i = 0; i < n; ++i) {
-                cancellation_.check();
-                task(i, static_cast<std::size_t>(worker_));
-            }
-            return;
-        }
-        std::atomic<std::size_t> next{0};
-        std::exception_ptr failure;
-        std::mutex mutex;
-        const auto work = [&](int worker) {
-            const FloatEnvironment environment;
-            inside_ = true;
-            worker_ = worker;
-            try {
-                for (std::size_t i; (i = next.fetch_add(1)) < n;) {
-                    cancellation_.check();
-                    task(i, static_cast<std::size_t>(worker));
-                }
-            } catch (...) {
-                const std::lock_guard lock(mutex);
-                if (!failure) failure = std::current_exception();
-                next = n;
-            }
-            inside_ = false;
-            worker_ = 0;
-        };
-        std::vector<std::thread> threads;
-        for (int worker = 1; worker < count_; ++worker) threads.emplace_back(work, worker);
-        work(0);
-        for (std::thread& thread : threads) thread.join();
-        if (failure) std::rethrow_exception(failure);
+        parallel_for_lent(n, task);
     }
-
-   private:
-    static int default_count() { return static_cast<int>(std::thread::hardware_concurrency()) + 1; }
-    int count_;
-    Cancellation& cancellation_;
-    static inline thread_local bool inside_ = false;
-    static inline thread_local int worker_ = 0;
 #else
     /// The threads start now, so that the first call does not have to: that would take a third longer in a small scene.
-    Workers(int threads, Cancellation& cancellation)
-        : arena_(threads > 0 ? threads : tbb::task_arena::automatic), cancellation_(cancellation) {
-        if (workers() > 1) arena_.enqueue([] {});
+    Workers(const Options& options, Cancellation& cancellation)
+        : lent_(options.executor),
+          arena_(options.threads > 0 ? options.threads : tbb::task_arena::automatic),
+          cancellation_(cancellation) {
+        if (!lent_ && workers() > 1) arena_.enqueue([] {});
     }
-    int workers() const { return arena_.max_concurrency(); }
+    int workers() const { return lent_ ? lent_->concurrency() : arena_.max_concurrency(); }
+
+    /// Whether a task may start a loop.
+    bool nests() const { return !lent_; }
 
     /// Runs `function` inside the arena; parallel loops belong there.
     template <class Function>
     void run(Function function) {
-        arena_.execute(function);
+        if (lent_)
+            function();
+        else
+            arena_.execute(function);
     }
 
     /// Calls task(i, worker) for i in [0, n), in any order, one index a task. The loop is isolated: while a worker
@@ -100,6 +72,10 @@ class Workers {
     /// untouched.
     template <class Task>
     void parallel_for(std::size_t n, Task task) {
+        if (lent_) {
+            parallel_for_lent(n, task);
+            return;
+        }
         tbb::this_task_arena::isolate([&] {
             tbb::parallel_for(
                 tbb::blocked_range<std::size_t>(0, n, 1),
@@ -114,11 +90,40 @@ class Workers {
                 tbb::simple_partitioner());
         });
     }
+#endif
 
    private:
+    // An executor knows nothing of exceptions: the first one waits here for the end of the loop, and the tasks after it
+    // do nothing.
+    template <class Task>
+    void parallel_for_lent(std::size_t n, const Task& task) {
+        std::atomic<bool> failed{false};
+        std::exception_ptr failure;
+        std::mutex mutex;
+        const auto guarded = [&](std::size_t i, std::size_t worker) {
+            if (failed.load(std::memory_order_relaxed)) return;
+            const FloatEnvironment environment;
+            try {
+                cancellation_.check();
+                task(i, worker);
+            } catch (...) {
+                const std::lock_guard lock(mutex);
+                if (!failure) failure = std::current_exception();
+                failed.store(true, std::memory_order_relaxed);
+            }
+        };
+        if (n == 1)
+            guarded(0, 0);  // nobody need be woken
+        else if (n > 1)
+            lent_->parallel_for(n, guarded);
+        if (failure) std::rethrow_exception(failure);
+    }
+
+    std::shared_ptr<Executor> lent_;
+#ifndef CRUMPLE_STD_THREADS
     tbb::task_arena arena_;
-    Cancellation& cancellation_;
 #endif
+    Cancellation& cancellation_;
 };
 
 }  // namespace crumple::cpu

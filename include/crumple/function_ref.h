@@ -1,0 +1,33 @@
+#pragma once
+
+#include <concepts>
+#include <memory>
+#include <type_traits>
+#include <utility>
+
+namespace crumple {
+
+template <class Signature>
+class FunctionRef;
+
+/// A reference to something that can be called, for the time of a call that takes it: two pointers, no allocation.
+template <class Result, class... Arguments>
+class FunctionRef<Result(Arguments...)> {
+   public:
+    template <class Function>
+    requires(!std::same_as<std::remove_cvref_t<Function>, FunctionRef> &&
+             std::is_object_v<std::remove_reference_t<Function>> &&
+             std::is_invocable_r_v<Result, Function&, Arguments...>) FunctionRef(Function&& function)
+        : function_(const_cast<void*>(static_cast<const void*>(std::addressof(function)))),
+          call_([](void* f, Arguments... arguments) -> Result {
+              return (*static_cast<std::remove_reference_t<Function>*>(f))(std::forward<Arguments>(arguments)...);
+          }) {}
+
+    Result operator()(Arguments... arguments) const { return call_(function_, std::forward<Arguments>(arguments)...); }
+
+   private:
+    void* function_;
+    Result (*call_)(void*, Arguments...);
+};
+
+}  // namespace crumple
