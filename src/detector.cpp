@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stop_token>
 #include <string>
 #include <utility>
 
@@ -147,10 +148,10 @@ struct Detector::Implementation {
     // Runs `work` on the prepared scene, or on_device() where the meshes lie on a device; a detector that throws holds
     // an empty result and no kept memory.
     template <class Work, class OnDevice>
-    void guarded(const MeshView& a, const MeshView* b, const Part* part, const Query& query, Work work,
-                 OnDevice on_device) {
+    void guarded(const MeshView& a, const MeshView* b, const Part* part, const Query& query, std::stop_token stop,
+                 Work work, OnDevice on_device) {
         const FloatEnvironment environment;
-        cancellation.begin();
+        cancellation.begin(std::move(stop));
         const auto attempt = [&] {
             if (a.memory == MemorySpace::host)
                 work(prepare_scene(a, b, query.weld, *backend, buffers));
@@ -158,6 +159,7 @@ struct Detector::Implementation {
                 on_device();
         };
         try {
+            cancellation.check();
             check_query(a, b, query);
             if (part) check_part(*part, a, b);
             std::int64_t kept = meter.used;
@@ -208,12 +210,13 @@ struct Detector::Implementation {
         return backend->bytes_needed(prepare_scene(a, b, query.weld, *backend, buffers), query, part);
     }
 
-    const Collisions& find(const MeshView& a, const MeshView* b, const Part* part, const Query& query) {
+    const Collisions& find(const MeshView& a, const MeshView* b, const Part* part, const Query& query,
+                           std::stop_token stop) {
         Stopwatch watch;
         meter.peak = meter.used.load();
         result.statistics = {};
         guarded(
-            a, b, part, query, [&](const Scene& scene) { backend->find(scene, query, part, result); },
+            a, b, part, query, std::move(stop), [&](const Scene& scene) { backend->find(scene, query, part, result); },
             [&] { backend->find(a, b, query, part, result); });
         result.statistics.triangles = a.triangles.rows + (b ? b->triangles.rows : 0);
         result.statistics.pairs = static_cast<std::int64_t>(result.pairs.size());
@@ -222,10 +225,10 @@ struct Detector::Implementation {
         return result;
     }
 
-    const WorldCollisions& find(const World& world, const Intersect& question) {
+    const WorldCollisions& find(const World& world, const Intersect& question, std::stop_token stop) {
         const auto begin = std::chrono::steady_clock::now();
         const FloatEnvironment environment;
-        cancellation.begin();
+        cancellation.begin(std::move(stop));
         meter.peak = meter.used.load();
         const auto attempt = [&] {
             if (working == Backend::reference)
@@ -284,16 +287,16 @@ struct Detector::Implementation {
         other.statistics = std::exchange(result.statistics, {});
     }
 
-    bool any(const MeshView& a, const MeshView* b, const Query& query) {
+    bool any(const MeshView& a, const MeshView* b, const Query& query, std::stop_token stop) {
         bool found = false;
         guarded(
-            a, b, nullptr, query, [&](const Scene& scene) { found = backend->any(scene, query); },
+            a, b, nullptr, query, std::move(stop), [&](const Scene& scene) { found = backend->any(scene, query); },
             [&] { found = backend->any(a, b, query); });
         return found;
     }
 
     void launch(const MeshView& a, const MeshView* b, const Query& query) {
-        cancellation.begin();
+        cancellation.begin({});
         kept_before_launch = meter.used;
         on_the_device(
             [&] {
@@ -305,9 +308,15 @@ struct Detector::Implementation {
             },
             [&] { return bytes_needed(a, b, nullptr, query); });
     }
-    const DeviceCollisions& wait() {
+    const DeviceCollisions& wait(std::stop_token stop) {
         const DeviceCollisions* answer = nullptr;
-        on_the_device([&] { answer = &backend->wait(); }, [&] { return bytes_needed_for_launched(); });
+        cancellation.begin(std::move(stop));
+        on_the_device(
+            [&] {
+                cancellation.check();
+                answer = &backend->wait();
+            },
+            [&] { return bytes_needed_for_launched(); });
         return *answer;
     }
     const Collisions& download() {
@@ -334,14 +343,14 @@ struct Detector::Implementation {
         }
     }
 
-    std::vector<Part> partition(const MeshView& a, const MeshView* b, int count) {
+    std::vector<Part> partition(const MeshView& a, const MeshView* b, int count, std::stop_token stop) {
         if (count < 1 || count > max_clusters) {
             forget();
             throw Error(ErrorCode::invalid_argument, "the number of parts must be 1 to 64", Element::option);
         }
         std::vector<Part> parts;
         guarded(
-            a, b, nullptr, {}, [&](const Scene& scene) { parts = make_parts(scene, count, *backend); },
+            a, b, nullptr, {}, std::move(stop), [&](const Scene& scene) { parts = make_parts(scene, count, *backend); },
             [&] { parts = backend->partition(a, b, count); });
         return parts;
     }
@@ -352,38 +361,50 @@ Detector::~Detector() = default;
 Detector::Detector(Detector&&) noexcept = default;
 Detector& Detector::operator=(Detector&&) noexcept = default;
 
-const Collisions& Detector::find_self(const MeshView& mesh, const Query& query) {
-    return implementation_->find(mesh, nullptr, nullptr, query);
+const Collisions& Detector::find_self(const MeshView& mesh, const Query& query, std::stop_token stop) {
+    return implementation_->find(mesh, nullptr, nullptr, query, std::move(stop));
 }
-const Collisions& Detector::find_between(const MeshView& a, const MeshView& b, const Query& query) {
-    return implementation_->find(a, &b, nullptr, query);
+const Collisions& Detector::find_self(const MeshView& mesh, DefaultQuery, std::stop_token stop) {
+    return find_self(mesh, Query(), std::move(stop));
 }
-const Collisions& Detector::find_self(const MeshView& mesh, const Part& part, const Query& query) {
-    return implementation_->find(mesh, nullptr, &part, query);
+const Collisions& Detector::find_between(const MeshView& a, const MeshView& b, const Query& query,
+                                         std::stop_token stop) {
+    return implementation_->find(a, &b, nullptr, query, std::move(stop));
 }
-const Collisions& Detector::find_between(const MeshView& a, const MeshView& b, const Part& part, const Query& query) {
-    return implementation_->find(a, &b, &part, query);
+const Collisions& Detector::find_between(const MeshView& a, const MeshView& b, DefaultQuery, std::stop_token stop) {
+    return find_between(a, b, Query(), std::move(stop));
 }
-bool Detector::has_collision(const MeshView& mesh, const Query& query) {
-    return implementation_->any(mesh, nullptr, query);
+const Collisions& Detector::find_self(const MeshView& mesh, const Part& part, const Query& query,
+                                      std::stop_token stop) {
+    return implementation_->find(mesh, nullptr, &part, query, std::move(stop));
 }
-bool Detector::has_collision(const MeshView& a, const MeshView& b, const Query& query) {
-    return implementation_->any(a, &b, query);
+const Collisions& Detector::find_between(const MeshView& a, const MeshView& b, const Part& part, const Query& query,
+                                         std::stop_token stop) {
+    return implementation_->find(a, &b, &part, query, std::move(stop));
 }
-const WorldCollisions& Detector::find(const World& world, const Intersect& question) {
-    return implementation_->find(world, question);
+const WorldCollisions& Detector::find(const World& world, const Intersect& question, std::stop_token stop) {
+    return implementation_->find(world, question, std::move(stop));
 }
-std::vector<Part> Detector::partition(const MeshView& mesh, int count) {
-    return implementation_->partition(mesh, nullptr, count);
+bool Detector::has_collision(const MeshView& mesh, const Query& query, std::stop_token stop) {
+    return implementation_->any(mesh, nullptr, query, std::move(stop));
 }
-std::vector<Part> Detector::partition(const MeshView& a, const MeshView& b, int count) {
-    return implementation_->partition(a, &b, count);
+bool Detector::has_collision(const MeshView& a, const MeshView& b, const Query& query, std::stop_token stop) {
+    return implementation_->any(a, &b, query, std::move(stop));
+}
+bool Detector::has_collision(const MeshView& mesh, DefaultQuery, std::stop_token stop) {
+    return has_collision(mesh, Query(), std::move(stop));
+}
+std::vector<Part> Detector::partition(const MeshView& mesh, int count, std::stop_token stop) {
+    return implementation_->partition(mesh, nullptr, count, std::move(stop));
+}
+std::vector<Part> Detector::partition(const MeshView& a, const MeshView& b, int count, std::stop_token stop) {
+    return implementation_->partition(a, &b, count, std::move(stop));
 }
 void Detector::launch_self(const MeshView& mesh, const Query& query) { implementation_->launch(mesh, nullptr, query); }
 void Detector::launch_between(const MeshView& a, const MeshView& b, const Query& query) {
     implementation_->launch(a, &b, query);
 }
-const DeviceCollisions& Detector::wait() { return implementation_->wait(); }
+const DeviceCollisions& Detector::wait(std::stop_token stop) { return implementation_->wait(std::move(stop)); }
 const Collisions& Detector::download() { return implementation_->download(); }
 void Detector::swap_result(Collisions& other) { implementation_->swap_result(other); }
 void Detector::cancel() { implementation_->cancellation.request(); }

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <stop_token>
 #include <string_view>
 #include <vector>
 
@@ -31,6 +32,10 @@ struct Part {
 /// A detector is used by one thread at a time, but for cancel(); different detectors work at the same time. Results are
 /// references to the detector's one result, valid until its next call, move or destruction. Every call throws
 /// crumple::Error on bad input and leaves the detector usable.
+///
+/// A call that is given a std::stop_token ends soon after a stop is requested, from any thread: it throws Error
+/// (cancelled) within some milliseconds, or returns its answer if that was all but there. A request that was made
+/// before the call ends it at once.
 class Detector {
    public:
     /// Lets `find_self(mesh, {})` mean the default Query, not a Part or a mesh.
@@ -42,33 +47,36 @@ class Detector {
     Detector& operator=(Detector&&) noexcept;
 
     /// All colliding pairs within one soup.
-    const Collisions& find_self(const MeshView& mesh, const Query& query = {});
-    const Collisions& find_self(const MeshView& mesh, DefaultQuery) { return find_self(mesh, Query()); }
+    const Collisions& find_self(const MeshView& mesh, const Query& query = {}, std::stop_token stop = {});
+    const Collisions& find_self(const MeshView& mesh, DefaultQuery, std::stop_token stop = {});
 
     /// All colliding pairs of a triangle of `a` with a triangle of `b`. Equal indices share nothing here; with
     /// Query::weld equal positions do. If one is float64, both are computed in float64.
-    const Collisions& find_between(const MeshView& a, const MeshView& b, const Query& query = {});
-    const Collisions& find_between(const MeshView& a, const MeshView& b, DefaultQuery) { return find_between(a, b); }
+    const Collisions& find_between(const MeshView& a, const MeshView& b, const Query& query = {},
+                                   std::stop_token stop = {});
+    const Collisions& find_between(const MeshView& a, const MeshView& b, DefaultQuery, std::stop_token stop = {});
 
     /// Whether anything collides. On the CPU it stops at the first pair found; the cuda backend finds all pairs.
-    bool has_collision(const MeshView& mesh, const Query& query = {});
-    bool has_collision(const MeshView& a, const MeshView& b, const Query& query = {});
-    bool has_collision(const MeshView& mesh, DefaultQuery) { return has_collision(mesh, Query()); }
+    bool has_collision(const MeshView& mesh, const Query& query = {}, std::stop_token stop = {});
+    bool has_collision(const MeshView& a, const MeshView& b, const Query& query = {}, std::stop_token stop = {});
+    bool has_collision(const MeshView& mesh, DefaultQuery, std::stop_token stop = {});
 
     /// All pairs of triangles of different bodies, and within bodies, that intersect; or less, as Intersect::wants says.
     /// One body in place gives the pairs of find_self, two that are wanted `between` those of find_between. Bodies whose
     /// shapes are named cost next to nothing while they are clear of others; flags for such bodies end at the first
     /// hit. Errors name body or shape. The cuda backend searches copies on its device and keeps nothing.
-    const WorldCollisions& find(const World& world, const Intersect& question = {});
+    const WorldCollisions& find(const World& world, const Intersect& question = {}, std::stop_token stop = {});
 
     /// Cuts a scene into `count` (1 to 64) parts. Depends only on the arguments, so that several machines that are
-    /// given the same meshes make the same parts.
-    std::vector<Part> partition(const MeshView& mesh, int count);
-    std::vector<Part> partition(const MeshView& a, const MeshView& b, int count);
+    /// given the same meshes make the same parts. What is done after the meshes were read is not cut short by a stop.
+    std::vector<Part> partition(const MeshView& mesh, int count, std::stop_token stop = {});
+    std::vector<Part> partition(const MeshView& a, const MeshView& b, int count, std::stop_token stop = {});
 
     /// The pairs that `part` owns.
-    const Collisions& find_self(const MeshView& mesh, const Part& part, const Query& query = {});
-    const Collisions& find_between(const MeshView& a, const MeshView& b, const Part& part, const Query& query = {});
+    const Collisions& find_self(const MeshView& mesh, const Part& part, const Query& query = {},
+                                std::stop_token stop = {});
+    const Collisions& find_between(const MeshView& a, const MeshView& b, const Part& part, const Query& query = {},
+                                   std::stop_token stop = {});
 
     /// Hands over the result of the last find, as a value: it outlives the detector and its next call, and the memory
     /// limit no longer counts it. The detector's own result is empty afterwards. `other` gives its storage for the next
@@ -100,7 +108,7 @@ class Detector {
     /// Waits for the launched query and tells where its answer lies on the device. Reports bad input, makes room and
     /// runs again where a list was too short, and does what only the host can: the answer is complete. Valid until the
     /// next call of any other member but download().
-    const DeviceCollisions& wait();
+    const DeviceCollisions& wait(std::stop_token stop = {});
 
     /// Copies the answer of wait() to the host; an error once another call has come after that. Valid as any result.
     const Collisions& download();

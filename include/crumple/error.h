@@ -14,7 +14,7 @@ enum class ErrorCode : std::uint8_t {
     backend_unavailable,  ///< the backend asked for was not built or has no device
     file,                 ///< a file cannot be opened, read or written
     format,               ///< a file's content is not what its format demands
-    cancelled,            ///< Detector::cancel() ended the call
+    cancelled,            ///< a std::stop_token ended the call
     device,               ///< a call of CUDA failed; the message names it
 };
 

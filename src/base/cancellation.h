@@ -5,6 +5,7 @@
 #include <atomic>
 #include <chrono>
 #include <functional>
+#include <stop_token>
 #include <thread>
 #include <utility>
 
@@ -20,9 +21,10 @@ class Cancellation {
 
     void set_poll(std::function<void()> poll) { poll_ = std::move(poll); }
 
-    /// A call of this thread begins; requests that came before are void.
-    void begin() {
+    /// A call of this thread begins, which `stop` may end; requests that came before are void.
+    void begin(std::stop_token stop) {
         requested_.store(false, std::memory_order_relaxed);
+        stop_ = std::move(stop);
         caller_ = std::this_thread::get_id();
         polled_ = Clock::now();
     }
@@ -33,7 +35,8 @@ class Cancellation {
             poll_();
             polled_ = Clock::now();
         }
-        if (requested_.load(std::memory_order_relaxed)) throw Error(ErrorCode::cancelled, "the call was cancelled");
+        if (requested_.load(std::memory_order_relaxed) || stop_.stop_requested())
+            throw Error(ErrorCode::cancelled, "the call was cancelled");
     }
 
    private:
@@ -41,6 +44,7 @@ class Cancellation {
     static constexpr std::chrono::milliseconds interval{20};
 
     std::atomic<bool> requested_{false};
+    std::stop_token stop_;
     std::function<void()> poll_;
     std::thread::id caller_;
     Clock::time_point polled_;  ///< only the caller's thread reads and writes it

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <random>
 #include <stdexcept>
+#include <stop_token>
 #include <thread>
 
 #include "cpu/executors.h"
@@ -122,6 +123,25 @@ TEST(Executor, what_poll_throws_ends_the_call_and_does_not_reach_the_executor) {
     EXPECT_FALSE(watched->threw);
     detector.set_poll({});
     EXPECT_EQ(test::difference(expected, test::pairs_of(detector.find_self(sheet.view()))), "");
+}
+
+TEST(Executor, a_stop_ends_the_call) {
+    struct Stopping : test::Threads {
+        Stopping() : Threads(3) {}
+        void parallel_for(std::size_t n, test::Loop task) override {
+            if (++loops == 3) source.request_stop();
+            Threads::parallel_for(n, task);
+        }
+        std::stop_source source;
+        int loops = 0;
+    };
+    const auto sheet = test::wavy_sheet(60);
+    const auto stopping = std::make_shared<Stopping>();
+    Detector detector({.backend = Backend::cpu, .leaf_size = 300, .executor = stopping});
+    const Error error = error_of([&] { detector.find_self(sheet.view(), {}, stopping->source.get_token()); });
+    EXPECT_EQ(error.code, ErrorCode::cancelled);
+    EXPECT_EQ(stopping->loops, 3) << "it went on";
+    EXPECT_FALSE(detector.find_self(sheet.view()).pairs.empty());
 }
 
 TEST(Executor, that_fails_ends_the_call) {

@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <stop_token>
 #include <thread>
 #include <vector>
 
@@ -56,23 +57,22 @@ std::vector<Case> cases() {
             {"reference", reference(), 1500, 0.3}};
 }
 
-/// Cancels from the moment that the call is about to begin until it has ended; true if it threw.
+/// Requests a stop once the call has begun; true if it threw.
 template <class Call>
-bool cancelled(Detector& detector, Call call) {
-    std::atomic<bool> ended{false};
+bool cancelled(Call call) {
+    std::stop_source source;
+    std::atomic<bool> begins{false};
     std::thread other([&] {
-        while (!ended) {
-            detector.cancel();
-            std::this_thread::yield();
-        }
+        while (!begins) std::this_thread::yield();
+        source.request_stop();
     });
     bool threw = false;
     try {
-        call();
+        begins = true;
+        call(source.get_token());
     } catch (const Error& error) {
         threw = error.code == ErrorCode::cancelled;
     }
-    ended = true;
     other.join();
     return threw;
 }
@@ -86,22 +86,46 @@ TEST(Cancel, ends_the_running_call_and_leaves_the_detector_usable) {
         const auto expected = pairs_of(detector.find_self(soup.view()));
         const auto whole = Clock::now() - begin;
         const auto again = Clock::now();
-        EXPECT_TRUE(cancelled(detector, [&] { detector.find_self(soup.view()); }));
+        EXPECT_TRUE(cancelled([&](std::stop_token stop) { detector.find_self(soup.view(), {}, stop); }));
         EXPECT_LT(Clock::now() - again, whole / 2);
         EXPECT_TRUE(detector.take_result().pairs.empty());
-        EXPECT_TRUE(cancelled(detector, [&] { detector.find_between(soup.view(), soup.view()); }));
+        EXPECT_TRUE(
+            cancelled([&](std::stop_token stop) { detector.find_between(soup.view(), soup.view(), {}, stop); }));
         EXPECT_EQ(difference(expected, pairs_of(detector.find_self(soup.view()))), "");
     }
 }
 
-TEST(Cancel, does_nothing_while_no_call_runs) {
+TEST(Cancel, a_stop_that_was_requested_before_ends_every_call) {
     const auto soup = test::random_soup(500, 0.2);
-    Detector detector;
-    detector.cancel();
-    const auto expected = pairs_of(detector.find_self(soup.view()));
-    detector.cancel();
-    EXPECT_EQ(difference(expected, pairs_of(detector.find_self(soup.view()))), "");
-    EXPECT_TRUE(detector.has_collision(soup.view()));
+    const MeshView mesh = soup.view();
+    std::stop_source source;
+    source.request_stop();
+    const std::stop_token stop = source.get_token();
+    for (const Backend backend : {Backend::cpu, Backend::reference}) {
+        Detector detector({.backend = backend});
+        const auto expected = pairs_of(detector.find_self(mesh));
+        const Part part = detector.partition(mesh, 3)[1];
+        const auto ends = [&](const char* what, auto call) {
+            try {
+                call();
+                ADD_FAILURE() << what;
+            } catch (const Error& error) {
+                EXPECT_EQ(error.code, ErrorCode::cancelled) << what;
+            }
+        };
+        ends("find_self", [&] { detector.find_self(mesh, {}, stop); });
+        ends("find_self, a query", [&] { detector.find_self(mesh, Query{.weld = true}, stop); });
+        ends("find_self, a part", [&] { detector.find_self(mesh, part, {}, stop); });
+        ends("find_between", [&] { detector.find_between(mesh, mesh, {}, stop); });
+        ends("find_between, a part", [&] { detector.find_between(mesh, mesh, part, {}, stop); });
+        ends("has_collision", [&] { detector.has_collision(mesh, {}, stop); });
+        ends("has_collision, two", [&] { detector.has_collision(mesh, mesh, {}, stop); });
+        ends("partition", [&] { detector.partition(mesh, 3, stop); });
+        ends("partition, two", [&] { detector.partition(mesh, mesh, 3, stop); });
+        ends("nothing to do", [&] { detector.find_self(MeshView(), {}, stop); });
+        EXPECT_EQ(difference(expected, pairs_of(detector.find_self(mesh))), "") << "the next call has no token";
+        EXPECT_EQ(difference(expected, pairs_of(detector.find_self(mesh, {}, std::stop_source().get_token()))), "");
+    }
 }
 
 TEST(Cancel, what_poll_throws_ends_the_call) {
@@ -115,9 +139,10 @@ TEST(Cancel, what_poll_throws_ends_the_call) {
             throw Interrupt{};
         });
         EXPECT_THROW(detector.find_self(soup.view()), Interrupt);
-        detector.set_poll([&] { detector.cancel(); });
+        std::stop_source source;
+        detector.set_poll([&] { source.request_stop(); });
         try {
-            detector.find_self(soup.view());
+            detector.find_self(soup.view(), {}, source.get_token());
             ADD_FAILURE() << "not cancelled";
         } catch (const Error& error) {
             EXPECT_EQ(error.code, ErrorCode::cancelled);
