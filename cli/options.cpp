@@ -31,14 +31,15 @@ void add_choice(CLI::App& app, const char* name, Target& target, std::vector<std
 }
 
 PartOfMany parse_part(const std::string& text) {
+    constexpr int most_parts = 262144;
     PartOfMany part{};
     const char* const end = text.data() + text.size();
     const auto k = std::from_chars(text.data(), end, part.index);
     const bool slash = k.ec == std::errc() && k.ptr != end && *k.ptr == '/';
     const auto n = slash ? std::from_chars(k.ptr + 1, end, part.count) : k;
-    if (!slash || n.ec != std::errc() || n.ptr != end || part.count < 1 || part.count > 64 || part.index < 1 ||
+    if (!slash || n.ec != std::errc() || n.ptr != end || part.count < 1 || part.count > most_parts || part.index < 1 ||
         part.index > part.count) {
-        throw CLI::ValidationError("--part", text + " is not K/N with 1 <= K <= N <= 64");
+        throw CLI::ValidationError("--part", text + " is not K/N with 1 <= K <= N <= 262144");
     }
     return part;
 }

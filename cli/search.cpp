@@ -168,6 +168,20 @@ decltype(auto) named(const Input& input, Work work) {
     }
 }
 
+/// Offsets and hit flags of the whole meshes, where a part has its own.
+void index_by_mesh(const Input& input, Collisions& collisions) {
+    const auto first = static_cast<std::size_t>(input.first.triangle_count());
+    collisions.offsets.assign(first + 1, 0);
+    collisions.hit.assign(first, 0);
+    collisions.hit_second.assign(input.second ? static_cast<std::size_t>(input.second->triangle_count()) : 0, 0);
+    Array<std::uint8_t>& other = input.second ? collisions.hit_second : collisions.hit;
+    for (const Pair& pair : collisions.pairs) {
+        ++collisions.offsets[pair.a + 1];
+        collisions.hit[pair.a] = other[pair.b] = 1;
+    }
+    for (std::size_t i = 0; i < first; ++i) collisions.offsets[i + 1] += collisions.offsets[i];
+}
+
 }  // namespace
 
 const Collisions& Search::find(const Input& input) {
@@ -178,8 +192,10 @@ const Collisions& Search::find(const Input& input) {
             return input.second ? detector_.find_between(a, b, query()) : detector_.find_self(a, query());
         const auto [index, count] = *answer_.part;
         const auto parts = input.second ? detector_.partition(a, b, count) : detector_.partition(a, count);
-        const Part& part = parts[static_cast<std::size_t>(index) - 1];
-        return input.second ? detector_.find_between(a, b, part, query()) : detector_.find_self(a, part, query());
+        detector_.find(parts[static_cast<std::size_t>(index) - 1], query());
+        detector_.swap_result(of_part_);
+        index_by_mesh(input, of_part_);
+        return of_part_;
     });
 }
 

@@ -50,6 +50,7 @@ class Search {
     AnswerOptions answer_;
     std::unique_ptr<Threads> threads_;
     Detector detector_;
+    Collisions of_part_;
 };
 
 }  // namespace crumple::cli

@@ -20,6 +20,7 @@
 #include "engine/worlds.h"
 #include "model/fuzzy_c_means.h"
 #include "model/part.h"
+#include "model/part_centres.h"
 
 namespace crumple {
 namespace {
@@ -50,25 +51,6 @@ void check_query(const MeshView& a, const MeshView* b, const Query& q) {
     if (q.wanted != Wanted::between || !lacks_groups(a) || (b && !lacks_groups(*b))) return;
     check(false, b ? "wanted between needs groups, and neither mesh has any: nothing lies between different groups"
                    : "wanted between needs groups, and the mesh has none: nothing lies between different groups");
-}
-
-void check_part(const Part& part, const MeshView& a, const MeshView* b) {
-    const auto count = static_cast<std::int32_t>(part.centres.size());
-    check(count >= 1 && count <= max_clusters, "a part needs 1 to 64 centres");
-    check(part.index >= 0 && part.index < count, "a part's index must be one of its centres");
-    for (const auto& centre : part.centres)
-        for (double value : centre) check(std::isfinite(value), "a part's centres must be finite");
-    const auto check_members = [](const std::vector<std::int32_t>& members, std::int64_t triangles) {
-        for (const std::int32_t t : members) {
-            if (t >= 0 && t < triangles) continue;
-            throw Error(ErrorCode::invalid_argument,
-                        "the part names triangle " + std::to_string(t) + " of " + std::to_string(triangles) +
-                            ": it belongs to other meshes",
-                        Element::triangle, t);
-        }
-    };
-    check_members(part.triangles, a.triangles.rows);
-    check_members(part.triangles_second, b ? b->triangles.rows : 0);
 }
 
 Collisions metered(MemoryMeter* meter) {
@@ -161,7 +143,7 @@ struct Detector::Implementation {
         try {
             cancellation.check();
             check_query(a, b, query);
-            if (part) check_part(*part, a, b);
+            if (part) check_part(*part);
             std::int64_t kept = meter.used;
             try {
                 try {
@@ -206,7 +188,7 @@ struct Detector::Implementation {
     std::int64_t bytes_needed(const MeshView& a, const MeshView* b, const Part* part, const Query& query) {
         forget();
         const Lifted lifted(meter);
-        if (a.memory != MemorySpace::host) return backend->bytes_needed(a, b, query, part);
+        if (a.memory != MemorySpace::host) return backend->bytes_needed(a, b, query);
         return backend->bytes_needed(prepare_scene(a, b, query.weld, *backend, buffers), query, part);
     }
 
@@ -217,7 +199,8 @@ struct Detector::Implementation {
         result.statistics = {};
         guarded(
             a, b, part, query, std::move(stop), [&](const Scene& scene) { backend->find(scene, query, part, result); },
-            [&] { backend->find(a, b, query, part, result); });
+            [&] { backend->find(a, b, query, result); });
+        if (part) name_globally(*part, result.pairs);
         result.statistics.triangles = a.triangles.rows + (b ? b->triangles.rows : 0);
         result.statistics.pairs = static_cast<std::int64_t>(result.pairs.size());
         result.statistics.peak_memory_bytes = meter.peak;
@@ -344,9 +327,9 @@ struct Detector::Implementation {
     }
 
     std::vector<Part> partition(const MeshView& a, const MeshView* b, int count, std::stop_token stop) {
-        if (count < 1 || count > max_clusters) {
+        if (count < 1 || count > max_parts) {
             forget();
-            throw Error(ErrorCode::invalid_argument, "the number of parts must be 1 to 64", Element::option);
+            throw Error(ErrorCode::invalid_argument, "the number of parts must be 1 to 262144", Element::option);
         }
         std::vector<Part> parts;
         guarded(
@@ -364,23 +347,13 @@ Detector& Detector::operator=(Detector&&) noexcept = default;
 const Collisions& Detector::find_self(const MeshView& mesh, const Query& query, std::stop_token stop) {
     return implementation_->find(mesh, nullptr, nullptr, query, std::move(stop));
 }
-const Collisions& Detector::find_self(const MeshView& mesh, DefaultQuery, std::stop_token stop) {
-    return find_self(mesh, Query(), std::move(stop));
-}
 const Collisions& Detector::find_between(const MeshView& a, const MeshView& b, const Query& query,
                                          std::stop_token stop) {
     return implementation_->find(a, &b, nullptr, query, std::move(stop));
 }
-const Collisions& Detector::find_between(const MeshView& a, const MeshView& b, DefaultQuery, std::stop_token stop) {
-    return find_between(a, b, Query(), std::move(stop));
-}
-const Collisions& Detector::find_self(const MeshView& mesh, const Part& part, const Query& query,
-                                      std::stop_token stop) {
-    return implementation_->find(mesh, nullptr, &part, query, std::move(stop));
-}
-const Collisions& Detector::find_between(const MeshView& a, const MeshView& b, const Part& part, const Query& query,
-                                         std::stop_token stop) {
-    return implementation_->find(a, &b, &part, query, std::move(stop));
+const Collisions& Detector::find(const Part& part, const Query& query, std::stop_token stop) {
+    const MeshView first = part.mesh.view(), second = part.second ? part.second->view() : MeshView();
+    return implementation_->find(first, part.second ? &second : nullptr, &part, query, std::move(stop));
 }
 const WorldCollisions& Detector::find(const World& world, const Intersect& question, std::stop_token stop) {
     return implementation_->find(world, question, std::move(stop));

@@ -125,7 +125,7 @@ nlohmann::json compare_axes(const Workload& workload, int parts, const Effort& e
     std::vector<std::uint64_t> masks(primitives.size());
     for (const Part& part : detector.partition(mesh.view(), parts)) {
         std::vector<const Primitive*>& list = members.emplace_back();
-        for (const std::int32_t t : part.triangles) {
+        for (const std::int32_t t : part.mesh.ids) {
             list.push_back(&primitives[static_cast<std::size_t>(t)]);
             masks[static_cast<std::size_t>(t)] |= std::uint64_t{1} << part.index;
         }

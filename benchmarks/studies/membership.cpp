@@ -22,6 +22,7 @@
 #include <limits>
 #include <memory>
 
+#include "model/part_centres.h"
 #include "report.h"
 #include "studies/primitives.h"
 #include "studies/studies.h"
@@ -46,10 +47,20 @@ struct Scene {
 
 double length(Vec3d v) { return std::sqrt(dot(v, v)); }
 
-Scene place(const io::TriangleMesh& mesh, const std::vector<std::array<double, 3>>& centres) {
-    Scene scene{primitives_of(mesh), {}, centres.size(), 0, 0};
-    std::vector<Vec3d> v;
-    for (const auto& c : centres) v.push_back({c[0], c[1], c[2]});
+/// The library's own centres of so many parts, in the mesh's coordinates.
+std::vector<Vec3d> centres_of(const io::TriangleMesh& mesh, int parts) {
+    ParallelFor serial;
+    SceneBuffers buffers;
+    const crumple::Scene scene = prepare_scene(mesh.view(), nullptr, false, serial, buffers);
+    const PartCentres placed = place_parts(scene, parts, serial);
+    const PartTree tree = placed.tree();
+    std::vector<Vec3d> centres;
+    for (int k = 0; k < parts; ++k) centres.push_back(tree.normalise.inverse(tree.level[0].centre[k]));
+    return centres;
+}
+
+Scene place(const io::TriangleMesh& mesh, const std::vector<Vec3d>& v) {
+    Scene scene{primitives_of(mesh), {}, v.size(), 0, 0};
     for (const Primitive& p : scene.primitives) {
         Place& place = scene.places.emplace_back();
         for (std::size_t k = 0; k < v.size(); ++k) {
@@ -147,7 +158,7 @@ struct Parts {
 
 nlohmann::json compare_rules(const Workload& workload, int clusters, const Effort& effort) {
     Detector detector;
-    const Scene scene = place(workload.a, detector.partition(workload.a.view(), clusters).front().centres);
+    const Scene scene = place(workload.a, centres_of(workload.a, clusters));
     const Array<Pair> whole = detector.find_self(workload.a.view()).pairs;
 
     std::vector<std::unique_ptr<Parts>> answers;

@@ -1,8 +1,8 @@
 // How much there is to gain from machines that share a scene: Detector::partition cuts it into parts, each is answered
 // alone, and the largest one says how long all would take at least. Work grows, because triangles at borders belong to
-// several parts. Twice: with the part's triangles alone as a mesh of their own, which is what a machine must be sent at
-// least (pairs within the overlap are then found by each, and one has to be dropped); and by find_self(mesh, part),
-// which is given the whole mesh and answers the pairs that the part owns. One thread; whole and parts take turns.
+// several parts. Twice: by find(part), which answers the pairs that the part owns; and with the part's triangles as a
+// mesh of their own, which finds those of the overlap in each part, and says what ownership costs. One thread; whole
+// and parts take turns.
 
 #include <fmt/format.h>
 
@@ -29,7 +29,7 @@ nlohmann::json share_out(const Workload& workload, int count, const Effort& effo
     std::vector<Detector> alone, owning;
     std::int64_t members = 0, most_members = 0;
     for (const Part& part : parts) {
-        meshes.push_back(extract(workload.a, part.triangles));
+        meshes.push_back(extract(workload.a, part.mesh.ids));
         alone.emplace_back(options);
         owning.emplace_back(options);
         members += meshes.back().triangle_count();
@@ -46,7 +46,7 @@ nlohmann::json share_out(const Workload& workload, int count, const Effort& effo
         const double partition_time = time_slice(cutting, 0).front();
         for (std::size_t k = 0; k < n; ++k) {
             const double own = alone[k].find_self(meshes[k].view()).statistics.milliseconds;
-            const double owned = owning[k].find_self(mesh, parts[k]).statistics.milliseconds;
+            const double owned = owning[k].find(parts[k]).statistics.milliseconds;
             if (round > 0) alone_times[k].push_back(own), owning_times[k].push_back(owned);
         }
         if (round > 0) whole_times.push_back(whole_time), partition_times.push_back(partition_time);
@@ -85,7 +85,7 @@ nlohmann::json study_parts(const StudySettings& settings) {
             {"parts", "whole, ms", "partition, ms", "members / triangles", "largest share x parts",
              "alone: sum / whole", "largest, ms", "speed-up", "owning: sum / whole", "largest, ms", "speed-up"});
         nlohmann::json sizes = nlohmann::json::array();
-        for (const int count : {2, 4, 8, 16, 32, 64}) {
+        for (const int count : {2, 4, 8, 16, 32, 64, 256}) {
             const nlohmann::json& row = sizes.emplace_back(share_out(workload, count, settings.effort));
             const double members = row["members"], most = row["most_members"];
             std::vector<std::string> cells{

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -11,20 +10,10 @@
 #include "crumple/collisions.h"
 #include "crumple/mesh.h"
 #include "crumple/options.h"
+#include "crumple/part.h"
 #include "crumple/world.h"
 
 namespace crumple {
-
-/// One of several independent, overlapping parts of a scene ([MZ] sec. 1.1). A plain value: send it anywhere, answer it
-/// there for the same meshes; each pair is owned by exactly one part, so the union over the parts is the whole answer.
-/// Both triangles of a pair are members of the part that owns it. The lists may be cleared before the part is sent, if
-/// bandwidth is scarce: then members are found again, by a look at every triangle.
-struct Part {
-    std::int32_t index = 0;                      ///< which of `centres` this part is
-    std::vector<std::array<double, 3>> centres;  ///< cluster centres of all parts, in the scene's coordinates
-    std::vector<std::int32_t> triangles;         ///< members (of the first mesh), ascending
-    std::vector<std::int32_t> triangles_second;  ///< members of the second mesh; empty for one soup
-};
 
 /// Finds all pairs of triangles that intersect, exactly. Keeps buffers and cluster centres between calls, so a detector
 /// that is fed the frames of a simulation is faster than a new one for each; the topology may change freely.
@@ -38,7 +27,7 @@ struct Part {
 /// before the call ends it at once.
 class Detector {
    public:
-    /// Lets `find_self(mesh, {})` mean the default Query, not a Part or a mesh.
+    /// Lets `has_collision(mesh, {})` mean the default Query, not a mesh.
     enum class DefaultQuery {};
 
     explicit Detector(const Options& options = {});
@@ -48,35 +37,35 @@ class Detector {
 
     /// All colliding pairs within one soup.
     const Collisions& find_self(const MeshView& mesh, const Query& query = {}, std::stop_token stop = {});
-    const Collisions& find_self(const MeshView& mesh, DefaultQuery, std::stop_token stop = {});
 
     /// All colliding pairs of a triangle of `a` with a triangle of `b`. Equal indices share nothing here; with
     /// Query::weld equal positions do. If one is float64, both are computed in float64.
     const Collisions& find_between(const MeshView& a, const MeshView& b, const Query& query = {},
                                    std::stop_token stop = {});
-    const Collisions& find_between(const MeshView& a, const MeshView& b, DefaultQuery, std::stop_token stop = {});
 
     /// Whether anything collides. On the CPU it stops at the first pair found; the cuda backend finds all pairs.
     bool has_collision(const MeshView& mesh, const Query& query = {}, std::stop_token stop = {});
     bool has_collision(const MeshView& a, const MeshView& b, const Query& query = {}, std::stop_token stop = {});
     bool has_collision(const MeshView& mesh, DefaultQuery, std::stop_token stop = {});
 
-    /// All pairs of triangles of different bodies, and within bodies, that intersect; or less, as Intersect::wants says.
-    /// One body in place gives the pairs of find_self, two that are wanted `between` those of find_between. Bodies whose
-    /// shapes are named cost next to nothing while they are clear of others; flags for such bodies end at the first
-    /// hit. Errors name body or shape. The cuda backend searches copies on its device and keeps nothing.
+    /// All pairs of triangles of different bodies, and within bodies, that intersect; or less, as Intersect::wants
+    /// says. One body in place gives the pairs of find_self, two that are wanted `between` those of find_between.
+    /// Bodies whose shapes are named cost next to nothing while they are clear of others; flags for such bodies end at
+    /// the first hit. Errors name body or shape. The cuda backend searches copies on its device and keeps nothing.
     const WorldCollisions& find(const World& world, const Intersect& question = {}, std::stop_token stop = {});
 
-    /// Cuts a scene into `count` (1 to 64) parts. Depends only on the arguments, so that several machines that are
-    /// given the same meshes make the same parts. What is done after the meshes were read is not cut short by a stop.
+    /// Cuts a scene into `count` (1 to 262,144) parts. Depends only on the arguments, so that several machines that are
+    /// given the same meshes make the same parts. Meshes of a device are copied to the host first. O(triangles times 64
+    /// a level) and the copies; on all threads of the cpu backend. The memory limit counts neither parts nor what it
+    /// takes to make them. What is done after the meshes were read is not cut short by a stop.
     std::vector<Part> partition(const MeshView& mesh, int count, std::stop_token stop = {});
     std::vector<Part> partition(const MeshView& a, const MeshView& b, int count, std::stop_token stop = {});
 
-    /// The pairs that `part` owns.
-    const Collisions& find_self(const MeshView& mesh, const Part& part, const Query& query = {},
-                                std::stop_token stop = {});
-    const Collisions& find_between(const MeshView& a, const MeshView& b, const Part& part, const Query& query = {},
-                                   std::stop_token stop = {});
+    /// The pairs that `part` owns, without a look at the meshes: it costs what a mesh of the part's size does. Pairs
+    /// have the ids of the meshes, in their order; contacts are those of the whole answer. Offsets and hit flags count
+    /// by position in the part's lists: offsets[i] belongs to triangle part.mesh.ids[i]. Of a part that did not come
+    /// from partition(), shapes and members are checked, and an Error's vertex or triangle is a position in the part.
+    const Collisions& find(const Part& part, const Query& query = {}, std::stop_token stop = {});
 
     /// Hands over the result of the last find, as a value: it outlives the detector and its next call, and the memory
     /// limit no longer counts it. The detector's own result is empty afterwards. `other` gives its storage for the next

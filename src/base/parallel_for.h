@@ -10,7 +10,8 @@ namespace crumple {
 
 using Task = FunctionRef<void(std::size_t)>;
 
-/// Something that runs task(i) for i in [0, n), in any order and perhaps several at once. Tasks must not throw.
+/// Something that runs task(i) for i in [0, n), in any order and perhaps several at once. If one throws, so
+/// does the loop.
 class ParallelFor {
    public:
     virtual ~ParallelFor() = default;

@@ -12,8 +12,8 @@ namespace {
 
 }  // namespace
 
-void BackendBase::find(const MeshView&, const MeshView*, const Query&, const Part*, Collisions&) { refuse(); }
-std::int64_t BackendBase::bytes_needed(const MeshView&, const MeshView*, const Query&, const Part*) { refuse(); }
+void BackendBase::find(const MeshView&, const MeshView*, const Query&, Collisions&) { refuse(); }
+std::int64_t BackendBase::bytes_needed(const MeshView&, const MeshView*, const Query&) { refuse(); }
 bool BackendBase::any(const MeshView&, const MeshView*, const Query&) { refuse(); }
 std::vector<Part> BackendBase::partition(const MeshView&, const MeshView*, int) { refuse(); }
 void BackendBase::launch(const MeshView&, const MeshView*, const Query&) { refuse(); }

@@ -19,8 +19,8 @@ namespace crumple {
 class BackendBase : public ParallelFor {
    public:
     /// Fills `result.pairs` (sorted, unique), offsets, hit flags, contacts if asked for, and the statistics' counts and
-    /// stage times. `part` null: the whole answer. Throws MemoryMeter::Exceeded if not even work in chunks fits the
-    /// limit, with what is needed at least.
+    /// stage times. `part`: what the scene is made of, so that its levels tell which pairs it owns; null: all. Throws
+    /// MemoryMeter::Exceeded if not even work in chunks fits the limit, with what is needed at least.
     virtual void find(const Scene& scene, const Query& query, const Part* part, Collisions& result) = 0;
 
     /// Counts without storing pairs, and returns the memory limit with which find() will succeed. May use more than the
@@ -35,8 +35,8 @@ class BackendBase : public ParallelFor {
     virtual bool heeds_bodies() const { return false; }
 
     /// The same for meshes in device memory (b null: one), which the backend checks itself. Only cuda can.
-    virtual void find(const MeshView& a, const MeshView* b, const Query& query, const Part* part, Collisions& result);
-    virtual std::int64_t bytes_needed(const MeshView& a, const MeshView* b, const Query& query, const Part* part);
+    virtual void find(const MeshView& a, const MeshView* b, const Query& query, Collisions& result);
+    virtual std::int64_t bytes_needed(const MeshView& a, const MeshView* b, const Query& query);
     virtual bool any(const MeshView& a, const MeshView* b, const Query& query);
     virtual std::vector<Part> partition(const MeshView& a, const MeshView* b, int count);
     /// Detector::launch_self and those that belong to it.

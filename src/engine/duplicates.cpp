@@ -25,8 +25,8 @@ bool has_area(const Positions& p) {
     return false;
 }
 
-std::int64_t count(const Scene& scene, const Query& query, const GroupRule& rule, const std::uint64_t* part_masks,
-                   int part, MemoryMeter* meter) {
+std::int64_t count(const Scene& scene, const Query& query, const GroupRule& rule, const Levels& levels,
+                   MemoryMeter* meter) {
     const auto n = static_cast<std::int32_t>(scene.triangle_count());
     const std::uint64_t slots = std::bit_ceil(2 * static_cast<std::uint64_t>(n) + 1);
     Array<std::int32_t> table(meter), members(meter);  // the first of each class, and how many of it there are
@@ -47,7 +47,8 @@ std::int64_t count(const Scene& scene, const Query& query, const GroupRule& rule
 
     std::int64_t pairs = 0;
     for (std::int32_t t = 0; t < n; ++t) {
-        if ((part_masks && std::countr_zero(part_masks[t]) != part) || !rule(group(t), group(t))) continue;
+        // Both of a pair whose lowest clusters are the scene's meet there, and in no lower one.
+        if (!levels.own(t, t) || !rule(group(t), group(t))) continue;
         const Positions p = sorted(scene.triangle(t).point);
         // Two triangles of one class collide if they share no vertex, and, as geometric neighbours, if they have an
         // area: they share three vertices, or they meet outside the hull of fewer.
@@ -69,11 +70,11 @@ std::int64_t count(const Scene& scene, const Query& query, const GroupRule& rule
 
 }  // namespace
 
-std::int64_t count_duplicates(const Scene& scene, const Query& query, const GroupRule& rule,
-                              const std::uint64_t* part_masks, int part, MemoryMeter* meter) {
+std::int64_t count_duplicates(const Scene& scene, const Query& query, const GroupRule& rule, const Levels& levels,
+                              MemoryMeter* meter) {
     if (query.intersections != Intersections::all || query.wanted == Wanted::between) return 0;
     try {
-        return count(scene, query, rule, part_masks, part, meter);
+        return count(scene, query, rule, levels, meter);
     } catch (const MemoryMeter::Exceeded&) {
         return 0;
     }

@@ -7,14 +7,15 @@
 
 #include "crumple/array.h"
 #include "crumple/options.h"
+#include "model/levels.h"
 #include "model/rules.h"
 #include "model/scene.h"
 
 namespace crumple {
 
-/// At least so many pairs are found among the triangles whose lowest bit in `part_masks` is `part`, or among all if
-/// that is null: those of triangles at equal positions. O(triangles); 0 if there is no memory for it.
-std::int64_t count_duplicates(const Scene& scene, const Query& query, const GroupRule& rule,
-                              const std::uint64_t* part_masks, int part, MemoryMeter* meter);
+/// At least so many pairs are found: those of triangles at equal positions. Of a scene that is a part, `levels` are
+/// above it, and triangles count that belong to no lower part. O(triangles); 0 if there is no memory for it.
+std::int64_t count_duplicates(const Scene& scene, const Query& query, const GroupRule& rule, const Levels& levels,
+                              MemoryMeter* meter);
 
 }  // namespace crumple

@@ -1,5 +1,7 @@
 #include "engine/output.h"
 
+#include <algorithm>
+
 namespace crumple {
 
 void index_pairs(const Scene& scene, Collisions& result) {
@@ -14,6 +16,14 @@ void index_pairs(const Scene& scene, Collisions& result) {
         other[static_cast<std::size_t>(pair.b)] = 1;
     }
     for (std::size_t i = 0; i < first; ++i) result.offsets[i + 1] += result.offsets[i];
+}
+
+void keep_owned(const Scene& scene, const Levels& levels, Collisions& result) {
+    const std::int64_t second = scene.between ? scene.triangles[0] : 0;
+    const auto foreign = [&](Pair pair) { return !levels.own(pair.a, second + pair.b); };
+    const auto end = std::remove_if(result.pairs.begin(), result.pairs.end(), foreign);
+    result.pairs.resize(static_cast<std::size_t>(end - result.pairs.begin()));
+    index_pairs(scene, result);
 }
 
 }  // namespace crumple

@@ -5,6 +5,7 @@
 #include <atomic>
 
 #include "crumple/collisions.h"
+#include "model/levels.h"
 #include "model/scene.h"
 #include "questions/intersect/contact.h"
 
@@ -23,6 +24,9 @@ inline void release(Collisions& result) {
 
 /// Offsets by first triangle and hit flags, from result.pairs (sorted).
 void index_pairs(const Scene& scene, Collisions& result);
+
+/// Leaves only the pairs that a part owns of all those of its triangles; contacts are still to come.
+void keep_owned(const Scene& scene, const Levels& levels, Collisions& result);
 
 /// Bytes of a result with so many pairs. Contacts take room for six points a pair until they are packed.
 inline std::int64_t result_bytes(const Scene& scene, const Query& query, std::int64_t pairs) {

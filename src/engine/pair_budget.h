@@ -16,13 +16,12 @@ struct ResultExceeds : MemoryMeter::Exceeded {};
 
 class PairBudget {
    public:
-    /// What is asked: of `part_masks`, empty for all triangles, and `part` see count_duplicates().
+    /// What is asked; see count_duplicates().
     struct Call {
         const Scene& scene;
         const Query& query;
         const GroupRule& rule;
-        const Array<std::uint64_t>& part_masks;
-        int part;
+        const Levels& levels;
     };
 
     /// Duplicates are counted when so many pairs a triangle were found.
@@ -39,10 +38,8 @@ class PairBudget {
 
    private:
     void look(std::int64_t found) {
-        if (!counted_.exchange(true)) {
-            const std::uint64_t* const masks = call_.part_masks.empty() ? nullptr : call_.part_masks.data();
-            require(count_duplicates(call_.scene, call_.query, call_.rule, masks, call_.part, &meter_));
-        }
+        if (!counted_.exchange(true))
+            require(count_duplicates(call_.scene, call_.query, call_.rule, call_.levels, &meter_));
         require(found);
         const std::int64_t none = bytes(0);
         next_.store((meter_.limit - none) / (bytes(1) - none), std::memory_order_relaxed);

@@ -1,92 +1,186 @@
 #include "model/part.h"
 
 #include <algorithm>
-#include <cmath>
+#include <bit>
+#include <utility>
+#include <variant>
 
-#include "geometry/normaliser.h"
-#include "model/fuzzy_c_means.h"
-#include "model/part_mask.h"
+#include "crumple/error.h"
+#include "geometry/position_hash.h"
+#include "model/part_centres.h"
 
 namespace crumple {
+namespace {
 
-void part_masks(const Scene& scene, const Part& part, ParallelFor& parallel, Array<std::uint64_t>& masks) {
-    const Normaliser normalise(scene.low, scene.high);
-    PartCentres centres;
-    centres.count = part.centres.size();
-    for (std::size_t k = 0; k < centres.count; ++k) {
-        const auto& [x, y, z] = part.centres[k];
-        centres.centre[k] = normalise({x, y, z});
-    }
-    for (std::size_t k = 0; k < centres.count; ++k) centres.measure(k);
+// Numbers the vertices of a part by their first use: open addressing, linear probing, half full at most.
+class LocalNumbers {
+   public:
+    LocalNumbers(std::size_t most, const SeededHash& hash)
+        : hash_(hash), slots_(std::bit_ceil(2 * most + 1)), global_(slots_, -1), local_(slots_) {}
 
-    const auto set_masks = [&](std::size_t count, auto triangle) {
-        constexpr std::size_t batch = 1024;
-        parallel.parallel_for((count + batch - 1) / batch, [&](std::size_t b) {
-            for (std::size_t i = b * batch; i < std::min(count, (b + 1) * batch); ++i) {
-                const std::int64_t t = triangle(i);
-                masks[static_cast<std::size_t>(t)] = part_mask(scene.triangle(t), normalise, centres);
-            }
-        });
-    };
-    const auto triangles = static_cast<std::size_t>(scene.triangle_count());
-    const auto &first = part.triangles, &second = part.triangles_second;
-    if (first.empty() && second.empty()) {
-        masks.resize_discard(triangles);
-        set_masks(triangles, [](std::size_t i) { return static_cast<std::int64_t>(i); });
-    } else {
-        masks.assign(triangles, 0);
-        set_masks(first.size(), [&](std::size_t i) { return std::int64_t{first[i]}; });
-        set_masks(second.size(), [&](std::size_t i) { return scene.triangles[0] + second[i]; });
+    template <class New>
+    std::int32_t operator()(std::int32_t vertex, New on_new) {
+        std::size_t slot = SeededHash::add(hash_.seed(), static_cast<std::uint32_t>(vertex)) & (slots_ - 1);
+        while (global_[slot] >= 0 && global_[slot] != vertex) slot = (slot + 1) & (slots_ - 1);
+        if (global_[slot] < 0) {
+            global_[slot] = vertex;
+            local_[slot] = count_++;
+            on_new();
+        }
+        return local_[slot];
     }
+
+   private:
+    const SeededHash& hash_;
+    std::size_t slots_;
+    std::vector<std::int32_t> global_, local_;
+    std::int32_t count_ = 0;
+};
+
+// Copies the triangles `ids` (of the joint numbering) of one side, their vertices as Scalar.
+template <class Scalar>
+PartMesh copy_mesh(const Scene& scene, std::size_t side, std::span<const std::int32_t> ids, const SeededHash& hash) {
+    PartMesh mesh;
+    std::vector<Scalar> vertices;
+    const auto first_triangle = static_cast<std::int32_t>(side ? scene.triangles[0] : 0);
+    mesh.ids.reserve(ids.size());
+    mesh.corners.reserve(3 * ids.size());
+    const std::size_t most = std::min(3 * ids.size(), static_cast<std::size_t>(scene.vertices[side]));
+    LocalNumbers number(most, hash);
+    vertices.reserve(3 * std::min(most, ids.size()));
+    for (const std::int32_t t : ids) {
+        mesh.ids.push_back(t - first_triangle);
+        if (scene.groups) mesh.groups.push_back(scene.groups[t]);
+        for (int corner = 0; corner < 3; ++corner) {
+            const std::int32_t v = scene.corners[3 * std::int64_t{t} + corner];
+            mesh.corners.push_back(number(v, [&] {
+                const Vec3d p = scene.position(v);
+                for (int axis = 0; axis < 3; ++axis) vertices.push_back(static_cast<Scalar>(p[axis]));
+            }));
+        }
+    }
+    mesh.vertices = std::move(vertices);
+    return mesh;
 }
 
-void PartSample::set(std::size_t i, const Triangle& t, const Normaliser& normalise) {
-    const Vec3d c = (1.0 / 3.0) * (normalise(t.point[0]) + normalise(t.point[1]) + normalise(t.point[2]));
-    centroids_[i] = {static_cast<float>(c.x), static_cast<float>(c.y), static_cast<float>(c.z)};
+PartMesh copy_mesh(const Scene& scene, std::size_t side, std::span<const std::int32_t> ids, const SeededHash& hash) {
+    return scene.reader[side].float32 ? copy_mesh<float>(scene, side, ids, hash)
+                                      : copy_mesh<double>(scene, side, ids, hash);
 }
 
-Part PartSample::centres(int count, const Normaliser& normalise) const {
-    // A cold start with the usual fuzziness 2: no call of pow(), whose last bit may differ.
-    Centres placed;
-    placed.count = count;
-    const auto point = [&](std::size_t i) { return centroids_[i]; };
-    if (size() > 0) {
-        start_centres(count, size(), point, placed);
-        fuzzy_c_means(size(), point, {.fuzziness = 2, .iterations = 30, .stop = 1e-4}, placed);
-    }
+// `slices`: the members among the scene's triangles, in order.
+Part copy_part(const Scene& scene, std::vector<PartLevel> levels, std::size_t k, std::span<const PartMembers> slices,
+               const SeededHash& hash) {
     Part part;
-    for (int k = 0; k < count; ++k) {
-        const Vec3f c = placed[k];
-        const Vec3d p = normalise.inverse({c.x, c.y, c.z});
-        part.centres.push_back({p.x, p.y, p.z});
+    part.index = static_cast<std::int32_t>(k);
+    part.levels = std::move(levels);
+    const std::size_t depth = part.levels.size();
+    std::size_t size = 0;
+    for (const PartMembers& slice : slices) size += static_cast<std::size_t>(slice.first[k + 1] - slice.first[k]);
+    std::vector<std::int32_t> ids;
+    ids.reserve(size);
+    for (PartLevel& level : part.levels) level.masks.reserve(size);
+    for (const PartMembers& slice : slices) {
+        const auto begin = static_cast<std::size_t>(slice.first[k]), end = static_cast<std::size_t>(slice.first[k + 1]);
+        ids.insert(ids.end(), slice.triangle.data() + begin, slice.triangle.data() + end);
+        for (std::size_t i = begin; i < end; ++i)
+            for (std::size_t l = 0; l < depth; ++l) part.levels[l].masks.push_back(slice.masks[depth * i + l]);
     }
+    const auto second = static_cast<std::size_t>(
+        std::partition_point(ids.begin(), ids.end(), [&](std::int32_t t) { return !scene.second(t); }) - ids.begin());
+    const std::span<const std::int32_t> all(ids);
+    part.mesh = copy_mesh(scene, 0, all.first(second), hash);
+    if (scene.between) part.second = copy_mesh(scene, 1, all.subspan(second), hash);
     return part;
 }
 
-std::vector<Part> list_members(const Part& centres, std::span<const std::uint64_t> masks, std::int64_t first_mesh) {
-    std::vector<Part> parts(centres.centres.size(), centres);
-    for (std::size_t k = 0; k < parts.size(); ++k) {
-        parts[k].index = static_cast<std::int32_t>(k);
-        for (std::size_t i = 0; i < masks.size(); ++i) {
-            if (!(masks[i] >> k & 1)) continue;
-            const auto t = static_cast<std::int64_t>(i);
-            if (t < first_mesh)
-                parts[k].triangles.push_back(static_cast<std::int32_t>(t));
-            else
-                parts[k].triangles_second.push_back(static_cast<std::int32_t>(t - first_mesh));
-        }
+}  // namespace
+
+MeshView PartMesh::view() const {
+    return std::visit(
+        [&](const auto& xyz) {
+            return MeshView(xyz.data(), static_cast<std::int64_t>(xyz.size() / 3), corners.data(),
+                            static_cast<std::int64_t>(corners.size() / 3), groups);
+        },
+        vertices);
+}
+
+PartMembers list_members(const Scene& scene, const PartTree& tree, int parts, std::int64_t begin, std::int64_t end) {
+    const auto depth = static_cast<std::size_t>(tree.depth);
+    std::vector<std::int32_t> part, triangle;
+    std::vector<std::uint64_t> masks;
+    PartMembers members;
+    members.first.assign(static_cast<std::size_t>(parts) + 1, 0);
+    for (std::int64_t t = begin; t < end; ++t)
+        tree.for_each_part(scene.triangle(t), [&](std::int32_t k, const std::uint64_t* of_levels) {
+            ++members.first[static_cast<std::size_t>(k) + 1];
+            part.push_back(k);
+            triangle.push_back(static_cast<std::int32_t>(t));
+            masks.insert(masks.end(), of_levels, of_levels + depth);
+        });
+    for (std::size_t k = 0; k < static_cast<std::size_t>(parts); ++k) members.first[k + 1] += members.first[k];
+    std::vector<std::int64_t> next(members.first);
+    members.triangle.resize(triangle.size());
+    members.masks.resize(masks.size());
+    for (std::size_t i = 0; i < part.size(); ++i) {
+        const auto place = static_cast<std::size_t>(next[static_cast<std::size_t>(part[i])]++);
+        members.triangle[place] = triangle[i];
+        std::copy_n(masks.begin() + static_cast<std::ptrdiff_t>(depth * i), depth,
+                    members.masks.begin() + static_cast<std::ptrdiff_t>(depth * place));
     }
-    return parts;
+    return members;
 }
 
 std::vector<Part> make_parts(const Scene& scene, int count, ParallelFor& parallel) {
-    const Normaliser normalise(scene.low, scene.high);
-    PartSample sample(scene.triangle_count());
-    for (std::size_t i = 0; i < sample.size(); ++i) sample.set(i, scene.triangle(sample.triangle(i)), normalise);
-    const Part all = sample.centres(count, normalise);
-    Array<std::uint64_t> masks;
-    part_masks(scene, all, parallel, masks);
-    return list_members(all, masks.span(), scene.triangles[0]);
+    const PartCentres centres = place_parts(scene, count, parallel);
+    const PartTree tree = centres.tree();
+
+    // No slice is so small that its table of parts is larger than what it holds.
+    const std::int64_t n = scene.triangle_count(), least = std::max<std::int64_t>(4096, count);
+    const std::int64_t slice_count = std::clamp<std::int64_t>(n / least, 1, 64);
+    std::vector<PartMembers> slices(static_cast<std::size_t>(slice_count));
+    parallel.parallel_for(slices.size(), [&](std::size_t s) {
+        const auto i = static_cast<std::int64_t>(s);
+        slices[s] = list_members(scene, tree, count, i * n / slice_count, (i + 1) * n / slice_count);
+    });
+    const SeededHash hash;
+    std::vector<Part> parts(static_cast<std::size_t>(count));
+    parallel.parallel_for(parts.size(), [&](std::size_t k) {
+        parts[k] = copy_part(scene, centres.path(static_cast<std::int32_t>(k)), k, slices, hash);
+        parts[k].count = count;
+    });
+    return parts;
+}
+
+void check_part(const Part& part) {
+    const auto check = [](bool holds, const char* message, Element element = Element::option, std::int64_t index = -1) {
+        if (!holds) throw Error(ErrorCode::invalid_argument, message, element, index);
+    };
+    check(part.index >= 0 && part.index < part.count, "a part's index must be below its count");
+    check(!part.levels.empty() && part.levels.size() <= max_levels, "a part needs 1 to 4 levels");
+    for (const PartMesh* mesh : {&part.mesh, part.second ? &*part.second : nullptr}) {
+        if (!mesh) continue;
+        const bool whole = std::visit([](const auto& xyz) { return xyz.size() % 3 == 0; }, mesh->vertices);
+        check(whole, "a part's vertices must have three coordinates each");
+        check(mesh->corners.size() == 3 * mesh->ids.size(), "a part must have three corners for each triangle id");
+        std::int32_t before = -1;
+        for (std::size_t i = 0; i < mesh->ids.size(); before = mesh->ids[i++])
+            check(mesh->ids[i] > before, "a part's triangle ids must be 0 or more, and ascend", Element::triangle,
+                  static_cast<std::int64_t>(i));
+    }
+    const auto triangles = static_cast<std::size_t>(part.triangle_count());
+    for (const PartLevel& level : part.levels) {
+        check(level.cluster >= 0 && level.cluster < max_clusters, "a part's cluster must be 0 to 63");
+        check(level.masks.size() == triangles, "a part must have a mask for each triangle and level");
+        for (std::size_t i = 0; i < triangles; ++i)
+            check(level.masks[i] >> level.cluster & 1, "a part's triangles must be members of its cluster",
+                  Element::triangle, static_cast<std::int64_t>(i));
+    }
+}
+
+void name_globally(const Part& part, Array<Pair>& pairs) {
+    const std::int32_t *first = part.mesh.ids.data(), *second = part.second ? part.second->ids.data() : first;
+    for (Pair& pair : pairs) pair = {first[pair.a], second[pair.b]};
 }
 
 }  // namespace crumple

@@ -1,53 +1,37 @@
 #pragma once
 
-// Membership of triangles in the public parts of a scene ([MZ] sec. 1.1; rule and proof in docs/subdivide.md).
-//
-// Machines that answer different parts must agree on every bit of every mask, so this is plain float64 arithmetic
-// without contraction, the same on every processor and backend.
+// The public parts of a scene (crumple/part.h): who belongs to which, and the copies that each part owns.
 
-#include <algorithm>
-#include <bit>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 #include "base/parallel_for.h"
-#include "crumple/array.h"
-#include "crumple/detector.h"
-#include "geometry/normaliser.h"
+#include "crumple/collisions.h"
+#include "crumple/part.h"
+#include "model/part_tree.h"
 #include "model/scene.h"
 
 namespace crumple {
 
-/// Bit k of masks[t]: triangle t belongs to the part with centres[k]. 0 for triangles that `part` does not list; one
-/// without lists stands for all triangles.
-void part_masks(const Scene& scene, const Part& part, ParallelFor& parallel, Array<std::uint64_t>& masks);
-
-/// The pair is owned by the lowest part that both belong to.
-inline bool owned_by(int part, std::uint64_t mask_a, std::uint64_t mask_b) {
-    return std::countr_zero(mask_a & mask_b) == part;
-}
-
-/// The triangles that place the parts' centres: at most 4,096, evenly spread over the scene's order.
-class PartSample {
-   public:
-    explicit PartSample(std::int64_t triangles)
-        : triangles_(static_cast<std::size_t>(triangles)), centroids_(std::min<std::size_t>(triangles_, 4096)) {}
-    std::size_t size() const { return centroids_.size(); }
-    std::int64_t triangle(std::size_t i) const { return static_cast<std::int64_t>(i * triangles_ / size()); }
-    void set(std::size_t i, const Triangle& triangle, const Normaliser& normalise);
-    /// `count` fuzzy C-means centres, and no members yet.
-    Part centres(int count, const Normaliser& normalise) const;
-
-   private:
-    std::size_t triangles_;
-    std::vector<Vec3f> centroids_;
+/// Members of the parts among some triangles, part by part: those of part k lie at [first[k], first[k + 1]).
+struct PartMembers {
+    std::vector<std::int64_t> first;     ///< parts + 1
+    std::vector<std::int32_t> triangle;  ///< of the scene, ascending within a part
+    std::vector<std::uint64_t> masks;    ///< one a level for each member
 };
 
-/// The parts around these centres: members by the masks of all triangles, of which `first_mesh` are the first mesh's.
-std::vector<Part> list_members(const Part& centres, std::span<const std::uint64_t> masks, std::int64_t first_mesh);
+/// Members among triangles [begin, end). Looks at no other triangle: the tree knows all else.
+PartMembers list_members(const Scene& scene, const PartTree& tree, int parts, std::int64_t begin, std::int64_t end);
 
 /// Cuts a scene into `count` parts; depends only on the scene and the count.
 std::vector<Part> make_parts(const Scene& scene, int count, ParallelFor& parallel);
+
+/// Throws Error (invalid_argument) if the part is none that make_parts() could have made, as far as that shows without
+/// a look at its vertices.
+void check_part(const Part& part);
+
+/// From positions in the part's lists of triangles to ids in the meshes.
+void name_globally(const Part& part, Array<Pair>& pairs);
 
 }  // namespace crumple

@@ -168,7 +168,7 @@ TEST_P(SelfTruth, IsTheUnionOfItsParts) {
     for (const int count : part_counts(scene)) {
         std::vector<Pair> joined;
         for (const Part& part : detector.partition(mesh.view(), count)) {
-            const Collisions& found = detector.find_self(mesh.view(), part);
+            const Collisions& found = detector.find(part);
             joined.insert(joined.end(), found.pairs.begin(), found.pairs.end());
         }
         std::sort(joined.begin(), joined.end());

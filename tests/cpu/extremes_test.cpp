@@ -160,22 +160,5 @@ TEST(Extremes, has_collision_keeps_to_a_memory_limit) {
     EXPECT_FALSE(enough.has_collision(soup.view()));
 }
 
-TEST(Extremes, parts_may_have_any_centres) {
-    const auto soup = test::random_soup(400, 0.15);
-    Detector detector;
-    const auto expected = pairs_of(detector.find_self(soup.view()));
-    for (const double far : {1.0, 1e3, 1e8, 1e300}) {
-        std::vector<Pair> all;
-        for (std::int32_t k = 0; k < 4; ++k) {
-            Part part;
-            part.index = k;
-            for (int j = 0; j < 4; ++j) part.centres.push_back({far + 0.3 * j, far * (1 + 1e-7 * (j & 1)), far});
-            for (const Pair& pair : detector.find_self(soup.view(), part).pairs) all.push_back(pair);
-        }
-        std::sort(all.begin(), all.end());
-        EXPECT_EQ(difference(expected, all), "") << "centres at " << far;
-    }
-}
-
 }  // namespace
 }  // namespace crumple

@@ -93,17 +93,10 @@ TEST(CudaDevice, compares_two_meshes_with_groups_and_parts) {
         EXPECT_TRUE(same_answer(cuda.find_between(device_a.view(), device_b.view(), query),
                                 cpu.find_between(grouped, b, query)));
     }
-    for (Part& part : cpu.partition(grouped, b, 3)) {
-        const auto same = [&] {
-            return same_answer(cuda.find_between(device_a.view(), device_b.view(), part),
-                               cpu.find_between(grouped, b, part));
-        };
-        EXPECT_TRUE(same());
-        part.triangles.clear();
-        EXPECT_TRUE(same());  // no triangle of the first mesh is a member
-        part.triangles_second.clear();
-        EXPECT_TRUE(same());  // members are found again
-    }
+    const Query contacts{.contacts = true, .wanted = Wanted::between};
+    for (const int count : {3, 70})
+        for (const Part& part : cpu.partition(grouped, b, count))
+            EXPECT_TRUE(same_answer(cuda.find(part, contacts), cpu.find(part, contacts)));
 }
 
 TEST(CudaDevice, splits_a_scene_64_ways_and_the_same_triangles_63_ways_between_two_meshes) {
@@ -130,23 +123,30 @@ TEST(CudaDevice, cuts_a_scene_into_the_parts_of_the_host) {
     const Halves half(mesh.view());
     const DeviceMesh device(mesh.view()), device_a(half.a), device_b(half.b);
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
-    const auto expect_same = [](const std::vector<Part>& found, const std::vector<Part>& expected) {
+    const auto same = [](const PartMesh& a, const PartMesh& b) {
+        return a.vertices == b.vertices && a.corners == b.corners && a.ids == b.ids && a.groups == b.groups;
+    };
+    const auto expect_same = [&](const std::vector<Part>& found, const std::vector<Part>& expected) {
         ASSERT_EQ(found.size(), expected.size());
         for (std::size_t k = 0; k < found.size(); ++k) {
             EXPECT_EQ(found[k].index, expected[k].index);
-            EXPECT_EQ(found[k].centres, expected[k].centres);
-            EXPECT_EQ(found[k].triangles, expected[k].triangles);
-            EXPECT_EQ(found[k].triangles_second, expected[k].triangles_second);
+            EXPECT_TRUE(same(found[k].mesh, expected[k].mesh));
+            EXPECT_EQ(found[k].second.has_value(), expected[k].second.has_value());
+            if (expected[k].second) {
+                EXPECT_TRUE(same(*found[k].second, *expected[k].second));
+            }
+            for (std::size_t l = 0; l < expected[k].levels.size(); ++l)
+                EXPECT_EQ(found[k].levels[l].masks, expected[k].levels[l].masks);
         }
     };
-    for (const int count : {1, 3, 64}) {
+    for (const int count : {1, 3, 64, 100}) {
         expect_same(cuda.partition(device.view(), count), cpu.partition(mesh.view(), count));
         expect_same(cuda.partition(device_a.view(), device_b.view(), count), cpu.partition(half.a, half.b, count));
     }
     expect_same(cuda.partition(DeviceMesh(MeshView()).view(), 2), cpu.partition(MeshView(), 2));
     std::vector<Pair> joined;
     for (const Part& part : cuda.partition(device.view(), 5))
-        for (const Pair& pair : cuda.find_self(device.view(), part).pairs) joined.push_back(pair);
+        for (const Pair& pair : cuda.find(part).pairs) joined.push_back(pair);
     std::sort(joined.begin(), joined.end());
     const Collisions& whole = cpu.find_self(mesh.view());
     EXPECT_TRUE(std::equal(joined.begin(), joined.end(), whole.pairs.begin(), whole.pairs.end()));

@@ -101,8 +101,8 @@ TEST(CudaLaunch, obeys_the_excluded_groups_of_each_query) {
         counts.push_back(expected.pairs.size());
         cuda.launch_self(device.view(), query);
         EXPECT_TRUE(shows(cuda.wait(), mesh.view(), nullptr, expected)) << "list " << counts.size();
-        const Part part = cpu.partition(mesh.view(), 2)[0];  // its data lie beside the list
-        EXPECT_TRUE(same_answer(cuda.find_self(device.view(), part, query), cpu.find_self(mesh.view(), part, query)));
+        const Part part = cpu.partition(mesh.view(), 2)[0];
+        EXPECT_TRUE(same_answer(cuda.find(part, query), cpu.find(part, query)));
     }
     EXPECT_NE(counts[1], counts[2]);
     EXPECT_LT(counts[2], counts[3]);
@@ -118,7 +118,7 @@ TEST(CudaLaunch, downloads_only_what_wait_has_found) {
         [&] { cuda.has_collision(device.view()); },
         [&] { cuda.launch_self(device.view()); },
         [&] { EXPECT_THROW(cuda.launch_self(mesh.view()), Error); },
-        [&] { EXPECT_THROW(cuda.find_self(device.view(), Part{}), Error); },
+        [&] { EXPECT_THROW(cuda.find(Part{}), Error); },
         [&] { EXPECT_THROW(cuda.partition(mesh.view(), 0), Error); },
     };
     EXPECT_THROW(cuda.download(), Error);

@@ -321,7 +321,7 @@ Search::Search(Bytes bytes) {
     const bool spoilt = bytes.next() == 255;
     const int extras = bytes.next();
     if (extras & 1) parts = 1 + bytes.next() % 64 / (extras >= 240 ? 1 : 16);
-    without_lists = extras & 4;
+    if (extras & 4) parts *= 17;  // more than one level holds
     if ((extras & 24) == 24) memory_limit = bytes.next() * (extras & 32 ? 16 : 256);
     for (std::size_t side = 0; side < 2; ++side) {
         kind.single[side] = bytes.flag();

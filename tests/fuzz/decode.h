@@ -66,7 +66,6 @@ struct Search {
     Options options;
     Query query;  ///< `excluded_groups` looks at `excluded`
     std::vector<GroupPair> excluded;
-    bool without_lists = false;      ///< of parts: members are found again
     int parts = 0;                   ///< 0: none
     std::int64_t memory_limit = -1;  ///< beside what suffices; -1: none
     std::vector<Frame> frames;

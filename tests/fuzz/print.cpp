@@ -65,8 +65,7 @@ std::string code_of(const Mesh& mesh, const std::string& name) {
 
 std::string as_code(const Search& search) {
     std::string code = code_of(search.options) + code_of(search.query);
-    if (search.parts > 0)
-        code += "// " + std::to_string(search.parts) + " parts" + (search.without_lists ? ", lists cleared\n" : "\n");
+    if (search.parts > 0) code += "// " + std::to_string(search.parts) + " parts\n";
     if (search.memory_limit >= 0) code += "// memory limit " + std::to_string(search.memory_limit) + "\n";
     for (std::size_t f = 0; f < search.frames.size(); ++f)
         for (std::size_t side = 0; side < search.frames[f].size(); ++side)

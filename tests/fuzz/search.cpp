@@ -33,9 +33,6 @@ class Views {
     const Collisions& find(Detector& by, const Query& query) const {
         return b_ ? by.find_between(a(), b(), query) : by.find_self(a(), query);
     }
-    const Collisions& find(Detector& by, const Part& part, const Query& query) const {
-        return b_ ? by.find_between(a(), b(), part, query) : by.find_self(a(), part, query);
-    }
     bool any(Detector& by, const Query& query) const {
         return b_ ? by.has_collision(a(), b(), query) : by.has_collision(a(), query);
     }
@@ -151,24 +148,37 @@ class Judge {
         }
     }
 
+    /// Contacts are those of the whole answer, byte by byte.
+    static void require_contacts_of(const Collisions& whole, const Collisions& found) {
+        const Contacts &theirs = whole.contacts, &ours = found.contacts;
+        for (std::size_t i = 0; i < ours.kinds.size(); ++i) {
+            const auto w = std::ranges::lower_bound(whole.pairs, found.pairs[i]) - whole.pairs.begin();
+            if (w == static_cast<std::ptrdiff_t>(whole.pairs.size())) continue;  // reported by the caller
+            const std::int64_t begin = ours.offsets[i], count = ours.offsets[i + 1] - begin;
+            const auto bytes = static_cast<std::size_t>(count) * sizeof ours.points[0];
+            require(ours.kinds[i] == theirs.kinds[w] && count == theirs.offsets[w + 1] - theirs.offsets[w] &&
+                        std::memcmp(&ours.points[begin], &theirs.points[theirs.offsets[w]], bytes) == 0,
+                    "a part's contact");
+        }
+    }
+
     void check_parts(const Views& views, const Frame& frame, const Collisions& whole) const {
-        std::vector<Part> parts = views.partition(detector_, search_.parts);
+        const std::vector<Part> parts = views.partition(detector_, search_.parts);
         require(static_cast<int>(parts.size()) == search_.parts, "as many parts as asked for");
         Array<Pair> all;
         for (std::size_t p = 0; p < parts.size(); ++p) {
-            Part& part = parts[p];
+            const Part& part = parts[p];
             require(part.index == static_cast<std::int32_t>(p), "a part's index");
-            const Part listed = part;
-            if (search_.without_lists) part.triangles = part.triangles_second = {};
-            const Collisions& found = views.find(detector_, part, search_.query);
+            require(part.second.has_value() == (frame.size() > 1), "a part's second mesh");
+            const std::vector<std::int32_t>&first = part.mesh.ids, &second = part.second ? part.second->ids : first;
+            const Collisions& found = detector_.find(part, search_.query);
             for (const Pair& pair : found.pairs) {
-                const auto& second = frame.size() > 1 ? listed.triangles_second : listed.triangles;
-                require(std::binary_search(listed.triangles.begin(), listed.triangles.end(), pair.a) &&
-                            std::binary_search(second.begin(), second.end(), pair.b),
-                        "a part owns a pair of triangles that it does not list");
+                require(std::ranges::binary_search(first, pair.a) && std::ranges::binary_search(second, pair.b),
+                        "a part owns a pair of triangles that it does not hold");
                 all.push_back(pair);
             }
-            if (p == parts.size() / 2) require_same(views.find(reference_, part, search_.query), found, "a part");
+            require_contacts_of(whole, found);
+            if (p == parts.size() / 2) require_same(reference_.find(part, search_.query), found, "a part");
         }
         std::sort(all.begin(), all.end());
         if (!std::ranges::equal(all, whole.pairs)) fail("the union of parts:" + difference(all, whole.pairs));

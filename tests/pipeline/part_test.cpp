@@ -1,11 +1,15 @@
-// Public parts: independent, complete, nothing twice.
+// Public parts: independent, self-contained, complete, nothing twice.
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
+#include <map>
 #include <numeric>
 
 #include "error_of.h"
+#include "model/part.h"
+#include "model/part_centres.h"
 #include "soups.h"
 
 namespace crumple {
@@ -15,79 +19,278 @@ using test::difference;
 using test::error_of;
 using test::pairs_of;
 
-TEST(Part, the_union_of_the_parts_is_the_whole_answer) {
-    const auto soup = test::random_soup(1500, 0.1);
-    const auto other = test::random_soup(800, 0.1, 4);
-    Detector detector;
-    const auto whole = pairs_of(detector.find_self(soup.view()));
-    const auto whole_between = pairs_of(detector.find_between(soup.view(), other.view()));
-    for (const int count : {1, 2, 3, 8, 33, 64}) {
-        std::vector<Pair> all, all_between;
-        for (const Part& part : detector.partition(soup.view(), count)) {
-            Detector elsewhere({.threads = 1});
-            for (const Pair& pair : elsewhere.find_self(soup.view(), part).pairs) all.push_back(pair);
+/// Owned pairs with their contacts' bytes.
+using Answer = std::map<Pair, std::vector<std::array<double, 3>>>;
+
+void add(const Collisions& found, Answer& answer) {
+    for (std::size_t i = 0; i < found.pairs.size(); ++i) {
+        std::vector<std::array<double, 3>> contact;
+        if (!found.contacts.kinds.empty()) {
+            const auto* points = found.contacts.points.data();
+            contact.assign(points + found.contacts.offsets[i], points + found.contacts.offsets[i + 1]);
         }
-        for (const Part& part : detector.partition(soup.view(), other.view(), count)) {
-            Detector elsewhere({.threads = 1});
-            for (const Pair& pair : elsewhere.find_between(soup.view(), other.view(), part).pairs)
-                all_between.push_back(pair);
-        }
-        std::sort(all.begin(), all.end());
-        std::sort(all_between.begin(), all_between.end());
-        EXPECT_EQ(difference(whole, all), "") << count << " parts";
-        EXPECT_EQ(difference(whole_between, all_between), "") << count << " parts";
+        EXPECT_TRUE(answer.emplace(found.pairs[i], contact).second)
+            << "two parts own " << testing::PrintToString(found.pairs[i]);
     }
 }
 
-TEST(Part, both_triangles_of_a_pair_are_members_of_the_part_that_answers_it) {
-    const auto soup = test::wavy_sheet(40);
+std::vector<Pair> pairs_of(const Answer& answer) {
+    std::vector<Pair> pairs;
+    for (const auto& entry : answer) pairs.push_back(entry.first);
+    return pairs;
+}
+
+void expect_union(const Collisions& whole, const std::vector<Part>& parts, const Query& query, Detector& elsewhere) {
+    Answer expected, joined;
+    add(whole, expected);
+    for (const Part& part : parts) add(elsewhere.find(part, query), joined);
+    ASSERT_EQ(difference(pairs_of(expected), pairs_of(joined)), "") << parts.size() << " parts";
+    EXPECT_TRUE(expected == joined) << parts.size() << " parts: contacts differ";
+}
+
+template <class Scalar>
+class PartOf : public testing::Test {
+   public:
+    static test::Soup<Scalar> soup(int count, double size, unsigned seed = 1) {
+        auto soup = test::random_soup<Scalar>(count, size, seed);
+        // Neighbours, by index and by position, duplicates and degenerate triangles.
+        for (std::size_t t = 7; t < soup.triangles.size(); t += 7) soup.triangles[t][0] = soup.triangles[t - 1][2];
+        for (std::size_t v = 30; v < soup.vertices.size(); v += 30) soup.vertices[v] = soup.vertices[v - 3];
+        for (std::size_t t = 11; t < soup.triangles.size(); t += 11) soup.triangles[t] = soup.triangles[t - 3];
+        for (std::size_t t = 13; t < soup.triangles.size(); t += 26) soup.triangles[t][1] = soup.triangles[t][2];
+        for (std::size_t t = 0; t < soup.triangles.size(); ++t)
+            soup.groups.push_back(static_cast<std::int32_t>(t / 3 % 4));
+        return soup;
+    }
+};
+using Scalars = testing::Types<float, double>;
+TYPED_TEST_SUITE(PartOf, Scalars, );
+
+const std::vector<GroupPair> excluded{{0, 1}, {2, 2}};
+
+/// The first one asks for most.
+std::vector<Query> queries() {
+    return {{.contacts = true},
+            {.neighbours = Neighbours::skip, .weld = true},
+            {.weld = true, .contacts = true, .wanted = Wanted::between},
+            {.intersections = Intersections::proper, .wanted = Wanted::within},
+            {.excluded_groups = excluded}};
+}
+
+std::vector<int> counts(const Query& query) {
+    if (query.contacts && !query.weld) return {1, 2, 3, 64, 65, 1000};
+    return {3, 64, 65};
+}
+
+TYPED_TEST(PartOf, a_soup_unite_to_the_whole_answer) {
+    const auto soup = TestFixture::soup(1200, 0.12);
+    Detector detector({.threads = 2, .leaf_size = 100}), elsewhere({.threads = 1, .leaf_size = 50}),
+        reference({.backend = Backend::reference});
+    for (const Query& query : queries()) {
+        const Collisions whole = detector.find_self(soup.view(), query);
+        ASSERT_GT(whole.pairs.size(), 100u);
+        for (const int count : counts(query)) {
+            const auto parts = detector.partition(soup.view(), count);
+            expect_union(whole, parts, query, elsewhere);
+            if (count == 3 || count == 1000) expect_union(whole, parts, query, reference);
+        }
+    }
+}
+
+TYPED_TEST(PartOf, two_meshes_unite_to_the_whole_answer) {
+    const auto a = TestFixture::soup(700, 0.15), b = TestFixture::soup(500, 0.15, 4);
+    const auto ungrouped = test::random_soup<double>(300, 0.2, 9);
+    Detector detector({.threads = 2, .leaf_size = 100}), elsewhere({.threads = 1, .leaf_size = 50}),
+        reference({.backend = Backend::reference});
+    for (const auto& second : {b.view(), ungrouped.view()}) {
+        for (const Query& query : queries()) {
+            const Collisions whole = detector.find_between(a.view(), second, query);
+            ASSERT_GT(whole.pairs.size(), 50u);
+            for (const int count : counts(query)) {
+                const auto parts = detector.partition(a.view(), second, count);
+                expect_union(whole, parts, query, elsewhere);
+                if (count == 3) expect_union(whole, parts, query, reference);
+            }
+        }
+    }
+}
+
+TEST(Part, holds_copies_and_both_triangles_of_its_pairs) {
+    auto soup = test::wavy_sheet(40);
     Detector detector;
-    ASSERT_GT(detector.find_self(soup.view()).pairs.size(), 50u);
-    for (const Part& part : detector.partition(soup.view(), 7)) {
-        const auto is_member = [&](std::int32_t t) {
-            return std::binary_search(part.triangles.begin(), part.triangles.end(), t);
-        };
-        for (const Pair& pair : detector.find_self(soup.view(), part).pairs) {
+    const std::vector<Pair> whole = test::pairs_of(detector.find_self(soup.view()));
+    ASSERT_GT(whole.size(), 50u);
+    const std::vector<Part> parts = detector.partition(soup.view(), 7);
+    for (const Part& part : parts) {
+        EXPECT_EQ(part.count, 7);
+        EXPECT_FALSE(part.second);
+        const auto& xyz = std::get<std::vector<float>>(part.mesh.vertices);
+        for (std::size_t i = 0; i < part.mesh.ids.size(); ++i)
+            for (std::size_t corner = 0; corner < 3; ++corner) {
+                const auto local = static_cast<std::size_t>(part.mesh.corners[3 * i + corner]);
+                const auto global = soup.triangles[static_cast<std::size_t>(part.mesh.ids[i])][corner];
+                for (std::size_t axis = 0; axis < 3; ++axis)
+                    ASSERT_EQ(xyz[3 * local + axis], soup.vertices[static_cast<std::size_t>(global)][axis]);
+            }
+        EXPECT_LT(xyz.size(), 3 * part.mesh.ids.size()) << "vertices are shared";
+    }
+    soup = {};  // nobody looks at it any more
+    std::vector<Pair> joined;
+    for (const Part& part : parts) {
+        const auto is_member = [&](std::int32_t t) { return std::ranges::binary_search(part.mesh.ids, t); };
+        for (const Pair& pair : detector.find(part).pairs) {
             EXPECT_TRUE(is_member(pair.a)) << pair.a << " in part " << part.index;
             EXPECT_TRUE(is_member(pair.b)) << pair.b << " in part " << part.index;
+            joined.push_back(pair);
+        }
+    }
+    std::sort(joined.begin(), joined.end());
+    EXPECT_EQ(difference(whole, joined), "");
+}
+
+TEST(Part, offsets_and_hits_are_by_position_in_its_lists) {
+    const auto a = test::random_soup(300, 0.3), b = test::random_soup(200, 0.3, 4);
+    Detector detector;
+    std::size_t found = 0;
+    for (const Part& part : detector.partition(a.view(), b.view(), 3)) {
+        const Collisions& answer = detector.find(part);
+        const auto &first = part.mesh.ids, &second = part.second->ids;
+        ASSERT_EQ(answer.offsets.size(), first.size() + 1);
+        ASSERT_EQ(answer.hit.size(), first.size());
+        ASSERT_EQ(answer.hit_second.size(), second.size());
+        std::vector<std::uint8_t> hit(first.size()), hit_second(second.size());
+        for (std::size_t i = 0; i < first.size(); ++i)
+            for (std::int64_t p = answer.offsets[i]; p < answer.offsets[i + 1]; ++p) {
+                EXPECT_EQ(answer.pairs[p].a, first[i]);
+                hit[i] = 1;
+                hit_second[static_cast<std::size_t>(std::ranges::lower_bound(second, answer.pairs[p].b) -
+                                                    second.begin())] = 1;
+                ++found;
+            }
+        EXPECT_TRUE(std::ranges::equal(hit, answer.hit));
+        EXPECT_TRUE(std::ranges::equal(hit_second, answer.hit_second));
+    }
+    EXPECT_EQ(found, detector.find_between(a.view(), b.view()).pairs.size());
+}
+
+TEST(Part, makes_the_same_parts_on_any_number_of_threads) {
+    const auto soup = test::wavy_sheet(120);
+    const auto parts_of = [&](int threads, Backend backend) {
+        return Detector({.backend = backend, .threads = threads}).partition(soup.view(), 100);
+    };
+    const auto expected = parts_of(1, Backend::reference);
+    for (const int threads : {1, 7}) {
+        const auto parts = parts_of(threads, Backend::cpu);
+        ASSERT_EQ(parts.size(), expected.size());
+        for (std::size_t k = 0; k < parts.size(); ++k) {
+            EXPECT_EQ(parts[k].index, static_cast<std::int32_t>(k));
+            EXPECT_EQ(parts[k].mesh.ids, expected[k].mesh.ids);
+            EXPECT_EQ(parts[k].mesh.corners, expected[k].mesh.corners);
+            EXPECT_EQ(parts[k].mesh.vertices, expected[k].mesh.vertices);
+            ASSERT_EQ(parts[k].levels.size(), 2u);
+            for (std::size_t l = 0; l < 2; ++l) {
+                EXPECT_EQ(parts[k].levels[l].cluster, expected[k].levels[l].cluster);
+                EXPECT_EQ(parts[k].levels[l].masks, expected[k].levels[l].masks);
+            }
         }
     }
 }
 
-TEST(Part, a_part_without_its_lists_is_answered_from_its_centres) {
-    const auto soup = test::random_soup(700, 0.15), other = test::random_soup(300, 0.15, 4);
-    Detector detector;
-    for (Part& part : detector.partition(soup.view(), other.view(), 5)) {
-        const auto listed = pairs_of(detector.find_between(soup.view(), other.view(), part));
-        part.triangles.clear();
-        part.triangles_second.clear();
-        EXPECT_EQ(pairs_of(detector.find_between(soup.view(), other.view(), part)), listed);
+// What a machine finds that holds a few of the triangles is what one finds that holds them all.
+TEST(Part, members_are_found_from_any_slice) {
+    const auto soup = test::random_soup<double>(500, 0.1);
+    ParallelFor serial;
+    SceneBuffers buffers;
+    const Scene scene = prepare_scene(soup.view(), nullptr, false, serial, buffers);
+    for (const int count : {5, 64, 65, 1000, 5000}) {
+        const PartCentres centres = place_parts(scene, count, serial);
+        const PartTree tree = centres.tree();
+        const std::vector<Part> parts = make_parts(scene, count, serial);
+        for (const std::int64_t begin : {0, 123, 499}) {
+            auto alone = soup;  // a scene of its own, in another box
+            alone.triangles = {soup.triangles.begin() + begin,
+                               soup.triangles.begin() + std::min<std::int64_t>(begin + 50, 500)};
+            SceneBuffers own;
+            const Scene slice = prepare_scene(alone.view(), nullptr, false, serial, own);
+            const PartMembers members = list_members(slice, tree, count, 0, slice.triangle_count());
+            std::size_t listed = 0;
+            for (std::size_t k = 0; k < parts.size(); ++k) {
+                const Part& part = parts[k];
+                for (std::int64_t i = members.first[k]; i < members.first[k + 1]; ++i, ++listed) {
+                    const auto at = static_cast<std::size_t>(i);
+                    const auto id = members.triangle[at] + static_cast<std::int32_t>(begin);
+                    const auto place = std::ranges::lower_bound(part.mesh.ids, id) - part.mesh.ids.begin();
+                    ASSERT_LT(place, part.mesh.size());
+                    ASSERT_EQ(part.mesh.ids[static_cast<std::size_t>(place)], id);
+                    for (std::size_t l = 0; l < part.levels.size(); ++l)
+                        EXPECT_EQ(part.levels[l].masks[static_cast<std::size_t>(place)],
+                                  members.masks[part.levels.size() * at + l]);
+                }
+            }
+            EXPECT_GE(listed, static_cast<std::size_t>(slice.triangle_count()));
+        }
     }
 }
 
-TEST(Part, only_pairs_of_listed_triangles_are_found) {
-    const auto soup = test::random_soup(400, 0.3);
+TEST(Part, levels_are_as_few_as_hold_the_parts) {
+    const auto soup = test::random_soup(2000, 0.05);
     Detector detector;
-    Part part = detector.partition(soup.view(), 1)[0];
-    std::erase_if(part.triangles, [](std::int32_t t) { return t % 3 == 0; });
-    auto expected = pairs_of(detector.find_self(soup.view()));
-    std::erase_if(expected, [](const Pair& pair) { return pair.a % 3 == 0 || pair.b % 3 == 0; });
-    ASSERT_FALSE(expected.empty());
-    EXPECT_EQ(pairs_of(detector.find_self(soup.view(), part)), expected);
-    EXPECT_EQ(pairs_of(Detector({.backend = Backend::reference}).find_self(soup.view(), part)), expected);
+    for (const auto& [count, levels] : {std::pair{1, 1u}, {64, 1u}, {65, 2u}, {4096, 2u}, {4097, 3u}}) {
+        const auto parts = detector.partition(soup.view(), count);
+        ASSERT_EQ(parts.size(), static_cast<std::size_t>(count));
+        std::vector<std::vector<std::int32_t>> paths;
+        for (const Part& part : parts) {
+            ASSERT_EQ(part.levels.size(), levels) << count;
+            std::vector<std::int32_t> path;
+            for (const PartLevel& level : part.levels) path.push_back(level.cluster);
+            paths.push_back(path);
+        }
+        EXPECT_TRUE(std::ranges::is_sorted(paths)) << count;
+        EXPECT_EQ(std::ranges::adjacent_find(paths), paths.end()) << "two parts at one place";
+    }
 }
 
-TEST(Part, parts_of_other_meshes_are_refused) {
-    const auto small = test::random_soup(10, 0.3), large = test::random_soup(20, 0.3);
+TEST(Part, shares_are_in_proportion_and_fit) {
+    const std::vector<std::int64_t> points{1000, 0, 3000, 10};
+    const std::vector<int> shares = share_out(84, 64, points);
+    EXPECT_EQ(std::accumulate(shares.begin(), shares.end(), 0), 84);
+    EXPECT_NEAR(shares[0], 20, 2);
+    EXPECT_EQ(shares[1], 1);
+    EXPECT_NEAR(shares[2], 60, 3);
+    EXPECT_EQ(shares[3], 1);
+    EXPECT_EQ(share_out(128, 64, std::vector<std::int64_t>{5, 0}), (std::vector<int>{64, 64}));
+}
+
+// The pairs of parts that come from elsewhere are checked before they are believed.
+TEST(Part, a_part_that_cannot_be_is_refused) {
+    const auto soup = test::random_soup(40, 0.4), other = test::random_soup(30, 0.4, 2);
     Detector detector;
-    const Part part = detector.partition(large.view(), 1)[0];
-    const Part pair = detector.partition(large.view(), large.view(), 1)[0];
-    const auto error = error_of([&] { detector.find_self(small.view(), part); });
-    EXPECT_EQ(error.code, ErrorCode::invalid_argument);
-    EXPECT_NE(std::string(error.what()).find("the part names triangle 10 of 10"), std::string::npos) << error.what();
-    EXPECT_EQ(error_of([&] { detector.find_self(large.view(), pair); }).code, ErrorCode::invalid_argument);
-    EXPECT_EQ(error_of([&] { detector.find_between(large.view(), small.view(), pair); }).code,
-              ErrorCode::invalid_argument);
+    const Part good = detector.partition(soup.view(), other.view(), 3)[1];
+    const auto refused = [&](auto spoil) {
+        Part part = good;
+        spoil(part);
+        const Error error = error_of([&] { detector.find(part); });
+        EXPECT_TRUE(detector.find(good).statistics.triangles == good.triangle_count());
+        return error;
+    };
+    ASSERT_GT(good.mesh.size(), 5);
+    EXPECT_EQ(error_of([&] { detector.find(Part{}); }).code, ErrorCode::invalid_argument);
+    EXPECT_EQ(refused([](Part& p) { p.index = 3; }).element, Element::option);
+    EXPECT_EQ(refused([](Part& p) { p.levels.resize(5, p.levels[0]); }).element, Element::option);
+    EXPECT_EQ(refused([](Part& p) { p.levels[0].cluster = 64; }).element, Element::option);
+    EXPECT_EQ(refused([](Part& p) { p.levels[0].masks.pop_back(); }).element, Element::option);
+    EXPECT_EQ(refused([](Part& p) { p.mesh.corners.pop_back(); }).element, Element::option);
+    EXPECT_EQ(refused([](Part& p) { std::get<std::vector<float>>(p.mesh.vertices).pop_back(); }).element,
+              Element::option);
+    EXPECT_EQ(refused([](Part& p) { p.levels[0].masks[4] = 0; }).index, 4);
+    EXPECT_EQ(refused([](Part& p) { p.mesh.ids[3] = p.mesh.ids[2]; }).index, 3);
+    EXPECT_EQ(refused([](Part& p) { p.mesh.ids[0] = -1; }).index, 0);
+    EXPECT_EQ(refused([](Part& p) { p.second->corners[7] = 1000; }).code, ErrorCode::index_out_of_range);
+    EXPECT_EQ(refused([](Part& p) { p.mesh.groups = {1}; }).code, ErrorCode::invalid_argument);
+    EXPECT_EQ(refused([](Part& p) { std::get<std::vector<float>>(p.mesh.vertices)[4] = NAN; }).code,
+              ErrorCode::not_finite);
+    EXPECT_EQ(error_of([&] { detector.partition(soup.view(), 0); }).code, ErrorCode::invalid_argument);
+    EXPECT_EQ(error_of([&] { detector.partition(soup.view(), 262145); }).code, ErrorCode::invalid_argument);
 }
 
 // Centres are found in float32, where the largest number rounds up.
@@ -97,24 +300,65 @@ TEST(Part, a_scene_as_large_as_numbers_are_has_parts) {
     soup.vertices = {{-most, most, -most}, {-most, most, 0}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
     soup.triangles = {{0, 0, 0}, {0, 0, 0}, {0, 0, 1}, {2, 3, 4}};
     Detector detector;
-    const auto whole = pairs_of(detector.find_self(soup.view(), {.weld = true}));
-    for (const int count : {1, 2, 4}) {
-        std::vector<Pair> all;
-        for (const Part& part : detector.partition(soup.view(), count)) {
-            for (const Pair& pair : detector.find_self(soup.view(), part, {.weld = true}).pairs) all.push_back(pair);
-        }
-        std::sort(all.begin(), all.end());
-        EXPECT_EQ(difference(whole, all), "") << count << " parts";
+    const Query query{.weld = true};
+    const Collisions whole = detector.find_self(soup.view(), query);
+    for (const int count : {1, 2, 4, 65, 1000})
+        expect_union(whole, detector.partition(soup.view(), count), query, detector);
+}
+
+TEST(Part, far_from_the_origin_is_no_place_of_its_own) {
+    auto soup = test::random_soup<double>(400, 0.2);
+    for (auto& vertex : soup.vertices)
+        for (double& x : vertex) x = (x + 1e6) * 1e200;
+    Detector detector;
+    const Collisions whole = detector.find_self(soup.view());
+    ASSERT_GT(whole.pairs.size(), 50u);
+    for (const int count : {3, 65, 1000}) expect_union(whole, detector.partition(soup.view(), count), {}, detector);
+}
+
+// Where no centre parts the triangles, one part has them all, and the others are empty.
+TEST(Part, triangles_at_one_place_are_in_one_part) {
+    test::Soup<float> stack;
+    stack.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    for (int i = 0; i < 50; ++i) stack.triangles.push_back({0, 1, 2});
+    Detector detector;
+    const Collisions whole = detector.find_self(stack.view());
+    for (const int count : {2, 64, 65, 1000}) {
+        const auto parts = detector.partition(stack.view(), count);
+        expect_union(whole, parts, {}, detector);
+        std::int64_t members = 0;
+        for (const Part& part : parts) members += part.triangle_count();
+        EXPECT_EQ(members, 50) << count;
     }
 }
 
-TEST(Part, parts_overlap_little) {
+TEST(Part, of_nothing_are_empty) {
+    Detector detector;
+    for (const int count : {1, 64, 1000}) {
+        for (const Part& part : detector.partition(MeshView(), count)) {
+            EXPECT_EQ(part.triangle_count(), 0);
+            EXPECT_TRUE(detector.find(part).pairs.empty());
+        }
+        const auto soup = test::random_soup(20, 0.3);
+        for (const Part& part : detector.partition(soup.view(), MeshView(), count))
+            EXPECT_TRUE(detector.find(part, {.contacts = true}).pairs.empty());
+    }
+}
+
+TEST(Part, parts_overlap_little_and_are_balanced) {
     const auto soup = test::wavy_sheet(100);
     Detector detector;
-    std::size_t members = 0;
-    for (const Part& part : detector.partition(soup.view(), 8)) members += part.triangles.size();
-    EXPECT_GE(members, soup.triangles.size());
-    EXPECT_LT(members, soup.triangles.size() * 3 / 2);
+    for (const auto& [count, most_members, most_share] : {std::tuple{8, 1.5, 2.0}, {64, 1.8, 2.5}, {200, 2.5, 3.0}}) {
+        std::int64_t members = 0, largest = 0;
+        for (const Part& part : detector.partition(soup.view(), count)) {
+            members += part.triangle_count();
+            largest = std::max(largest, part.triangle_count());
+        }
+        const auto triangles = static_cast<double>(soup.triangles.size());
+        EXPECT_GE(members, static_cast<std::int64_t>(soup.triangles.size()));
+        EXPECT_LT(static_cast<double>(members), most_members * triangles) << count;
+        EXPECT_LT(static_cast<double>(largest * count), most_share * static_cast<double>(members)) << count;
+    }
 }
 
 }  // namespace

@@ -50,7 +50,7 @@ bool compute_bounds(const Scene& scene, const StageKernels& kernels, Workers& wo
     return repeats_corner;
 }
 
-void exclude_far(const Scene& scene, Workers& workers, const Array<Ball>& balls, Array<std::uint64_t>& masks) {
+void exclude_far(const Scene& scene, Workers& workers, const Array<Ball>& balls, Array<std::uint8_t>& included) {
     const Normaliser normaliser(scene.low, scene.high);
     // Coordinates are at most 1, so rounding to float32 and the distance below err by less than the margin.
     constexpr float margin = 2e-6f;
@@ -65,6 +65,7 @@ void exclude_far(const Scene& scene, Workers& workers, const Array<Ball>& balls,
             high[side][axis] = bound(scene.side_high[side]) + margin;
         }
     const std::int64_t n = scene.triangle_count();
+    included.resize_discard(static_cast<std::size_t>(n));
     workers.parallel_for(chunks(n), [&](std::size_t part, std::size_t) {
         const std::int64_t begin = static_cast<std::int64_t>(part) * chunk, end = std::min(n, begin + chunk);
         for (std::int64_t t = begin; t < end; ++t) {
@@ -72,7 +73,7 @@ void exclude_far(const Scene& scene, Workers& workers, const Array<Ball>& balls,
             const std::size_t other = scene.second(t) ? 0 : 1;
             const Vec3f c{ball.x, ball.y, ball.z};
             const Vec3f out = max(Vec3f{}, max(low[other] - c, c - high[other]));
-            if (dot(out, out) > ball.r * ball.r) masks[static_cast<std::size_t>(t)] = 0;
+            included[t] = !(dot(out, out) > ball.r * ball.r);
         }
     });
 }

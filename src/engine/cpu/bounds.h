@@ -17,8 +17,7 @@ namespace crumple::cpu {
 bool compute_bounds(const Scene& scene, const StageKernels& kernels, Workers& workers, Points& points,
                     Array<Ball>& balls);
 
-/// Between two meshes: sets masks[t] to 0 for triangles whose ball does not reach the other mesh's box. They cannot
-/// collide.
-void exclude_far(const Scene& scene, Workers& workers, const Array<Ball>& balls, Array<std::uint64_t>& masks);
+/// Between two meshes: included[t] is whether the triangle's ball reaches the other mesh's box. Others cannot collide.
+void exclude_far(const Scene& scene, Workers& workers, const Array<Ball>& balls, Array<std::uint8_t>& included);
 
 }  // namespace crumple::cpu

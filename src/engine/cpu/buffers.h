@@ -29,20 +29,20 @@ struct WorkerBuffers {
 
 struct Buffers {
     Buffers(MemoryMeter* m, int workers)
-        : rule(m), points(m), balls(m), subdivision(m), part_masks(m), copies(m), output(m) {
+        : rule(m), points(m), balls(m), subdivision(m), included(m), copies(m), output(m) {
         for (int w = 0; w < workers; ++w) {
             worker.push_back(std::make_unique<WorkerBuffers>(m));
             found.push_back(&worker.back()->narrow.pairs);
         }
     }
 
-    const std::uint64_t* masks() const { return part_masks.empty() ? nullptr : part_masks.data(); }
+    const std::uint8_t* included_or_null() const { return included.empty() ? nullptr : included.data(); }
 
     GroupRule rule;
     Points points;
     Array<Ball> balls;
     Subdivision subdivision;
-    Array<std::uint64_t> part_masks;  ///< by triangle; empty: all belong to the one part that is answered
+    Array<std::uint8_t> included;  ///< by triangle: 0 for one that is left out; empty: none is
     Copies copies;
     OutputScratch output;
     WarmCentres warm;

@@ -4,12 +4,12 @@
 
 namespace crumple::cpu {
 
-void Copies::find(const Scene& scene, const GroupRule& rule, const std::uint64_t* part_masks, int part) {
+void Copies::find(const Scene& scene, const GroupRule& rule, const std::uint8_t* included) {
     next_.clear();
     const auto n = static_cast<std::int32_t>(scene.triangle_count());
     const auto repeats_corner = [&](std::int32_t t) {
         const std::int32_t* c = scene.corners + 3 * std::int64_t{t};
-        return (c[0] == c[1] || c[1] == c[2] || c[2] == c[0]) && (!part_masks || part_masks[t] >> part & 1);
+        return (c[0] == c[1] || c[1] == c[2] || c[2] == c[0]) && (!included || included[t]);
     };
     const auto group = [&](std::int32_t t) { return rule.trivial() ? 0 : scene.group(t); };
     const auto alike = [&](std::int32_t t, std::int32_t u) {
@@ -39,10 +39,10 @@ void Copies::find(const Scene& scene, const GroupRule& rule, const std::uint64_t
     }
 }
 
-void Copies::leave_out(Array<std::uint64_t>& masks) const {
-    if (!empty() && masks.empty()) masks.assign(next_.size(), 1);
+void Copies::leave_out(Array<std::uint8_t>& included) const {
+    if (!empty() && included.empty()) included.assign(next_.size(), 1);
     for (const std::int32_t t : next_)
-        if (t >= 0) masks[t] = 0;
+        if (t >= 0) included[t] = 0;
 }
 
 void Copies::expand(Array<Pair>& pairs, Cancellation& cancellation) const {

@@ -27,15 +27,15 @@ class Copies {
    public:
     explicit Copies(MemoryMeter* meter) : next_(meter), table_(meter) {}
 
-    /// Finds the classes among the triangles with bit `part` in `part_masks`, or among all if that is null. Two
-    /// passes over the corners, so call it only if some triangle names a vertex twice; clear() if not.
-    void find(const Scene& scene, const GroupRule& rule, const std::uint64_t* part_masks, int part);
+    /// Finds the classes among the triangles t with included[t], or among all if that is null. Two passes over the
+    /// corners, so call it only if some triangle names a vertex twice; clear() if not.
+    void find(const Scene& scene, const GroupRule& rule, const std::uint8_t* included);
 
     void clear() { next_.clear(); }
     bool empty() const { return next_.empty(); }
 
-    /// Clears the masks of all but the first of each class. No masks: all triangles belong to part 0.
-    void leave_out(Array<std::uint64_t>& masks) const;
+    /// Leaves the first of each class included only. Empty: all triangles are.
+    void leave_out(Array<std::uint8_t>& included) const;
 
     /// How many pairs a pair of first ones stands for, itself included.
     std::int64_t count(Pair pair) const { return empty() ? 1 : size(pair.a) * size(pair.b); }

@@ -6,7 +6,6 @@
 #include "engine/cpu/bounds.h"
 #include "engine/cpu/leaves.h"
 #include "engine/output.h"
-#include "model/part.h"
 
 namespace crumple::cpu {
 namespace {
@@ -28,17 +27,12 @@ void begin(const Call& call) {
 // Which triangles are looked at.
 void choose_triangles(const Call& call, bool repeats_corner) {
     Buffers& b = call.buffers;
-    if (call.part)
-        part_masks(call.scene, *call.part, call.parallel, b.part_masks);
-    else if (call.scene.between)
-        b.part_masks.assign(static_cast<std::size_t>(call.scene.triangle_count()), 1);
-    else
-        b.part_masks.clear();
-    if (call.scene.between) exclude_far(call.scene, call.workers, b.balls, b.part_masks);
+    b.included.clear();
+    if (call.scene.between) exclude_far(call.scene, call.workers, b.balls, b.included);
     b.copies.clear();
     if (repeats_corner) {
-        b.copies.find(call.scene, b.rule, b.masks(), call.part_index());
-        b.copies.leave_out(b.part_masks);
+        b.copies.find(call.scene, b.rule, b.included_or_null());
+        b.copies.leave_out(b.included);
     }
 }
 
@@ -95,7 +89,7 @@ void find_pairs(const Call& call) {
     const bool repeats_corner = compute_bounds(scene, kernels, workers, b.points, b.balls);
     choose_triangles(call, repeats_corner);
     statistics[Stage::bounds] += watch.lap();
-    place_clusters(b.balls, n, b.masks(), call.part_index(), call.options, kernels, workers, b.warm, b.subdivision);
+    place_clusters(b.balls, n, b.included_or_null(), call.options, kernels, workers, b.warm, b.subdivision);
     statistics.clusters = b.subdivision.clusters;
 
     const NarrowContext context = narrow_context(call);
@@ -106,7 +100,7 @@ void find_pairs(const Call& call) {
         if (!call.frugal) make_room_for_workers(call);
         for_each_leaf(call, [&](const Leaf& leaf, WorkerBuffers& worker, bool in_tiles) {
             if (leaf.size < 2 || context.stop()) return;
-            Ownership ownership(scene, b.subdivision, b.masks(), call.part_index(), leaf);
+            Ownership ownership(scene, call.levels, b.subdivision, leaf);
             if (!align_leaf(call, context.points, leaf, ownership, worker)) return;
             sort_leaf(call, worker);
             sweep_leaf(call, context, ownership, in_tiles, worker);  // and narrow

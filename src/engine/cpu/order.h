@@ -4,9 +4,10 @@
 
 #include <functional>
 
-#include "crumple/detector.h"
 #include "engine/cpu/buffers.h"
 #include "engine/cpu/parallel.h"
+#include "engine/pair_budget.h"
+#include "model/levels.h"
 
 namespace crumple::cpu {
 
@@ -14,7 +15,7 @@ namespace crumple::cpu {
 struct Call {
     const Scene& scene;
     const Query& query;
-    const Part* part;  ///< null: the whole answer
+    Levels levels;  ///< above the scene
     const Options& options;
     const StageKernels& kernels;
     const IntersectKernels& intersect;
@@ -30,8 +31,7 @@ struct Call {
     const std::function<void(const Array<Pair>&)>* sink = nullptr;  ///< see NarrowContext
     PairBudget* budget = nullptr;                                   ///< see NarrowContext
 
-    int part_index() const { return part ? part->index : 0; }
-    PairBudget::Call asked() const { return {scene, query, buffers.rule, buffers.part_masks, part_index()}; }
+    PairBudget::Call asked() const { return {scene, query, buffers.rule, levels}; }
 };
 
 /// All stages but the last. Pairs go to the sink, or gather in the workers' buffers; of copies of a triangle only the

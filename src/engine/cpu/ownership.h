@@ -1,8 +1,8 @@
 #pragma once
 
-// Who handles a pair. A leaf owns it iff no lower cluster of any level holds both triangles: no part below the one
-// answered, no first-level cluster below k1, no second-level one below k2. Triangles of one group count as members of a
-// common lower cluster, too, if only pairs between groups are wanted.
+// Who handles a pair. A leaf owns it iff no lower cluster of any level holds both triangles: none of the levels above
+// the scene, if it is a part, none of the first level below k1, none of the second below k2. Triangles of one group
+// count as members of a common lower cluster, too, if only pairs between groups are wanted.
 //
 // The sweep wants this as 16 bits a member, so that one AND tells. Up to 16 lower clusters are taken from the masks as
 // they are; of more, each that occurs in the leaf gets a bit, and in the rare leaf that meets more than 16 the rest is
@@ -14,38 +14,41 @@
 #include <cstdint>
 
 #include "engine/cpu/subdivide.h"
+#include "model/levels.h"
 #include "model/scene.h"
 
 namespace crumple::cpu {
 
 class Ownership {
    public:
-    Ownership(const Scene& scene, const Subdivision& subdivision, const std::uint64_t* part_masks, int part,
-              const Leaf& leaf)
-        : scene_(scene),
-          subdivision_(subdivision),
-          part_masks_(part_masks),
-          parts_(part_masks ? part : 0),
-          clusters_(leaf.cluster),
-          children_(leaf.child < 0 ? 0 : leaf.child) {}
+    /// `above`: levels above the scene.
+    Ownership(const Scene& scene, const Levels& above, const Subdivision& subdivision, const Leaf& leaf)
+        : scene_(scene) {
+        for (const crumple::Level& level : above) add_level(level.masks, level.cluster, false);
+        add_level(subdivision.mask1.data(), leaf.cluster, false);
+        add_level(subdivision.mask2.data(), leaf.child, true);
+    }
 
     /// Ownership bits for the members of the leaf, written to `lower`. `groups_apart`: pairs of one group are unwanted;
     /// the bits say so, too, where the leaf's groups are few.
     void bits(const std::int32_t* triangle, const std::int32_t* member, std::int64_t n, bool groups_apart,
               std::uint16_t* lower) {
         complete_ = true;
-        // Groups need lanes too, so clusters leave them all they can.
-        if (!groups_apart && parts_ + clusters_ + children_ <= 16) {
-            for (std::int64_t i = 0; i < n; ++i)
-                lower[i] = static_cast<std::uint16_t>(part_mask(triangle[i]) | cluster_mask(triangle[i]) << parts_ |
-                                                      child_mask(member[i]) << (parts_ + clusters_));
-            return;
-        }
         int lane = 0;
         std::fill(lower, lower + n, std::uint16_t{0});
-        if (parts_) add_level(n, lane, lower, [&](std::int64_t i) { return part_mask(triangle[i]); });
-        if (clusters_) add_level(n, lane, lower, [&](std::int64_t i) { return cluster_mask(triangle[i]); });
-        if (children_) add_level(n, lane, lower, [&](std::int64_t i) { return child_mask(member[i]); });
+        // Groups need lanes too, so clusters leave them all they can.
+        const bool as_they_are = !groups_apart && clusters_ <= 16;
+        for (std::size_t l = 0; l < count_; ++l) {
+            const Level& level = level_[l];
+            const std::int32_t* at = level.by_member ? member : triangle;
+            if (as_they_are) {
+                for (std::int64_t i = 0; i < n; ++i)
+                    lower[i] = static_cast<std::uint16_t>(lower[i] | level.of(at[i]) << lane);
+                lane += level.clusters;
+            } else {
+                choose_lanes(level, at, n, lane, lower);
+            }
+        }
         if (!groups_apart) return;
         const FewGroups groups(scene_, triangle, n, 16 - lane);
         for (std::int64_t i = 0; i < n; ++i)
@@ -56,18 +59,36 @@ class Ownership {
     bool complete() const { return complete_; }
 
     bool owns(std::int32_t triangle_a, std::int32_t member_a, std::int32_t triangle_b, std::int32_t member_b) const {
-        return ((part_mask(triangle_a) & part_mask(triangle_b)) |
-                (cluster_mask(triangle_a) & cluster_mask(triangle_b)) |
-                (child_mask(member_a) & child_mask(member_b))) == 0;
+        for (std::size_t l = 0; l < count_; ++l) {
+            const Level& level = level_[l];
+            const std::uint64_t both =
+                level.by_member ? level.of(member_a) & level.of(member_b) : level.of(triangle_a) & level.of(triangle_b);
+            if (both != 0) return false;
+        }
+        return true;
     }
 
    private:
-    // Gives each cluster that occurs in mask_of(i) one of the lanes that are left, and members their bits: eight
-    // clusters at a time, by a table of what their bits become.
-    template <class MaskOf>
-    void add_level(std::int64_t n, int& lane, std::uint16_t* lower, MaskOf mask_of) {
+    /// Memberships in the clusters that are lower than the leaf's own.
+    struct Level {
+        const std::uint64_t* masks;
+        int clusters;    ///< how many
+        bool by_member;  ///< masks[member], otherwise masks[triangle]
+
+        std::uint64_t of(std::int32_t i) const { return masks[i] & ((std::uint64_t{1} << clusters) - 1); }
+    };
+
+    void add_level(const std::uint64_t* masks, int cluster, bool by_member) {
+        if (cluster <= 0) return;  // the lowest one, or not split
+        level_[count_++] = {masks, cluster, by_member};
+        clusters_ += cluster;
+    }
+
+    // Gives each cluster that occurs in the leaf one of the lanes that are left, and members their bits: eight clusters
+    // at a time, by a table of what their bits become.
+    void choose_lanes(const Level& level, const std::int32_t* at, std::int64_t n, int& lane, std::uint16_t* lower) {
         std::uint64_t seen = 0;
-        for (std::int64_t i = 0; i < n; ++i) seen |= mask_of(i);
+        for (std::int64_t i = 0; i < n; ++i) seen |= level.of(at[i]);
         for (int shift = 0; seen >> shift != 0; shift += 8) {
             if ((seen >> shift & 255) == 0) continue;
             std::array<std::uint16_t, 256> bits{};
@@ -83,7 +104,7 @@ class Ownership {
                     bits[m | std::size_t{1} << k] = static_cast<std::uint16_t>(bits[m] | bit);
             }
             for (std::int64_t i = 0; i < n; ++i)
-                lower[i] = static_cast<std::uint16_t>(lower[i] | bits[mask_of(i) >> shift & 255]);
+                lower[i] = static_cast<std::uint16_t>(lower[i] | bits[level.of(at[i]) >> shift & 255]);
             if (shift == 56) break;
         }
     }
@@ -117,21 +138,10 @@ class Ownership {
         std::size_t count_ = 0, last_ = 0;
     };
 
-    static std::uint64_t below(int k) { return (std::uint64_t{1} << k) - 1; }
-
-    // Memberships in lower parts, lower clusters of the first level, lower ones of the second.
-    std::uint64_t part_mask(std::int32_t triangle) const { return parts_ ? part_masks_[triangle] & below(parts_) : 0; }
-    std::uint64_t cluster_mask(std::int32_t triangle) const {
-        return subdivision_.mask1[static_cast<std::size_t>(triangle)] & below(clusters_);
-    }
-    std::uint64_t child_mask(std::int32_t member) const {
-        return children_ ? subdivision_.mask2[static_cast<std::size_t>(member)] & below(children_) : 0;
-    }
-
     const Scene& scene_;
-    const Subdivision& subdivision_;
-    const std::uint64_t* part_masks_;
-    int parts_, clusters_, children_;  // how many are lower than the leaf's own
+    std::array<Level, max_levels + 2> level_;
+    std::size_t count_ = 0;
+    int clusters_ = 0;  // lower ones of all levels
     bool complete_ = true;
 };
 

@@ -64,7 +64,7 @@ void scatter_members(std::int64_t n, int begin, int end, const StageKernels& ker
 }
 
 // Masks of the first level and their histogram; returns the number of memberships.
-std::int64_t assign_all(const Array<Ball>& balls, std::int64_t n, const std::uint64_t* part_masks, int part,
+std::int64_t assign_all(const Array<Ball>& balls, std::int64_t n, const std::uint8_t* included,
                         const StageKernels& kernels, Workers& workers, const Centres& centres, Subdivision& s) {
     const auto chunks = static_cast<std::size_t>((n + chunk - 1) / chunk);
     s.histogram.assign(chunks * max_clusters, 0);
@@ -72,9 +72,9 @@ std::int64_t assign_all(const Array<Ball>& balls, std::int64_t n, const std::uin
         const std::int64_t begin = static_cast<std::int64_t>(c) * chunk, end = std::min(n, begin + chunk);
         std::int64_t* count = s.histogram.data() + c * max_clusters;
         kernels.assign(balls.data() + begin, end - begin, centres, s.mask1.data() + begin, count);
-        if (!part_masks) return;
+        if (!included) return;
         for (std::int64_t t = begin; t < end; ++t) {
-            if (part_masks[t] >> part & 1) continue;
+            if (included[t]) continue;
             for (std::uint64_t mask = s.mask1[t]; mask; mask &= mask - 1) --count[std::countr_zero(mask)];
             s.mask1[t] = 0;
         }
@@ -136,24 +136,22 @@ int split_cluster(int cluster, const Array<Ball>& balls, const Options& options,
 
 }  // namespace
 
-void place_clusters(const Array<Ball>& balls, std::int64_t n, const std::uint64_t* part_masks, int part,
-                    const Options& options, const StageKernels& kernels, Workers& workers, WarmCentres& warm,
-                    Subdivision& s) {
+void place_clusters(const Array<Ball>& balls, std::int64_t n, const std::uint8_t* included, const Options& options,
+                    const StageKernels& kernels, Workers& workers, WarmCentres& warm, Subdivision& s) {
     Centres& centres = warm.level1;
     std::int64_t members = n;
-    if (part_masks) {
+    if (included) {
         // Counted first: under a memory limit arrays grow by just what is asked for.
-        const auto is_included = [&](std::int64_t t) { return part_masks[t] >> part & 1; };
         members = 0;
-        for (std::int64_t t = 0; t < n; ++t) members += static_cast<std::int64_t>(is_included(t));
+        for (std::int64_t t = 0; t < n; ++t) members += included[t];
         std::int32_t* next = s.included.resize_discard(static_cast<std::size_t>(members));
         for (std::int64_t t = 0; t < n; ++t)
-            if (is_included(t)) *next++ = static_cast<std::int32_t>(t);
+            if (included[t]) *next++ = static_cast<std::int32_t>(t);
     }
     const auto samples = static_cast<std::size_t>(std::min<std::int64_t>(members, samples1));
     const auto sample = [&](std::size_t i) {
         auto t = static_cast<std::size_t>(i * static_cast<std::uint64_t>(members) / samples);
-        if (part_masks) t = static_cast<std::size_t>(s.included[t]);
+        if (included) t = static_cast<std::size_t>(s.included[t]);
         return Vec3f{balls[t].x, balls[t].y, balls[t].z};
     };
     s.sample.resize_discard(samples);
@@ -175,7 +173,7 @@ void place_clusters(const Array<Ball>& balls, std::int64_t n, const std::uint64_
         count = centres.count;
         if (count > 1) fuzzy_c_means(samples, point, fuzzy(options, first), centres);
         s.clusters = count;
-        const std::int64_t total = assign_all(balls, n, part_masks, part, kernels, workers, centres, s);
+        const std::int64_t total = assign_all(balls, n, included, kernels, workers, centres, s);
         if (count == 1 || options.clusters > 0 || pays(total, members, count)) break;
     }
 }

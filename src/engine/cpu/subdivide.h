@@ -49,14 +49,13 @@ struct Subdivision {
     Array<std::int64_t> place;                               ///< scratch: where a chunk writes its next member
     Array<Leaf> leaves;                                      ///< largest first
     Array<Vec3f> sample;                                     ///< scratch
-    Array<std::int32_t> included;                            ///< triangles of the part that is answered, if any
+    Array<std::int32_t> included;                            ///< triangles, where some are left out
     int clusters = 0;
 };
 
-/// First level: centres and masks of triangles [0, n). Only those with bit `part` in part_masks, if that is not null.
-void place_clusters(const Array<Ball>& balls, std::int64_t n, const std::uint64_t* part_masks, int part,
-                    const Options& options, const StageKernels& kernels, Workers& workers, WarmCentres& warm,
-                    Subdivision& subdivision);
+/// First level: centres and masks of triangles [0, n). Only those t with included[t], if that is not null.
+void place_clusters(const Array<Ball>& balls, std::int64_t n, const std::uint8_t* included, const Options& options,
+                    const StageKernels& kernels, Workers& workers, WarmCentres& warm, Subdivision& subdivision);
 
 /// Gathers the members of clusters [begin, end), splits the large ones again, and lists the leaves of these.
 void gather_leaves(const Array<Ball>& balls, std::int64_t n, int begin, int end, const Options& options,

@@ -4,6 +4,7 @@
 
 #include "engine/backend.h"
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <string>
@@ -13,10 +14,12 @@
 
 #include "crumple/error.h"
 #include "engine/cuda/device.h"
+#include "engine/cuda/host_mesh.h"
 #include "engine/cuda/input.h"
-#include "engine/cuda/part.h"
 #include "engine/cuda/search.h"
 #include "engine/output.h"
+#include "model/levels.h"
+#include "model/part.h"
 
 namespace crumple {
 namespace cuda {
@@ -26,6 +29,7 @@ class CudaBackend final : public BackendBase {
    public:
     CudaBackend(const Options& options, MemoryMeter& meter, Cancellation& cancellation)
         : meter_(meter),
+          cancellation_(cancellation),
           device_(options.device),
           geometry_(device_.geometry()),
           input_(options.device, stream_.get(), meter),
@@ -39,13 +43,16 @@ class CudaBackend final : public BackendBase {
     void find(const Scene& scene, const Query& query, const Part* part, Collisions& result) override {
         on_device([&] {
             bring(scene);
-            find(query, part, result);
+            if (part)
+                find_owned(scene, query, Levels(part), result);
+            else
+                find(query, result);
         });
     }
-    void find(const MeshView& a, const MeshView* b, const Query& query, const Part* part, Collisions& result) override {
+    void find(const MeshView& a, const MeshView* b, const Query& query, Collisions& result) override {
         on_device([&] {
             view(a, b, query);
-            find(query, part, result);
+            find(query, result);
         });
     }
 
@@ -63,22 +70,27 @@ class CudaBackend final : public BackendBase {
     }
 
     std::vector<Part> partition(const MeshView& a, const MeshView* b, int count) override {
-        return on_device([&] {
+        std::array<std::optional<HostMesh>, 2> host;
+        on_device([&] {
             view(a, b, {});
-            return make_parts(geometry_, stream_.get(), input_, meter_, count);
+            host[0].emplace(a, stream_.get());
+            if (b) host[1].emplace(*b, stream_.get());
         });
+        SceneBuffers buffers;
+        return make_parts(prepare_scene(host[0]->view(), b ? &host[1]->view() : nullptr, false, *this, buffers), count,
+                          *this);
     }
 
-    std::int64_t bytes_needed(const Scene& scene, const Query& query, const Part* part) override {
+    std::int64_t bytes_needed(const Scene& scene, const Query& query, const Part*) override {
         return on_device([&] {
             bring(scene);
-            return bytes_needed(query, part);
+            return bytes_needed(query);
         });
     }
-    std::int64_t bytes_needed(const MeshView& a, const MeshView* b, const Query& query, const Part* part) override {
+    std::int64_t bytes_needed(const MeshView& a, const MeshView* b, const Query& query) override {
         return on_device([&] {
             view(a, b, query);
-            return bytes_needed(query, part);
+            return bytes_needed(query);
         });
     }
 
@@ -87,7 +99,7 @@ class CudaBackend final : public BackendBase {
             finish();
             refuse_captured(a, b);
             input_.view(a, b, query.weld);
-            search_.adopt(query, nullptr);
+            search_.adopt(query);
             const auto stream = static_cast<cudaStream_t>(a.stream);
             if (b && b->stream != a.stream) order(before_, static_cast<cudaStream_t>(b->stream), stream);
             const bool fits = search_.launch(stream);
@@ -139,21 +151,36 @@ class CudaBackend final : public BackendBase {
     }
 
    private:
-    void find(const Query& query, const Part* part, Collisions& result) {
-        search_.adopt(query, part);
+    void find(const Query& query, Collisions& result) {
+        search_.adopt(query);
         search_.find();
         search_.copy_to(result);
         result.statistics = search_.statistics();
     }
 
+    // Finds all pairs of the part's triangles, and leaves out those that a lower part owns.
+    void find_owned(const Scene& scene, Query query, const Levels& levels, Collisions& result) {
+        const bool contacts = std::exchange(query.contacts, false);
+        find(query, result);
+        keep_owned(scene, levels, result);
+        if (!contacts) return;
+        if (meter_.limit > 0) search_.drop_lists();
+        result.statistics.rational_contacts = contacts_of_pairs(scene, result, [&](std::size_t n, auto task) {
+            for (std::size_t i = 0; i < n; ++i) {
+                cancellation_.check();
+                task(i);
+            }
+        });
+    }
+
     bool any(const Query& query) {
-        search_.adopt(query, nullptr);
+        search_.adopt(query);
         search_.find();
         return search_.pairs() > 0;
     }
 
-    std::int64_t bytes_needed(const Query& query, const Part* part) {
-        search_.adopt(query, part);
+    std::int64_t bytes_needed(const Query& query) {
+        search_.adopt(query);
         return bytes_needed();
     }
 
@@ -226,6 +253,7 @@ class CudaBackend final : public BackendBase {
     };
 
     MemoryMeter& meter_;
+    Cancellation& cancellation_;
     Device device_;
     Geometry geometry_;
     Stream stream_ = make_stream(device_);

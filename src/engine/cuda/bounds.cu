@@ -113,11 +113,6 @@ __global__ void balls_kernel(Scene scene, const Row<T>* rows, Ball* balls, Count
     }
 }
 
-__global__ void check_triangles_kernel(Scene scene, Counters* counters) {
-    const auto n = static_cast<std::size_t>(scene.triangle_count());
-    for (std::size_t t = grid_thread(); t < n; t += grid_stride()) corners_exist(scene, t, counters);
-}
-
 }  // namespace
 
 void clear(Clearing& clearing, Counters* counters) {
@@ -138,12 +133,6 @@ void check_vertices(const Geometry& geometry, cudaStream_t stream, const Scene& 
     const auto n = static_cast<std::size_t>(scene.vertex_count());
     Launch{stream, geometry.blocks(n), geometry.threads, sizeof(BoxShared)}(
         is_aligned(scene) ? check_kernel<true> : check_kernel<false>, scene, box, counters);
-}
-
-void check_triangles(const Geometry& geometry, cudaStream_t stream, const Scene& scene, Counters* counters) {
-    const Launch over_triangles{stream, geometry.blocks(static_cast<std::size_t>(scene.triangle_count())),
-                                geometry.threads};
-    over_triangles(check_triangles_kernel, scene, counters);
 }
 
 void compute_bounds(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const SceneBox* box,

@@ -57,9 +57,6 @@ __device__ inline bool corners_exist(const Scene& scene, std::size_t t, Counters
     return false;
 }
 
-/// Notes the first triangle that names no vertex; compute_bounds does so as well.
-void check_triangles(const Geometry& geometry, cudaStream_t stream, const Scene& scene, Counters* counters);
-
 void compute_bounds(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const SceneBox* box,
                     const Points& points, Ball* balls, Counters* counters);
 

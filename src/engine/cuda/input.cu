@@ -74,27 +74,6 @@ __global__ void weld_kernel(Scene scene, PositionHash hash, const unsigned* tabl
     }
 }
 
-__global__ void part_centres_kernel(const SceneBox* box, const Vec3d* centre, int count, PartCentres* centres) {
-    const auto k = static_cast<std::size_t>(threadIdx.x);
-    const bool exists = k < static_cast<std::size_t>(count);
-    if (k == 0) centres->count = static_cast<std::size_t>(count);
-    if (exists) centres->centre[k] = normaliser_of(*box)(centre[k]);
-    __syncthreads();
-    if (exists) centres->measure(k);
-}
-
-// Masks of the `n` members, or, where these are null, of triangles [0, n).
-__global__ void part_kernel(Scene scene, const SceneBox* box, const PartCentres* centres, const std::int32_t* members,
-                            std::size_t n, std::uint64_t* mask, Counters* counters) {
-    const Normaliser normalise = normaliser_of(*box);
-    for (std::size_t i = grid_thread(); i < n; i += grid_stride()) {
-        const auto t = members ? static_cast<std::size_t>(members[i]) : i;
-        mask[t] = corners_exist(scene, t, counters)
-                      ? crumple::part_mask(scene.triangle(static_cast<std::int64_t>(t)), normalise, *centres)
-                      : 0;
-    }
-}
-
 template <class T>
 void copy(cudaStream_t stream, T* to, const T* from, std::size_t n) {
     if (n == 0) return;
@@ -136,7 +115,6 @@ void Input::bring(const Scene& host) {
         for (std::size_t side = 0; side < 2; ++side) vertices[side] = c.take<std::byte>(bytes_of(host, side));
         corners_ = c.take<std::int32_t>(3 * triangles);
         groups_ = c.take<std::int32_t>(host.groups ? triangles : 0);
-        part_mask_ = c.take<std::uint64_t>(triangles);
     });
     SceneBox box;
     for (int axis = 0; axis < 3; ++axis)
@@ -169,40 +147,20 @@ void Input::view(const MeshView& a, const MeshView* b, bool weld) {
         corners_ = c.take<std::int32_t>(as_is ? 0 : 3 * triangles);
         groups_ = c.take<std::int32_t>(b && any_groups ? triangles : 0);
         table_ = c.take<unsigned>(slots_);
-        part_mask_ = c.take<std::uint64_t>(triangles);
     });
     scene_.corners = as_is ? static_cast<const std::int32_t*>(a.triangles.data) : corners_;
     scene_.groups = !any_groups ? nullptr : b ? groups_ : a.groups.data();
 }
 
-void Input::want(const Query& query, const Part* part) {
+void Input::want(const Query& query) {
     rule_.prepare(query);
-    parted_ = part != nullptr;
-    part_ = part ? part->index : 0;
-    part_count_ = part ? static_cast<int>(part->centres.size()) : 0;
-    const std::size_t first = part ? part->triangles.size() : 0, second = part ? part->triangles_second.size() : 0;
-    member_count_ = first + second;
     const std::size_t excluded = rule_.excluded().size();
     const void* const before = rule_block_.data();
-    lay_out(rule_block_, [&](Cutter& c) {
-        excluded_ = c.take<std::uint64_t>(excluded);
-        part_centre_ = c.take<Vec3d>(static_cast<std::size_t>(part_count_));
-        part_centres_ = c.take<PartCentres>(part ? 1 : 0);
-        members_ = c.take<std::int32_t>(member_count_);
-    });
+    lay_out(rule_block_, [&](Cutter& c) { excluded_ = c.take<std::uint64_t>(excluded); });
     // Frames of a simulation have the same rule, and no time to wait for a copy.
     const bool known = rule_block_.data() == before && std::ranges::equal(uploaded_, rule_.excluded());
     if (!known) copy(stream_, excluded_, rule_.excluded().data(), excluded);
     std::ranges::copy(rule_.excluded(), uploaded_.resize_discard(excluded));
-    if (part) {
-        std::vector<Vec3d> centres;
-        for (const auto& [x, y, z] : part->centres) centres.push_back({x, y, z});
-        copy(stream_, part_centre_, centres.data(), centres.size());
-        std::vector<std::int32_t> members = part->triangles;
-        for (const std::int32_t t : part->triangles_second)
-            members.push_back(static_cast<std::int32_t>(scene_.triangles[0]) + t);
-        copy(stream_, members_, members.data(), members.size());
-    }
     wanted_ = rule_.wanted();
     wanted_.excluded = excluded_;
 }
@@ -216,8 +174,6 @@ void Input::clear(Clearing& clearing) const {
                              static_cast<std::size_t>(scene_.triangles[side]) * sizeof *groups_);
         if (weld_) clearing.add(table_, slots_ * sizeof *table_, empty_slot);
     }
-    if (parted_ && member_count_ > 0)
-        clearing.add(part_mask_, static_cast<std::size_t>(scene_.triangle_count()) * sizeof *part_mask_);
 }
 
 void Input::join(const Geometry& geometry, cudaStream_t stream, Counters* counters) {
@@ -254,13 +210,6 @@ void Input::join(const Geometry& geometry, cudaStream_t stream, Counters* counte
 
 void Input::enqueue(const Geometry& geometry, cudaStream_t stream, Counters* counters) {
     if (mesh_[0]) join(geometry, stream, counters);
-    if (!parted_) return;
-    const auto triangles = static_cast<std::size_t>(scene_.triangle_count());
-    const bool listed = member_count_ > 0;
-    const std::size_t n = listed ? member_count_ : triangles;
-    Launch{stream, 1, 64}(part_centres_kernel, box_, part_centre_, part_count_, part_centres_);
-    Launch{stream, geometry.blocks(n), geometry.threads}(part_kernel, scene_, box_, part_centres_,
-                                                         listed ? members_ : nullptr, n, part_mask_, counters);
 }
 
 void Input::throw_error(const Counters& counters) const {

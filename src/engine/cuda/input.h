@@ -5,12 +5,11 @@
 
 #include <optional>
 
-#include "crumple/detector.h"
+#include "crumple/mesh.h"
 #include "engine/cuda/bounds.h"
 #include "engine/cuda/memory.h"
 #include "engine/cuda/places.h"
 #include "geometry/position_hash.h"
-#include "model/part_mask.h"
 #include "model/rules.h"
 #include "model/scene.h"
 
@@ -32,12 +31,12 @@ class Input {
     /// One mesh or two in device memory. Throws Error (invalid_argument) for shapes that make no sense and for arrays
     /// that lie elsewhere; contents are checked by the work that enqueue() gives to the stream.
     void view(const MeshView& a, const MeshView* b, bool weld);
-    void want(const Query& query, const Part* part);
+    void want(const Query& query);
 
     /// What is to be cleared before enqueue()'s work.
     void clear(Clearing& clearing) const;
-    /// Work that each pass begins with: meshes of the device are joined, welded and measured, parts chosen. Bad
-    /// elements are noted by the counters.
+    /// Work that each pass begins with: meshes of the device are joined, welded and measured. Bad elements are noted by
+    /// the counters.
     void enqueue(const Geometry& geometry, cudaStream_t stream, Counters* counters);
 
     /// Throws the Error that the counters tell of, if any.
@@ -56,8 +55,6 @@ class Input {
 
     const Scene& scene() const { return scene_; }
     const SceneBox* box() const { return box_; }
-    const std::uint64_t* part_mask() const { return parted_ ? part_mask_ : nullptr; }
-    int part() const { return part_; }
     const WantedGroups& groups_wanted() const { return wanted_; }
 
    private:
@@ -77,14 +74,8 @@ class Input {
     std::int32_t *corners_ = nullptr, *groups_ = nullptr;
     unsigned* table_ = nullptr;  ///< of welding
     std::size_t slots_ = 0;
-    bool parted_ = false;
-    int part_ = 0, part_count_ = 0;
-    std::size_t member_count_ = 0;
-    std::uint64_t *part_mask_ = nullptr, *excluded_ = nullptr;
-    Vec3d* part_centre_ = nullptr;
-    PartCentres* part_centres_ = nullptr;  ///< the same, normalised
-    std::int32_t* members_ = nullptr;      ///< that the part lists; null: all triangles
-    WantedGroups wanted_;                  ///< on the device
+    std::uint64_t* excluded_ = nullptr;
+    WantedGroups wanted_;  ///< on the device
 };
 
 }  // namespace crumple::cuda

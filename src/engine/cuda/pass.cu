@@ -78,8 +78,8 @@ Fuzziness Pass::fuzziness(int i) const {
 }
 
 Ownership Pass::ownership() const {
-    if (plan.levels() == 1) return {part_mask, part, nullptr, mask_[0], plan.fan_out[0]};
-    return {part_mask, part, mask_[0], mask_[1], plan.fan_out[1]};
+    if (plan.levels() == 1) return {nullptr, mask_[0], plan.fan_out[0]};
+    return {mask_[0], mask_[1], plan.fan_out[1]};
 }
 
 void Pass::clear(Clearing& clearing) const {
@@ -99,11 +99,11 @@ void Pass::bounds() { compute_bounds(geometry_, stream_, scene, box, points_, ba
 void Pass::subdivide_scene() { fuzzy_c_means(geometry_, stream_, level(0), balls_, fuzziness(0), partial_); }
 
 void Pass::subdivide_clusters(std::uint64_t listed) {
-    make_members(geometry_, stream_, level(0), static_cast<std::size_t>(scene.triangle_count()), balls_,
-                 {part_mask, part, listed}, members_[0], &counters->members[0]);
+    make_members(geometry_, stream_, level(0), static_cast<std::size_t>(scene.triangle_count()), balls_, listed,
+                 members_[0], &counters->members[0]);
     if (plan.levels() == 1) return;
     fuzzy_c_means(geometry_, stream_, level(1), balls_, fuzziness(1), partial_);
-    make_members(geometry_, stream_, level(1), plan.members[0], balls_, {nullptr, 0, ~std::uint64_t{0}}, members_[1],
+    make_members(geometry_, stream_, level(1), plan.members[0], balls_, ~std::uint64_t{0}, members_[1],
                  &counters->members[1]);
 }
 

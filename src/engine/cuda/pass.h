@@ -30,8 +30,6 @@ class Pass {
     /// What is asked. Pointers are of the device.
     Scene scene;
     const SceneBox* box = nullptr;
-    const std::uint64_t* part_mask = nullptr;
-    int part = 0;
     WantedGroups groups;
     NarrowPolicy policy;
     Plan plan;

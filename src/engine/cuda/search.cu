@@ -23,13 +23,11 @@ Search::Search(const Device& device, const Geometry& geometry, cudaStream_t stre
       answer_(geometry, stream, meter),
       pass_(geometry, stream, options) {}
 
-void Search::adopt(const Query& query, const Part* part) {
+void Search::adopt(const Query& query) {
     query_ = query;
-    input_.want(query, part);
+    input_.want(query);
     pass_.scene = input_.scene();
     pass_.box = input_.box();
-    pass_.part_mask = input_.part_mask();
-    pass_.part = input_.part();
     pass_.groups = input_.groups_wanted();
     pass_.policy = policy_of(query.neighbours, query.intersections);
     lay_out(state_, [&](Cutter& c) { pass_.centres.cut(c); });

@@ -22,7 +22,7 @@ class Search {
            MemoryMeter& meter, Cancellation& cancellation, Input& input);
 
     /// What is asked of the input, whichever way it came.
-    void adopt(const Query& query, const Part* part);
+    void adopt(const Query& query);
 
     /// Leaves the answer on the device.
     void find();

@@ -147,7 +147,7 @@ __device__ std::uint64_t children_of(const Ball& ball, const AssignShared& share
     return mask;
 }
 
-__global__ void assign_kernel(Level level, const Ball* balls, Included included) {
+__global__ void assign_kernel(Level level, const Ball* balls, std::uint64_t listed) {
     auto& shared = dynamic_shared<AssignShared>();
     const unsigned parent = blockIdx.y, fan_out = static_cast<unsigned>(level.fan_out);
     for (unsigned k = threadIdx.x; k < fan_out; k += blockDim.x) {
@@ -163,10 +163,9 @@ __global__ void assign_kernel(Level level, const Ball* balls, Included included)
     const Items items = items_of(level, parent);
     for (unsigned long long i = items.begin + grid_thread(); i < items.end; i += grid_stride()) {
         const std::int32_t t = triangle_of(level, i);
-        const bool in = !included.part_mask || (included.part_mask[t] >> included.part & 1);
-        const std::uint64_t mask = in ? children_of(balls[t], shared, level.fan_out) : 0;
+        const std::uint64_t mask = children_of(balls[t], shared, level.fan_out);
         level.mask[i] = mask;
-        for (std::uint64_t left = mask & included.listed; left; left &= left - 1)
+        for (std::uint64_t left = mask & listed; left; left &= left - 1)
             atomicAdd(&shared.count[__ffsll(static_cast<long long>(left)) - 1], 1u);
     }
     __syncthreads();
@@ -263,14 +262,14 @@ void fuzzy_c_means(const Geometry& geometry, cudaStream_t stream, const Level& l
 }
 
 void make_members(const Geometry& geometry, cudaStream_t stream, const Level& level, std::size_t items,
-                  const Ball* balls, const Included& included, const Members& members, unsigned long long* total) {
+                  const Ball* balls, std::uint64_t listed, const Members& members, unsigned long long* total) {
     const auto parents = static_cast<unsigned>(level.parents);
     const std::size_t share = items / parents + 1;
     const dim3 blocks{std::max(1u, std::min(geometry.blocks(share), 4 * geometry.resident / parents)), parents};
-    Launch{stream, blocks, geometry.threads, sizeof(AssignShared)}(assign_kernel, level, balls, included);
+    Launch{stream, blocks, geometry.threads, sizeof(AssignShared)}(assign_kernel, level, balls, listed);
     constexpr int threads = 256;
     Launch{stream, 1, threads, sizeof(OffsetsShared<threads>)}(offsets_kernel<threads>, level, members.capacity, total);
-    Launch{stream, blocks, geometry.threads, sizeof(ScatterShared)}(scatter_kernel, level, included.listed, members);
+    Launch{stream, blocks, geometry.threads, sizeof(ScatterShared)}(scatter_kernel, level, listed, members);
 }
 
 }  // namespace crumple::cuda

@@ -27,16 +27,9 @@ std::size_t fuzzy_scratch(const Level& level, const Fuzziness& fuzziness);
 void fuzzy_c_means(const Geometry& geometry, cudaStream_t stream, const Level& level, const Ball* balls,
                    const Fuzziness& fuzziness, Row<float>* scratch);
 
-/// Which triangles take part: those with bit `part` in part_mask (null: all), and of the first level's children only
-/// those with a bit in `listed` get members.
-struct Included {
-    const std::uint64_t* part_mask;
-    int part;
-    std::uint64_t listed;
-};
-
-/// Masks of all items, and the members of all children. `total` counts memberships, also those beyond the capacity.
+/// Masks of all items, and the members of those children that have a bit in `listed`. `total` counts memberships, also
+/// those beyond the capacity.
 void make_members(const Geometry& geometry, cudaStream_t stream, const Level& level, std::size_t items,
-                  const Ball* balls, const Included& included, const Members& members, unsigned long long* total);
+                  const Ball* balls, std::uint64_t listed, const Members& members, unsigned long long* total);
 
 }  // namespace crumple::cuda

@@ -25,7 +25,6 @@ struct SweepShared {
 };
 
 __device__ inline bool ours(const Ownership& o, std::uint32_t leaf, std::int32_t a, std::int32_t b) {
-    if (o.part_mask && (o.part_mask[a] & o.part_mask[b] & ((std::uint64_t{1} << o.part) - 1))) return false;
     if (!o.upper_mask) return true;
     const auto cluster = leaf / static_cast<std::uint32_t>(o.last_fan_out);
     return !(o.upper_mask[a] & o.upper_mask[b] & ((std::uint64_t{1} << cluster) - 1));

@@ -8,7 +8,7 @@
 #include "engine/backend.h"
 #include "engine/output.h"
 #include "engine/pair_budget.h"
-#include "model/part.h"
+#include "model/levels.h"
 #include "model/rules.h"
 #include "questions/intersect/rational_intersection.h"
 
@@ -29,19 +29,20 @@ bool overlap(const Box& a, const Box& b) {
 class Reference final : public BackendBase {
    public:
     Reference(MemoryMeter& meter, Cancellation& cancellation)
-        : meter_(meter), cancellation_(cancellation), rule_(&meter), boxes_(&meter), masks_(&meter) {}
+        : meter_(meter), cancellation_(cancellation), rule_(&meter), boxes_(&meter) {}
 
     void find(const Scene& scene, const Query& query, const Part* part, Collisions& result) override {
         Statistics& statistics = result.statistics;
         statistics.backend = "reference";
         statistics.simd = "scalar";
-        prepare(scene, query, part, statistics);
+        prepare(scene, query, statistics);
 
         Stopwatch narrow;
         // Under a limit the pairs are counted first, so that they are stored without room to spare.
         if (meter_.limit > 0) {
             crumple::release(result);
-            PairBudget budget({scene, query, rule_, masks_, part ? part->index : 0}, meter_, 0);
+            const Levels levels(part);
+            PairBudget budget({scene, query, rule_, levels}, meter_, 0);
             result.pairs.resize_discard(static_cast<std::size_t>(count(scene, query, part, &budget)));
         }
         statistics.box_overlaps = 0;
@@ -71,13 +72,13 @@ class Reference final : public BackendBase {
 
     std::int64_t bytes_needed(const Scene& scene, const Query& query, const Part* part) override {
         Statistics unused;
-        prepare(scene, query, part, unused);
+        prepare(scene, query, unused);
         return meter_.used + result_bytes(scene, query, count(scene, query, part, nullptr));
     }
 
     bool any(const Scene& scene, const Query& query) override {
         Statistics unused;
-        prepare(scene, query, nullptr, unused);
+        prepare(scene, query, unused);
         bool found = false;
         for_each_collision(scene, query, nullptr, unused.box_overlaps, [&](Pair, const RationalIntersection&) {
             found = true;
@@ -89,18 +90,12 @@ class Reference final : public BackendBase {
     void release() override {
         rule_ = GroupRule(&meter_);
         boxes_ = Array<Box>(&meter_);
-        masks_ = Array<std::uint64_t>(&meter_);
     }
 
    private:
-    void prepare(const Scene& scene, const Query& query, const Part* part, Statistics& statistics) {
+    void prepare(const Scene& scene, const Query& query, Statistics& statistics) {
         rule_.prepare(query, scene.bodies);
         const std::int64_t triangles = scene.triangle_count();
-
-        Stopwatch subdivide;
-        masks_.clear();
-        if (part) part_masks(scene, *part, *this, masks_);
-        statistics[Stage::subdivide] = subdivide.lap();
 
         Stopwatch bounds;
         boxes_.clear();
@@ -115,13 +110,14 @@ class Reference final : public BackendBase {
                             Visit visit) {
         const std::int64_t first_end = scene.between ? scene.triangles[0] : scene.triangle_count();
         const std::int64_t offset = scene.between ? first_end : 0;
+        const Levels levels(part);
         for (std::int64_t a = 0; a < first_end; ++a) {
             cancellation_.check();
             const Box& box_a = box(a);
             for (std::int64_t b = scene.between ? offset : a + 1; b < scene.triangle_count(); ++b) {
                 if (!overlap(box_a, box(b))) continue;
                 if (!rule_(scene.group(a), scene.group(b))) continue;
-                if (part && !owned_by(part->index, mask(a), mask(b))) continue;
+                if (!levels.own(a, b)) continue;
                 cancellation_.check();
                 ++box_overlaps;
                 const RationalIntersection intersection = intersect_rationally(scene.triangle(a), scene.triangle(b));
@@ -143,13 +139,11 @@ class Reference final : public BackendBase {
     }
 
     const Box& box(std::int64_t t) const { return boxes_[static_cast<std::size_t>(t)]; }
-    std::uint64_t mask(std::int64_t t) const { return masks_[static_cast<std::size_t>(t)]; }
 
     MemoryMeter& meter_;
     Cancellation& cancellation_;
     GroupRule rule_;
     Array<Box> boxes_;
-    Array<std::uint64_t> masks_;
 };
 
 }  // namespace

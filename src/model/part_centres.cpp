@@ -1,0 +1,153 @@
+#include "model/part_centres.h"
+
+#include <cmath>
+#include <utility>
+
+namespace crumple {
+namespace {
+
+/// A cluster on its way to be split.
+struct Node {
+    int parts = 1;                      ///< it becomes so many
+    Vec3f centre;                       ///< its own
+    std::vector<std::uint32_t> points;  ///< nearest to it
+};
+
+int depth_for(int parts) {
+    int depth = 1;
+    for (int most = max_clusters; most < parts; most *= max_clusters) ++depth;
+    return depth;
+}
+
+std::int64_t power(std::int64_t base, int exponent) {
+    std::int64_t result = 1;
+    while (exponent-- > 0) result *= base;
+    return result;
+}
+
+// How many children begin `depth` levels of about equal width.
+int width_for(int parts, int depth) {
+    int width = 1;
+    while (power(width, depth) < parts) ++width;
+    return width;
+}
+
+// A cold start with the usual fuzziness 2: no call of pow(), whose last bit may differ from machine to machine.
+void place(const Node& node, std::span<const Vec3f> points, int count, Centres& centres) {
+    constexpr std::size_t most_points = 4096;
+    const std::size_t all = node.points.size(), n = std::min(all, most_points);
+    centres.count = count;
+    if (n == 0) {
+        for (int k = 0; k < count; ++k) centres.set(k, node.centre);
+        return;
+    }
+    const auto point = [&](std::size_t i) { return points[node.points[i * all / n]]; };
+    start_centres(count, n, point, centres);
+    fuzzy_c_means(n, point, {.fuzziness = 2, .iterations = 30, .stop = 1e-4}, centres);
+}
+
+int nearest(const Centres& centres, Vec3f p) {
+    int best = 0;
+    float least = dot(p - centres[0], p - centres[0]);
+    for (int k = 1; k < centres.count; ++k) {
+        const float d2 = dot(p - centres[k], p - centres[k]);
+        if (d2 < least) best = k, least = d2;
+    }
+    return best;
+}
+
+// Its clusters, with the points and the parts that each of them gets; each has room for `most` parts.
+std::vector<Node> split(const Node& node, std::span<const Vec3f> points, const Centres& centres, int most) {
+    std::vector<Node> children(static_cast<std::size_t>(centres.count));
+    for (std::size_t k = 0; k < children.size(); ++k) children[k].centre = centres[k];
+    for (const std::uint32_t i : node.points)
+        children[static_cast<std::size_t>(nearest(centres, points[i]))].points.push_back(i);
+    std::vector<std::int64_t> counts;
+    for (const Node& child : children) counts.push_back(static_cast<std::int64_t>(child.points.size()));
+    const std::vector<int> shares = share_out(node.parts, most, counts);
+    for (std::size_t k = 0; k < children.size(); ++k) children[k].parts = shares[k];
+    return children;
+}
+
+}  // namespace
+
+void PartSample::set(std::size_t i, const Triangle& t, const Normaliser& normalise) {
+    const Vec3d c = (1.0 / 3.0) * (normalise(t.point[0]) + normalise(t.point[1]) + normalise(t.point[2]));
+    centroids_[i] = {static_cast<float>(c.x), static_cast<float>(c.y), static_cast<float>(c.z)};
+}
+
+// Whoever has fewest parts for their points gets the next one: integers alone decide.
+std::vector<int> share_out(int parts, int most, std::span<const std::int64_t> points) {
+    std::vector<int> shares(points.size(), 1);
+    for (int left = parts - static_cast<int>(points.size()); left > 0; --left) {
+        std::size_t best = points.size();
+        for (std::size_t k = 0; k < points.size(); ++k) {
+            if (shares[k] == most) continue;
+            if (best == points.size() || (points[k] + 1) * shares[best] > (points[best] + 1) * shares[k]) best = k;
+        }
+        ++shares[best];
+    }
+    return shares;
+}
+
+PartCentres::PartCentres(int parts, std::span<const Vec3f> points, const Normaliser& normalise, ParallelFor& parallel)
+    : normalise_(normalise) {
+    std::vector<Node> nodes(1);
+    nodes[0].parts = parts;
+    for (std::uint32_t i = 0; i < points.size(); ++i) nodes[0].points.push_back(i);
+    for (int depth = depth_for(parts); depth > 0; --depth) {
+        Level level;
+        for (const Node& node : nodes) level.first.push_back(level.first.back() + width_for(node.parts, depth));
+        const auto all = static_cast<std::size_t>(level.first.back());
+        level.centre.resize(all);
+        level.apart.resize(all * max_clusters);
+        std::vector<std::vector<Node>> children(nodes.size());
+        parallel.parallel_for(nodes.size(), [&](std::size_t i) {
+            const auto first = static_cast<std::size_t>(level.first[i]);
+            const auto count = static_cast<std::size_t>(level.first[i + 1]) - first;
+            Centres centres;
+            place(nodes[i], points, static_cast<int>(count), centres);
+            Vec3d* centre = level.centre.data() + first;
+            for (std::size_t k = 0; k < count; ++k) centre[k] = {centres.x[k], centres.y[k], centres.z[k]};
+            for (std::size_t k = 0; k < count; ++k)
+                for (std::size_t j = 0; j < count; ++j)
+                    level.apart[(first + k) * max_clusters + j] =
+                        std::sqrt(dot(centre[k] - centre[j], centre[k] - centre[j]));
+            if (depth > 1)
+                children[i] = split(nodes[i], points, centres, static_cast<int>(power(max_clusters, depth - 1)));
+        });
+        levels_.push_back(std::move(level));
+        nodes.clear();
+        for (auto& some : children)
+            for (Node& child : some) nodes.push_back(std::move(child));
+    }
+}
+
+PartTree PartCentres::tree() const {
+    PartTree tree;
+    tree.normalise = normalise_;
+    for (const Level& level : levels_)
+        tree.level[tree.depth++] = {level.first.data(), level.centre.data(), level.apart.data()};
+    return tree;
+}
+
+std::vector<PartLevel> PartCentres::path(std::int32_t part) const {
+    std::vector<PartLevel> path(levels_.size());
+    for (std::size_t l = levels_.size(); l-- > 0;) {
+        const std::vector<std::int32_t>& first = levels_[l].first;
+        const auto node =
+            static_cast<std::int32_t>(std::upper_bound(first.begin(), first.end(), part) - first.begin()) - 1;
+        path[l].cluster = part - first[static_cast<std::size_t>(node)];
+        part = node;
+    }
+    return path;
+}
+
+PartCentres place_parts(const Scene& scene, int parts, ParallelFor& parallel) {
+    const Normaliser normalise(scene.low, scene.high);
+    PartSample sample(scene.triangle_count(), parts);
+    for (std::size_t i = 0; i < sample.size(); ++i) sample.set(i, scene.triangle(sample.triangle(i)), normalise);
+    return PartCentres(parts, sample.centroids(), normalise, parallel);
+}
+
+}  // namespace crumple

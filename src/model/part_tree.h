@@ -1,0 +1,102 @@
+#pragma once
+
+// Which parts of a scene a triangle belongs to ([MZ] sec. 1.1; rule and proof in docs/subdivide.md).
+//
+// The parts are the leaves of a tree: centres of the first level split the scene, and those of a further level split
+// each cluster of the level above. A triangle is followed down the tree, so all that is needed are its own coordinates,
+// the scene's box and the centres: a machine that holds a slice of the triangles finds their parts alone.
+//
+// Machines that answer different parts must agree on every bit of every mask, so this is plain float64 arithmetic
+// without contraction, the same on every processor. Compiled for host and device.
+//
+// Layout: the nodes of a level are the children of the nodes of the level above, in order; those of the last level are
+// the parts.
+
+#include <bit>
+#include <cstdint>
+
+#include "geometry/normaliser.h"
+#include "geometry/triangle.h"
+#include "model/fuzzy_c_means.h"
+#include "model/levels.h"
+
+namespace crumple {
+
+/// A triangle as membership knows it: the ball around its centroid that holds it, in normalised coordinates.
+struct PartBall {
+    Vec3d centre;
+    double radius;
+
+    CRUMPLE_HD PartBall(const Triangle& triangle, const Normaliser& normalise) {
+        const Vec3d p[3] = {normalise(triangle.point[0]), normalise(triangle.point[1]), normalise(triangle.point[2])};
+        centre = (1.0 / 3.0) * (p[0] + p[1] + p[2]);
+        double r2 = 0;
+        for (const Vec3d& corner : p) r2 = max(r2, dot(corner - centre, corner - centre));
+        radius = std::sqrt(r2);
+    }
+};
+
+/// A view; PartCentres (part_centres.h) owns the arrays.
+struct PartTree {
+    struct Level {
+        const std::int32_t* first;  ///< of the children of node i: [first[i], first[i + 1])
+        const Vec3d* centre;        ///< of each child, normalised; float32 numbers
+        const double* apart;        ///< row of max_clusters for each child: its distance from each of its siblings
+    };
+    Normaliser normalise;
+    int depth = 0;
+    Level level[max_levels];
+
+    /// Bit k: the ball may hold a point that is nearest to the k-th child of `node`.
+    CRUMPLE_HD std::uint64_t mask(const PartBall& ball, int l, std::int32_t node) const {
+        const std::int32_t first = level[l].first[node], count = level[l].first[node + 1] - first;
+        const Vec3d* centre = level[l].centre + first;
+        double distance2[max_clusters];
+        std::int32_t nearest = 0;
+        for (std::int32_t k = 0; k < count; ++k) {
+            distance2[k] = dot(ball.centre - centre[k], ball.centre - centre[k]);
+            if (distance2[k] < distance2[nearest]) nearest = k;
+        }
+        // The bisector rule. Each side is some ten roundings from the truth, and no number exceeds 12 (1 + d2), so the
+        // slack covers them; `not greater` keeps a member where a comparison is with NaN. Of centres at one place the
+        // lowest takes all.
+        const double* apart = level[l].apart + static_cast<std::int64_t>(first + nearest) * max_clusters;
+        const double least = distance2[nearest];
+        std::uint64_t mask = 0;
+        for (std::int32_t k = 0; k < count; ++k) {
+            if (distance2[k] - least > 2 * ball.radius * apart[k] + 1e-13 * (1 + distance2[k])) continue;
+            if (k > nearest && apart[k] == 0) continue;
+            mask |= std::uint64_t{1} << k;
+        }
+        return mask;
+    }
+
+    /// Calls visit(part, masks) for each part that the triangle belongs to, by ascending part, with one mask a level.
+    template <class Visit>
+    CRUMPLE_HD void for_each_part(const Triangle& triangle, Visit visit) const {
+        const PartBall ball(triangle, normalise);
+        std::uint64_t masks[max_levels];
+        std::int32_t node[max_levels] = {}, next[max_levels] = {};  // the next child to look at
+        int l = 0;
+        masks[0] = mask(ball, 0, 0);
+        while (l >= 0) {
+            if (next[l] == max_clusters || masks[l] >> next[l] == 0) {
+                --l;
+                continue;
+            }
+            const std::int32_t k = next[l]++;
+            if (!(masks[l] >> k & 1)) continue;
+            const std::int32_t child = level[l].first[node[l]] + k;
+            if (l + 1 == depth) {
+                visit(child, static_cast<const std::uint64_t*>(masks));
+            } else {
+                ++l;
+                node[l] = child;
+                next[l] = 0;
+                masks[l] = mask(ball, l, child);
+            }
+        }
+    }
+};
+
+}  // namespace crumple
