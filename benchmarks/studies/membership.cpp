@@ -55,7 +55,7 @@ std::vector<Vec3d> centres_of(const io::TriangleMesh& mesh, int parts) {
     const PartCentres placed = place_parts(scene, parts, serial);
     const PartTree tree = placed.tree();
     std::vector<Vec3d> centres;
-    for (int k = 0; k < parts; ++k) centres.push_back(tree.normalise.inverse(tree.level[0].centre[k]));
+    for (int k = 0; k < parts; ++k) centres.push_back(tree.normalise.inverse(tree.level[0].centres[0].centre(k)));
     return centres;
 }
 

@@ -46,6 +46,18 @@ void place(const Node& node, std::span<const Vec3f> points, int count, Centres& 
     fuzzy_c_means(n, point, {.fuzziness = 2, .iterations = 30, .stop = 1e-4}, centres);
 }
 
+void measure(const Centres& placed, PartSiblings& centres, double* apart) {
+    for (int k = 0; k < placed.count; ++k) {
+        const Vec3f c = placed[k];
+        centres.x[k] = c.x, centres.y[k] = c.y, centres.z[k] = c.z;
+    }
+    for (int k = 0; k < placed.count; ++k)
+        for (int j = 0; j < placed.count; ++j) {
+            const Vec3d between = centres.centre(k) - centres.centre(j);
+            apart[k * max_clusters + j] = std::sqrt(dot(between, between));
+        }
+}
+
 int nearest(const Centres& centres, Vec3f p) {
     int best = 0;
     float least = dot(p - centres[0], p - centres[0]);
@@ -99,7 +111,7 @@ PartCentres::PartCentres(int parts, std::span<const Vec3f> points, const Normali
         Level level;
         for (const Node& node : nodes) level.first.push_back(level.first.back() + width_for(node.parts, depth));
         const auto all = static_cast<std::size_t>(level.first.back());
-        level.centre.resize(all);
+        level.centres.resize(nodes.size());
         level.apart.resize(all * max_clusters);
         std::vector<std::vector<Node>> children(nodes.size());
         parallel.parallel_for(nodes.size(), [&](std::size_t i) {
@@ -107,12 +119,7 @@ PartCentres::PartCentres(int parts, std::span<const Vec3f> points, const Normali
             const auto count = static_cast<std::size_t>(level.first[i + 1]) - first;
             Centres centres;
             place(nodes[i], points, static_cast<int>(count), centres);
-            Vec3d* centre = level.centre.data() + first;
-            for (std::size_t k = 0; k < count; ++k) centre[k] = {centres.x[k], centres.y[k], centres.z[k]};
-            for (std::size_t k = 0; k < count; ++k)
-                for (std::size_t j = 0; j < count; ++j)
-                    level.apart[(first + k) * max_clusters + j] =
-                        std::sqrt(dot(centre[k] - centre[j], centre[k] - centre[j]));
+            measure(centres, level.centres[i], level.apart.data() + first * max_clusters);
             if (depth > 1)
                 children[i] = split(nodes[i], points, centres, static_cast<int>(power(max_clusters, depth - 1)));
         });
@@ -127,7 +134,7 @@ PartTree PartCentres::tree() const {
     PartTree tree;
     tree.normalise = normalise_;
     for (const Level& level : levels_)
-        tree.level[tree.depth++] = {level.first.data(), level.centre.data(), level.apart.data()};
+        tree.level[tree.depth++] = {level.first.data(), level.centres.data(), level.apart.data()};
     return tree;
 }
 

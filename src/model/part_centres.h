@@ -50,7 +50,7 @@ class PartCentres {
    private:
     struct Level {
         std::vector<std::int32_t> first{0};
-        std::vector<Vec3d> centre;
+        std::vector<PartSiblings> centres;
         std::vector<double> apart;
     };
     Normaliser normalise_;

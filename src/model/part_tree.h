@@ -36,12 +36,19 @@ struct PartBall {
     }
 };
 
+/// The children of a node: their centres, normalised float32 numbers.
+struct PartSiblings {
+    double x[max_clusters], y[max_clusters], z[max_clusters];
+
+    CRUMPLE_HD Vec3d centre(int k) const { return {x[k], y[k], z[k]}; }
+};
+
 /// A view; PartCentres (part_centres.h) owns the arrays.
 struct PartTree {
     struct Level {
-        const std::int32_t* first;  ///< of the children of node i: [first[i], first[i + 1])
-        const Vec3d* centre;        ///< of each child, normalised; float32 numbers
-        const double* apart;        ///< row of max_clusters for each child: its distance from each of its siblings
+        const std::int32_t* first;    ///< of the children of node i: [first[i], first[i + 1])
+        const PartSiblings* centres;  ///< of each node's children
+        const double* apart;          ///< row of max_clusters for each child: its distance from each of its siblings
     };
     Normaliser normalise;
     int depth = 0;
@@ -50,21 +57,27 @@ struct PartTree {
     /// Bit k: the ball may hold a point that is nearest to the k-th child of `node`.
     CRUMPLE_HD std::uint64_t mask(const PartBall& ball, int l, std::int32_t node) const {
         const std::int32_t first = level[l].first[node], count = level[l].first[node + 1] - first;
-        const Vec3d* centre = level[l].centre + first;
+        const PartSiblings& centres = level[l].centres[node];
         double distance2[max_clusters];
-        std::int32_t nearest = 0;
         for (std::int32_t k = 0; k < count; ++k) {
-            distance2[k] = dot(ball.centre - centre[k], ball.centre - centre[k]);
-            if (distance2[k] < distance2[nearest]) nearest = k;
+            const double dx = ball.centre.x - centres.x[k], dy = ball.centre.y - centres.y[k],
+                         dz = ball.centre.z - centres.z[k];
+            distance2[k] = dx * dx + dy * dy + dz * dz;
         }
-        // The bisector rule. Each side is some ten roundings from the truth, and no number exceeds 12 (1 + d2), so the
-        // slack covers them; `not greater` keeps a member where a comparison is with NaN. Of centres at one place the
-        // lowest takes all.
+        std::int32_t nearest = 0;
+        double least = INFINITY;
+        for (std::int32_t k = 0; k < count; ++k)
+            if (distance2[k] < least) nearest = k, least = distance2[k];
+        // The looser rule, for it needs one comparison, and the bisector rule for the few that pass. Sides of the
+        // latter are some ten roundings from the truth, and no number exceeds 12 (1 + d2); those of the former twice as
+        // many, and none exceeds 50. Of centres at one place the lowest takes all.
         const double* apart = level[l].apart + static_cast<std::int64_t>(first + nearest) * max_clusters;
-        const double least = distance2[nearest];
+        const double reach = std::sqrt(least) + 2 * ball.radius;
+        const double farthest = reach * reach + 1e-12;
         std::uint64_t mask = 0;
         for (std::int32_t k = 0; k < count; ++k) {
-            if (distance2[k] - least > 2 * ball.radius * apart[k] + 1e-13 * (1 + distance2[k])) continue;
+            const double d2 = distance2[k];
+            if (d2 > farthest || d2 - least > 2 * ball.radius * apart[k] + 1e-13 * (1 + d2)) continue;
             if (k > nearest && apart[k] == 0) continue;
             mask |= std::uint64_t{1} << k;
         }
