@@ -78,7 +78,7 @@ class CpuBackend final : public BackendBase {
 
    private:
     Call make_call(const Scene& scene, const Query& query, const Part* part) {
-        return {scene,    query, part,          options_, kernels_,  intersect_,
+        return {scene,    query, Levels(part),  options_, kernels_,  intersect_,
                 workers_, *this, cancellation_, meter_,   *buffers_, statistics_};
     }
     // With nothing kept.
