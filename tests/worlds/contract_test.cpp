@@ -1,0 +1,257 @@
+// What docs/worlds.md promises, one claim a test.
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <stop_token>
+
+#include "error_of.h"
+#include "worlds/compare_worlds.h"
+#include "worlds/random_worlds.h"
+
+namespace crumple {
+namespace {
+
+using test::error_of;
+using test::random_soup;
+using test::same_bytes;
+
+Pose moved(double x, double y = 0, double z = 0) { return {{1, 0, 0, x, 0, 1, 0, y, 0, 0, 1, z}}; }
+
+std::vector<std::array<std::int32_t, 4>> rows(const WorldCollisions& c) {
+    std::vector<std::array<std::int32_t, 4>> rows;
+    for (std::size_t i = 0; i < c.pairs.size(); ++i)
+        rows.push_back({c.bodies[i].first, c.pairs[i].a, c.bodies[i].second, c.pairs[i].b});
+    return rows;
+}
+
+TEST(World, of_one_body_in_place_has_the_bytes_of_find_self) {
+    for (const std::uint64_t name : {0, 1}) {
+        const auto soup = random_soup(300, 0.3);
+        Detector detector, other;
+        const std::vector<Shape> shapes{Shape(soup.view(), name)};
+        const std::vector<Body> bodies{{}};
+        const WorldCollisions& found = detector.find({shapes, bodies, {}}, {.wants = Wants::contacts, .index = true});
+        const Collisions& expected = other.find_self(soup.view(), {.contacts = true});
+        ASSERT_GT(expected.pairs.size(), 50u);
+        EXPECT_TRUE(test::same_pairs(found.pairs.span(), expected.pairs.span()));
+        EXPECT_TRUE(same_bytes(found.hit, expected.hit, "hit flags"));
+        EXPECT_TRUE(same_bytes(found.contacts.points, expected.contacts.points, "points"));
+        EXPECT_TRUE(same_bytes(found.contacts.offsets, expected.contacts.offsets, "offsets"));
+        EXPECT_TRUE(same_bytes(found.contacts.kinds, expected.contacts.kinds, "kinds"));
+    }
+}
+
+TEST(World, of_two_bodies_in_place_has_the_bytes_of_find_between) {
+    const auto a = random_soup(200, 0.3), b = random_soup(250, 0.3, 5);
+    for (const std::uint64_t name : {0, 1}) {
+        Detector detector, other;
+        const std::vector<Shape> shapes{Shape(a.view(), name), Shape(b.view(), 2 * name)};
+        const std::vector<Body> bodies{{.shape = 0}, {.shape = 1}};
+        Intersect question{.wants = Wants::contacts};
+        question.rules.bodies = Wanted::between;
+        const WorldCollisions& found = detector.find({shapes, bodies, {}}, question);
+        const Collisions& expected = other.find_between(a.view(), b.view(), {.contacts = true});
+        ASSERT_GT(expected.pairs.size(), 50u);
+        EXPECT_TRUE(test::same_pairs(found.pairs.span(), expected.pairs.span()));
+        EXPECT_TRUE(same_bytes(found.contacts.points, expected.contacts.points, "points"));
+        EXPECT_TRUE(same_bytes(found.contacts.kinds, expected.contacts.kinds, "kinds"));
+    }
+}
+
+TEST(World, counts_in_bodies_and_lists_worlds_one_after_the_other) {
+    const auto soup = random_soup(40, 0.5);
+    const std::vector<Shape> shapes{Shape(soup.view())};
+    const std::vector<Body> bodies{{.world = 0}, {.world = 0}, {.world = 2}, {.world = -1}};
+    Detector detector;
+    Intersect question{.index = true};
+    question.rules.bodies = Wanted::between;
+    const WorldCollisions& found = detector.find({shapes, bodies, {}}, question);
+    ASSERT_EQ(found.world_hit.size(), 3u);
+    EXPECT_EQ(found.world_hit[1], 0);
+    EXPECT_EQ(found.world_counts[1], 0);
+    EXPECT_GT(found.world_counts[0], found.world_counts[2]);
+    EXPECT_EQ(found.world_counts[0] + found.world_counts[2], found.count);
+    EXPECT_EQ(found.world_offsets[3], found.count);
+    EXPECT_EQ(found.body_offsets[4], found.count);
+    for (std::size_t i = 0; i < found.bodies.size(); ++i) {
+        const BodyPair& pair = found.bodies[i];
+        EXPECT_LT(pair.first, pair.second);
+        EXPECT_TRUE((pair.first < 2 && pair.second != 2) || (pair.first == 2 && pair.second == 3));
+    }
+    const auto listed = rows(found);
+    EXPECT_TRUE(std::is_sorted(listed.begin(), listed.end()));
+}
+
+TEST(World, pairs_among_bodies_that_are_in_all_worlds_come_once_and_count_for_none) {
+    const auto soup = random_soup(40, 0.5);
+    const std::vector<Shape> shapes{Shape(soup.view(), 1)};
+    const std::vector<Body> bodies{
+        {.world = 0, .self = false}, {.world = -1, .self = false}, {.world = -1, .self = false}};
+    const std::vector<Pose> poses{moved(100), moved(0), moved(0.1)};
+    Detector detector;
+    const WorldCollisions& found = detector.find({shapes, bodies, poses});
+    EXPECT_GT(found.count, 0);
+    EXPECT_EQ(found.world_counts[0], 0);
+    EXPECT_EQ(found.world_hit[0], 0);
+    EXPECT_TRUE(found.any);
+    EXPECT_EQ(found.bodies[0], (BodyPair{1, 2}));
+}
+
+TEST(World, poses_round_once_to_the_precision_of_the_shape) {
+    // 1/3 more than a third's float32 neighbour decides whether a corner touches the plane x = float(1/3 + 1).
+    const std::vector<std::array<float, 3>> corner{{0.25f, 0, 0}, {-1, 1, 0}, {-1, -1, 0}};
+    const double step = 1.0 / 3;
+    const auto touched = static_cast<double>(static_cast<float>(0.25 + step));
+    const std::vector<std::array<double, 3>> plane{{touched, -1, -1}, {touched, 1, -1}, {touched, 0, 1}};
+    const std::vector<std::array<std::int32_t, 3>> triangle{{0, 1, 2}};
+    const std::vector<Shape> shapes{Shape(MeshView(corner, triangle)), Shape(MeshView(plane, triangle))};
+    const std::vector<Body> bodies{{.shape = 0}, {.shape = 1}};
+    const std::vector<Pose> poses{moved(step), {}};
+    ASSERT_LT(0.25 + step, touched) << "without rounding to float32 they would be apart";
+    Detector detector;
+    EXPECT_TRUE(detector.find({shapes, bodies, poses}, {.wants = Wants::any}).any);
+}
+
+TEST(World, is_remembered_by_name) {
+    auto soup = random_soup(500, 0.2);
+    const auto probe = random_soup(20, 0.3, 9);
+    const std::vector<Body> bodies{{.shape = 0, .self = false}, {.shape = 1, .self = false}};
+    const auto shapes = [&](std::uint64_t name) {
+        return std::vector<Shape>{Shape(soup.view(), name), Shape(probe.view())};
+    };
+    Detector detector;
+    const auto named = shapes(7);
+    const std::int64_t before = detector.find({named, bodies, {}}).count;
+    ASSERT_GT(before, 0);
+    for (auto& vertex : soup.vertices) vertex[0] += 100;
+    EXPECT_EQ(detector.find({named, bodies, {}}).count, before) << "what was read first stays";
+    EXPECT_EQ(detector.find({shapes(8), bodies, {}}).count, 0);
+    EXPECT_EQ(detector.find({shapes(0), bodies, {}}).count, 0);
+    const auto fewer = random_soup(499, 0.2);
+    const std::vector<Shape> changed{Shape(fewer.view(), 7), Shape(probe.view())};
+    const Error error = error_of([&] { detector.find({changed, bodies, {}}); });
+    EXPECT_EQ(error.element, Element::shape);
+    EXPECT_EQ(error.index, 0);
+    EXPECT_EQ(detector.find({named, bodies, {}}).count, 0) << "after an error nothing is remembered";
+}
+
+TEST(World, sequences_of_named_and_unnamed_shapes_equal_fresh_detectors) {
+    Detector lasting({.threads = 2});
+    for (unsigned seed = 0; seed < 30; ++seed) {
+        const auto world = test::random_world(seed % 5, {.named = 1, .mixed_precision = false});
+        auto shapes = world->shapes;
+        test::Dice dice(seed);
+        for (Shape& shape : shapes) shape.name = dice.chance(0.3) ? 0 : shape.name + 100 * (seed % 5);
+        const Intersect question = test::random_question(seed, 6);
+        const World view{shapes, world->bodies, world->poses};
+        Detector fresh({.threads = 1});
+        ASSERT_TRUE(test::same_world_answer(lasting.find(view, question), fresh.find(view, question))) << seed;
+    }
+}
+
+TEST(World, fits_a_memory_limit_or_names_one) {
+    const auto soup = random_soup(3000, 0.1), other = random_soup(3000, 0.1, 2);
+    const std::vector<Shape> shapes{Shape(soup.view(), 1), Shape(other.view(), 2)};
+    const std::vector<Body> bodies{{.shape = 0}, {.shape = 1}};
+    Detector free;
+    const std::int64_t pairs = free.find({shapes, bodies, {}}).count;
+    Detector small({.memory_limit = 100'000, .count_bytes_needed = true});
+    const Error error = error_of([&] { small.find({shapes, bodies, {}}); });
+    EXPECT_EQ(error.code, ErrorCode::memory_limit);
+    Detector enough({.memory_limit = error.bytes_needed});
+    const WorldCollisions& found = enough.find({shapes, bodies, {}});
+    EXPECT_EQ(found.count, pairs);
+    EXPECT_LE(found.statistics.peak_memory_bytes, error.bytes_needed);
+}
+
+TEST(World, ends_at_a_stop_that_was_requested_before) {
+    const auto soup = random_soup(10, 0.5);
+    const std::vector<Shape> shapes{Shape(soup.view())};
+    const std::vector<Body> bodies{{}};
+    std::stop_source stop;
+    stop.request_stop();
+    Detector detector;
+    EXPECT_EQ(error_of([&] { detector.find({shapes, bodies, {}}, {}, stop.get_token()); }).code, ErrorCode::cancelled);
+    EXPECT_GE(detector.find({shapes, bodies, {}}).count, 0);
+}
+
+class WrongWorld : public testing::TestWithParam<Backend> {
+   protected:
+    Error error(const World& world, const Intersect& question = {}) {
+        Detector detector({.backend = GetParam()});
+        return error_of([&] { detector.find(world, question); });
+    }
+    test::Soup<float> soup = random_soup(5, 0.5);
+    std::vector<Shape> shapes{Shape(soup.view())};
+    std::vector<Body> bodies{{}, {}};
+};
+
+TEST_P(WrongWorld, names_the_body) {
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    std::vector<Pose> poses{{}, moved(nan)};
+    Error e = error({shapes, bodies, poses});
+    EXPECT_STREQ(e.what(), "body 1: its pose is not finite");
+    EXPECT_EQ(e.element, Element::body);
+    EXPECT_EQ(e.index, 1);
+    poses.pop_back();
+    EXPECT_STREQ(error({shapes, bodies, poses}).what(), "there are 1 poses for 2 bodies");
+    bodies[1].shape = 3;
+    EXPECT_STREQ(error({shapes, bodies, {}}).what(), "body 1: there is no shape 3; there are 1");
+    bodies[1] = {.world = -2};
+    EXPECT_STREQ(error({shapes, bodies, {}}).what(), "body 1: its world is -2; worlds are 0 or more, or -1");
+    bodies = {{.world = 1}, {.world = 0}};
+    EXPECT_STREQ(error({shapes, bodies, {}}).what(),
+                 "body 1: its world 0 comes after world 1; world ids ascend over the bodies");
+    bodies = {{.world = -1}, {.world = 0}};
+    EXPECT_STREQ(error({shapes, bodies, {}}).what(), "body 1: bodies that are in all worlds (-1) come last");
+    bodies = {{}, {}};
+    Intersect question;
+    question.rules.excluded_bodies = {{0, 2}};
+    EXPECT_STREQ(error({shapes, bodies, {}}, question).what(), "excluded_bodies names body 2 of 2");
+}
+
+TEST_P(WrongWorld, names_the_vertex_and_the_triangle) {
+    soup.vertices[7][1] = std::numeric_limits<float>::infinity();
+    Error e = error({shapes, bodies, {}});
+    EXPECT_STREQ(e.what(), "body 0: vertex 7 is not finite");
+    EXPECT_EQ(e.code, ErrorCode::not_finite);
+    soup.vertices[7][1] = 3;
+    const std::vector<Pose> poses{{}, {{1, 0, 0, 0, 0, 2e38, 0, 0, 0, 0, 1, 0}}};
+    EXPECT_STREQ(error({shapes, bodies, poses}).what(), "body 1: vertex 7 is posed to infinity");
+    soup.vertices[7][1] = 0;
+    soup.triangles[2][1] = 15;
+    e = error({shapes, bodies, {}});
+    EXPECT_STREQ(e.what(), "body 0: triangle 2 names vertex 15 of 15");
+    EXPECT_EQ(e.code, ErrorCode::index_out_of_range);
+}
+
+TEST_P(WrongWorld, names_the_shape) {
+    shapes[0].triangles.rows = -1;
+    EXPECT_STREQ(error({shapes, bodies, {}}).what(), "shape 0 has -1 triangles; 0 to 2147483647 are possible");
+}
+
+INSTANTIATE_TEST_SUITE_P(, WrongWorld, testing::Values(Backend::reference, Backend::cpu),
+                         [](const auto& info) { return std::string(test::backend_name(info.param)); });
+
+TEST(World, named_shapes_are_checked_wherever_their_bodies_are) {
+    auto soup = random_soup(50, 0.5);
+    soup.vertices[9][2] = 1e30f;
+    const std::vector<Shape> shapes{Shape(soup.view(), 1), Shape(soup.view(), 2)};
+    const std::vector<Body> bodies{{.shape = 0, .self = false}, {.shape = 1, .self = false}};
+    const std::vector<Pose> poses{moved(1000), {{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1e10, 0}}};
+    Detector detector;
+    EXPECT_STREQ(error_of([&] {
+                     detector.find({shapes, bodies, poses});
+                 }).what(),
+                 "body 1: vertex 9 is posed to infinity");
+    soup.triangles[3][0] = -1;
+    Detector other;
+    EXPECT_STREQ(error_of([&] {
+                     other.find({shapes, bodies, poses});
+                 }).what(),
+                 "shape 0: triangle 3 names vertex -1 of 150");
+}
+
+}  // namespace
+}  // namespace crumple
