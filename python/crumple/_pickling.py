@@ -21,7 +21,7 @@ _ARRAYS = {
     "contact_offsets": (np.int64, (-1,)),
     "contact_points": (np.float64, (-1, 3)),
 }
-_OTHERS = {"statistics", "first", "second", "has_contacts", "copy"}
+_OTHERS = {"statistics", "first", "second", "has_contacts", "copy", "ids", "ids_second"}
 
 
 def _mesh_as_arrays(mesh: Mesh, which: str, triangles: int) -> tuple[Any, Any, Any]:
@@ -46,6 +46,8 @@ def state_of(result: Result) -> dict[str, Any]:
         "second": None if second is None else _mesh_as_arrays(second, "second mesh: ", len(state["hit_second"])),
         "has_contacts": answer.has_contacts,
         "copy": answer.copy,
+        "ids": result._ids[0],
+        "ids_second": result._ids[1],
     }
 
 
@@ -71,7 +73,12 @@ def restore(state: Any) -> Result:
         if not isinstance(state[name], tuple) or len(state[name]) != 3:
             if name == "first" or state[name] is not None:
                 raise InvalidType(f"the state of a Result needs {name} as a tuple (vertices, faces, groups)")
+    ids = []
+    for name in ("ids", "ids_second"):
+        if state[name] is not None and (not isinstance(state[name], np.ndarray) or state[name].dtype != np.int32):
+            raise InvalidType(f"the state of a Result needs {name} as an array of int32 or None")
+        ids.append(None if state[name] is None else np.require(state[name].ravel(), np.int32, ["C", "A"]))
     first = Mesh(*state["first"])
     second = None if state["second"] is None else Mesh(*state["second"])
-    answer = _core.restore(*arrays, state["statistics"], first, second, state["has_contacts"], state["copy"])
-    return Result(answer, first, second)
+    answer = _core.restore(*arrays, state["statistics"], first, second, state["has_contacts"], state["copy"], *ids)
+    return Result(answer, first, second, (ids[0], ids[1]))

@@ -93,6 +93,9 @@ class Result:
     of the library's memory that keep that memory alive; once the last of them is gone, the detector's next call uses
     the memory again. With `copy=True` they are writable arrays of their own.
 
+    Of a part (Detector.find) pairs have the ids of the whole meshes; offsets and hits, and what is shown and saved as a
+    mesh, are of the part's own triangles, in the order of part.triangles.
+
     `len(result)` is the number of pairs, and a result without pairs is false. A result keeps the input arrays too, for
     show, save and to_html, but does not copy them: pictures show what the arrays hold by then.
 
@@ -102,10 +105,11 @@ class Result:
     written into the arrays of copy=True. Unpickling checks that all of it fits together, or raises InvalidInput.
     """
 
-    def __init__(self, answer: Answer, first: Mesh, second: Mesh | None) -> None:
+    def __init__(self, answer: Answer, first: Mesh, second: Mesh | None, ids: tuple[Any, Any] = (None, None)) -> None:
         self._answer = answer
         self._first = first
         self._second = second
+        self._ids = ids  # of a part's triangles; None: pairs count in the meshes themselves
 
     def _array(self, name: str) -> Any:
         array = getattr(self._answer, name)
@@ -153,10 +157,11 @@ class Result:
         return restore, (state_of(self),)
 
     def __copy__(self) -> Result:
-        return Result(self._answer, self._first, self._second)
+        return Result(self._answer, self._first, self._second, self._ids)
 
     def __deepcopy__(self, memo: dict[int, Any]) -> Result:
-        return Result(self._answer.deep_copy(), deepcopy(self._first, memo), deepcopy(self._second, memo))
+        first, second = deepcopy(self._first, memo), deepcopy(self._second, memo)
+        return Result(self._answer.deep_copy(), first, second, deepcopy(self._ids, memo))
 
     def __repr__(self) -> str:
         s = self.statistics

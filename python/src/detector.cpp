@@ -76,18 +76,19 @@ std::shared_ptr<Collisions> SharedDetector::storage() {
     return last_;
 }
 
-const Collisions& SharedDetector::search(const MeshView& first, const MeshView* second, const Part* part,
-                                         const Query& query) {
-    if (part)
-        return second ? detector_.find_between(first, *second, *part, query) : detector_.find_self(first, *part, query);
-    return second ? detector_.find_between(first, *second, query) : detector_.find_self(first, query);
+// Storage moves in and comes back as the result, which outlives the detector and its next call.
+void SharedDetector::find(const MeshView& first, const MeshView* second, const Query& query, Collisions& answer) {
+    detector_.swap_result(answer);
+    if (second)
+        detector_.find_between(first, *second, query);
+    else
+        detector_.find_self(first, query);
+    detector_.swap_result(answer);
 }
 
-// Storage moves in and comes back as the result, which outlives the detector and its next call.
-void SharedDetector::find(const MeshView& first, const MeshView* second, const Part* part, const Query& query,
-                          Collisions& answer) {
+void SharedDetector::find(const Part& part, const Query& query, Collisions& answer) {
     detector_.swap_result(answer);
-    search(first, second, part, query);
+    detector_.find(part, query);
     detector_.swap_result(answer);
 }
 
@@ -182,17 +183,26 @@ void make(nb::handle self, const nb::dict& given) {
 }
 
 Answer find(nb::handle self, const nb::tuple& first, const std::optional<nb::tuple>& second, const OwningQuery& given,
-            nb::handle part, nb::handle copy) {
+            nb::handle copy) {
     SharedDetector& detector = detector_of(self);
     const BorrowedMeshes meshes(first, second);
     check_devices(detector, meshes);
     const Query& query = given.query;
-    const Part* const of = part_or_null(part);
     const bool copied = flag("copy", copy);
     const SharedDetector::Turn turn(detector);
     Answer answer{detector.storage(), query.contacts, copied};
-    without_gil([&] { detector.find(meshes.first.view(), meshes.second_or_null(), of, query, *answer.storage); },
+    without_gil([&] { detector.find(meshes.first.view(), meshes.second_or_null(), query, *answer.storage); },
                 &detector.library());
+    return answer;
+}
+
+Answer find_part(nb::handle self, nb::handle part, const OwningQuery& given, nb::handle copy) {
+    SharedDetector& detector = detector_of(self);
+    const Part& of = given_part(part);
+    const bool copied = flag("copy", copy);
+    const SharedDetector::Turn turn(detector);
+    Answer answer{detector.storage(), given.query.contacts, copied};
+    without_gil([&] { detector.find(of, given.query, *answer.storage); }, &detector.library());
     return answer;
 }
 
@@ -237,7 +247,8 @@ void bind_detector(nb::module_& module) {
         .def_prop_ro("backend", [](nb::handle self) { return name_of(backend_names, detector_of(self).backend()); })
         .def_prop_ro("fallback", [](nb::handle self) { return detector_of(self).fallback(); })
         .def("cancel", [](nb::handle self) { detector_of(self).cancel(); })
-        .def("_find", find, "first"_a, "second"_a.none(), "query"_a, "part"_a.none(), "copy"_a.none())
+        .def("_find", find, "first"_a, "second"_a.none(), "query"_a, "copy"_a.none())
+        .def("_find_part", find_part, "part"_a.none(), "query"_a, "copy"_a.none())
         .def("_any", any, "first"_a, "second"_a.none(), "query"_a)
         .def("_partition", partition, "first"_a, "second"_a.none(), "count"_a.none());
     module.def("list_devices", listed_devices);

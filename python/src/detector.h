@@ -41,7 +41,8 @@ class SharedDetector {
     /// `second` null: one soup. Call in a turn of one's own, without the GIL. In the main thread, signals are handled
     /// while a call runs or waits for its turn; what their handlers raise ends the call. `answer` is storage, as
     /// `storage` gives it.
-    void find(const MeshView& first, const MeshView* second, const Part* part, const Query& query, Collisions& answer);
+    void find(const MeshView& first, const MeshView* second, const Query& query, Collisions& answer);
+    void find(const Part& part, const Query& query, Collisions& answer);
     bool any(const MeshView& first, const MeshView* second, const Query& query);
     std::vector<Part> partition(const MeshView& first, const MeshView* second, int count);
     /// Storage for an answer: that of one of the last two, if nobody holds it any more. So frames of a simulation go
@@ -57,8 +58,6 @@ class SharedDetector {
     Detector& library() { return detector_; }
 
    private:
-    const Collisions& search(const MeshView& first, const MeshView* second, const Part* part, const Query& query);
-
     void wait_for_another_turn();
 
     Detector detector_;

@@ -1,16 +1,12 @@
 #include "part.h"
 
-#include <array>
 #include <cstdint>
 #include <string>
-#include <tuple>
-#include <utility>
+#include <type_traits>
+#include <variant>
 #include <vector>
 
 #include <nanobind/ndarray.h>
-#include <nanobind/stl/array.h>
-#include <nanobind/stl/tuple.h>
-#include <nanobind/stl/vector.h>
 
 #include "arguments.h"
 #include "arrays.h"
@@ -34,56 +30,118 @@ nb::ndarray<nb::numpy, const T> column(nb::handle owner, const std::vector<T>& v
     return {values.data(), {values.size()}, owner};
 }
 
-using PartState =
-    std::tuple<std::int32_t, std::vector<std::array<double, 3>>, std::vector<std::int32_t>, std::vector<std::int32_t>>;
+// (vertices, faces, groups or None): what crumple.Mesh is made of. The owner keeps the arrays.
+nb::tuple arrays_of(nb::handle owner, const PartMesh& mesh) {
+    import_numpy();
+    const nb::object vertices = std::visit(
+        [&](const auto& xyz) {
+            using Scalar = typename std::decay_t<decltype(xyz)>::value_type;
+            return nb::cast(nb::ndarray<nb::numpy, const Scalar>(xyz.data(), {xyz.size() / 3, 3}, owner));
+        },
+        mesh.vertices);
+    const nb::object faces =
+        nb::cast(nb::ndarray<nb::numpy, const std::int32_t>(mesh.corners.data(), {mesh.corners.size() / 3, 3}, owner));
+    return nb::make_tuple(vertices, faces,
+                          mesh.groups.empty() ? nb::none() : nb::object(nb::cast(column(owner, mesh.groups))));
+}
+
+constexpr const char* wrong_state =
+    "the state of a Part must be a tuple (index, count, mesh, second, levels) as __getstate__ gives it";
+
+template <class T>
+std::vector<T> values_of(nb::handle given) {
+    nb::ndarray<const T, nb::c_contig, nb::device::cpu> array;
+    if (!nb::try_cast(given, array, false)) throw InvalidType(wrong_state);
+    return {array.data(), array.data() + array.size()};
+}
+
+nb::tuple state_of(nb::handle owner, const PartMesh& mesh) {
+    const nb::tuple arrays = arrays_of(owner, mesh);
+    return nb::make_tuple(arrays[0], arrays[1], arrays[2], column(owner, mesh.ids));
+}
+
+PartMesh mesh_of(nb::handle given) {
+    nb::tuple state;
+    nb::ndarray<const float, nb::c_contig, nb::device::cpu> single;
+    if (!nb::try_cast(given, state, false) || state.size() != 4) throw InvalidType(wrong_state);
+    PartMesh mesh;
+    if (nb::try_cast(state[0], single, false))
+        mesh.vertices = values_of<float>(state[0]);
+    else
+        mesh.vertices = values_of<double>(state[0]);
+    mesh.corners = values_of<std::int32_t>(state[1]);
+    if (!state[2].is_none()) mesh.groups = values_of<std::int32_t>(state[2]);
+    mesh.ids = values_of<std::int32_t>(state[3]);
+    return mesh;
+}
+
+// What does not fit together is refused where the part is asked for its pairs.
+Part part_from(nb::handle given) {
+    nb::tuple state;
+    nb::list levels;
+    Part part;
+    if (!nb::try_cast(given, state, false) || state.size() != 5 || !nb::try_cast(state[0], part.index, false) ||
+        !nb::try_cast(state[1], part.count, false) || !nb::try_cast(state[4], levels, false))
+        throw InvalidType(wrong_state);
+    part.mesh = mesh_of(state[2]);
+    if (!state[3].is_none()) part.second = mesh_of(state[3]);
+    for (const nb::handle item : levels) {
+        nb::tuple level;
+        PartLevel& added = part.levels.emplace_back();
+        if (!nb::try_cast(item, level, false) || level.size() != 2 || !nb::try_cast(level[0], added.cluster, false))
+            throw InvalidType(wrong_state);
+        added.masks = values_of<std::uint64_t>(level[1]);
+    }
+    return part;
+}
 
 }  // namespace
 
-const Part* part_or_null(nb::handle part) {
-    if (!part || part.is_none()) return nullptr;
-    return &part_of(part, "part");
-}
+const Part& given_part(nb::handle part) { return part_of(part, "part"); }
 
 void bind_part(nb::module_& module) {
     nb::class_<Part>(module, "Part",
                      "One of several independent, overlapping parts of a scene; see Detector.partition. A plain value\n"
-                     "that can be pickled: send it anywhere and answer it there for the same meshes.")
-        .def_ro("index", &Part::index, "Which of `centres` this part is.")
+                     "that owns its arrays and can be pickled: send it anywhere, and answer it there with\n"
+                     "Detector.find, without the meshes.")
+        .def_ro("index", &Part::index, "Which of the parts this is, from 0.")
+        .def_ro("count", &Part::count, "How many parts there are.")
         .def_prop_ro(
-            "centres",
+            "mesh", [](nb::handle self) { return arrays_of(self, part_of(self, "this").mesh); },
+            "(vertices, faces, groups or None): the part's triangles of the first mesh, as a mesh of their own.")
+        .def_prop_ro(
+            "second",
             [](nb::handle self) {
-                const auto& centres = part_of(self, "this").centres;
-                import_numpy();
-                return nb::ndarray<nb::numpy, const double>(centres.empty() ? nullptr : centres[0].data(),
-                                                            {centres.size(), 3}, self);
+                const auto& second = part_of(self, "this").second;
+                return second ? nb::object(arrays_of(self, *second)) : nb::none();
             },
-            "(parts, 3) float64: cluster centres of all parts, in the scene's coordinates.")
+            "The same of the second mesh; None for one soup.")
         .def_prop_ro(
-            "triangles", [](nb::handle self) { return column(self, part_of(self, "this").triangles); },
-            "int32: triangles of the first mesh that belong to the part, ascending.")
+            "triangles", [](nb::handle self) { return column(self, part_of(self, "this").mesh.ids); },
+            "int32: which triangles of the first mesh those of `mesh` are, ascending.")
         .def_prop_ro(
-            "triangles_second", [](nb::handle self) { return column(self, part_of(self, "this").triangles_second); },
-            "int32: triangles of the second mesh; empty for one soup.")
+            "triangles_second",
+            [](nb::handle self) {
+                static const std::vector<std::int32_t> none;
+                const auto& second = part_of(self, "this").second;
+                return column(self, second ? second->ids : none);
+            },
+            "int32: the same of the second mesh; empty for one soup.")
         .def("__repr__",
              [](const Part& p) {
-                 return nb::str("<crumple.Part {} of {}: {} triangles>")
-                     .format(p.index, p.centres.size(), p.triangles.size() + p.triangles_second.size());
+                 return nb::str("<crumple.Part {} of {}: {} triangles>").format(p.index, p.count, p.triangle_count());
              })
         .def("__getstate__",
-             [](const Part& p) {
-                 return PartState{p.index, p.centres, p.triangles, p.triangles_second};
+             [](nb::handle self) {
+                 const Part& p = part_of(self, "this");
+                 nb::list levels;
+                 for (const PartLevel& level : p.levels)
+                     levels.append(nb::make_tuple(level.cluster, column(self, level.masks)));
+                 return nb::make_tuple(p.index, p.count, state_of(self, p.mesh),
+                                       p.second ? nb::object(state_of(self, *p.second)) : nb::none(), levels);
              })
         .def(
-            "__setstate__",
-            [](Part& p, nb::handle given) {
-                PartState state;
-                if (!nb::try_cast(given, state))
-                    throw InvalidType(
-                        "the state of a Part must be a tuple (index, centres, triangles, triangles_second)");
-                auto& [index, centres, triangles, triangles_second] = state;
-                new (&p) Part{index, std::move(centres), std::move(triangles), std::move(triangles_second)};
-            },
-            "state"_a.none());
+            "__setstate__", [](Part& p, nb::handle given) { new (&p) Part(part_from(given)); }, "state"_a.none());
 }
 
 }  // namespace crumple::python

@@ -8,8 +8,8 @@
 
 namespace crumple::python {
 
-/// The Part in an object; null for None and for nothing.
-const Part* part_or_null(nanobind::handle part);
+/// The Part in an object.
+const Part& given_part(nanobind::handle part);
 
 void bind_part(nanobind::module_& module);
 

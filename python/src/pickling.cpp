@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <set>
@@ -109,6 +110,23 @@ void check_fit(const Collisions& c, bool one_soup, bool has_contacts) {
         for (const double coordinate : point) check(std::isfinite(coordinate), "points of contacts");
 }
 
+// A part's answer has the ids of the meshes, and all else by position in the part's lists of ids.
+void to_positions(const std::optional<Column<std::int32_t>>& ids, const Array<std::uint8_t>& hit,
+                  std::int32_t Pair::*member, Array<Pair>& pairs) {
+    if (!ids) return;
+    const std::int32_t *begin = ids->data(), *end = begin + ids->size();
+    check(ids->size() == hit.size() && std::is_sorted(begin, end, std::less_equal<>()), "ids");
+    for (Pair& pair : pairs) {
+        const std::int32_t* const place = std::lower_bound(begin, end, pair.*member);
+        check(place != end && *place == pair.*member, "pairs and ids");
+        pair.*member = static_cast<std::int32_t>(place - begin);
+    }
+}
+void to_ids(const std::optional<Column<std::int32_t>>& ids, std::int32_t Pair::*member, Array<Pair>& pairs) {
+    if (!ids) return;
+    for (Pair& pair : pairs) pair.*member = ids->data()[pair.*member];
+}
+
 void check_mesh(const BorrowedMesh& mesh, const Array<std::uint8_t>& hit) {
     check(mesh.view().triangles.rows == static_cast<std::int64_t>(hit.size()), "the number of faces");
 }
@@ -116,7 +134,8 @@ void check_mesh(const BorrowedMesh& mesh, const Array<std::uint8_t>& hit) {
 Answer restore(const Rows<std::int32_t, 2>& pairs, const Column<std::int64_t>& offsets, const Column<std::uint8_t>& hit,
                const Column<std::uint8_t>& hit_second, const Column<std::uint8_t>& kinds,
                const Column<std::int64_t>& contact_offsets, const Rows<double, 3>& points, nb::handle statistics,
-               const nb::tuple& first, const std::optional<nb::tuple>& second, bool has_contacts, bool copy) {
+               const nb::tuple& first, const std::optional<nb::tuple>& second, bool has_contacts, bool copy,
+               const std::optional<Column<std::int32_t>>& ids, const std::optional<Column<std::int32_t>>& ids_second) {
     const auto storage = std::make_shared<Collisions>();
     fill(storage->pairs, pairs);
     fill(storage->offsets, offsets);
@@ -128,7 +147,12 @@ Answer restore(const Rows<std::int32_t, 2>& pairs, const Column<std::int64_t>& o
     if (!nb::isinstance<Statistics>(statistics) || !nb::inst_ready(statistics))
         refuse_type("statistics", "crumple.Statistics with something in it", statistics);
     storage->statistics = *nb::inst_ptr<Statistics>(statistics);
+    const auto& ids_of_b = second ? ids_second : ids;
+    to_positions(ids, storage->hit, &Pair::a, storage->pairs);
+    to_positions(ids_of_b, second ? storage->hit_second : storage->hit, &Pair::b, storage->pairs);
     check_fit(*storage, !second, has_contacts);
+    to_ids(ids, &Pair::a, storage->pairs);
+    to_ids(ids_of_b, &Pair::b, storage->pairs);
     const BorrowedMeshes meshes(first, second);
     check_mesh(meshes.first, storage->hit);
     if (meshes.second) check_mesh(*meshes.second, storage->hit_second);
@@ -165,7 +189,7 @@ Statistics statistics_of(nb::handle given) {
 void bind_pickling(nb::module_& module) {
     module.def("restore", restore, "pairs"_a, "offsets"_a, "hit"_a, "hit_second"_a, "contact_kinds"_a,
                "contact_offsets"_a, "contact_points"_a, "statistics"_a.none(), "first"_a, "second"_a.none(),
-               "has_contacts"_a, "copy"_a);
+               "has_contacts"_a, "copy"_a, "ids"_a.none(), "ids_second"_a.none());
 }
 
 }  // namespace crumple::python

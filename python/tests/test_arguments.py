@@ -42,7 +42,6 @@ WRONG_TYPES = [
     ({"weld": None}, "weld must be True or False, not None"),
     ({"contacts": "no"}, "contacts must be True or False, not str"),
     ({"copy": 0.0}, "copy must be True or False, not float"),
-    ({"part": 1}, "part must be a crumple.Part, not int"),
 ]
 
 
@@ -101,7 +100,7 @@ def test_numpy_scalars_do_where_python_s_do():
 def test_other_wrong_types_are_named(detector, tmp_path):
     for call, message in [
         (lambda: detector.partition(MESH, count="3"), "count must be an integer, not str"),
-        (lambda: detector.partition(MESH, count=0), "the number of parts must be 1 to 64"),
+        (lambda: detector.partition(MESH, count=0), "the number of parts must be 1 to 262144"),
         (lambda: crumple.read_mesh(7), "path must be a str, bytes or os.PathLike, not int"),
         (lambda: crumple.read_mesh(None), "path must be a str, bytes or os.PathLike, not None"),
         (lambda: crumple.read_mesh("a\0b"), "path cannot be the name of a file"),
@@ -257,16 +256,20 @@ def test_a_memory_limit_names_a_lower_bound_or_the_limit_that_suffices():
         np.testing.assert_array_equal(pairs, crumple.find_self_intersections(mesh))
 
 
+ARRAYS_OF_NOTHING = (np.zeros((0, 3)), np.zeros((0, 3), np.int32), None, np.zeros(0, np.int32))
+
+
 @pytest.mark.parametrize(
     "state",
     [
         (),
         (0,),
-        (0, 5, [], []),
-        (0, [(1.0, 2.0)], [], []),
-        ("0", [(1.0, 2.0, 3.0)], [], []),
-        (0, [(1.0, 2.0, 3.0)], [2**40], []),
-        (0, [(1.0, 2.0, 3.0)], [], None),
+        (0, 1, (), None, []),
+        ("0", 1, ARRAYS_OF_NOTHING, None, []),
+        (0, 1, ARRAYS_OF_NOTHING, (), []),
+        (0, 1, ARRAYS_OF_NOTHING, None, [1]),
+        (0, 1, ARRAYS_OF_NOTHING, None, [(0, np.zeros(1))]),
+        (0, 1, ([], [], None, []), None, []),
         [0, 1],
         None,
     ],
@@ -277,13 +280,23 @@ def test_the_state_of_a_part_is_checked(state):
         part.__setstate__(state)
 
 
+def test_a_part_whose_state_does_not_fit_together_is_refused(detector):
+    part = crumple.Part.__new__(crumple.Part)
+    part.__setstate__((0, 1, ARRAYS_OF_NOTHING, None, []))
+    with pytest.raises(crumple.InvalidInput, match="a part needs 1 to 4 levels"):
+        detector.find(part)
+    with pytest.raises(TypeError, match="part must be a crumple.Part, not int"):
+        detector.find(1)
+
+
 def test_a_part_that_nothing_was_put_into_is_refused(detector):
     empty = crumple.Part.__new__(crumple.Part)
     for look in (
-        lambda: empty.centres,
+        lambda: empty.mesh,
+        lambda: empty.second,
         lambda: empty.triangles,
         lambda: empty.triangles_second,
-        lambda: detector.find_self(MESH, part=empty),
+        lambda: detector.find(empty),
     ):
         with pytest.raises(crumple.InvalidInput, match="is a crumple.Part that nothing was put into$"):
             look()

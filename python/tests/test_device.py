@@ -110,7 +110,7 @@ def test_queries(cuda, cpu, query):
 
 def test_parts(cuda, cpu):
     mesh = mesh_on_device(MESH)
-    pairs = [cuda.find_self(mesh, part=part).pairs for part in cuda.partition(mesh, count=5)]
+    pairs = [cuda.find(part).pairs for part in cuda.partition(mesh, count=5)]
     joined = np.concatenate(pairs)
     np.testing.assert_array_equal(joined[np.lexsort(joined.T[::-1])], cpu.find_self(MESH).pairs)
 

@@ -56,7 +56,7 @@ def test_arguments_by_name_and_by_place(detector):
         detector.find_self(faces=faces, vertices=vertices),
         detector.find_self(**names),
         detector.find_self(vertices=MESH),
-        detector.find_self(MESH, None, groups=None, part=None, excluded_groups=None),
+        detector.find_self(MESH, None, groups=None, excluded_groups=None),
         detector.find_self(*(vertices, faces), **{"contacts": True}),
         crumple.Detector.find_self(detector, vertices, faces),
         crumple.Detector.find_self(self=detector, vertices=MESH),
