@@ -11,6 +11,7 @@
 
 #include "crumple/collisions.h"
 #include "crumple/mesh.h"
+#include "crumple/world.h"
 
 namespace crumple::io {
 
@@ -73,6 +74,51 @@ TriangleMesh read_mesh(const std::filesystem::path& path, const ReadOptions& opt
 
 /// The same of a stream, to its end. `name` stands in messages, and its extension for the file's.
 TriangleMesh read_mesh(std::istream& in, const std::string& name, const ReadOptions& options = {});
+
+/// A body of a file: its name, which shape it has, and where that is.
+struct NamedBody {
+    std::string name;
+    std::int32_t shape = 0;  ///< index into WorldMesh::shapes
+    Pose pose = {};
+};
+
+/// What a crumple::World looks at.
+struct WorldView {
+    std::vector<Shape> shapes;
+    std::vector<Body> bodies;
+    std::vector<Pose> poses;
+
+    World world() const { return {shapes, bodies, poses}; }
+};
+
+/// A world that owns its arrays. Several bodies may have one shape.
+struct WorldMesh {
+    std::vector<TriangleMesh> shapes;
+    std::vector<NamedBody> bodies;           ///< every name once
+    std::vector<std::string> warnings = {};  ///< what was odd about the file, a sentence each
+
+    /// Of all bodies.
+    std::int64_t triangle_count() const;
+    /// Valid while the world is as it is. Shapes are named `first_name`, `first_name` + 1 and so on, so that a detector
+    /// remembers them (Shape::name); 0: they have no names.
+    WorldView view(std::uint64_t first_name = 0) const;
+};
+
+/// Reads glTF 2.0 (.glb, .gltf) as a world: each node of the default scene that has a mesh is a body, in the order of
+/// the file's nodes, with the node's name and its transform from the root. Meshes over the same data are one shape. Any
+/// other mesh file is a world of one body in place, named like the file without its extension.
+///
+/// Shapes are float32 unless Precision::float64 is asked for, and so are posed vertices. glTF repeats a vertex for each
+/// of its normals, so `Weld::automatic` welds by exact position. Names that are missing are those of the meshes, or
+/// node7; the second of a name becomes NAME_2. Throws as read_mesh does, also for a node with a transform that is not
+/// finite or not affine, and for nodes in a cycle. docs/input.md tells what is read, skipped and refused.
+WorldMesh read_world(const std::filesystem::path& path, const ReadOptions& options = {});
+
+/// The same of a stream, to its end; glTF must hold its buffers itself.
+WorldMesh read_world(std::istream& in, const std::string& name, const ReadOptions& options = {});
+
+/// All bodies as one mesh, one after the other, with each vertex where Detector::find has it; groups are the bodies.
+TriangleMesh posed_mesh(const WorldMesh& world);
 
 /// Writes .ply (binary little endian), .obj, .stl (binary) or .off by extension. Throws crumple::Error (file,
 /// invalid_argument, index_out_of_range, not_finite); the file then stays as it was.

@@ -1,9 +1,14 @@
 // Which format a file has, by its content first and its extension second, and what all formats have in common.
 
 #include <cctype>
+#include <optional>
+#include <utility>
 
 #include "base/float_environment.h"
 #include "io/formats.h"
+#include "io/gltf.h"
+#include "io/gltf_file.h"
+#include "io/names.h"
 #include "io/text.h"
 #include "io/weld.h"
 
@@ -14,6 +19,10 @@ namespace {
 enum class Format { ply, obj, stl, off };
 
 Format format_of(const Source& source, const std::string& extension) {
+    if (is_gltf(source, extension))
+        throw Error(ErrorCode::format,
+                    source.name() + ": glTF is a scene of bodies, not one mesh (read_world, --groups bodies)",
+                    Element::byte, 0);
     if (is_binary_stl(source)) return Format::stl;
     Scanner in(source, {.lines = true, .comments = true});
     if (in.next_line_with_items()) {
@@ -44,15 +53,21 @@ TriangleMesh read(const Source& source, Format format, const ReadOptions& option
     }
 }
 
+void check_not_empty(const Source& source) {
+    if (source.text().find_first_not_of(" \t\r\n") == source.text().npos)
+        source.fail_at_byte(source.begin(), "the file is empty");
+}
+
+void check_has_properties(const Source& source, const ReadOptions& options, bool ply) {
+    if (!options.group_property.empty() && !ply)
+        throw Error(ErrorCode::invalid_argument, source.name() + ": only PLY files have properties", Element::option);
+}
+
 TriangleMesh read(const Source& source, const ReadOptions& options) {
     const FloatEnvironment environment;
-    if (source.text().find_first_not_of(" \t\r\n") == source.text().npos) {
-        source.fail_at_byte(source.begin(), "the file is empty");
-    }
+    check_not_empty(source);
     const Format format = format_of(source, extension_of(source.name()));
-    if (!options.group_property.empty() && format != Format::ply) {
-        throw Error(ErrorCode::invalid_argument, source.name() + ": only PLY files have properties", Element::option);
-    }
+    check_has_properties(source, options, format == Format::ply);
     try {
         Warnings warnings(source, options.strict);
         TriangleMesh mesh = read(source, format, options, warnings);
@@ -68,7 +83,40 @@ TriangleMesh read(const Source& source, const ReadOptions& options) {
     }
 }
 
+WorldMesh read_scene(const Source& source, std::optional<std::filesystem::path> folder, const ReadOptions& options) {
+    const FloatEnvironment environment;
+    check_has_properties(source, options, false);
+    try {
+        Warnings warnings(source, options.strict);
+        WorldMesh world = read_gltf(source, std::move(folder), options, warnings);
+        if (world.bodies.empty()) warnings.of_file("it holds no bodies");
+        world.warnings = warnings.take();
+        make_names_unique(world.bodies);
+        return world;
+    } catch (const std::bad_alloc&) {
+        throw Error(ErrorCode::file, "cannot read " + source.name() + ": its meshes do not fit in memory");
+    }
+}
+
+WorldMesh read_world(const Source& source, std::optional<std::filesystem::path> folder, const ReadOptions& options) {
+    check_not_empty(source);
+    if (is_gltf(source, extension_of(source.name()))) return read_scene(source, std::move(folder), options);
+    WorldMesh world;
+    world.shapes.push_back(read(source, options));
+    world.warnings = std::move(world.shapes[0].warnings);
+    world.bodies.push_back({std::filesystem::path(source.name()).stem().string()});
+    return world;
+}
+
 }  // namespace
+
+WorldMesh read_world(const std::filesystem::path& path, const ReadOptions& options) {
+    return read_world(Source(path), path.parent_path(), options);
+}
+
+WorldMesh read_world(std::istream& in, const std::string& name, const ReadOptions& options) {
+    return read_world(Source(in, name), std::nullopt, options);
+}
 
 TriangleMesh read_mesh(const std::filesystem::path& path, const ReadOptions& options) {
     return read(Source(path), options);

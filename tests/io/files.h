@@ -51,6 +51,8 @@ inline std::string bytes_of(const fs::path& path) {
     return {std::istreambuf_iterator<char>(in), {}};
 }
 
+inline bool contains(std::string_view text, std::string_view part) { return text.find(part) != text.npos; }
+
 /// What read_mesh makes of these bytes.
 inline TriangleMesh read_bytes(std::string_view bytes, const std::string& name, const ReadOptions& options = {}) {
     const Folder folder;

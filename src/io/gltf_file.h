@@ -1,0 +1,102 @@
+#pragma once
+
+// A glTF 2.0 file, .glb or .gltf, as far as geometry needs it: the description, and the bytes that accessors look at.
+// Whatever the description says is checked where it is used, and an error names the place, as "nodes[3].mesh".
+//
+// tinygltf writes .glb files here, but does not read them: release 2.7 reads past the end of a .glb that is cut within
+// the header of its second chunk, takes 2^32 for 0, and passes over values of a wrong type in silence.
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "io/source.h"
+
+namespace crumple::io {
+
+/// An object of the description, and where it stands there.
+class GltfObject {
+   public:
+    GltfObject(const Source& source, const nlohmann::json& value, std::string place);
+
+    const std::string& place() const { return place_; }
+    bool has(const char* key) const { return value_->contains(key); }
+    /// Throw Error (format) if what is there is of another kind.
+    std::optional<std::int64_t> integer(const char* key) const;  ///< 0 or more
+    std::int64_t integer_or(const char* key, std::int64_t otherwise) const { return integer(key).value_or(otherwise); }
+    std::int64_t required_integer(const char* key) const;
+    bool flag(const char* key) const;
+    std::string text(const char* key) const;  ///< empty if there is none
+    std::optional<GltfObject> object(const char* key) const;
+    std::size_t size_of(const char* key) const;                  ///< of a list; 0 if there is none
+    GltfObject object_of(const char* key, std::size_t i) const;  ///< of a list of objects
+    std::vector<std::int64_t> integers(const char* key) const;   ///< 0 or more each
+    std::vector<double> numbers(const char* key) const;
+    std::vector<double> numbers(const char* key, std::size_t count) const;  ///< so many, or none at all
+    std::vector<std::string> texts(const char* key) const;
+
+    /// Throws Error (format): "NAME: nodes[3].mesh WHAT", or without a key "NAME: nodes[3] WHAT".
+    [[noreturn]] void fail(const std::string& what) const;
+    [[noreturn]] void fail(const char* key, const std::string& what) const;
+
+   private:
+    const nlohmann::json* find(const char* key) const;
+    const nlohmann::json* find_list(const char* key) const;
+
+    const Source* source_;
+    const nlohmann::json* value_;
+    std::string place_;
+};
+
+/// Elements of an accessor, one every `stride` bytes, all of them within their buffer.
+struct GltfElements {
+    const char* data = nullptr;
+    std::size_t stride = 0;
+    std::int64_t count = 0;
+    std::int64_t component_type = 0;
+    bool normalised = false;
+};
+
+class GltfFile {
+   public:
+    /// `folder`: where files that it names lie; none for a stream. Throws Error (format).
+    GltfFile(const Source& source, std::optional<std::filesystem::path> folder, Warnings& warnings);
+
+    const GltfObject& root() const { return *root_; }
+    const std::string& name() const { return source_.name(); }
+    /// Item `index` of the description's list `list`, which `from`.`key` names.
+    GltfObject item(const char* list, std::int64_t index, const GltfObject& from, const char* key) const;
+    /// Of an accessor of type "SCALAR" or "VEC3". Throws Error (format; file for a file that it names).
+    GltfElements elements(const GltfObject& accessor, std::string_view type);
+    /// Of the file and of the buffers read so far.
+    std::size_t bytes_read() const { return bytes_read_; }
+
+   private:
+    struct Buffer {
+        std::optional<Source> file;
+        std::string decoded;
+        std::string_view bytes;
+    };
+    std::string_view read_container(Warnings& warnings);
+    std::string_view buffer_view(const GltfObject& view);
+    std::string_view buffer(std::int64_t index, const GltfObject& from);
+    Buffer read_buffer(const GltfObject& buffer, bool first) const;
+
+    const Source& source_;
+    std::optional<std::filesystem::path> folder_;
+    std::optional<std::string_view> chunk_;  ///< the binary one of a .glb
+    nlohmann::json document_;
+    std::optional<GltfObject> root_;
+    std::vector<std::optional<Buffer>> buffers_;
+    std::size_t bytes_read_;
+};
+
+/// Whether a file is glTF, by its content, or by its extension (lower case, with its dot).
+bool is_gltf(const Source& source, const std::string& extension);
+
+}  // namespace crumple::io

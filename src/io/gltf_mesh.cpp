@@ -1,0 +1,188 @@
+#include "io/gltf_mesh.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "io/bytes.h"
+#include "io/formats.h"
+#include "io/weld.h"
+
+namespace crumple::io {
+
+namespace {
+
+constexpr auto little = std::endian::little;
+
+enum Component : std::int64_t { int8 = 5120, uint8 = 5121, int16 = 5122, uint16 = 5123, uint32 = 5125, float32 = 5126 };
+
+std::int64_t index_at(const GltfElements& e, std::int64_t i) {
+    const char* const p = e.data + e.stride * static_cast<std::size_t>(i);
+    switch (e.component_type) {
+        case uint8:
+            return load<std::uint8_t>(p, little);
+        case uint16:
+            return load<std::uint16_t>(p, little);
+        default:
+            return load<std::uint32_t>(p, little);
+    }
+}
+
+/// Coordinate k of vertex i. A normalised integer is a fraction of the largest one of its type.
+double coordinate_at(const GltfElements& e, std::int64_t i, std::size_t k) {
+    const char* const p = e.data + e.stride * static_cast<std::size_t>(i);
+    const auto number = [&](auto type) {
+        using T = decltype(type);
+        const auto value = static_cast<double>(load<T>(p + k * sizeof(T), little));
+        return e.normalised ? std::max(value / std::numeric_limits<T>::max(), -1.0) : value;
+    };
+    switch (e.component_type) {
+        case int8:
+            return number(std::int8_t{});
+        case uint8:
+            return number(std::uint8_t{});
+        case int16:
+            return number(std::int16_t{});
+        case uint16:
+            return number(std::uint16_t{});
+        default:
+            return static_cast<double>(load<float>(p + 4 * k, little));
+    }
+}
+
+/// Renames corners so that vertices which no triangle names are left out, and returns the old names. Where most are
+/// named nothing changes, and all `count` are returned.
+std::vector<std::int64_t> used_vertices(std::vector<std::int64_t>& corners, std::int64_t count) {
+    std::vector<std::int64_t> used;
+    if (count / 4 <= static_cast<std::int64_t>(corners.size())) {
+        for (std::int64_t v = 0; v < count; ++v) used.push_back(v);
+        return used;
+    }
+    used = corners;
+    std::sort(used.begin(), used.end());
+    used.erase(std::unique(used.begin(), used.end()), used.end());
+    for (std::int64_t& corner : corners) corner = std::lower_bound(used.begin(), used.end(), corner) - used.begin();
+    return used;
+}
+
+}  // namespace
+
+std::int32_t GltfMeshes::shape_of(std::int64_t index, const GltfObject& node) {
+    const GltfObject mesh = file_.item("meshes", index, node, "mesh");
+    if (of_mesh_.empty()) of_mesh_.assign(file_.root().size_of("meshes"), -1);
+    std::int32_t& shape = of_mesh_[static_cast<std::size_t>(index)];
+    if (shape >= 0) return shape;
+    const std::vector<Primitive> primitives = primitives_of(mesh);
+    const auto known = known_.find(primitives);
+    if (known != known_.end()) return shape = known->second;
+    shapes_.push_back(read(primitives, mesh));
+    shape = static_cast<std::int32_t>(shapes_.size()) - 1;
+    known_.emplace(primitives, shape);
+    return shape;
+}
+
+std::vector<GltfMeshes::Primitive> GltfMeshes::primitives_of(const GltfObject& mesh) {
+    std::vector<Primitive> primitives;
+    const std::vector<double> weights = mesh.numbers("weights");
+    const bool morphs = std::any_of(weights.begin(), weights.end(), [](double w) { return w != 0; });
+    for (std::size_t i = 0; i < mesh.size_of("primitives"); ++i) {
+        const GltfObject primitive = mesh.object_of("primitives", i);
+        const std::int64_t mode = primitive.integer_or("mode", triangles);
+        if (mode > fan) primitive.fail("mode", "is " + std::to_string(mode) + ", which glTF does not know");
+        if (morphs && primitive.size_of("targets")) morph_targets.add(primitive.place());
+        const auto attributes = primitive.object("attributes");
+        const auto positions = attributes ? attributes->integer("POSITION") : std::nullopt;
+        if (mode < triangles)
+            points_and_lines.add(primitive.place());
+        else if (!positions)
+            primitive.fail("has no attribute POSITION");
+        else
+            primitives.push_back({mode, *positions, primitive.integer_or("indices", -1)});
+    }
+    return primitives;
+}
+
+TriangleMesh GltfMeshes::read(const std::vector<Primitive>& primitives, const GltfObject& mesh) {
+    std::map<std::int64_t, Vertices> by_accessor;
+    std::vector<const Vertices*> all;
+    std::int64_t count = 0;
+    std::vector<std::int64_t> corners;
+    for (const Primitive& primitive : primitives) {
+        auto [found, is_new] = by_accessor.try_emplace(primitive.positions);
+        Vertices& vertices = found->second;
+        if (is_new) {
+            const GltfObject accessor = file_.item("accessors", primitive.positions, mesh, "primitives.POSITION");
+            vertices = {file_.elements(accessor, "VEC3"), count, accessor.place()};
+            if (vertices.elements.component_type == uint32)
+                accessor.fail("componentType", "is 5125, which is none of positions");
+            count += vertices.elements.count;
+            all.push_back(&vertices);
+        }
+        add_corners(primitive, vertices, mesh, corners);
+    }
+    // A file has these bytes for a purpose: each is named a few times, by meshes that share some of it.
+    corners_ += corners.size();
+    if (corners_ / 24 > file_.bytes_read())
+        mesh.fail("names what other meshes have named so often that the file has more than 8 triangles a byte");
+
+    const std::vector<std::int64_t> used = used_vertices(corners, count);
+    if (used.size() > INT32_MAX || corners.size() / 3 > INT32_MAX)
+        mesh.fail("has more vertices or triangles than 32-bit ids can name");
+    TriangleMesh result = in_precision(options_.precision, ScalarType::float32, [&](auto scalar) {
+        std::vector<decltype(scalar)> xyz;
+        xyz.reserve(3 * used.size());
+        std::size_t a = 0;
+        for (const std::int64_t v : used) {
+            while (v >= all[a]->first + all[a]->elements.count) ++a;
+            for (std::size_t k = 0; k < 3; ++k) {
+                const double x = coordinate_at(all[a]->elements, v - all[a]->first, k);
+                if (!std::isfinite(x))
+                    throw Error(ErrorCode::format, file_.name() + ": vertex " + std::to_string(v - all[a]->first) +
+                                                       " of " + all[a]->place + " is not finite");
+                xyz.push_back(static_cast<decltype(scalar)>(x));
+            }
+        }
+        return TriangleMesh{std::move(xyz), {corners.begin(), corners.end()}};
+    });
+    if (options_.weld != Weld::no) weld(result);
+    return result;
+}
+
+void GltfMeshes::add_corners(const Primitive& primitive, const Vertices& vertices, const GltfObject& mesh,
+                             std::vector<std::int64_t>& corners) {
+    GltfElements indices;
+    indices.count = vertices.elements.count;
+    std::string place;
+    if (primitive.indices >= 0) {
+        const GltfObject accessor = file_.item("accessors", primitive.indices, mesh, "primitives.indices");
+        indices = file_.elements(accessor, "SCALAR");
+        place = accessor.place();
+        const std::int64_t type = indices.component_type;
+        if (type != uint8 && type != uint16 && type != uint32)
+            accessor.fail("componentType", "is " + std::to_string(type) + ", which is none of indices");
+    }
+    const auto corner = [&](std::int64_t i) {
+        const std::int64_t index = indices.data ? index_at(indices, i) : i;
+        if (index >= vertices.elements.count)
+            throw Error(ErrorCode::format, file_.name() + ": index " + std::to_string(i) + " of " + place +
+                                               " names vertex " + std::to_string(index) + " of " +
+                                               std::to_string(vertices.elements.count));
+        return vertices.first + index;
+    };
+    const std::int64_t n = indices.count;
+    if (primitive.mode == triangles) {
+        if (n % 3) mesh.fail("has a list of triangles with " + std::to_string(n) + " corners");
+        for (std::int64_t i = 0; i < n; ++i) corners.push_back(corner(i));
+        return;
+    }
+    for (std::int64_t i = 0; i + 2 < n; ++i) {
+        const bool turned = primitive.mode == strip && i % 2;  // every other triangle of a strip
+        const std::int64_t a = corner(primitive.mode == fan ? 0 : i), b = corner(i + (turned ? 2 : 1)),
+                           c = corner(i + (turned ? 1 : 2));
+        // A strip turns and jumps by triangles that name a vertex twice; nobody sees them.
+        if (a != b && b != c && c != a) corners.insert(corners.end(), {a, b, c});
+    }
+}
+
+}  // namespace crumple::io

@@ -1,0 +1,60 @@
+#pragma once
+
+// The triangles of glTF meshes. Two meshes over the same accessors, as exporters write for one geometry in two colours,
+// are one shape.
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "crumple/io.h"
+#include "io/gltf_file.h"
+
+namespace crumple::io {
+
+class GltfMeshes {
+   public:
+    GltfMeshes(GltfFile& file, const ReadOptions& options) : file_(file), options_(options) {}
+
+    /// The shape of a mesh that `node` names. Throws Error (format, file).
+    std::int32_t shape_of(std::int64_t mesh, const GltfObject& node);
+    std::vector<TriangleMesh> take_shapes() { return std::move(shapes_); }
+
+    // What was left out: the place of the first of its kind, and how many there are.
+    struct Left {
+        std::string first;
+        std::int64_t count = 0;
+        void add(const std::string& place) {
+            if (count++ == 0) first = place;
+        }
+    };
+    Left points_and_lines, morph_targets;
+
+   private:
+    enum Mode : std::int64_t { triangles = 4, strip = 5, fan = 6 };
+    struct Primitive {
+        std::int64_t mode, positions, indices;  ///< indices: -1 if there are none
+        auto operator<=>(const Primitive&) const = default;
+    };
+    struct Vertices {
+        GltfElements elements;
+        std::int64_t first = 0;  ///< number of the first one among all of the mesh
+        std::string place;       ///< of the accessor
+    };
+
+    std::vector<Primitive> primitives_of(const GltfObject& mesh);
+    TriangleMesh read(const std::vector<Primitive>& primitives, const GltfObject& mesh);
+    void add_corners(const Primitive& primitive, const Vertices& vertices, const GltfObject& mesh,
+                     std::vector<std::int64_t>& corners);
+
+    GltfFile& file_;
+    const ReadOptions& options_;
+    std::vector<std::int32_t> of_mesh_;  ///< by mesh; -1: not read yet
+    std::map<std::vector<Primitive>, std::int32_t> known_;
+    std::vector<TriangleMesh> shapes_;
+    std::size_t corners_ = 0;  ///< of all shapes
+};
+
+}  // namespace crumple::io

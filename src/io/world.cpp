@@ -1,0 +1,93 @@
+// What a world that was read is to a detector, and as one mesh.
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "base/float_environment.h"
+#include "crumple/error.h"
+#include "crumple/io.h"
+#include "io/formats.h"
+#include "io/world.h"
+#include "model/placement.h"
+
+namespace crumple::io {
+
+std::int64_t WorldMesh::triangle_count() const {
+    std::int64_t count = 0;
+    for (const NamedBody& body : bodies) count += shapes.at(static_cast<std::size_t>(body.shape)).triangle_count();
+    return count;
+}
+
+WorldView WorldMesh::view(std::uint64_t first_name) const {
+    WorldView view;
+    for (const TriangleMesh& shape : shapes)
+        view.shapes.emplace_back(shape.view(), first_name ? first_name + view.shapes.size() : 0);
+    for (const NamedBody& body : bodies) {
+        view.bodies.push_back({.shape = body.shape});
+        view.poses.push_back(body.pose);
+    }
+    return view;
+}
+
+void validate(const WorldMesh& world) {
+    for (const TriangleMesh& shape : world.shapes) validate(shape);
+    for (std::size_t b = 0; b < world.bodies.size(); ++b) {
+        const NamedBody& body = world.bodies[b];
+        const auto refuse = [&](const std::string& what) {
+            throw Error(ErrorCode::invalid_argument, "body " + std::to_string(b) + ": " + what, Element::body,
+                        static_cast<std::int64_t>(b));
+        };
+        if (body.shape < 0 || static_cast<std::size_t>(body.shape) >= world.shapes.size())
+            refuse("there is no shape " + std::to_string(body.shape));
+        for (const double value : body.pose.rows)
+            if (!std::isfinite(value)) refuse("its pose is not finite");
+    }
+}
+
+namespace {
+
+template <class Scalar>
+void add_posed(const TriangleMesh& shape, const Pose& pose, std::vector<Scalar>& xyz) {
+    const Placement place(&pose, shape.precision() == ScalarType::float32);
+    std::visit(
+        [&](const auto& given) {
+            for (std::size_t i = 0; i < given.size(); i += 3) {
+                const Vec3d p = place(Vec3d{double{given[i]}, double{given[i + 1]}, double{given[i + 2]}});
+                for (const double x : {p.x, p.y, p.z}) xyz.push_back(static_cast<Scalar>(x));
+            }
+        },
+        shape.vertices);
+}
+
+template <class Scalar>
+TriangleMesh posed(const WorldMesh& world) {
+    std::vector<Scalar> xyz;
+    TriangleMesh mesh;
+    std::int64_t first = 0;
+    for (std::size_t b = 0; b < world.bodies.size(); ++b) {
+        const NamedBody& body = world.bodies[b];
+        const TriangleMesh& shape = world.shapes[static_cast<std::size_t>(body.shape)];
+        if (first + shape.vertex_count() > INT32_MAX || mesh.triangle_count() + shape.triangle_count() > INT32_MAX)
+            throw Error(ErrorCode::invalid_argument, "more vertices or triangles than 32-bit ids can name");
+        add_posed(shape, body.pose, xyz);
+        for (const std::int32_t corner : shape.triangles)
+            mesh.triangles.push_back(static_cast<std::int32_t>(first + corner));
+        mesh.groups.resize(mesh.triangles.size() / 3, static_cast<std::int32_t>(b));
+        first += shape.vertex_count();
+    }
+    mesh.vertices = std::move(xyz);
+    return mesh;
+}
+
+}  // namespace
+
+TriangleMesh posed_mesh(const WorldMesh& world) {
+    const FloatEnvironment environment;
+    validate(world);
+    const bool single = std::all_of(world.shapes.begin(), world.shapes.end(),
+                                    [](const TriangleMesh& shape) { return shape.precision() == ScalarType::float32; });
+    return single ? posed<float>(world) : posed<double>(world);
+}
+
+}  // namespace crumple::io

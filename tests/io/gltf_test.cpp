@@ -1,0 +1,260 @@
+// glTF scenes read as worlds of bodies.
+
+#include "scenes.h"
+
+namespace crumple::io::test {
+namespace {
+
+using Json = nlohmann::json;
+
+std::vector<std::string> names_of(const WorldMesh& world) {
+    std::vector<std::string> names;
+    for (const NamedBody& body : world.bodies) names.push_back(body.name);
+    return names;
+}
+
+using Names = std::vector<std::string>;
+using Rows = std::array<double, 12>;
+
+TEST(Gltf, NodesWithMeshesAreBodiesAndShareTheirShape) {
+    const WorldMesh world = read_scene(crumple::test::robot_scene());
+    EXPECT_EQ(names_of(world), (Names{"base", "arm", "hand", "far away"}));
+    ASSERT_EQ(world.shapes.size(), 1u);
+    EXPECT_EQ(world.shapes[0].precision(), ScalarType::float32);
+    EXPECT_EQ(world.shapes[0].triangles, (std::vector<std::int32_t>{0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3}));
+    EXPECT_EQ(coordinates(world.shapes[0]), (std::vector<double>{0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1}));
+    EXPECT_EQ(world.bodies[2].pose.rows, (Rows{1, 0, 0, 1.25, 0, 1, 0, 0.125, 0, 0, 1, 0.125}));
+    EXPECT_EQ(world.triangle_count(), 16);
+    EXPECT_TRUE(world.warnings.empty());
+}
+
+TEST(Gltf, TheBufferMayBeInTheTextOrBesideIt) {
+    const GltfScene scene = crumple::test::robot_scene();
+    const WorldMesh expected = read_scene(scene);
+    const Folder folder;
+    folder.write("a b.bin", scene.bytes);
+    const auto expect_read = [&](const std::string& uri) {
+        const WorldMesh world = read_world(folder.write("a.gltf", scene.gltf(uri)));
+        ASSERT_EQ(world.bodies.size(), 4u) << uri;
+        expect_same(world.shapes[0], expected.shapes[0]);
+    };
+    expect_read("a%20b.bin");
+    std::string base64;
+    const char* const letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    for (std::size_t i = 0; i < scene.bytes.size(); i += 3) {
+        std::uint32_t bits = 0;
+        for (std::size_t k = 0; k < 3; ++k)
+            bits = bits << 8 | (i + k < scene.bytes.size() ? static_cast<unsigned char>(scene.bytes[i + k]) : 0);
+        for (std::size_t k = 0; k < 4; ++k)
+            base64 += i + k > scene.bytes.size() ? '=' : letters[bits >> (18 - 6 * k) & 63];
+    }
+    expect_read("data:application/octet-stream;base64," + base64);
+    for (const char* const uri : {"none.bin", "/dev/zero", "http://example.org/a.bin", "", "data:,abc",
+                                  "data:application/octet-stream;base64,A*BC", "data:x;base64,AAAA"})
+        error_of([&] { read_world(folder.write("a.gltf", scene.gltf(uri))); });
+}
+
+TEST(Gltf, AStreamHoldsAllOfIt) {
+    const GltfScene scene = crumple::test::robot_scene();
+    std::istringstream glb(scene.glb()), gltf(scene.gltf("a.bin"));
+    EXPECT_EQ(read_world(glb, "standard input").bodies.size(), 4u);
+    const Error error = error_of([&] { read_world(gltf, "standard input"); });
+    EXPECT_NE(std::string(error.what()).find("which a stream has not beside it"), std::string::npos) << error.what();
+}
+
+TEST(Gltf, ANodesPoseIsThatOfItsParentsAfterItsOwn) {
+    GltfScene scene;
+    const int shape = scene.add_tetrahedron();
+    const int leaf = scene.add_node({{"name", "leaf"}, {"mesh", shape}, {"scale", {2, 4, -1}}}, false);
+    const int middle = scene.add_node(
+        // By columns: x to y, y to -x, then a translation.
+        {{"matrix", {0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1, 0, 10, 20, 30, 1}}, {"children", {leaf}}}, false);
+    // A quarter turn about z in float32.
+    const double half = 0.70710677;
+    scene.add_node({{"rotation", {0, 0, half, half}}, {"translation", {1, 2, 3}}, {"children", {middle}}});
+    const WorldMesh world = read_scene(scene);
+    ASSERT_EQ(names_of(world), Names{"leaf"});
+    EXPECT_EQ(world.bodies[0].pose.rows, (Rows{-2, 0, 0, -19, 0, -4, 0, 12, 0, 0, -1, 33}));
+}
+
+TEST(Gltf, BodiesAreInTheOrderOfTheNodesAndOnlyThoseOfTheScene) {
+    GltfScene scene;
+    const int shape = scene.add_tetrahedron();
+    const int child = scene.add_node({{"name", "child"}, {"mesh", shape}}, false);
+    scene.add_node({{"name", "alone"}, {"mesh", shape}}, false);
+    scene.add_node({{"name", "camera"}, {"camera", 0}});
+    scene.add_node({{"name", "parent"}, {"mesh", shape}, {"children", {child}}});
+    WorldMesh world = read_scene(scene);
+    EXPECT_EQ(names_of(world), (Names{"child", "parent"}));
+    ASSERT_EQ(world.warnings.size(), 1u);
+    EXPECT_TRUE(world.warnings[0].ends_with("a.glb: 1 of its nodes with meshes are not in the scene"));
+
+    scene.json["scenes"].push_back({{"nodes", {1}}});
+    scene.json["scene"] = 1;
+    EXPECT_EQ(names_of(read_scene(scene)), Names{"alone"});
+    scene.json.erase("scene");
+    EXPECT_EQ(names_of(read_scene(scene)), (Names{"child", "parent"}));
+    scene.json.erase("scenes");
+    EXPECT_EQ(names_of(read_scene(scene)), (Names{"child", "alone", "parent"}));
+    scene.json["nodes"] = Json::array();
+    EXPECT_TRUE(read_scene(scene).warnings[0].ends_with("it holds no bodies"));
+    EXPECT_EQ(error_of([&] { read_scene(scene, {.strict = true}); }).code, ErrorCode::format);
+}
+
+TEST(Gltf, EveryBodyHasANameOfItsOwn) {
+    GltfScene scene;
+    const int shape = scene.add_tetrahedron(), named = scene.add_tetrahedron();
+    scene.json["meshes"][named]["name"] = "wheel";
+    for (const char* const name : {"leg", "leg", "leg_2", "leg",
+                                   "Kn\xc3\xb6"
+                                   "chel"})
+        scene.add_body(name, shape);
+    for (int i = 0; i < 2; ++i) scene.add_node({{"mesh", named}});
+    scene.add_node({{"mesh", shape}});
+    EXPECT_EQ(names_of(read_scene(scene)), (Names{"leg", "leg_3", "leg_2", "leg_4",
+                                                  "Kn\xc3\xb6"
+                                                  "chel",
+                                                  "wheel", "wheel_2", "node7"}));
+}
+
+TEST(Gltf, PrimitivesOfAMeshAreOneShape) {
+    GltfScene scene;
+    const int square = scene.add_positions({0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0}),
+              other = scene.add_positions({0, 0, 5, 1, 0, 5, 0, 1, 5});
+    const int strip = scene.add_indices({0, 1, 2, 3}),
+              bytes = scene.add_accessor<std::uint8_t>({0, 1, 3}, 5121, "SCALAR"),
+              words = scene.add_accessor<std::uint32_t>({0, 1, 3, 2}, 5125, "SCALAR");
+    const auto primitive = [](int positions, int indices, int mode) {
+        Json result = {{"attributes", {{"POSITION", positions}}}, {"mode", mode}};
+        if (indices >= 0) result["indices"] = indices;
+        return result;
+    };
+    scene.add_body("a",
+                   scene.add_mesh({primitive(square, strip, 5), primitive(other, -1, 4), primitive(square, bytes, 4),
+                                   primitive(square, words, 6), primitive(square, strip, 1)}));
+    const WorldMesh world = read_scene(scene, {.weld = Weld::no});
+    EXPECT_EQ(world.shapes[0].vertex_count(), 7);
+    EXPECT_EQ(world.shapes[0].triangles,
+              (std::vector<std::int32_t>{0, 1, 2, 1, 3, 2, 4, 5, 6, 0, 1, 3, 0, 1, 3, 0, 3, 2}));
+    ASSERT_EQ(world.warnings.size(), 1u);
+    EXPECT_TRUE(contains(world.warnings[0], "meshes[0].primitives[4] holds points or lines, which are skipped"));
+}
+
+TEST(Gltf, AStripsTrianglesThatOnlyJoinItAreNone) {
+    GltfScene scene;
+    const int positions = scene.add_positions({0, 0, 0, 1, 0, 0, 0, 1, 0, 5, 0, 0, 6, 0, 0, 5, 1, 0});
+    const int strip = scene.add_indices({0, 1, 2, 2, 3, 3, 4, 5});
+    scene.add_body("a", scene.add_mesh({{{"attributes", {{"POSITION", positions}}}, {"indices", strip}, {"mode", 5}}}));
+    EXPECT_EQ(read_scene(scene).shapes[0].triangles, (std::vector<std::int32_t>{0, 1, 2, 3, 5, 4}));
+}
+
+TEST(Gltf, VerticesAtOnePlaceAreOneUnlessToldOtherwise) {
+    GltfScene scene;
+    scene.add_body("a", scene.add_mesh({0, 0, 0, 1, 0, 0, 0, 1, 0, -0.0f, 0, 0, 1, 0, 0, 0, 0, 1}, {0, 1, 2, 3, 4, 5}));
+    EXPECT_EQ(read_scene(scene).shapes[0].triangles, (std::vector<std::int32_t>{0, 1, 2, 0, 1, 3}));
+    EXPECT_EQ(read_scene(scene, {.weld = Weld::no}).shapes[0].vertex_count(), 6);
+}
+
+TEST(Gltf, MeshesOverTheSameDataAreOneShape) {
+    GltfScene scene;
+    const int red = scene.add_tetrahedron();
+    scene.json["meshes"].push_back(scene.json["meshes"][red]);
+    scene.json["meshes"][red]["primitives"][0]["material"] = 0;
+    scene.add_body("red", red);
+    scene.add_body("green", red + 1);
+    EXPECT_EQ(read_scene(scene).shapes.size(), 1u);
+}
+
+TEST(Gltf, OfAnAccessorThatManyMeshesShareEachTakesItsOwn) {
+    GltfScene scene;
+    std::vector<float> xyz;
+    for (int i = 0; i < 900; ++i) xyz.push_back(static_cast<float>(i));
+    const int positions = scene.add_positions(xyz);
+    for (const int first : {0, 99, 297}) {
+        const int indices = scene.add_accessor<std::int32_t>({first + 2, first, first + 1}, 5125, "SCALAR");
+        scene.add_body("a", scene.add_mesh({{{"attributes", {{"POSITION", positions}}}, {"indices", indices}}}));
+    }
+    const WorldMesh world = read_scene(scene, {.weld = Weld::no});
+    ASSERT_EQ(world.shapes.size(), 3u);
+    EXPECT_EQ(coordinates(world.shapes[2]), (std::vector<double>{891, 892, 893, 894, 895, 896, 897, 898, 899}));
+    EXPECT_EQ(world.shapes[2].triangles, (std::vector<std::int32_t>{2, 0, 1}));
+}
+
+TEST(Gltf, QuantizedPositionsAreRead) {
+    GltfScene scene;
+    const int shorts = scene.add_accessor<std::int16_t>({32767, -32767, -32768, 3, 0, 0, 0, 5, 0}, 5122, "VEC3");
+    scene.add_body("a", scene.add_mesh({{{"attributes", {{"POSITION", shorts}}}}}));
+    scene.json["extensionsRequired"] = {"KHR_mesh_quantization", "KHR_materials_unlit"};
+    EXPECT_EQ(coordinates(read_scene(scene).shapes[0]), (std::vector<double>{32767, -32767, -32768, 3, 0, 0, 0, 5, 0}));
+    scene.json["accessors"][shorts]["normalized"] = true;
+    const WorldMesh world = read_scene(scene, {.precision = Precision::float64});
+    EXPECT_EQ(coordinates(world.shapes[0]), (std::vector<double>{1, -1, -1, 3.0 / 32767, 0, 0, 0, 5.0 / 32767, 0}));
+    EXPECT_EQ(coordinates(read_scene(scene).shapes[0])[3], static_cast<float>(3.0 / 32767));
+}
+
+TEST(Gltf, VerticesMayBeInterleaved) {
+    GltfScene scene;
+    const int positions = scene.add_positions({0, 0, 0, 7, 1, 0, 0, 7, 0, 1, 0, 7});
+    scene.json["accessors"][positions]["count"] = 3;
+    scene.json["bufferViews"][0]["byteStride"] = 16;
+    scene.add_body("a", scene.add_mesh({{{"attributes", {{"POSITION", positions}}}}}));
+    EXPECT_EQ(coordinates(read_scene(scene).shapes[0]), (std::vector<double>{0, 0, 0, 1, 0, 0, 0, 1, 0}));
+    scene.json["accessors"][positions]["byteOffset"] = 4;
+    EXPECT_EQ(coordinates(read_scene(scene, {.weld = Weld::no}).shapes[0]),
+              (std::vector<double>{0, 0, 7, 0, 0, 7, 1, 0, 7}));
+    scene.json["accessors"][positions]["byteOffset"] = 8;
+    expect_refused(scene, "accessors[0] announces 3 elements, and bufferViews[0] holds 2");
+}
+
+TEST(Gltf, WhatIsNotAppliedIsAWarning) {
+    GltfScene scene;
+    const int shape = scene.add_tetrahedron();
+    scene.add_body("a", shape);
+    scene.json["nodes"][0]["skin"] = 0;
+    scene.json["meshes"][shape]["primitives"][0]["targets"] = {{{"POSITION", 0}}};
+    scene.json["meshes"][shape]["weights"] = {0};
+    scene.add_node({{"mesh", shape}, {"extensions", {{"EXT_mesh_gpu_instancing", Json::object()}}}});
+    EXPECT_EQ(read_scene(scene).warnings.size(), 2u);
+    scene.json["meshes"][shape]["weights"] = {0.5};
+    const std::vector<std::string> warnings = read_scene(scene).warnings;
+    ASSERT_EQ(warnings.size(), 3u);
+    EXPECT_TRUE(contains(warnings[0], "meshes[0].primitives[0] has morph targets"));
+    EXPECT_TRUE(contains(warnings[1], "nodes[0] has a skin"));
+    EXPECT_TRUE(contains(warnings[2], "nodes[1] has instances"));
+}
+
+TEST(Gltf, ATransformThatIsNoneNamesItsNode) {
+    const auto scene_with = [](const Json& transform) {
+        GltfScene scene;
+        Json node = {{"name", "elbow"}, {"mesh", scene.add_tetrahedron()}};
+        node.update(transform);
+        scene.add_node(node);
+        return scene;
+    };
+    expect_refused(scene_with({{"matrix", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 2}}}),
+                   "nodes[0] 'elbow' has a matrix that is not affine");
+    expect_refused(scene_with({{"matrix", {1, 0, 0, 1e-9, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}}}), "is not affine");
+    expect_refused(scene_with({{"matrix", {1, 0, 0}}}), "nodes[0].matrix holds 3 numbers, not 16");
+    expect_refused(scene_with({{"translation", {1, 0, nullptr}}}), "nodes[0].translation holds what is no number");
+    expect_refused(scene_with({{"rotation", {0, 0, 0, 0}}}), "nodes[0] 'elbow' has a rotation without a direction");
+    expect_refused(scene_with({{"scale", "large"}}), "nodes[0].scale is no list");
+
+    GltfScene scene = scene_with({{"scale", {1e200, 1, 1}}, {"children", {1}}});
+    scene.add_node({{"name", "wrist"}, {"mesh", 0}, {"scale", {1e200, 1, 1}}}, false);
+    expect_refused(scene, "nodes[1] 'wrist' has a transform that is not finite");
+    std::string text = scene_with({{"scale", {12345, 1, 1}}}).glb();
+    text.replace(text.find("12345"), 5, "1e999");
+    EXPECT_TRUE(contains(error_of([&] { read_scene(text); }).what(), "a number beyond float64"));
+}
+
+TEST(Gltf, ReadMeshRefusesItAndTellsWhatReadsIt) {
+    const Folder folder;
+    const Error error = error_of([&] { read_mesh(folder.write("a.glb", crumple::test::robot_scene().glb())); });
+    EXPECT_EQ(error.code, ErrorCode::format);
+    EXPECT_TRUE(contains(error.what(), "glTF is a scene of bodies")) << error.what();
+    EXPECT_EQ(error_of([&] { read_world(folder / "a.glb", {.group_property = "part"}); }).code,
+              ErrorCode::invalid_argument);
+}
+
+}  // namespace
+}  // namespace crumple::io::test

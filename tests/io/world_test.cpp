@@ -1,0 +1,71 @@
+// Worlds that own their arrays: from files of one mesh, as views for a detector, as one mesh.
+
+#include <cmath>
+
+#include "crumple/detector.h"
+#include "samples.h"
+#include "scenes.h"
+
+namespace crumple::io::test {
+namespace {
+
+WorldMesh robot() { return read_scene(crumple::test::robot_scene()); }
+
+TEST(WorldMesh, AnyMeshFileIsAWorldOfOneBody) {
+    const Folder folder;
+    for (const Sample& sample : samples()) {
+        const fs::path path = folder.write(sample.name, sample.bytes);
+        const WorldMesh world = read_world(path);
+        ASSERT_EQ(world.bodies.size(), 1u);
+        EXPECT_EQ(world.bodies[0].name, path.stem());
+        EXPECT_EQ(world.bodies[0].pose, Pose());
+        expect_same(world.shapes[0], read_mesh(path));
+    }
+    EXPECT_EQ(read_world(folder.write("odd.obj", "v 0 0 0\n")).warnings.size(), 1u);
+    expect_same(read_world(folder / "little.ply", {.group_property = "part"}).shapes[0],
+                read_mesh(folder / "little.ply", {.group_property = "part"}));
+}
+
+TEST(WorldMesh, ItsViewIsWhatADetectorTakes) {
+    const WorldMesh world = robot();
+    const WorldView view = world.view(), named = world.view(7);
+    EXPECT_EQ(view.shapes[0].name, 0u);
+    EXPECT_EQ(named.shapes[0].name, 7u);
+    Detector detector;
+    Intersect question;
+    question.wants = Wants::body_pairs;
+    question.rules.bodies = Wanted::between;
+    for (const WorldView* const v : {&view, &named, &named}) {
+        const Array<BodyPair>& found = detector.find(v->world(), question).bodies;
+        EXPECT_EQ(std::vector<BodyPair>(found.begin(), found.end()), (std::vector<BodyPair>{{0, 1}, {1, 2}}));
+    }
+}
+
+TEST(WorldMesh, PosedMeshHasEveryVertexWhereTheDetectorHasIt) {
+    WorldMesh world = robot();
+    // Coordinates that float32 must round.
+    world.bodies[2].pose.rows = {0.1, 0.7, 0.3, 1.2, 0.9, 0.1, 0.2, 0.1, 0.3, 0.2, 0.8, 0.125};
+    const TriangleMesh mesh = posed_mesh(world);
+    EXPECT_EQ(mesh.triangle_count(), 16);
+    EXPECT_EQ(mesh.groups, (std::vector<std::int32_t>{0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3}));
+    EXPECT_EQ(mesh.precision(), ScalarType::float32);
+    EXPECT_EQ(coordinates(mesh)[3 * 9], static_cast<float>(0.1 + 1.2));
+
+    Detector of_worlds, of_meshes;
+    const WorldView view = world.view();
+    const WorldCollisions& by_body = of_worlds.find(view.world());
+    const Collisions& joined = of_meshes.find_self(mesh.view());
+    ASSERT_EQ(by_body.pairs.size(), joined.pairs.size());
+    for (std::size_t i = 0; i < joined.pairs.size(); ++i) {
+        EXPECT_EQ(4 * by_body.bodies[i].first + by_body.pairs[i].a, joined.pairs[i].a);
+        EXPECT_EQ(4 * by_body.bodies[i].second + by_body.pairs[i].b, joined.pairs[i].b);
+    }
+
+    world.bodies[1].pose.rows[4] = std::nan("");
+    EXPECT_EQ(error_of([&] { posed_mesh(world); }).index, 1);
+    world.bodies[0].shape = 1;
+    EXPECT_EQ(error_of([&] { posed_mesh(world); }).element, Element::body);
+}
+
+}  // namespace
+}  // namespace crumple::io::test
