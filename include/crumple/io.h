@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <iosfwd>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -116,6 +117,16 @@ WorldMesh read_world(const std::filesystem::path& path, const ReadOptions& optio
 
 /// The same of a stream, to its end; glTF must hold its buffers itself.
 WorldMesh read_world(std::istream& in, const std::string& name, const ReadOptions& options = {});
+
+/// Reads poses, a row for each of `bodies` (their names) in turn, configuration after configuration. A row is 12
+/// numbers, those of Pose::rows, or 16 that end with 0 0 0 1. .npy by extension: float32 or float64, of a shape that
+/// ends with 12 or 3, 4 (16 or 4, 4); any other file is text, a row a line, with commas or blanks between its numbers;
+/// a first line of words, blank lines and comments (#) are skipped. Throws crumple::Error (file, format) that names the
+/// row and its body: too few or too many numbers, numbers that are not finite, a last configuration that lacks bodies.
+std::vector<Pose> read_poses(const std::filesystem::path& path, std::span<const std::string> bodies);
+
+/// The same of a stream, to its end. `name` stands in messages, and its extension for the file's.
+std::vector<Pose> read_poses(std::istream& in, const std::string& name, std::span<const std::string> bodies);
 
 /// All bodies as one mesh, one after the other, with each vertex where Detector::find has it; groups are the bodies.
 TriangleMesh posed_mesh(const WorldMesh& world);

@@ -1,14 +1,13 @@
-// Pairs from NumPy: a .npy file, or the array `pairs` of a .npz, a zip archive of .npy files, stored or compressed. A
-// .npy file is "\x93NUMPY", a version, the length of a header, the header (a Python dictionary of type, order and
-// shape), and the array's bytes.
+// Pairs from NumPy: a .npy file, or the array `pairs` of a .npz, a zip archive of .npy files, stored or compressed.
 
 #include <zip.h>
 
-#include <charconv>
 #include <memory>
+#include <optional>
 
 #include "io/bytes.h"
 #include "io/formats.h"
+#include "io/npy.h"
 #include "io/pairs.h"
 
 namespace crumple::io {
@@ -18,23 +17,6 @@ namespace {
 [[noreturn]] void fail(const Source& source, const std::string& what) {
     throw Error(ErrorCode::format, source.name() + ": " + what);
 }
-
-/// A .npy file, from the left.
-class File {
-   public:
-    explicit File(const Source& source) : source_(source), place_(source.begin()) {}
-
-    std::string read(std::size_t size) {
-        if (size > static_cast<std::size_t>(source_.end() - place_)) fail(source_, "the array is truncated");
-        place_ += size;
-        return {place_ - size, size};
-    }
-    bool at_end() const { return place_ == source_.end(); }
-
-   private:
-    const Source& source_;
-    const char* place_;
-};
 
 /// The archive's file `pairs.npy`, from the left.
 class Entry {
@@ -79,24 +61,6 @@ class Entry {
     std::unique_ptr<zip_file_t, Close> file_;
 };
 
-/// What follows a key, as "'shape':", in the header.
-std::string_view value_of(std::string_view header, std::string_view key) {
-    const std::size_t place = header.find(key);
-    if (place == header.npos) return {};
-    header.remove_prefix(place + key.size());
-    return header.substr(std::min(header.find_first_not_of(' '), header.size()));
-}
-
-/// Rows of an array of shape (rows, 2); nothing for other shapes.
-std::optional<std::size_t> rows_of(std::string_view shape) {
-    std::size_t rows = 0;
-    const auto [end, error] = std::from_chars(shape.data() + 1, shape.data() + shape.size(), rows);
-    const std::string_view rest = shape.substr(static_cast<std::size_t>(end - shape.data()));
-    if (error != std::errc() || rows > INT64_MAX / 16 || (!rest.starts_with(", 2)") && !rest.starts_with(",2)")))
-        return std::nullopt;
-    return rows;
-}
-
 template <class Integer>
 std::vector<Pair> pairs_from(const Source& source, const std::string& bytes, std::endian order, bool by_column) {
     const std::size_t rows = bytes.size() / (2 * sizeof(Integer));
@@ -112,37 +76,28 @@ std::vector<Pair> pairs_from(const Source& source, const std::string& bytes, std
     return pairs;
 }
 
-/// `entry` is a File or an Entry.
+/// `entry` is an NpyFile or an Entry.
 template <class Npy>
 std::vector<Pair> read_npy(const Source& source, Npy entry) {
-    const std::string prologue = entry.read(8);
-    if (!prologue.starts_with("\x93NUMPY") || prologue[6] < 1 || prologue[6] > 3)
-        fail(source, "'pairs' is no array of NumPy");
-    const std::size_t length = prologue[6] == 1
-                                   ? std::size_t{load<std::uint16_t>(entry.read(2).data(), std::endian::little)}
-                                   : std::size_t{load<std::uint32_t>(entry.read(4).data(), std::endian::little)};
-    const std::string header = entry.read(length);
-
-    const std::string_view type = value_of(header, "'descr':"), shape = value_of(header, "'shape':");
-    const std::optional<std::size_t> rows = shape.starts_with('(') ? rows_of(shape) : std::nullopt;
-    if (!rows) fail(source, "the array 'pairs' is not of shape (n, 2)");
-    const std::endian order = type.starts_with("'>") ? std::endian::big : std::endian::little;
-    const std::string_view kind = type.substr(std::min<std::size_t>(2, type.size()), 3);
-    const bool by_column = value_of(header, "'fortran_order':").starts_with("True");
-    const std::size_t size = kind == "i4'" || kind == "u4'" ? 4 : kind == "i8'" || kind == "u8'" ? 8 : 0;
+    const std::optional<NpyHeader> header = read_npy_header(entry);
+    if (!header) fail(source, "'pairs' is no array of NumPy");
+    const auto& [order, kind, by_column, shape] = *header;
+    if (shape.size() != 2 || shape[1] != 2 || shape[0] > INT64_MAX / 16)
+        fail(source, "the array 'pairs' is not of shape (n, 2)");
+    const std::size_t size = kind == "i4" || kind == "u4" ? 4 : kind == "i8" || kind == "u8" ? 8 : 0;
     if (!size) fail(source, "the array 'pairs' does not hold integers of 32 or 64 bits");
 
-    const std::string bytes = entry.read(*rows * 2 * size);
+    const std::string bytes = entry.read(static_cast<std::size_t>(shape[0]) * 2 * size);
     if (!entry.at_end()) fail(source, "the array 'pairs' is longer than its header says");
-    if (kind == "i4'") return pairs_from<std::int32_t>(source, bytes, order, by_column);
-    if (kind == "u4'") return pairs_from<std::uint32_t>(source, bytes, order, by_column);
-    if (kind == "i8'") return pairs_from<std::int64_t>(source, bytes, order, by_column);
+    if (kind == "i4") return pairs_from<std::int32_t>(source, bytes, order, by_column);
+    if (kind == "u4") return pairs_from<std::uint32_t>(source, bytes, order, by_column);
+    if (kind == "i8") return pairs_from<std::int64_t>(source, bytes, order, by_column);
     return pairs_from<std::uint64_t>(source, bytes, order, by_column);
 }
 
 }  // namespace
 
-std::vector<Pair> read_pairs_npy(const Source& source) { return read_npy(source, File(source)); }
+std::vector<Pair> read_pairs_npy(const Source& source) { return read_npy(source, NpyFile(source)); }
 
 std::vector<Pair> read_pairs_npz(const Source& source) { return read_npy(source, Entry(source)); }
 

@@ -1,0 +1,94 @@
+#pragma once
+
+// NumPy's .npy: "\x93NUMPY", a version, the length of a header, the header (a Python dictionary of type, order and
+// shape), and the array's bytes.
+
+#include <charconv>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "io/bytes.h"
+#include "io/source.h"
+
+namespace crumple::io {
+
+/// A .npy file, from the left.
+class NpyFile {
+   public:
+    explicit NpyFile(const Source& source) : source_(source), place_(source.begin()) {}
+
+    std::string read(std::size_t size) {
+        if (size > static_cast<std::size_t>(source_.end() - place_))
+            throw Error(ErrorCode::format, source_.name() + ": the array is truncated");
+        place_ += size;
+        return {place_ - size, size};
+    }
+    bool at_end() const { return place_ == source_.end(); }
+
+   private:
+    const Source& source_;
+    const char* place_;
+};
+
+struct NpyHeader {
+    std::endian order;
+    std::string kind;  ///< of an item: "i4", "f8", ...; what is no plain number is something else
+    bool by_column;    ///< Fortran order
+    std::vector<std::int64_t> shape;
+
+    /// Items in all; nothing if that is beyond int64.
+    std::optional<std::int64_t> items() const {
+        std::int64_t product = 1;
+        for (const std::int64_t size : shape)
+            if (__builtin_mul_overflow(product, size, &product)) return std::nullopt;
+        return product;
+    }
+};
+
+/// What follows a key, as "'shape':", in the header.
+inline std::string_view npy_value(std::string_view header, std::string_view key) {
+    const std::size_t place = header.find(key);
+    if (place == header.npos) return {};
+    header.remove_prefix(place + key.size());
+    return header.substr(std::min(header.find_first_not_of(' '), header.size()));
+}
+
+/// "(3, 4)", "(5,)", "()"; nothing for what is no shape.
+inline std::optional<std::vector<std::int64_t>> npy_shape(std::string_view text) {
+    std::vector<std::int64_t> shape;
+    if (!text.starts_with('(')) return std::nullopt;
+    for (text.remove_prefix(1); !text.starts_with(')');) {
+        std::int64_t size = 0;
+        const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), size);
+        if (error != std::errc() || size < 0) return std::nullopt;
+        text.remove_prefix(static_cast<std::size_t>(end - text.data()));
+        shape.push_back(size);
+        if (text.starts_with(','))
+            text.remove_prefix(text.starts_with(", ") ? 2 : 1);
+        else if (!text.starts_with(')'))
+            return std::nullopt;
+    }
+    return shape;
+}
+
+/// Reads up to the array's bytes; nothing if this is no array of NumPy. `npy` is an NpyFile or the like.
+template <class Npy>
+std::optional<NpyHeader> read_npy_header(Npy& npy) {
+    const std::string prologue = npy.read(8);
+    if (!prologue.starts_with("\x93NUMPY") || prologue[6] < 1 || prologue[6] > 3) return std::nullopt;
+    const std::size_t length = prologue[6] == 1
+                                   ? std::size_t{load<std::uint16_t>(npy.read(2).data(), std::endian::little)}
+                                   : std::size_t{load<std::uint32_t>(npy.read(4).data(), std::endian::little)};
+    const std::string header = npy.read(length);
+    auto shape = npy_shape(npy_value(header, "'shape':"));
+    const std::string_view type = npy_value(header, "'descr':");  // "'<f8'"
+    const std::size_t end = type.find('\'', 1);
+    if (!shape || !type.starts_with('\'') || end == type.npos || end < 3) return std::nullopt;
+    return NpyHeader{type[1] == '>' ? std::endian::big : std::endian::little, std::string(type.substr(2, end - 2)),
+                     npy_value(header, "'fortran_order':").starts_with("True"), std::move(*shape)};
+}
+
+}  // namespace crumple::io
