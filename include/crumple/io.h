@@ -158,6 +158,14 @@ void write_coloured(const std::filesystem::path& path, const TriangleMesh& mesh,
 void write_coloured(std::ostream& out, const TriangleMesh& mesh, const TriangleMesh* second,
                     const Collisions& collisions, MeshFormat format);
 
+/// A world with its colliding triangles coloured. .glb keeps bodies, with names and poses, as nodes, and shapes that
+/// they share; the other formats hold the mesh that posed_mesh makes. The collisions are those of the world's view,
+/// with Intersect::index. Throws as write_coloured does, also for collisions of another world.
+void write_coloured(const std::filesystem::path& path, const WorldMesh& world, const WorldCollisions& collisions);
+
+/// The same to a stream, as ply, glb or html.
+void write_coloured(std::ostream& out, const WorldMesh& world, const WorldCollisions& collisions, MeshFormat format);
+
 /// A piece of HTML as high as this many pixels, of which a page may hold several; otherwise as write_coloured makes it.
 std::string to_html(const TriangleMesh& mesh, const TriangleMesh* second, const Collisions& collisions,
                     int height = 480);

@@ -74,6 +74,8 @@ void write_coloured_obj(std::ostream& out, const ColouredMesh& coloured, const s
 void write_materials(std::ostream& out);
 inline constexpr std::string_view title_of_materials = "# Crumple: materials of free and of colliding triangles";
 void write_coloured_glb(std::ostream& out, const ColouredMesh& coloured);
+/// A node for each body. `hit`: for each triangle of each body.
+void write_coloured_glb(std::ostream& out, const WorldMesh& world, std::span<const std::uint8_t> hit);
 /// A page of its own, or for a height in pixels a piece of one. The collisions are those of the meshes.
 void write_html(std::ostream& out, const TriangleMesh& mesh, const TriangleMesh* second, const Collisions& collisions,
                 int height = 0);

@@ -8,6 +8,8 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <nlohmann/json.hpp>
+#include <utility>
 
 #include "io/bytes.h"
 #include "io/formats.h"
@@ -106,15 +108,14 @@ int add_positions(tinygltf::Model& model, const std::vector<float>& positions) {
     return index;
 }
 
-tinygltf::Mesh build_mesh(tinygltf::Model& model, const ColouredMesh& coloured, const std::vector<float>& positions) {
+/// Adds a mesh over positions that are there already, and returns its index.
+int add_mesh(tinygltf::Model& model, const std::vector<std::int32_t>& triangles, std::span<const std::uint8_t> hit,
+             int position_accessor) {
     tinygltf::Mesh mesh;
-    const int position_accessor = add_positions(model, positions);
     for (const bool colliding : {false, true}) {
         std::vector<std::uint32_t> indices;
-        for (std::size_t i = 0; i < coloured.mesh.triangles.size(); ++i) {
-            if ((coloured.hit[i / 3] != 0) == colliding) {
-                indices.push_back(static_cast<std::uint32_t>(coloured.mesh.triangles[i]));
-            }
+        for (std::size_t i = 0; i < triangles.size(); ++i) {
+            if ((hit[i / 3] != 0) == colliding) indices.push_back(static_cast<std::uint32_t>(triangles[i]));
         }
         if (indices.empty()) continue;  // glTF knows no empty accessor
         tinygltf::Primitive primitive;
@@ -125,7 +126,23 @@ tinygltf::Mesh build_mesh(tinygltf::Model& model, const ColouredMesh& coloured, 
         primitive.mode = TINYGLTF_MODE_TRIANGLES;
         mesh.primitives.push_back(primitive);
     }
-    return mesh;
+    model.meshes.push_back(std::move(mesh));
+    return static_cast<int>(model.meshes.size()) - 1;
+}
+
+/// Makes room for so many bytes more.
+void reserve_bytes(tinygltf::Model& model, std::size_t bytes) {
+    if (model.buffers.empty()) model.buffers.resize(1);
+    if (model.buffers[0].data.size() + bytes > UINT32_MAX - (1u << 24)) {  // what remains is for the description
+        throw Error(ErrorCode::invalid_argument, "the meshes are larger than the 4 GiB that .glb holds");
+    }
+}
+
+int add_to_scene(tinygltf::Model& model, tinygltf::Node node) {
+    model.nodes.push_back(std::move(node));
+    const int index = static_cast<int>(model.nodes.size()) - 1;
+    model.scenes[0].nodes.push_back(index);
+    return index;
 }
 
 }  // namespace
@@ -147,22 +164,15 @@ int add_floats(tinygltf::Model& model, const std::vector<float>& values, int typ
 
 std::optional<int> add_node(tinygltf::Model& model, const ColouredMesh& coloured) {
     if (coloured.hit.empty()) return {};  // glTF knows no empty mesh
-    if (model.buffers.empty()) model.buffers.resize(1);
-    const std::size_t bytes = 12 * (static_cast<std::size_t>(coloured.mesh.vertex_count()) + coloured.hit.size());
-    if (model.buffers[0].data.size() + bytes > UINT32_MAX - (1u << 24)) {  // what remains is for the description
-        throw Error(ErrorCode::invalid_argument, "the meshes are larger than the 4 GiB that .glb holds");
-    }
+    reserve_bytes(model, 12 * (static_cast<std::size_t>(coloured.mesh.vertex_count()) + coloured.hit.size()));
     return std::visit(
         [&](const auto& xyz) {
             const Point origin = origin_of(xyz);
             tinygltf::Node node;
-            node.mesh = static_cast<int>(model.meshes.size());
-            model.meshes.push_back(build_mesh(model, coloured, positions_of(xyz, origin)));
+            node.mesh =
+                add_mesh(model, coloured.mesh.triangles, coloured.hit, add_positions(model, positions_of(xyz, origin)));
             if (origin != Point{}) node.translation.assign(origin.begin(), origin.end());
-            model.nodes.push_back(node);
-            const int index = static_cast<int>(model.nodes.size()) - 1;
-            model.scenes[0].nodes.push_back(index);
-            return index;
+            return add_to_scene(model, std::move(node));
         },
         coloured.mesh.vertices);
 }
@@ -170,6 +180,71 @@ std::optional<int> add_node(tinygltf::Model& model, const ColouredMesh& coloured
 void write_glb(std::ostream& out, const tinygltf::Model& model) {
     // It takes a pointer to what it only reads.
     tinygltf::TinyGLTF().WriteGltfSceneToStream(const_cast<tinygltf::Model*>(&model), out, false, true);
+}
+
+namespace {
+
+/// A shape, as far as the model has it. `free`: its mesh without any colliding triangle, -1 if there is none yet.
+struct WrittenShape {
+    int positions = -1, free = -1;
+    Point origin{};
+};
+
+int mesh_of(tinygltf::Model& model, const TriangleMesh& shape, std::span<const std::uint8_t> hit,
+            WrittenShape& written) {
+    const bool free = std::none_of(hit.begin(), hit.end(), [](std::uint8_t h) { return h != 0; });
+    if (free && written.free >= 0) return written.free;
+    reserve_bytes(model,
+                  12 * ((written.positions < 0 ? static_cast<std::size_t>(shape.vertex_count()) : 0) + hit.size()));
+    if (written.positions < 0) {
+        std::visit(
+            [&](const auto& xyz) {
+                written.origin = origin_of(xyz);
+                written.positions = add_positions(model, positions_of(xyz, written.origin));
+            },
+            shape.vertices);
+    }
+    const int mesh = add_mesh(model, shape.triangles, hit, written.positions);
+    if (free) written.free = mesh;
+    return mesh;
+}
+
+/// What is no UTF-8 is replaced, for files may have any name.
+std::string printable(const std::string& name) {
+    using nlohmann::json;
+    return json::parse(json(name).dump(-1, ' ', false, json::error_handler_t::replace)).get<std::string>();
+}
+
+/// By columns, of a mesh whose positions are relative to `origin`.
+std::vector<double> matrix_of(const Pose& pose, const Point& origin) {
+    std::vector<double> matrix(16);
+    matrix[15] = 1;
+    for (std::size_t i = 0; i < 3; ++i) {
+        const double* const r = &pose.rows[4 * i];
+        for (std::size_t k = 0; k < 3; ++k) matrix[4 * k + i] = r[k];
+        matrix[12 + i] = ((r[0] * origin[0] + r[1] * origin[1]) + r[2] * origin[2]) + r[3];
+    }
+    return matrix;
+}
+
+}  // namespace
+
+void write_coloured_glb(std::ostream& out, const WorldMesh& world, std::span<const std::uint8_t> hit) {
+    tinygltf::Model model = empty_glb();
+    std::vector<WrittenShape> written(world.shapes.size());
+    for (const NamedBody& body : world.bodies) {
+        const auto s = static_cast<std::size_t>(body.shape);
+        const TriangleMesh& shape = world.shapes[s];
+        const auto triangles = static_cast<std::size_t>(shape.triangle_count());
+        tinygltf::Node node;
+        node.name = printable(body.name);
+        // glTF knows no empty mesh.
+        if (triangles) node.mesh = mesh_of(model, shape, hit.first(triangles), written[s]);
+        hit = hit.subspan(triangles);
+        if (body.pose != Pose{} || written[s].origin != Point{}) node.matrix = matrix_of(body.pose, written[s].origin);
+        add_to_scene(model, std::move(node));
+    }
+    write_glb(out, model);
 }
 
 void write_coloured_glb(std::ostream& out, const ColouredMesh& coloured) {

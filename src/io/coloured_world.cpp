@@ -1,0 +1,56 @@
+// Worlds with colliding triangles coloured: .glb body by body, the other formats as one mesh.
+
+#include "base/float_environment.h"
+#include "io/atomic_file.h"
+#include "io/formats.h"
+#include "io/world.h"
+
+namespace crumple::io {
+
+namespace {
+
+void check(const WorldMesh& world, const WorldCollisions& collisions) {
+    validate(world);
+    if (static_cast<std::int64_t>(collisions.hit.size()) != world.triangle_count() ||
+        collisions.first_triangle.size() != world.bodies.size() + 1 ||
+        collisions.pairs.size() != collisions.bodies.size())
+        throw Error(ErrorCode::invalid_argument,
+                    "the collisions are not those of this world, or without hit flags (Intersect::index)");
+}
+
+/// As if they were of the mesh that posed_mesh makes.
+Collisions of_posed_mesh(const WorldCollisions& collisions) {
+    Collisions result;
+    result.hit = collisions.hit;
+    result.contacts = collisions.contacts;
+    const auto id = [&](std::int32_t body, std::int32_t triangle) {
+        return static_cast<std::int32_t>(collisions.first_triangle[static_cast<std::size_t>(body)] + triangle);
+    };
+    for (std::size_t i = 0; i < collisions.pairs.size(); ++i)
+        result.pairs.push_back({id(collisions.bodies[i].first, collisions.pairs[i].a),
+                                id(collisions.bodies[i].second, collisions.pairs[i].b)});
+    return result;
+}
+
+}  // namespace
+
+void write_coloured(const std::filesystem::path& path, const WorldMesh& world, const WorldCollisions& collisions) {
+    const FloatEnvironment environment;
+    check(world, collisions);
+    if (mesh_format_of(extension_of(path)) != MeshFormat::glb)
+        return write_coloured(path, posed_mesh(world), nullptr, of_posed_mesh(collisions));
+    AtomicFile file(path);
+    write_coloured_glb(file.stream(), world, collisions.hit.span());
+    file.commit();
+}
+
+void write_coloured(std::ostream& out, const WorldMesh& world, const WorldCollisions& collisions, MeshFormat format) {
+    const FloatEnvironment environment;
+    check(world, collisions);
+    if (format != MeshFormat::glb)
+        return write_coloured(out, posed_mesh(world), nullptr, of_posed_mesh(collisions), format);
+    write_coloured_glb(out, world, collisions.hit.span());
+    if (!out.flush()) throw Error(ErrorCode::file, "cannot write a coloured mesh to the stream");
+}
+
+}  // namespace crumple::io
