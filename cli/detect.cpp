@@ -1,12 +1,14 @@
-// crumple detect: the pairs of one mesh against itself, or of two meshes against each other.
+// crumple detect: the pairs of one mesh against itself, or of two meshes against each other; or of a world's bodies.
 
 #include <algorithm>
+#include <limits>
 #include <memory>
 #include <optional>
 
 #include <fmt/format.h>
 
 #include "cli/commands.h"
+#include "cli/detect_bodies.h"
 #include "cli/search.h"
 #include "cli/statistics_table.h"
 #include "cli/terminal.h"
@@ -23,6 +25,7 @@ struct Detect {
     std::vector<std::string> files, outputs;
     std::string format;
     AnswerOptions answer;
+    BodyOptions bodies;
     Options options;
     bool check = false, stats = false;
 
@@ -84,6 +87,14 @@ struct Detect {
     }
 
     int run() const {
+        bodies.check(answer);
+        if (answer.of_bodies()) {
+            if (stats) fail("--stats are of triangles, and --groups bodies lists bodies");
+            return detect_bodies({files, outputs, format, answer, bodies, options, check});
+        }
+        if (files.size() > 2)
+            fail("FILE is given " + std::to_string(files.size()) +
+                 " times, and at most 2 are possible without --groups bodies");
         check_output_formats();
         check_outputs(outputs, files, answer);
         Search search(answer, options);
@@ -115,11 +126,13 @@ Command add_detect(CLI::App& app) {
     const auto detect = std::make_shared<Detect>();
     CLI::App& command = *app.add_subcommand("detect", "Find every pair of colliding triangles");
     command
-        .add_option("FILE", detect->files,
-                    "A mesh (PLY, OBJ, STL, OFF) against itself, or two against each other; - is standard input")
+        .add_option(
+            "FILE", detect->files,
+            "A mesh (PLY, OBJ, STL, OFF) against itself, or two against each other; with --groups bodies any number "
+            "of them and of glTF scenes. - is standard input")
         ->type_name("FILE [FILE_B]")
         ->required()
-        ->expected(1, 2);
+        ->expected(1, std::numeric_limits<int>::max());
     command
         .add_option("-o,--output", detect->outputs,
                     "Pairs as .txt, .csv, .json or .npz, or the mesh with colliding triangles coloured as .ply, .obj, "
@@ -129,6 +142,7 @@ Command add_detect(CLI::App& app) {
         ->allow_extra_args(false);
     add_format_option(command, detect->format, "txt|csv|json|npz|ply|glb|html");
     add_answer_options(command, detect->answer);
+    add_body_options(command, detect->bodies);
     add_polygons_option(command, detect->answer);
     command.add_flag("--contacts", detect->answer.contacts, "Also where each pair meets: its kind and its points");
     command.add_flag(
@@ -137,7 +151,9 @@ Command add_detect(CLI::App& app) {
         "printed");
     command.add_flag("--stats", detect->stats, "Print times and counts of the stages to standard error");
     add_cost_options(command, detect->options);
-    command.footer("Example: crumple detect dress.ply body.obj -o dress.glb -o pairs.csv --contacts");
+    command.footer(
+        "Example: crumple detect dress.ply body.obj -o dress.glb -o pairs.csv --contacts\n"
+        "         crumple detect robot.glb --groups bodies --exclude base,arm -o hits.glb");
     return {&command, [detect] { return detect->run(); }};
 }
 

@@ -121,10 +121,13 @@ void add_answer_options(CLI::App& app, AnswerOptions& options) {
         "have "
         "no proper intersection");
     add_reading_options(app, options);
-    app.add_option("--groups", options.groups,
-                   "What the groups of --wanted are: the connected components, the integers in a file (one a line for "
-                   "each triangle, those of FILE_B last), or an integer property of a PLY file's faces")
-        ->type_name("components|FILE|PROPERTY");
+    app.add_option(
+           "--groups", options.groups,
+           "What the groups of --wanted are: the connected components, the integers in a file (one a line for "
+           "each triangle, those of FILE_B last), or an integer property of a PLY file's faces. `bodies` (detect "
+           "only): the nodes of glTF scenes, any other file being one body; the names of those that collide "
+           "are listed")
+        ->type_name("components|bodies|FILE|PROPERTY");
     add_choice<std::optional<Wanted>, Wanted>(
         app, "--wanted", options.wanted,
         {{"between", Wanted::between}, {"within", Wanted::within}, {"both", Wanted::both}},
@@ -139,7 +142,11 @@ void AnswerOptions::check() const {
     if (polygons && part) fail("--part is of triangles: polygons of several parts would be listed in each of them");
     if (polygons && contacts) fail("--contacts belong to triangles, and --polygons lists none");
     if (groups.empty() && wanted && *wanted != Wanted::both) fail("--wanted between and within need --groups");
-    if (!groups.empty() && !wanted) fail("--groups changes nothing without --wanted");
+    if (!groups.empty() && !wanted && !of_bodies()) fail("--groups changes nothing without --wanted");
+    if (!of_bodies()) return;
+    if (part) fail("--part is of triangles, and --groups bodies lists bodies");
+    if (polygons) fail("--polygons are of one mesh or two, not of --groups bodies");
+    if (contacts) fail("--contacts belong to triangles, and --groups bodies lists bodies");
 }
 
 void add_cost_options(CLI::App& app, Options& options) {

@@ -31,11 +31,14 @@ struct ReadingOptions {
 struct AnswerOptions : ReadingOptions {
     Neighbours neighbours = Neighbours::geometric;
     Intersections intersections = Intersections::all;
-    std::string groups;            ///< "components", a file, a PLY property; empty: none
+    std::string groups;            ///< "components", "bodies", a file, a PLY property; empty: none
     std::optional<Wanted> wanted;  ///< absent: both
     std::optional<PartOfMany> part;
     bool contacts = false;
     bool polygons = false;  ///< ids are those of polygons
+
+    /// The files are a world of bodies, and what collides is told of these.
+    bool of_bodies() const { return groups == "bodies"; }
 
     /// Throws Error (invalid_argument) for options that change nothing without another one.
     void check() const;

@@ -1,5 +1,6 @@
 #include "cli/search.h"
 
+#include <charconv>
 #include <filesystem>
 #include <iostream>
 #include <utility>
@@ -71,17 +72,19 @@ enum class GroupSource { none, components, file, property };
 
 GroupSource group_source(const AnswerOptions& options) {
     if (options.groups.empty()) return GroupSource::none;
+    if (options.of_bodies())
+        throw Error(ErrorCode::invalid_argument, "--groups bodies is for crumple detect", Element::option);
     if (options.groups == "components") return GroupSource::components;
     return std::filesystem::exists(options.groups) ? GroupSource::file : GroupSource::property;
 }
+
+}  // namespace
 
 io::ReadOptions read_options(const ReadingOptions& options) {
     const io::Weld weld = !options.weld ? io::Weld::automatic : *options.weld ? io::Weld::yes : io::Weld::no;
     return {
         .precision = options.precision, .weld = weld, .triangulation = options.triangulation, .strict = options.strict};
 }
-
-}  // namespace
 
 io::TriangleMesh read_mesh(const std::string& path, const ReadingOptions& options) {
     return read(path, read_options(options));
@@ -156,14 +159,14 @@ Query Search::query() const {
 
 namespace {
 
-/// Calls work(); an Error names the input.
+/// Calls work(); an Error names what it is about.
 template <class Work>
-decltype(auto) named(const Input& input, Work work) {
+decltype(auto) named(const std::string& name, Work work) {
     try {
         return work();
     } catch (const Error& error) {
         const char* const hint = error.bytes_needed_at_least ? " (--count-bytes-needed counts how many suffice)" : "";
-        throw Error(error.code, input.name + ": " + error.what() + hint, error.element, error.index, error.bytes_needed,
+        throw Error(error.code, name + ": " + error.what() + hint, error.element, error.index, error.bytes_needed,
                     error.system_error, error.bytes_needed_at_least);
     }
 }
@@ -187,7 +190,7 @@ void index_by_mesh(const Input& input, Collisions& collisions) {
 const Collisions& Search::find(const Input& input) {
     const MeshView a = input.first.view();
     const MeshView b = input.second ? input.second->view() : MeshView();
-    return named(input, [&]() -> const Collisions& {
+    return named(input.name, [&]() -> const Collisions& {
         if (!answer_.part)
             return input.second ? detector_.find_between(a, b, query()) : detector_.find_self(a, query());
         const auto [index, count] = *answer_.part;
@@ -199,9 +202,38 @@ const Collisions& Search::find(const Input& input) {
     });
 }
 
+namespace {
+
+/// "body 7: ..." with the name of that body, and, if there are more bodies than names, the configuration.
+std::string with_name_of_body(const std::string& message, const std::vector<std::string>& names) {
+    constexpr std::string_view title = "body ";
+    if (!message.starts_with(title) || names.empty()) return message;
+    std::size_t body = 0;
+    const char* const end = message.data() + message.size();
+    const auto [rest, error] = std::from_chars(message.data() + title.size(), end, body);
+    if (error != std::errc() || rest == end || *rest != ':') return message;
+    const std::string configuration =
+        body < names.size() ? "" : "configuration " + std::to_string(body / names.size()) + ", ";
+    return configuration + "body " + io::in_quotes(names[body % names.size()]) + std::string(rest, end);
+}
+
+}  // namespace
+
+const WorldCollisions& Search::find(const std::string& files, const std::vector<std::string>& names, const World& world,
+                                    const Intersect& question) {
+    return named(files, [&]() -> const WorldCollisions& {
+        try {
+            return detector_.find(world, question);
+        } catch (const Error& error) {
+            throw Error(error.code, with_name_of_body(error.what(), names), error.element, error.index,
+                        error.bytes_needed, error.system_error, error.bytes_needed_at_least);
+        }
+    });
+}
+
 bool Search::any(const Input& input) {
     if (answer_.part) return !find(input).pairs.empty();
-    return named(input, [&] {
+    return named(input.name, [&] {
         const MeshView a = input.first.view();
         return input.second ? detector_.has_collision(a, input.second->view(), query())
                             : detector_.has_collision(a, query());

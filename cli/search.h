@@ -22,6 +22,8 @@ struct Input {
     std::int64_t triangle_count() const { return first.triangle_count() + (second ? second->triangle_count() : 0); }
 };
 
+io::ReadOptions read_options(const ReadingOptions& options);
+
 /// Reads a file, or standard input for `-`, and prints what is odd about it. Throws Error that names file and place.
 io::TriangleMesh read_mesh(const std::string& path, const ReadingOptions& options);
 
@@ -43,6 +45,10 @@ class Search {
     const Collisions& find(const Input& input);
     /// Whether there is any pair. Ends at the first that is found, unless only a part is wanted. Throws as find does.
     bool any(const Input& input);
+    /// The answer for bodies that have these names, in each world again. Valid until the next call. Throws Error that
+    /// names `files`, and the body it is about.
+    const WorldCollisions& find(const std::string& files, const std::vector<std::string>& names, const World& world,
+                                const Intersect& question);
 
    private:
     struct Threads;

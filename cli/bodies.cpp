@@ -1,0 +1,141 @@
+#include "cli/bodies.h"
+
+#include <algorithm>
+#include <cctype>
+#include <iostream>
+#include <iterator>
+#include <numeric>
+#include <optional>
+
+#include <nlohmann/json.hpp>
+
+#include "cli/nearest.h"
+#include "cli/search.h"
+#include "cli/terminal.h"
+#include "crumple/error.h"
+#include "io/names.h"
+#include "io/source.h"
+
+namespace crumple::cli {
+namespace {
+
+bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
+
+io::WorldMesh read_one(const std::string& file, const io::ReadOptions& how) {
+    io::WorldMesh world =
+        is_standard(file) ? io::read_world(std::cin, "standard input", how) : io::read_world(file, how);
+    for (const std::string& warning : world.warnings) print_warning(warning);
+    return world;
+}
+
+/// Two names of a line; nothing if there are more or fewer.
+std::optional<std::pair<std::string, std::string>> split(std::string_view line) {
+    const bool by_tab = line.find('\t') != line.npos;
+    std::vector<std::string> words;
+    while (true) {
+        while (!line.empty() && is_blank(line.front())) line.remove_prefix(1);
+        if (line.empty()) break;
+        if (line.front() == '"') {  // up to the next quote that no backslash is before
+            std::size_t end = 1;
+            while (end < line.size() && line[end] != '"') end += line[end] == '\\' ? 2 : 1;
+            if (end >= line.size()) return std::nullopt;
+            const auto name = nlohmann::json::parse(line.substr(0, end + 1), nullptr, false);
+            if (!name.is_string()) return std::nullopt;
+            words.push_back(name.get<std::string>());
+            line.remove_prefix(end + 1);
+            continue;
+        }
+        const auto ends = [&](char c) { return by_tab ? c == '\t' : is_blank(c); };
+        const auto end = std::find_if(line.begin(), line.end(), ends);
+        std::string_view word = line.substr(0, static_cast<std::size_t>(end - line.begin()));
+        line.remove_prefix(word.size());
+        while (!word.empty() && is_blank(word.back())) word.remove_suffix(1);
+        words.emplace_back(word);
+    }
+    if (words.size() != 2) return std::nullopt;
+    return std::pair(words[0], words[1]);
+}
+
+}  // namespace
+
+void refuse(const std::string& what) { throw Error(ErrorCode::invalid_argument, what, Element::option); }
+
+io::WorldMesh read_bodies(const std::vector<std::string>& files, const ReadingOptions& options) {
+    check_standard_input(files);
+    io::WorldMesh all;
+    for (const std::string& file : files) {
+        io::WorldMesh world = read_one(file, read_options(options));
+        const auto first = static_cast<std::int32_t>(all.shapes.size());
+        for (io::NamedBody& body : world.bodies) body.shape += first;
+        std::move(world.shapes.begin(), world.shapes.end(), std::back_inserter(all.shapes));
+        std::move(world.bodies.begin(), world.bodies.end(), std::back_inserter(all.bodies));
+    }
+    io::make_names_unique(all.bodies);
+    return all;
+}
+
+BodyNames::BodyNames(const std::vector<io::NamedBody>& bodies) : sorted_(bodies.size()) {
+    for (const io::NamedBody& body : bodies) names_.push_back(body.name);
+    std::iota(sorted_.begin(), sorted_.end(), 0);
+    const auto name = [&](std::int32_t b) -> const std::string& { return names_[static_cast<std::size_t>(b)]; };
+    std::sort(sorted_.begin(), sorted_.end(), [&](std::int32_t a, std::int32_t b) { return name(a) < name(b); });
+}
+
+std::int32_t BodyNames::find(const std::string& name) const {
+    const auto found = std::lower_bound(
+        sorted_.begin(), sorted_.end(), name,
+        [&](std::int32_t b, const std::string& wanted) { return names_[static_cast<std::size_t>(b)] < wanted; });
+    return found != sorted_.end() && names_[static_cast<std::size_t>(*found)] == name ? *found : -1;
+}
+
+std::int32_t BodyNames::require(const std::string& name) const {
+    const std::int32_t body = find(name);
+    if (body >= 0) return body;
+    const std::string* const meant = nearest(name, names_);
+    refuse("there is no body " + quoted_name(name) + (meant ? "; did you mean " + quoted_name(*meant) + "?" : ""));
+}
+
+BodyPair BodyNames::pair(const std::string& text) const {
+    for (std::size_t comma = text.find(','); comma != text.npos; comma = text.find(',', comma + 1)) {
+        const std::int32_t a = find(text.substr(0, comma)), b = find(text.substr(comma + 1));
+        if (a >= 0 && b >= 0) return {a, b};
+    }
+    const std::size_t comma = text.find(',');
+    if (comma == text.npos) refuse("--exclude " + text + ": two names are needed, A,B");
+    try {
+        return {require(text.substr(0, comma)), require(text.substr(comma + 1))};
+    } catch (const Error& error) {
+        refuse("--exclude " + text + ": " + error.what());
+    }
+}
+
+std::vector<BodyPair> BodyNames::read_pairs(const std::string& path) const {
+    const io::Source source(path);
+    std::vector<BodyPair> pairs;
+    for (const char* begin = source.text_begin(); begin != source.end();) {
+        const char* const end = std::find(begin, source.end(), '\n');
+        const std::string_view line(begin, static_cast<std::size_t>(end - begin));
+        const auto first = std::find_if_not(line.begin(), line.end(), is_blank);
+        if (first != line.end() && *first != '#') {
+            const auto names = split(line);
+            if (!names) source.fail_at_line(begin, "two names are expected, with a tab between");
+            try {
+                pairs.push_back({require(names->first), require(names->second)});
+            } catch (const Error& error) {
+                source.fail_at_line(begin, error.what());
+            }
+        }
+        begin = end == source.end() ? end : end + 1;
+    }
+    return pairs;
+}
+
+std::string quoted_name(const std::string& name) {
+    const bool odd = name.empty() || is_blank(name.front()) || is_blank(name.back()) || name.front() == '#' ||
+                     std::any_of(name.begin(), name.end(),
+                                 [](char c) { return c == '"' || std::iscntrl(static_cast<unsigned char>(c)); });
+    if (!odd) return name;
+    return nlohmann::json(name).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+}  // namespace crumple::cli

@@ -1,0 +1,91 @@
+#include "cli/body_lists.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <nlohmann/json.hpp>
+
+#include "cli/bodies.h"
+
+namespace crumple::cli {
+namespace {
+
+std::string as_json(const nlohmann::json& value) {
+    return value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+std::string as_csv(const std::string& text) {
+    if (text.find_first_of(",\"\n\r") == text.npos) return text;
+    std::string result = "\"";
+    for (const char c : text) result += c == '"' ? "\"\"" : std::string(1, c);
+    return result + '"';
+}
+
+/// Clocks tell no more than microseconds.
+std::string as_json_time(double milliseconds) { return as_json(std::round(milliseconds * 1000) / 1000); }
+
+const std::string& name(const std::vector<std::string>& names, std::int32_t b) {
+    return names[static_cast<std::size_t>(b)];
+}
+
+std::string json_pair(const std::vector<std::string>& names, const BodyPair& pair) {
+    return as_json({name(names, pair.first), name(names, pair.second)});
+}
+
+void write_configuration(std::ostream& out, const ConfigurationList& list, std::size_t c) {
+    out << R"({"collides":)" << (list.collides[c] ? "true" : "false");
+    if (list.has_pairs) {
+        out << R"(,"pairs":[)";
+        const std::size_t begin = c ? list.ends[c - 1] : 0;
+        for (std::size_t i = begin; i < list.ends[c]; ++i)
+            out << (i > begin ? "," : "") << json_pair(list.names, list.pairs[i]);
+        out << ']';
+    }
+    out << '}';
+}
+
+}  // namespace
+
+std::int64_t ConfigurationList::colliding() const {
+    return std::count_if(collides.begin(), collides.end(), [](std::uint8_t c) { return c != 0; });
+}
+
+void write_list(std::ostream& out, const BodyList& list, ListFormat format) {
+    if (format == ListFormat::json) {
+        out << "{\n\"bodies\": " << as_json(list.names) << ",\n\"pairs\": [";
+        for (std::size_t i = 0; i < list.pairs.size(); ++i)
+            out << (i ? ",\n" : "\n") << json_pair(list.names, list.pairs[i]);
+        out << "],\n\"milliseconds\": " << as_json_time(list.statistics.milliseconds) << "\n}\n";
+        return;
+    }
+    const bool csv = format == ListFormat::csv;
+    const auto written = [&](std::int32_t b) {
+        return csv ? as_csv(name(list.names, b)) : quoted_name(name(list.names, b));
+    };
+    if (csv) out << "first,second\n";
+    for (const BodyPair& pair : list.pairs)
+        out << written(pair.first) << (csv ? ',' : '\t') << written(pair.second) << '\n';
+}
+
+void write_list(std::ostream& out, const ConfigurationList& list, ListFormat format) {
+    const std::size_t count = list.collides.size();
+    if (format == ListFormat::json) {
+        out << "{\n\"bodies\": " << as_json(list.names) << ",\n\"configurations\": [";
+        for (std::size_t c = 0; c < count; ++c) {
+            out << (c ? ",\n" : "\n");
+            write_configuration(out, list, c);
+        }
+        out << "],\n\"milliseconds\": " << as_json_time(list.milliseconds) << "\n}\n";
+        return;
+    }
+    const bool csv = format == ListFormat::csv;
+    const char between = csv ? ',' : ' ';
+    if (csv) out << "configuration,collides" << (list.has_pairs ? ",pairs\n" : "\n");
+    for (std::size_t c = 0; c < count; ++c) {
+        out << c << between << (csv ? (list.collides[c] ? "1" : "0") : (list.collides[c] ? "yes" : "no"));
+        if (list.has_pairs) out << between << list.ends[c] - (c ? list.ends[c - 1] : 0);
+        out << '\n';
+    }
+}
+
+}  // namespace crumple::cli

@@ -1,0 +1,44 @@
+#pragma once
+
+// Bodies that collide, and configurations in which bodies do, as text, CSV and JSON.
+
+#include <cstdint>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "crumple/world.h"
+
+namespace crumple::cli {
+
+enum class ListFormat { txt, csv, json };
+
+/// Which pairs of bodies collide, each once, in order.
+struct BodyList {
+    const std::vector<std::string>& names;
+    std::vector<BodyPair> pairs;
+    Statistics statistics = {};
+};
+
+/// The same for many configurations. Without pairs it is only known which of them collide.
+struct ConfigurationList {
+    const std::vector<std::string>& names;
+    bool has_pairs = true;
+    std::vector<std::uint8_t> collides = {};  ///< one a configuration
+    std::vector<std::size_t> ends = {};       ///< of its pairs, in `pairs`
+    std::vector<BodyPair> pairs = {};
+    double milliseconds = 0;
+
+    std::int64_t colliding() const;
+};
+
+/// txt: two names a line, with a tab between (quoted_name); csv: the same under `first,second`; json: an object of
+/// `bodies`, `pairs`, `milliseconds`.
+void write_list(std::ostream& out, const BodyList& list, ListFormat format);
+
+/// A row a configuration. txt: "0 yes 2", its number, whether anything collides, how many pairs of bodies do; csv: the
+/// same under `configuration,collides,pairs` with 1 and 0; json: an object of `bodies`, `configurations`,
+/// `milliseconds`.
+void write_list(std::ostream& out, const ConfigurationList& list, ListFormat format);
+
+}  // namespace crumple::cli

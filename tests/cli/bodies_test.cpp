@@ -1,0 +1,219 @@
+// crumple detect --groups bodies: bodies of glTF scenes and files, exclusions, many configurations.
+
+#include <nlohmann/json.hpp>
+
+#include "crumple/io.h"
+#include "gltf_scene.h"
+#include "run.h"
+
+namespace crumple::cli::test {
+namespace {
+
+class Bodies : public Cli {
+   protected:
+    Bodies() {
+        write("robot.glb", crumple::test::robot_scene().glb());
+        write("five.off", five_off);
+        write("two.off", two_off);
+    }
+    /// Standard output of a run that succeeds and says nothing else.
+    std::string list(const std::string& arguments) const {
+        const Outcome outcome = crumple("detect --groups bodies " + arguments);
+        EXPECT_EQ(outcome.status, 0) << arguments;
+        EXPECT_EQ(outcome.err, "") << arguments;
+        return outcome.out;
+    }
+    void expect_refused(const std::string& arguments, const std::string& reason) const {
+        const Outcome outcome = crumple("detect " + arguments);
+        EXPECT_EQ(outcome.status, 2) << arguments;
+        EXPECT_EQ(outcome.out, "") << arguments;
+        EXPECT_TRUE(is_error_line(outcome.err)) << arguments << ": " << outcome.err;
+        EXPECT_TRUE(contains(outcome.err, reason)) << arguments << ": " << outcome.err;
+    }
+    /// A row of a pose that only moves.
+    static std::string at(double x, double y, double z) {
+        const auto text = [](double v) { return std::to_string(v); };
+        return "1,0,0," + text(x) + ",0,1,0," + text(y) + ",0,0,1," + text(z) + "\n";
+    }
+    /// Four bodies: all apart, `arm` and `hand` together, all together.
+    static std::string three_configurations() {
+        std::string rows;
+        for (const double step : {9.0, 0.0, 0.125}) {
+            rows += at(step == 0 ? 20 : 0, 0, 0) + at(step, 0, 0) + at(2 * step + (step == 0 ? 0.125 : 0), 0, 0) +
+                    at(step == 0 ? 40 : 3 * step, 0, 0);
+        }
+        return rows;
+    }
+};
+
+TEST_F(Bodies, ThatCollideAreNamed) {
+    EXPECT_EQ(list("robot.glb"), "base\tarm\narm\thand\n");
+    EXPECT_EQ(list("robot.glb --wanted between"), "base\tarm\narm\thand\n");
+    EXPECT_EQ(list("robot.glb --intersections proper"), "arm\thand\n");
+    EXPECT_EQ(list("robot.glb --weld"), "arm\thand\n") << "the corner that base and arm share is one vertex";
+    EXPECT_EQ(list("robot.glb --backend reference"), "base\tarm\narm\thand\n");
+    EXPECT_EQ(shell("cat robot.glb | $crumple detect - --groups bodies").out, "base\tarm\narm\thand\n");
+}
+
+TEST_F(Bodies, MayCollideWithThemselves) {
+    crumple::test::GltfScene scene = crumple::test::robot_scene();
+    scene.add_body("folded", scene.add_mesh({0, 0, 90, 4, 0, 90, 0, 4, 90, 1, 3, 90}, {0, 1, 2, 0, 1, 3}));
+    write("folded.glb", scene.glb());
+    EXPECT_EQ(list("folded.glb"), "base\tarm\narm\thand\n");
+    EXPECT_EQ(list("folded.glb --wanted within"), "folded\tfolded\n");
+    EXPECT_EQ(list("folded.glb --wanted both"), "base\tarm\narm\thand\nfolded\tfolded\n");
+    EXPECT_EQ(list("folded.glb --wanted both --exclude folded,folded"), "base\tarm\narm\thand\n");
+}
+
+TEST_F(Bodies, MayBeFiles) {
+    EXPECT_EQ(list("five.off two.off"), "five\ttwo\n");
+    EXPECT_EQ(list("five.off two.off five.off"), "five\ttwo\nfive\tfive_2\ntwo\tfive_2\n");
+    EXPECT_EQ(list("robot.glb robot.glb --wanted between | grep far"), "far away\tfar away_2\n");
+    EXPECT_EQ(crumple("detect five.off two.off").out, "0 1\n2 0\n3 1\n4 0\n") << "without --groups as ever";
+}
+
+TEST_F(Bodies, AreExcludedByName) {
+    EXPECT_EQ(list("robot.glb --exclude base,arm"), "arm\thand\n");
+    EXPECT_EQ(list("robot.glb --exclude hand,arm --exclude base,arm"), "");
+    write("all.txt", list("robot.glb"));
+    EXPECT_EQ(list("robot.glb --exclude-from all.txt"), "");
+    write("allowed.txt", "# the list\n\nbase arm\r\n\"hand\"\tarm\nfar away\tarm\n");
+    EXPECT_EQ(list("robot.glb --exclude-from allowed.txt"), "");
+    expect_refused("robot.glb --groups bodies --exclude base,amr",
+                   "--exclude base,amr: there is no body amr; did you mean arm?");
+    expect_refused("robot.glb --groups bodies --exclude far,arm", "no body far; did you mean far away?");
+    expect_refused("robot.glb --groups bodies --exclude wheel,arm", "there is no body wheel\n");
+    expect_refused("robot.glb --groups bodies --exclude base", "two names are needed, A,B");
+    write("bad.txt", "base\tarm\nbase\tHand\n");
+    expect_refused("robot.glb --groups bodies --exclude-from bad.txt",
+                   "bad.txt, line 2: there is no body Hand; did you mean hand?");
+    write("bad.txt", "base far away\n");
+    expect_refused("robot.glb --groups bodies --exclude-from bad.txt", "bad.txt, line 1: two names are expected");
+}
+
+TEST_F(Bodies, WithOddNamesAreQuotedAndReadBack) {
+    crumple::test::GltfScene scene;
+    const int shape = scene.add_tetrahedron();
+    for (const char* const name : {"a,b", "tab\there", "say \"x\"", " blank",
+                                   "Kn\xc3\xb6"
+                                   "chel"})
+        scene.add_body(name, shape);
+    write("odd.glb", scene.glb());
+    const std::string all = list("odd.glb");
+    EXPECT_TRUE(
+        all.starts_with("a,b\t\"tab\\there\"\na,b\t\"say \\\"x\\\"\"\na,b\t\" blank\"\na,b\tKn\xc3\xb6"
+                        "chel\n"))
+        << all;
+    write("all.txt", all);
+    EXPECT_EQ(list("odd.glb --exclude-from all.txt"), "");
+    EXPECT_FALSE(contains(list("odd.glb --exclude a,b,Kn\xc3\xb6"
+                               "chel"),
+                          "a,b\tKn"));
+    const Outcome outcome = crumple("detect odd.glb --groups bodies -o odd.csv -o odd.json");
+    EXPECT_TRUE(contains(read("odd.csv"), "\"a,b\",\"say \"\"x\"\"\"\n")) << read("odd.csv");
+    EXPECT_EQ(nlohmann::json::parse(read("odd.json"))["pairs"][0], (nlohmann::json{"a,b", "tab\there"}));
+}
+
+TEST_F(Bodies, AreWrittenAsLists) {
+    const Outcome outcome = crumple("detect robot.glb --groups bodies -o p.txt -o p.csv -o p.json");
+    EXPECT_EQ(outcome.status, 0);
+    EXPECT_EQ(outcome.out, "");
+    EXPECT_TRUE(outcome.err.starts_with("2 pairs of bodies, 3 of 4 bodies, ")) << outcome.err;
+    EXPECT_EQ(read("p.txt"), "base\tarm\narm\thand\n");
+    EXPECT_EQ(read("p.csv"), "first,second\nbase,arm\narm,hand\n");
+    const auto json = nlohmann::json::parse(read("p.json"));
+    EXPECT_EQ(json["bodies"].dump(), R"(["base","arm","hand","far away"])");
+    EXPECT_EQ(json["pairs"].dump(), R"([["base","arm"],["arm","hand"]])");
+    EXPECT_TRUE(json["milliseconds"].is_number());
+    EXPECT_EQ(list("robot.glb -o - --format csv"), "first,second\nbase,arm\narm,hand\n");
+    EXPECT_TRUE(crumple("detect five.off --groups bodies -o p.txt").err.starts_with("nothing collides: 1 bodies, "));
+}
+
+TEST_F(Bodies, AreWrittenColoured) {
+    ASSERT_EQ(crumple("detect robot.glb --groups bodies -o c.glb -o c.ply -o c.html -o c.obj").status, 0);
+    EXPECT_EQ(list("c.glb"), "base\tarm\narm\thand\n") << "names and poses are kept";
+    const io::WorldMesh world = io::read_world(file("c.glb"));
+    EXPECT_EQ(world.bodies[2].pose.rows[3], 1.25);
+    EXPECT_EQ(io::read_mesh(file("c.ply")).triangle_count(), 16);
+    EXPECT_EQ(shell("$crumple detect robot.glb --groups bodies -o - --format glb > d.glb").status, 0);
+    EXPECT_EQ(read("d.glb"), read("c.glb"));
+    expect_refused("robot.glb --groups bodies -o x.npz", "bodies are written as .txt, .csv or .json");
+    expect_refused("robot.glb --groups bodies -o robot.glb", "would overwrite the input robot.glb");
+}
+
+TEST_F(Bodies, AreCheckedByExitStatus) {
+    EXPECT_EQ(crumple("detect robot.glb --groups bodies --check").status, 1);
+    EXPECT_EQ(crumple("detect robot.glb --groups bodies --check").out, "something collides\n");
+    EXPECT_EQ(crumple("detect five.off --groups bodies --check").out, "nothing collides\n");
+    EXPECT_EQ(crumple("detect robot.glb --groups bodies --check -o p.txt").status, 1);
+}
+
+TEST_F(Bodies, HaveManyConfigurationsInOneRun) {
+    write("poses.csv", three_configurations());
+    EXPECT_EQ(list("robot.glb --poses poses.csv"), "configuration,collides,pairs\n0,0,0\n1,1,1\n2,1,6\n");
+    EXPECT_EQ(list("robot.glb --poses poses.csv --exclude arm,hand"),
+              "configuration,collides,pairs\n0,0,0\n1,0,0\n2,1,5\n");
+    EXPECT_EQ(list("robot.glb --poses poses.csv --any"), "configuration,collides\n0,0\n1,1\n2,1\n");
+    EXPECT_EQ(list("robot.glb --poses poses.csv --backend reference"), list("robot.glb --poses poses.csv"));
+    EXPECT_EQ(shell("$crumple detect robot.glb --groups bodies --poses - < poses.csv").out,
+              list("robot.glb --poses poses.csv"));
+    const Outcome outcome = crumple("detect robot.glb --groups bodies --poses poses.csv -o p.txt -o p.json");
+    EXPECT_TRUE(outcome.err.starts_with("2 of 3 configurations collide, ")) << outcome.err;
+    EXPECT_EQ(read("p.txt"), "0 no 0\n1 yes 1\n2 yes 6\n");
+    const auto json = nlohmann::json::parse(read("p.json"));
+    EXPECT_EQ(json["configurations"][1].dump(), R"({"collides":true,"pairs":[["arm","hand"]]})");
+    EXPECT_EQ(crumple("detect robot.glb --groups bodies --check --poses poses.csv").status, 1);
+    EXPECT_EQ(crumple("detect robot.glb --groups bodies --check --poses poses.csv").out, "something collides\n");
+    write("none.csv", "");
+    EXPECT_EQ(list("robot.glb --poses none.csv"), "configuration,collides,pairs\n");
+}
+
+TEST_F(Bodies, OfMoreConfigurationsThanAreSearchedAtOnceAreTheSame) {
+    std::string rows;
+    for (int i = 0; i < 20'000; ++i) rows += three_configurations();
+    write("many.csv", rows);
+    const Outcome outcome = crumple("detect robot.glb --groups bodies --exclude base,hand --poses many.csv");
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    std::string expected = "configuration,collides,pairs\n";
+    for (int c = 0; c < 60'000; ++c)
+        expected += std::to_string(c) + (c % 3 == 0 ? ",0,0\n" : c % 3 == 1 ? ",1,1\n" : ",1,5\n");
+    EXPECT_TRUE(outcome.out == expected);
+}
+
+TEST_F(Bodies, PosesThatAreNoneNameTheirRowAndBody) {
+    const auto refused = [&](const std::string& rows, const std::string& reason) {
+        write("p.csv", rows);
+        expect_refused("robot.glb --groups bodies --poses p.csv", reason);
+    };
+    const std::string good = three_configurations();
+    refused(good + "1,2,3\n",
+            "p.csv, line 13: row 12 (configuration 3, body 'base'): a pose has 12 numbers (or 16), not 3");
+    refused(good + at(0, 0, 0) + "1,0,0,nan,0,1,0,0,0,0,1,0\n",
+            "p.csv, line 14: row 13 (configuration 3, body 'arm'): number 4 is not finite");
+    refused(good + "1,0,0,x,0,1,0,0,0,0,1,0\n", "p.csv, line 13: 'x' is no number");
+    refused(good + at(0, 0, 0), "p.csv: 13 rows for 4 bodies: the last configuration has 1");
+    refused(at(0, 0, 0) + at(5, 0, 0) + at(9, 0, 0) + at(20, 0, 0) + at(0, 0, 0) + at(0, 0, 0) + at(1e308, 0, 0) +
+                at(0, 0, 0),
+            "configuration 1, body 'hand': vertex");
+    expect_refused("robot.glb --groups bodies --poses none.csv", "none.csv");
+}
+
+TEST_F(Bodies, OptionsThatDoNotGoTogetherAreRefused) {
+    write("poses.csv", three_configurations());
+    expect_refused("robot.glb", "robot.glb: glTF is a scene of bodies");
+    expect_refused("robot.glb --exclude base,arm", "--exclude needs --groups bodies");
+    expect_refused("five.off --exclude-from x", "--exclude-from needs --groups bodies");
+    expect_refused("five.off --poses x", "--poses needs --groups bodies");
+    expect_refused("robot.glb --groups bodies --any", "--any changes nothing without --poses");
+    expect_refused("robot.glb --groups bodies --contacts", "--contacts belong to triangles");
+    expect_refused("robot.glb --groups bodies --polygons", "--polygons");
+    expect_refused("robot.glb --groups bodies --part 1/2", "--part is of triangles");
+    expect_refused("robot.glb --groups bodies --stats", "--stats are of triangles");
+    expect_refused("robot.glb --groups bodies --poses poses.csv -o x.glb", "--poses give rows");
+    expect_refused("robot.glb --groups bodies --poses poses.csv -o poses.csv", "would overwrite the input poses.csv");
+    expect_refused("- --groups bodies --poses -", "standard input, -, can be read once");
+    EXPECT_TRUE(contains(crumple("sequence five.off --groups bodies --wanted between").err, "is for crumple detect"));
+}
+
+}  // namespace
+}  // namespace crumple::cli::test
