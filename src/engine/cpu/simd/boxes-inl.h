@@ -58,11 +58,12 @@ class BoxLanes {
         reach_ = hn::Max(reach_, size);
     }
 
-    /// The same where some may be big: these are widened one by one, rewrite(i, far) is called for each, and they are
-    /// left out of the leaf's box.
+    /// What goes before that where some may be big: these are widened one by one, rewrite(i) is called for each, and
+    /// they are taken out of `box` and `size`. Not a part of the loop, and not of *this, whose vectors are to stay in
+    /// registers.
     template <class Rewrite>
-    HWY_INLINE void count_with_big(const BuildInput& in, std::int64_t first, Box box, V size, Boxes& boxes,
-                                   LeafBounds& bounds, Rewrite rewrite) {
+    static HWY_NOINLINE void take_out_big(const BuildInput& in, std::int64_t first, Box& box, V& size, Boxes& boxes,
+                                          LeafBounds& bounds, Rewrite rewrite) {
         HWY_ALIGN float sizes[4 * blocks];
         HWY_ALIGN std::uint32_t small[4 * blocks];
         hn::Store(size, D(), sizes);
@@ -80,7 +81,7 @@ class BoxLanes {
         const auto keep = hn::MaskFromVec(hn::BitCast(D(), hn::Load(hn::RebindToUnsigned<D>(), small)));
         box.low = hn::IfThenElse(keep, box.low, hn::Set(D(), LeafBounds::most));
         box.high = hn::IfThenElse(keep, box.high, hn::Set(D(), -LeafBounds::most));
-        count(box, hn::IfThenElseZero(keep, size));
+        size = hn::IfThenElseZero(keep, size);
     }
 
     /// Adds what was counted to `bounds`.

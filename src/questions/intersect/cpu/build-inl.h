@@ -34,7 +34,7 @@ HWY_INLINE void store_records(D d, V X, V Y, V Z, V I, Record* HWY_RESTRICT reco
 }
 
 /// The record of a big member, one by one.
-HWY_NOINLINE void rewrite_big(const BuildInput& in, std::int64_t i, Record& record) {
+HWY_INLINE void rewrite_big(const BuildInput& in, std::int64_t i, Record& record) {
     const std::int32_t* corner = in.corners + 3 * static_cast<std::int64_t>(in.triangle[i]);
     const Vec3d origin{in.frame.origin.x, in.frame.origin.y, in.frame.origin.z};
     Vec3d p[3], relative[3];
@@ -73,7 +73,7 @@ HWY_INLINE void build_from(const BuildInput& in, const Points& points, Record* H
         const auto [q0, q1, q2, a, b] = points.corners(d, corner);
 
         const V t0 = lanes.turn(q0), t1 = lanes.turn(q1), t2 = lanes.turn(q2);
-        const BoxLanes::Box box{hn::Min(t0, hn::Min(t1, t2)), hn::Max(t0, hn::Max(t1, t2))};
+        BoxLanes::Box box{hn::Min(t0, hn::Min(t1, t2)), hn::Max(t0, hn::Max(t1, t2))};
         lanes.store(box, i, boxes);
 
         // The plane, normalised by the sum of its products' magnitudes, in which the error bound is expressed.
@@ -90,12 +90,11 @@ HWY_INLINE void build_from(const BuildInput& in, const Points& points, Record* H
         const V I = hn::IfThenElse(is_id, hn::BitCast(d, ids), c);
         store_records(d, X, Y, Z, I, record + i);
 
-        const V size = hn::Max(hn::Abs(q0), hn::Max(hn::Abs(q1), hn::Abs(q2)));
+        V size = hn::Max(hn::Abs(q0), hn::Max(hn::Abs(q1), hn::Abs(q2)));
         if (lanes.any_big(size))
-            lanes.count_with_big(in, i, box, size, boxes, bounds,
-                                 [&](std::int64_t member) { rewrite_big(in, member, record[member]); });
-        else
-            lanes.count(box, size);
+            lanes.take_out_big(in, i, box, size, boxes, bounds,
+                               [&](std::int64_t member) { rewrite_big(in, member, record[member]); });
+        lanes.count(box, size);
     }
     lanes.finish(bounds);
 }
