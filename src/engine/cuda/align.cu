@@ -44,7 +44,7 @@ __device__ float reach_of(const Ball& ball, const Frame& frame) {
 }
 
 __device__ InFrame<3> exact_member(const Scene& scene, const PointRows& points, std::int32_t triangle,
-                                  const Frame& frame) {
+                                   const Frame& frame) {
     const std::int32_t* corner = scene.corners + 3 * static_cast<std::size_t>(triangle);
     const Vec3d p[3] = {points[corner[0]], points[corner[1]], points[corner[2]]};
     return {p, frame};
