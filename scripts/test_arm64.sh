@@ -17,6 +17,7 @@ if [ ! -e "$sysroot/done" ]; then
 fi
 cmake -S . -B build-arm64 -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_TOOLCHAIN_FILE=cmake/aarch64.cmake \
     -DCRUMPLE_PARALLEL=std -DCRUMPLE_IO=OFF -DCRUMPLE_SCENES=OFF -DCRUMPLE_CLI=OFF -DCRUMPLE_EXAMPLES=OFF >/dev/null
-cmake --build build-arm64 --target cpu_test
-qemu-aarch64-static -L /usr/aarch64-linux-gnu -E LD_LIBRARY_PATH="$sysroot/usr/lib/aarch64-linux-gnu" \
-    build-arm64/tests/cpu/cpu_test --gtest_filter='Assign.*:Build.*:Sweep.finds*:Filter.*'
+cmake --build build-arm64 --target cpu_test stages_test
+run() { qemu-aarch64-static -L /usr/aarch64-linux-gnu -E LD_LIBRARY_PATH="$sysroot/usr/lib/aarch64-linux-gnu" "$@"; }
+run build-arm64/tests/cpu/cpu_test --gtest_filter='Assign.*:Build.*:Sweep.finds*:Filter.*'
+run build-arm64/tests/stages/stages_test --gtest_filter='*/NEON'
