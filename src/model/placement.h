@@ -73,18 +73,19 @@ class Placement {
     /// Many at once, in blocks of four: rows x, y, z of `blocks` blocks each.
     void operator()(const double* const given[3], std::int32_t blocks, double* const posed[3]) const {
         for (int axis = 0; axis < 3; ++axis) {
-            const std::array<double, 12> r = matrix().rows;
-            const auto k = static_cast<std::size_t>(4 * axis);
+            double* const out = posed[axis];
+            if (!pose_) {
+                std::copy_n(given[axis], 4 * blocks, out);
+                continue;
+            }
+            const double *const x = given[0], *const y = given[1], *const z = given[2];
+            const double a = row(axis)[0], b = row(axis)[1], c = row(axis)[2], t = row(axis)[3];
             for (std::int32_t i = 0; i < 4 * blocks; i += 4) {
                 Block value;
-                for (std::size_t lane = 0; lane < 4; ++lane) {
-                    const auto v = static_cast<std::size_t>(i) + lane;
-                    value[lane] =
-                        pose_ ? ((r[k] * given[0][v] + r[k + 1] * given[1][v]) + r[k + 2] * given[2][v]) + r[k + 3]
-                              : given[axis][v];
-                }
-                if (pose_ && float32_) round_to_float(value);
-                std::copy_n(value, 4, posed[axis] + i);
+                for (int lane = 0; lane < 4; ++lane)
+                    value[lane] = ((a * x[i + lane] + b * y[i + lane]) + c * z[i + lane]) + t;
+                if (float32_) round_to_float(value);
+                std::copy_n(value, 4, out + i);
             }
         }
     }
@@ -124,10 +125,12 @@ class Placement {
    private:
     using Block = double[4];
 
-    // By way of memory, since g++ 12 with -O3 takes double(float(x)) for x where it selects between both in lanes.
+    // Nothing may be known of the rounded numbers, since g++ 12 with -O3 takes double(float(x)) for x where it selects
+    // between both in lanes.
     static void round_to_float(Block& value) {
-        volatile float rounded[4];
+        float rounded[4];
         for (int lane = 0; lane < 4; ++lane) rounded[lane] = static_cast<float>(value[lane]);
+        asm("" : "+m"(rounded));
         for (int lane = 0; lane < 4; ++lane) value[lane] = static_cast<double>(rounded[lane]);
     }
     static Vec3d rounded(const Vec3d& p) {

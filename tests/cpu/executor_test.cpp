@@ -45,7 +45,7 @@ TEST(Executor, answers_are_the_same_bytes) {
     const Collisions self = own.find_self(sheet.view(), query);
     const Collisions between = own.find_between(sheet.view(), other.view());
     const std::vector<Part> parts = own.partition(sheet.view(), 5);
-    const Collisions of_part = own.find_self(sheet.view(), parts[2]);
+    const Collisions of_part = own.find(parts[2]);
     ASSERT_GT(self.pairs.size(), 100u);
     for (const auto& executor : executors()) {
         const auto watched = std::make_shared<test::Watched>(executor);
@@ -55,7 +55,7 @@ TEST(Executor, answers_are_the_same_bytes) {
             expect_same(between, detector.find_between(sheet.view(), other.view()));
         }
         EXPECT_EQ(detector.partition(sheet.view(), 5)[2].triangles, parts[2].triangles);
-        expect_same(of_part, detector.find_self(sheet.view(), parts[2]));
+        expect_same(of_part, detector.find(parts[2]));
         EXPECT_TRUE(detector.has_collision(sheet.view()));
         EXPECT_EQ(detector.find_self(sheet.view()).statistics.threads, executor->concurrency());
         EXPECT_GT(watched->loops, 0) << "it was not asked";
