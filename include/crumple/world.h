@@ -44,8 +44,9 @@ struct Shape {
 struct Body {
     std::int32_t shape = 0;  ///< index into World::shapes
     std::int32_t group = 0;  ///< of its triangles, where the shape has no groups of its own
-    std::int32_t world = 0;  ///< bodies of different worlds never meet; -1: in all worlds
-    bool self = true;        ///< whether pairs within the body are wanted
+    /// Bodies of different worlds never meet; -1: in all worlds. Answers have an entry for each id up to the largest.
+    std::int32_t world = 0;
+    bool self = true;  ///< whether pairs within the body are wanted
 };
 
 /// Bodies, and where they are. World ids ascend over the bodies, and those that are in all worlds (-1) come last.
@@ -63,9 +64,10 @@ struct BodyPair {
 
 /// Which pairs of triangles may collide.
 struct Rules {
-    Wanted bodies = Wanted::both;           ///< pairs within a body, between bodies, or both; Body::self holds as well
-    Wanted groups = Wanted::both;           ///< the same for groups
-    std::vector<BodyPair> excluded_bodies;  ///< not tested against each other: "allowed collision matrix" of robotics
+    Wanted bodies = Wanted::both;  ///< pairs within a body, between bodies, or both; Body::self holds as well
+    Wanted groups = Wanted::both;  ///< the same for groups
+    /// Not tested against each other, or (a body and itself) within: "allowed collision matrix" of robotics.
+    std::vector<BodyPair> excluded_bodies;
     std::vector<GroupPair> excluded_groups;
 };
 

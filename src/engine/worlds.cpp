@@ -277,7 +277,7 @@ bool WorldSearch::gather(BackendBase& backend, std::int32_t pass) {
             for (std::int32_t b = outline_.first_body(worlds); b < outline_.bodies(); ++b) whole_.push_back(b);
     } else {
         for (std::int32_t b = begin_of(pass); b < end_of(pass); ++b)
-            if (rules_.within(outline_.body(b))) whole_.push_back(b);
+            if (rules_.within(b, outline_.body(b).self)) whole_.push_back(b);
         for_each_body_pair(pass, [&](std::int32_t a, std::int32_t b) {
             if (!(is_flag(question_.wants) && direct(a, b))) mark(a, b);
             return true;

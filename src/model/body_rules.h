@@ -36,7 +36,9 @@ class BodyRules {
     }
 
     /// Whether pairs within a body may be wanted, and pairs of two different bodies.
-    bool within(const Body& body) const { return body.self && bodies_ != Wanted::between; }
+    bool within(std::int32_t body, bool self) const {
+        return self && bodies_ != Wanted::between && !contains(excluded_bodies_, body, body);
+    }
     bool between(std::int32_t a, std::int32_t b) const {
         return bodies_ != Wanted::within && !contains(excluded_bodies_, a, b);
     }
@@ -50,7 +52,7 @@ class BodyRules {
 
     bool operator()(const BodyClass& a, const BodyClass& b) const {
         if (a.everywhere && b.everywhere) return false;
-        const bool wanted = a.body == b.body ? a.self && bodies_ != Wanted::between : between(a.body, b.body);
+        const bool wanted = a.body == b.body ? within(a.body, a.self) : between(a.body, b.body);
         return wanted && groups(a.group, b.group);
     }
     bool operator()(std::int32_t a, std::int32_t b) const { return (*this)(classes[a], classes[b]); }

@@ -46,9 +46,7 @@ class GroupRule {
         return {wanted_ == Wanted::between, wanted_ == Wanted::within, excluded_.data(),
                 static_cast<std::int64_t>(excluded_.size())};
     }
-    bool operator()(std::int32_t g, std::int32_t h) const {
-        return bodies_ ? (*bodies_)(g, h) : wanted()(g, h);
-    }
+    bool operator()(std::int32_t g, std::int32_t h) const { return bodies_ ? (*bodies_)(g, h) : wanted()(g, h); }
 
    private:
     const BodyRules* bodies_ = nullptr;

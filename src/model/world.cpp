@@ -33,7 +33,8 @@ void check_body(const World& world, std::size_t b) {
     if (body.shape < 0 || static_cast<std::size_t>(body.shape) >= world.shapes.size())
         refuse_body("there is no shape " + std::to_string(body.shape) + "; there are " +
                     std::to_string(world.shapes.size()));
-    if (body.world < -1) refuse_body("its world is " + std::to_string(body.world) + "; worlds are 0 or more, or -1");
+    if (body.world < -1 || body.world == most)
+        refuse_body("its world is " + std::to_string(body.world) + "; worlds are 0 to 2147483646, or -1");
     if (b > 0) {
         const std::int32_t before = world.bodies[b - 1].world;
         if (before == -1 && body.world != -1) refuse_body("bodies that are in all worlds (-1) come last");

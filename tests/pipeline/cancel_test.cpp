@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
-#include <chrono>
 #include <stop_token>
 #include <thread>
 #include <vector>
@@ -16,7 +15,6 @@ namespace {
 
 using test::difference;
 using test::pairs_of;
-using Clock = std::chrono::steady_clock;
 
 struct Case {
     const char* name;

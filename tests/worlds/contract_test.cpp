@@ -199,7 +199,7 @@ TEST_P(WrongWorld, names_the_body) {
     bodies[1].shape = 3;
     EXPECT_STREQ(error({shapes, bodies, {}}).what(), "body 1: there is no shape 3; there are 1");
     bodies[1] = {.world = -2};
-    EXPECT_STREQ(error({shapes, bodies, {}}).what(), "body 1: its world is -2; worlds are 0 or more, or -1");
+    EXPECT_STREQ(error({shapes, bodies, {}}).what(), "body 1: its world is -2; worlds are 0 to 2147483646, or -1");
     bodies = {{.world = 1}, {.world = 0}};
     EXPECT_STREQ(error({shapes, bodies, {}}).what(),
                  "body 1: its world 0 comes after world 1; world ids ascend over the bodies");
