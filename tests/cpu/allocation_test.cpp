@@ -69,6 +69,7 @@ std::vector<Call> calls() {
         }
         return soup;
     }();
+    static const std::vector<Part> parts = Detector().partition(half.a, half.b, 70);
     return {
         {"self", [](Detector& d) { d.find_self(mesh); }},
         {"contacts", [](Detector& d) { d.find_self(mesh, {.contacts = true}); }},
@@ -76,6 +77,7 @@ std::vector<Call> calls() {
         {"groups", [](Detector& d) { d.find_self(mesh, {.excluded_groups = excluded}); }},
         {"copies", [](Detector& d) { d.find_self(padded.view()); }},
         {"between", [](Detector& d) { d.find_between(half.a, half.b); }},
+        {"part", [](Detector& d) { d.find(parts[35]); }},
         {"any", [](Detector& d) { d.has_collision(mesh, {.wanted = Wanted::within, .excluded_groups = excluded}); }}};
 }
 

@@ -5,6 +5,7 @@
 #include "cuda_on_cpu/portable/portable.h"
 #include "geometry/ball.h"
 #include "geometry/random_pairs.h"
+#include "model/part_tree.h"
 #include "questions/intersect/contact_on_line.h"
 #include "questions/intersect/decide.h"
 #include "questions/intersect/decision.h"
@@ -154,6 +155,67 @@ TEST_F(Device, filters_as_the_host_does) {
         ASSERT_EQ(found[i].verdict, expected.verdict) << i;
         ASSERT_EQ(found[i].ball.r, expected.ball.r) << i;
         ASSERT_EQ(found[i].joins, expected.joins) << i;
+    }
+}
+
+// Two levels, of three and of two centres in each.
+struct Tree {
+    std::int32_t first[2][4] = {{0, 3}, {0, 2, 4, 6}};
+    PartSiblings centres[2][3];
+    double apart[2][6 * max_clusters];
+
+    explicit Tree(RandomPairs& random) {
+        for (int l = 0; l < 2; ++l)
+            for (int node = 0; node < (l ? 3 : 1); ++node) place(random, l, node);
+    }
+    void place(RandomPairs& random, int l, int node) {
+        PartSiblings& c = centres[l][node];
+        const int begin = first[l][node], count = first[l][node + 1] - begin;
+        for (int k = 0; k < count; ++k) {
+            const Vec3d p = random.point();
+            c.x[k] = p.x, c.y[k] = p.y, c.z[k] = p.z;
+        }
+        for (int k = 0; k < count; ++k)
+            for (int j = 0; j < count; ++j) {
+                const Vec3d between = c.centre(k) - c.centre(j);
+                apart[l][(begin + k) * max_clusters + j] = std::sqrt(dot(between, between));
+            }
+    }
+    CRUMPLE_HD PartTree view() const {
+        PartTree tree;
+        tree.depth = 2;
+        for (int l = 0; l < 2; ++l) tree.level[l] = {first[l], centres[l], apart[l]};
+        return tree;
+    }
+    // All parts and masks of a triangle in one number.
+    CRUMPLE_HD std::uint64_t digest(const Triangle& triangle) const {
+        std::uint64_t digest = 0;
+        view().for_each_part(triangle, [&](std::int32_t part, const std::uint64_t* masks) {
+            digest = digest * 1000 + static_cast<std::uint64_t>(part + 1) * 100 + masks[0] * 10 + masks[1];
+        });
+        return digest;
+    }
+};
+
+__global__ void digest_all(const Tree* tree, const TrianglePair* pairs, int count, std::uint64_t* digests) {
+    const int i = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x);
+    if (i < count) digests[i] = tree->digest(pairs[i].a);
+}
+
+TEST_F(Device, finds_the_parts_that_the_host_finds) {
+    RandomPairs random(Kind::random_float, 11);
+    const std::vector<Tree> tree{Tree(random)};
+    std::vector<TrianglePair> pairs;
+    for (int i = 0; i < rounds; ++i) pairs.push_back(random());
+    const portable::Array<Tree> tree_there(tree);
+    const portable::Array<TrianglePair> input(pairs);
+    const portable::Array<std::uint64_t> output(pairs.size());
+    portable::launch(digest_all, static_cast<unsigned>((pairs.size() + 127) / 128), 128, 0, tree_there.data(),
+                     input.data(), static_cast<int>(pairs.size()), output.data());
+    const std::vector<std::uint64_t> found = output.values();
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+        ASSERT_NE(found[i], 0u) << i;
+        ASSERT_EQ(found[i], tree[0].digest(pairs[i].a)) << i;
     }
 }
 
