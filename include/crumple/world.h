@@ -87,7 +87,7 @@ struct Intersect {
     Neighbours neighbours = Neighbours::geometric;
     Intersections intersections = Intersections::all;
     bool weld = false;  ///< vertices at equal posed positions count as one, also those of different bodies
-    Rules rules;
+    Rules rules = {};
     bool index = false;  ///< also make offsets and hit flags, where pairs are wanted
 };
 

@@ -54,7 +54,7 @@ TEST(Executor, answers_are_the_same_bytes) {
             expect_same(self, detector.find_self(sheet.view(), query));
             expect_same(between, detector.find_between(sheet.view(), other.view()));
         }
-        EXPECT_EQ(detector.partition(sheet.view(), 5)[2].triangles, parts[2].triangles);
+        EXPECT_EQ(detector.partition(sheet.view(), 5)[2].mesh.ids, parts[2].mesh.ids);
         expect_same(of_part, detector.find(parts[2]));
         EXPECT_TRUE(detector.has_collision(sheet.view()));
         EXPECT_EQ(detector.find_self(sheet.view()).statistics.threads, executor->concurrency());

@@ -83,9 +83,10 @@ TEST(Cancel, ends_the_running_call_and_leaves_the_detector_usable) {
         const auto expected = pairs_of(detector.find_self(soup.view()));
         EXPECT_TRUE(cancelled([&](std::stop_token stop) { detector.find_self(soup.view(), {}, stop); }));
         EXPECT_TRUE(detector.take_result().pairs.empty());
-        if (c.options.memory_limit == 0)  // one that suffices within a mesh does not for all pairs between two
+        if (c.options.memory_limit == 0) {  // one that suffices within a mesh does not for all pairs between two
             EXPECT_TRUE(
                 cancelled([&](std::stop_token stop) { detector.find_between(soup.view(), soup.view(), {}, stop); }));
+        }
         EXPECT_EQ(difference(expected, pairs_of(detector.find_self(soup.view()))), "");
     }
 }

@@ -26,7 +26,7 @@ struct Run {
     const Options& options;
     Points points{nullptr};
     Array<Ball> balls{nullptr};
-    Array<std::uint64_t> part_masks{nullptr};
+    Array<std::uint8_t> included{nullptr};  ///< empty: all are
     Subdivision subdivision{nullptr};
 
     PointRows rows() const {
@@ -39,7 +39,7 @@ struct Run {
         members.gather(scene, subdivision, leaf);
         state.member.assign(members.triangle.begin(), members.triangle.begin() + members.size());
         if (members.size() < 2) return state;
-        Ownership ownership(scene, subdivision, part_masks.empty() ? nullptr : part_masks.data(), 0, leaf);
+        Ownership ownership(scene, Levels(), subdivision, leaf);
         ownership.bits(members.triangle.data(), members.member.data(), members.size(), false, members.lower.data());
         state.sweep_asks_all = ownership.complete();
         for (std::int64_t i = 0; i < members.size(); ++i)
@@ -97,13 +97,10 @@ StageState run_stages(const Tables& tables, const Scene& scene, const Options& o
         const PointRows rows = run.rows();
         for (std::int32_t v = 0; v < scene.vertex_count(); ++v) state.point.push_back(rows[v]);
         state.ball.assign(run.balls.begin(), run.balls.begin() + scene.triangle_count());
-        if (scene.between) {
-            run.part_masks.assign(static_cast<std::size_t>(scene.triangle_count()), 1);
-            exclude_far(scene, workers, run.balls, run.part_masks);
-        }
+        if (scene.between) exclude_far(scene, workers, run.balls, run.included);
         WarmCentres warm;
-        place_clusters(run.balls, scene.triangle_count(), run.part_masks.empty() ? nullptr : run.part_masks.data(), 0,
-                       options, tables.stages, workers, warm, run.subdivision);
+        place_clusters(run.balls, scene.triangle_count(), run.included.empty() ? nullptr : run.included.data(), options,
+                       tables.stages, workers, warm, run.subdivision);
         gather_leaves(run.balls, scene.triangle_count(), 0, run.subdivision.clusters, options, tables.stages, workers,
                       warm, run.subdivision);
         for (const Leaf& leaf : run.subdivision.leaves) state.leaves.push_back(run.leaf(leaf));
