@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "cli/bodies.h"
 #include "cli/commands.h"
 #include "cli/search.h"
 #include "cli/terminal.h"
@@ -63,6 +64,24 @@ void print_information(std::ostream& out, const io::TriangleMesh& mesh) {
     row("connected components", grouped(label_components(mesh, labels)));
 }
 
+/// The bodies in their order, which is that of --poses.
+void print_information(std::ostream& out, const io::WorldMesh& world) {
+    const auto count = [](std::size_t n) { return grouped(static_cast<std::int64_t>(n)); };
+    out << fmt::format("{:<22}{}\n{:<22}{}\n{:<22}{}\n", "bodies", count(world.bodies.size()), "shapes",
+                       count(world.shapes.size()), "triangles", grouped(world.triangle_count()));
+    for (std::size_t b = 0; b < world.bodies.size(); ++b) {
+        const io::NamedBody& body = world.bodies[b];
+        const std::int64_t triangles = world.shapes[static_cast<std::size_t>(body.shape)].triangle_count();
+        out << fmt::format("body {:<17}{}: shape {}, {} triangles\n", b, quoted_name(body.name), body.shape,
+                           grouped(triangles));
+    }
+}
+
+bool is_scene(const std::string& file) {
+    const std::string extension = extension_of(file);
+    return !is_standard(file) && (extension == ".glb" || extension == ".gltf");
+}
+
 /// A line for each device, or the reason why there is none.
 std::string describe_devices() {
     const DeviceList list = list_devices();
@@ -84,7 +103,8 @@ Command add_info(CLI::App& app) {
     };
     const auto info = std::make_shared<Info>();
     CLI::App& command = *app.add_subcommand("info", "Tell what a mesh file holds, and what is odd about it");
-    command.add_option("FILE", info->file, "A mesh (PLY, OBJ, STL, OFF), or - for standard input")
+    command
+        .add_option("FILE", info->file, "A mesh (PLY, OBJ, STL, OFF), a scene (.glb, .gltf), or - for standard input")
         ->type_name("FILE")
         ->required();
     add_reading_options(command, info->reading);
@@ -96,8 +116,13 @@ Command add_info(CLI::App& app) {
         "index, so files without shared vertices want --weld.\n"
         "Example: crumple info part.stl");
     return {&command, [info] {
-                const io::TriangleMesh mesh = read_mesh(info->file, info->reading);
-                to_standard_output([&](std::ostream& out) { print_information(out, mesh); });
+                if (is_scene(info->file)) {
+                    const io::WorldMesh world = read_bodies({info->file}, info->reading);
+                    to_standard_output([&](std::ostream& out) { print_information(out, world); });
+                } else {
+                    const io::TriangleMesh mesh = read_mesh(info->file, info->reading);
+                    to_standard_output([&](std::ostream& out) { print_information(out, mesh); });
+                }
                 return static_cast<int>(done);
             }};
 }

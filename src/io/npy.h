@@ -74,7 +74,8 @@ inline std::optional<std::vector<std::int64_t>> npy_shape(std::string_view text)
     return shape;
 }
 
-/// Reads up to the array's bytes; nothing if this is no array of NumPy. `npy` is an NpyFile or the like.
+/// Reads up to the array's bytes; nothing if this is no array of NumPy. What the header does not tell stays empty.
+/// `npy` is an NpyFile or the like.
 template <class Npy>
 std::optional<NpyHeader> read_npy_header(Npy& npy) {
     const std::string prologue = npy.read(8);
@@ -83,12 +84,12 @@ std::optional<NpyHeader> read_npy_header(Npy& npy) {
                                    ? std::size_t{load<std::uint16_t>(npy.read(2).data(), std::endian::little)}
                                    : std::size_t{load<std::uint32_t>(npy.read(4).data(), std::endian::little)};
     const std::string header = npy.read(length);
-    auto shape = npy_shape(npy_value(header, "'shape':"));
     const std::string_view type = npy_value(header, "'descr':");  // "'<f8'"
-    const std::size_t end = type.find('\'', 1);
-    if (!shape || !type.starts_with('\'') || end == type.npos || end < 3) return std::nullopt;
-    return NpyHeader{type[1] == '>' ? std::endian::big : std::endian::little, std::string(type.substr(2, end - 2)),
-                     npy_value(header, "'fortran_order':").starts_with("True"), std::move(*shape)};
+    const std::size_t end = std::min(type.find('\'', 1), type.size());
+    return NpyHeader{type.starts_with("'>") ? std::endian::big : std::endian::little,
+                     std::string(type.substr(std::min<std::size_t>(2, end), end < 2 ? 0 : end - 2)),
+                     npy_value(header, "'fortran_order':").starts_with("True"),
+                     npy_shape(npy_value(header, "'shape':")).value_or(std::vector<std::int64_t>())};
 }
 
 }  // namespace crumple::io

@@ -198,6 +198,23 @@ TEST_F(Bodies, PosesThatAreNoneNameTheirRowAndBody) {
     expect_refused("robot.glb --groups bodies --poses none.csv", "none.csv");
 }
 
+TEST_F(Bodies, AreListedByInfo) {
+    const Outcome outcome = crumple("info robot.glb");
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_TRUE(contains(outcome.out, "bodies                4\nshapes                1\ntriangles             16\n"));
+    EXPECT_TRUE(contains(outcome.out, "body 3                far away: shape 0, 4 triangles\n")) << outcome.out;
+}
+
+TEST_F(Bodies, WarningsAreToldAndStrictMakesThemErrors) {
+    crumple::test::GltfScene scene = crumple::test::robot_scene();
+    scene.json["nodes"][1]["skin"] = 0;
+    write("skin.glb", scene.glb());
+    const Outcome outcome = crumple("detect skin.glb --groups bodies");
+    EXPECT_EQ(outcome.out, "base\tarm\narm\thand\n");
+    EXPECT_TRUE(contains(outcome.err, "crumple: warning: skin.glb: nodes[1] has a skin")) << outcome.err;
+    expect_refused("skin.glb --groups bodies --strict", "nodes[1] has a skin");
+}
+
 TEST_F(Bodies, OptionsThatDoNotGoTogetherAreRefused) {
     write("poses.csv", three_configurations());
     expect_refused("robot.glb", "robot.glb: glTF is a scene of bodies");

@@ -67,5 +67,71 @@ TEST(WorldMesh, PosedMeshHasEveryVertexWhereTheDetectorHasIt) {
     EXPECT_EQ(error_of([&] { posed_mesh(world); }).element, Element::body);
 }
 
+const WorldCollisions& find_indexed(Detector& detector, const WorldMesh& world) {
+    Intersect question;
+    question.rules.bodies = Wanted::between;
+    question.index = true;
+    return detector.find(world.view().world(), question);
+}
+
+TEST(ColouredWorld, GlbKeepsBodiesAndTheShapeThatTheyShare) {
+    WorldMesh world = robot();
+    world.bodies[3].name = "\xff";
+    world.bodies.push_back({"also far", 0, {{0.1, 0.7, 0.3, 99, 0.9, 0.1, 0.2, 99, 0.3, 0.2, 0.8, 99}}});
+    Detector detector;
+    const WorldCollisions& found = find_indexed(detector, world);
+    const Folder folder;
+    write_coloured(folder / "c.glb", world, found);
+    std::ostringstream out;
+    write_coloured(out, world, found, MeshFormat::glb);
+    EXPECT_EQ(out.str(), bytes_of(folder / "c.glb"));
+
+    const WorldMesh again = read_world(folder / "c.glb", {.weld = Weld::no});
+    ASSERT_EQ(again.bodies.size(), world.bodies.size());
+    for (std::size_t b = 0; b < world.bodies.size(); ++b) {
+        EXPECT_EQ(again.bodies[b].name, b == 3 ? "\xef\xbf\xbd" : world.bodies[b].name);  // the replacement character
+        EXPECT_EQ(again.bodies[b].pose, world.bodies[b].pose);
+        EXPECT_EQ(coordinates(again.shapes[static_cast<std::size_t>(again.bodies[b].shape)]),
+                  coordinates(world.shapes[0]));
+    }
+    EXPECT_EQ(again.bodies[3].shape, again.bodies[4].shape) << "of bodies that are free";
+    EXPECT_NE(again.bodies[3].shape, again.bodies[1].shape);
+}
+
+TEST(ColouredWorld, OfFloat64FarFromItsOriginKeepsWhatFloat32Can) {
+    WorldMesh world;
+    world.shapes.push_back({std::vector<double>{1e6, 0, 0, 1e6 + 0.1, 0, 0, 1e6, 0.1, 0}, {0, 1, 2}});
+    world.bodies.push_back({"a", 0, {{0, 1, 0, 0, -1, 0, 0, 1e6, 0, 0, 1, 0}}});
+    Detector detector;
+    const Folder folder;
+    write_coloured(folder / "c.glb", world, find_indexed(detector, world));
+    WorldMesh again = read_world(folder / "c.glb", {.precision = Precision::float64});
+    const std::vector<double> found = coordinates(posed_mesh(again)), expected = coordinates(posed_mesh(world));
+    ASSERT_EQ(found.size(), expected.size());
+    for (std::size_t i = 0; i < found.size(); ++i) EXPECT_NEAR(found[i], expected[i], 1e-8);
+}
+
+TEST(ColouredWorld, OtherFormatsHoldThePosedMesh) {
+    const WorldMesh world = robot();
+    Detector detector;
+    const WorldCollisions& found = find_indexed(detector, world);
+    const Folder folder;
+    for (const char* const name : {"c.ply", "c.obj", "c.html"}) write_coloured(folder / name, world, found);
+    expect_same(read_mesh(folder / "c.ply", {.group_property = "group"}), posed_mesh(world));
+    EXPECT_TRUE(contains(bytes_of(folder / "c.html"), "colliding pairs of 16 triangles"));
+    EXPECT_EQ(error_of([&] { write_coloured(folder / "c.stl", world, found); }).code, ErrorCode::invalid_argument);
+}
+
+TEST(ColouredWorld, CollisionsOfAnotherWorldAreRefused) {
+    WorldMesh world = robot();
+    Detector detector;
+    const WorldCollisions& found = find_indexed(detector, world);
+    const Folder folder;
+    world.bodies.pop_back();
+    EXPECT_EQ(error_of([&] { write_coloured(folder / "c.glb", world, found); }).code, ErrorCode::invalid_argument);
+    EXPECT_EQ(error_of([&] { write_coloured(folder / "c.glb", robot(), {}); }).code, ErrorCode::invalid_argument);
+    EXPECT_TRUE(fs::is_empty(folder.path()));
+}
+
 }  // namespace
 }  // namespace crumple::io::test
