@@ -89,7 +89,9 @@ struct Run {
 
 StageState run_stages(const Tables& tables, const Scene& scene, const Options& options) {
     Cancellation cancellation;
-    Workers workers(1, cancellation);
+    Options alone = options;
+    alone.threads = 1;
+    Workers workers(alone, cancellation);
     StageState state;
     workers.run([&] {
         Run run{tables, scene, options};
