@@ -1,6 +1,5 @@
 #pragma once
 
-#include <concepts>
 #include <memory>
 #include <type_traits>
 #include <utility>
@@ -14,10 +13,10 @@ class FunctionRef;
 template <class Result, class... Arguments>
 class FunctionRef<Result(Arguments...)> {
    public:
-    template <class Function>
-    requires(!std::same_as<std::remove_cvref_t<Function>, FunctionRef> &&
-             std::is_object_v<std::remove_reference_t<Function>> &&
-             std::is_invocable_r_v<Result, Function&, Arguments...>) FunctionRef(Function&& function)
+    template <class Function, class = std::enable_if_t<!std::is_same_v<std::remove_cvref_t<Function>, FunctionRef> &&
+                                                       std::is_object_v<std::remove_reference_t<Function>> &&
+                                                       std::is_invocable_r_v<Result, Function&, Arguments...>>>
+    FunctionRef(Function&& function)
         : function_(const_cast<void*>(static_cast<const void*>(std::addressof(function)))),
           call_([](void* f, Arguments... arguments) -> Result {
               return (*static_cast<std::remove_reference_t<Function>*>(f))(std::forward<Arguments>(arguments)...);

@@ -75,6 +75,7 @@ std::vector<Node> split(const Node& node, std::span<const Vec3f> points, const C
     for (const std::uint32_t i : node.points)
         children[static_cast<std::size_t>(nearest(centres, points[i]))].points.push_back(i);
     std::vector<std::int64_t> counts;
+    counts.reserve(children.size());
     for (const Node& child : children) counts.push_back(static_cast<std::int64_t>(child.points.size()));
     const std::vector<int> shares = share_out(node.parts, most, counts);
     for (std::size_t k = 0; k < children.size(); ++k) children[k].parts = shares[k];

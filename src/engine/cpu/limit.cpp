@@ -13,7 +13,7 @@ constexpr std::int64_t many_pairs = 8;
 
 /// Calls visit(pair) for each pair of the call, in any order.
 template <class Visit>
-void for_each_pair(Call& call, Visit visit) {
+void for_each_pair(Call call, Visit visit) {
     const std::function<void(const Array<Pair>&)> sink = [&](const Array<Pair>& found) {
         for (const Pair& pair : found) visit(pair);
     };
