@@ -92,9 +92,7 @@ struct Detect {
             if (stats) fail("--stats are of triangles, and --groups bodies lists bodies");
             return detect_bodies({files, outputs, format, answer, bodies, options, check});
         }
-        if (files.size() > 2)
-            fail("FILE is given " + std::to_string(files.size()) +
-                 " times, and at most 2 are possible without --groups bodies");
+        if (files.size() > 2) fail("detect takes one FILE or two, or any number with --groups bodies");
         check_output_formats();
         check_outputs(outputs, files, answer);
         Search search(answer, options);

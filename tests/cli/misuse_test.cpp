@@ -26,7 +26,8 @@ TEST_F(Misuse, OfTheCommandLine) {
     expect_refused("detect", "detect: FILE is required; see crumple detect --help");
     expect_refused("info", "info: FILE is required");
     expect_refused("sequence", "frames or a --scene");
-    expect_refused("detect five.off five.off five.off", "detect: FILE: At Most 2 required but received 3");
+    expect_refused("detect five.off five.off five.off",
+                   "detect takes one FILE or two, or any number with --groups bodies");
     expect_refused("verify five.off", "verify: FILE: At least 2 required but received 1");
     expect_refused("info five.off five.off", "info: The following argument was not expected: five.off");
     expect_refused("detect five.off --threads 1 --threads 2", "detect: --threads: At Most 1 required but received 2");
