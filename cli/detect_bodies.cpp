@@ -116,7 +116,8 @@ std::vector<BodyPair> distinct(const Array<BodyPair>& bodies) {
 std::string summary(const BodyList& list) {
     const auto bodies = static_cast<std::int64_t>(list.names.size());
     if (list.pairs.empty())
-        return fmt::format("nothing collides: {} bodies, {:.1f} ms\n", grouped(bodies), list.statistics.milliseconds);
+        return fmt::format("nothing collides: {} {}, {:.1f} ms\n", grouped(bodies), bodies == 1 ? "body" : "bodies",
+                           list.statistics.milliseconds);
     std::vector<std::uint8_t> hit(list.names.size());
     for (const BodyPair& pair : list.pairs)
         for (const std::int32_t b : {pair.first, pair.second}) hit[static_cast<std::size_t>(b)] = 1;
@@ -138,7 +139,7 @@ int find_once(const BodyTask& task, Search& search, const Scene& scene) {
                                                     : Wants::body_pairs,
                                         1);
     question.index = pictures;
-    const WorldCollisions& found = search.find(scene.files, scene.names.list(), world, question);
+    const WorldCollisions& found = search.find(scene.files, scene.names.list(), -1, world, question);
     if (only_status) return report(found.any);
 
     const BodyList list{scene.names.list(), distinct(found.bodies), found.statistics};
@@ -202,7 +203,8 @@ int find_configurations(const BodyTask& task, Search& search, const Scene& scene
         const std::span<const Pose> batch(&poses[first * n], size * n);
         try {
             const WorldCollisions& found =
-                search.find(scene.files, scene.names.list(), {view.shapes, bodies, batch}, question);
+                search.find(scene.files, scene.names.list(), static_cast<std::int64_t>(first),
+                            {view.shapes, bodies, batch}, question);
             if (only_status && found.any) return progress.clear(), report(true);
             if (!only_status) add(found, size, list);
         } catch (...) {

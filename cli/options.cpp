@@ -85,7 +85,8 @@ void add_reading_options(CLI::App& app, ReadingOptions& options) {
         "--weld", [&options] { options.weld = true; }, "Vertices at equal positions are one");
     app.add_flag_callback(
            "--no-weld", [&options] { options.weld = false; },
-           "Vertices at equal positions stay apart; without either option only those of STL files are one")
+           "Vertices at equal positions stay apart; without either option only those of STL files and of glTF scenes "
+           "are one")
         ->excludes(weld);
     add_choice<io::Precision, io::Precision>(
         app, "--precision", options.precision,

@@ -204,29 +204,30 @@ const Collisions& Search::find(const Input& input) {
 
 namespace {
 
-/// "body 7: ..." with the name of that body, and, if there are more bodies than names, the configuration.
-std::string with_name_of_body(const std::string& message, const std::vector<std::string>& names) {
+/// "body 7: ..." with the name of that body, and with the number of its configuration.
+std::string with_name_of_body(const std::string& message, const std::vector<std::string>& names,
+                              std::int64_t first_configuration) {
     constexpr std::string_view title = "body ";
     if (!message.starts_with(title) || names.empty()) return message;
     std::size_t body = 0;
     const char* const end = message.data() + message.size();
     const auto [rest, error] = std::from_chars(message.data() + title.size(), end, body);
     if (error != std::errc() || rest == end || *rest != ':') return message;
-    const std::string configuration =
-        body < names.size() ? "" : "configuration " + std::to_string(body / names.size()) + ", ";
-    return configuration + "body " + io::in_quotes(names[body % names.size()]) + std::string(rest, end);
+    const auto configuration = first_configuration + static_cast<std::int64_t>(body / names.size());
+    return (first_configuration < 0 ? "" : "configuration " + std::to_string(configuration) + ", ") + "body " +
+           io::in_quotes(names[body % names.size()]) + std::string(rest, end);
 }
 
 }  // namespace
 
-const WorldCollisions& Search::find(const std::string& files, const std::vector<std::string>& names, const World& world,
-                                    const Intersect& question) {
+const WorldCollisions& Search::find(const std::string& files, const std::vector<std::string>& names,
+                                    std::int64_t first_configuration, const World& world, const Intersect& question) {
     return named(files, [&]() -> const WorldCollisions& {
         try {
             return detector_.find(world, question);
         } catch (const Error& error) {
-            throw Error(error.code, with_name_of_body(error.what(), names), error.element, error.index,
-                        error.bytes_needed, error.system_error, error.bytes_needed_at_least);
+            throw Error(error.code, with_name_of_body(error.what(), names, first_configuration), error.element,
+                        error.index, error.bytes_needed, error.system_error, error.bytes_needed_at_least);
         }
     });
 }

@@ -45,10 +45,11 @@ class Search {
     const Collisions& find(const Input& input);
     /// Whether there is any pair. Ends at the first that is found, unless only a part is wanted. Throws as find does.
     bool any(const Input& input);
-    /// The answer for bodies that have these names, in each world again. Valid until the next call. Throws Error that
-    /// names `files`, and the body it is about.
-    const WorldCollisions& find(const std::string& files, const std::vector<std::string>& names, const World& world,
-                                const Intersect& question);
+    /// The answer for bodies that have these names, again and again in each of several configurations, whose first one
+    /// has this number; -1: there is but one. Valid until the next call. Throws Error that names `files`, and the
+    /// configuration and body it is about.
+    const WorldCollisions& find(const std::string& files, const std::vector<std::string>& names,
+                                std::int64_t first_configuration, const World& world, const Intersect& question);
 
    private:
     struct Threads;

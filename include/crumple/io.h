@@ -17,10 +17,11 @@
 namespace crumple::io {
 
 /// Precision in which a file's coordinates are held. `automatic` loses no bit of the file: PLY (ascii, too) by its
-/// property type (mixed or integer: float64), binary STL float32, other text float64.
+/// property type (mixed or integer: float64), binary STL and glTF float32, other text float64.
 enum class Precision : std::uint8_t { automatic, float32, float64 };
 
-/// STL names no vertices; `automatic` welds it by exact position (-0 equals +0) and leaves the other formats alone.
+/// STL names no vertices, and glTF repeats them for each normal; `automatic` welds these two by exact position (-0
+/// equals +0) and leaves the other formats alone.
 enum class Weld : std::uint8_t { automatic, yes, no };
 
 /// How polygons are cut into triangles, n - 2 for n corners. `fan`: from the first corner. `ears`: the same for a

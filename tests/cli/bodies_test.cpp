@@ -126,7 +126,7 @@ TEST_F(Bodies, AreWrittenAsLists) {
     EXPECT_EQ(json["pairs"].dump(), R"([["base","arm"],["arm","hand"]])");
     EXPECT_TRUE(json["milliseconds"].is_number());
     EXPECT_EQ(list("robot.glb -o - --format csv"), "first,second\nbase,arm\narm,hand\n");
-    EXPECT_TRUE(crumple("detect five.off --groups bodies -o p.txt").err.starts_with("nothing collides: 1 bodies, "));
+    EXPECT_TRUE(crumple("detect five.off --groups bodies -o p.txt").err.starts_with("nothing collides: 1 body, "));
 }
 
 TEST_F(Bodies, AreWrittenColoured) {
@@ -196,6 +196,10 @@ TEST_F(Bodies, PosesThatAreNoneNameTheirRowAndBody) {
                 at(0, 0, 0),
             "configuration 1, body 'hand': vertex");
     expect_refused("robot.glb --groups bodies --poses none.csv", "none.csv");
+    std::string many;  // more than are searched at once
+    for (int i = 0; i < 10'000; ++i) many += good;
+    refused(many + at(1e308, 0, 0) + at(0, 0, 0) + at(0, 0, 0) + at(0, 0, 0),
+            "configuration 30000, body 'base': vertex");
 }
 
 TEST_F(Bodies, AreListedByInfo) {
