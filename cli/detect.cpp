@@ -132,10 +132,12 @@ Command add_detect(CLI::App& app) {
         ->required()
         ->expected(1, std::numeric_limits<int>::max());
     command
-        .add_option("-o,--output", detect->outputs,
-                    "Pairs as .txt, .csv, .json or .npz, or the mesh with colliding triangles coloured as .ply, .obj, "
-                    ".glb or .html, a page to turn and zoom; may be repeated. - is standard output, see --format. "
-                    "Without it pairs go there, `i j` a line")
+        .add_option(
+            "-o,--output", detect->outputs,
+            "Pairs as .txt, .csv, .json or .npz, or the mesh with colliding triangles coloured as .ply, .obj, "
+            ".glb or .html, a page to turn and zoom; may be repeated. - is standard output, see --format. "
+            "Without it pairs go there, `i j` a line. With --groups bodies: their names as .txt, .csv or .json, or "
+            "the world coloured")
         ->type_name("OUT")
         ->allow_extra_args(false);
     add_format_option(command, detect->format, "txt|csv|json|npz|ply|glb|html");
