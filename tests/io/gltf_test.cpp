@@ -104,7 +104,7 @@ TEST(Gltf, BodiesAreInTheOrderOfTheNodesAndOnlyThoseOfTheScene) {
 TEST(Gltf, EveryBodyHasANameOfItsOwn) {
     GltfScene scene;
     const int shape = scene.add_tetrahedron(), named = scene.add_tetrahedron();
-    scene.json["meshes"][named]["name"] = "wheel";
+    scene.json["meshes"].at(static_cast<std::size_t>(named))["name"] = "wheel";
     for (const char* const name : {"leg", "leg", "leg_2", "leg",
                                    "Kn\xc3\xb6"
                                    "chel"})
@@ -158,8 +158,8 @@ TEST(Gltf, VerticesAtOnePlaceAreOneUnlessToldOtherwise) {
 TEST(Gltf, MeshesOverTheSameDataAreOneShape) {
     GltfScene scene;
     const int red = scene.add_tetrahedron();
-    scene.json["meshes"].push_back(scene.json["meshes"][red]);
-    scene.json["meshes"][red]["primitives"][0]["material"] = 0;
+    scene.json["meshes"].push_back(scene.json["meshes"].at(static_cast<std::size_t>(red)));
+    scene.json["meshes"].at(static_cast<std::size_t>(red))["primitives"][0]["material"] = 0;
     scene.add_body("red", red);
     scene.add_body("green", red + 1);
     EXPECT_EQ(read_scene(scene).shapes.size(), 1u);
@@ -186,7 +186,7 @@ TEST(Gltf, QuantizedPositionsAreRead) {
     scene.add_body("a", scene.add_mesh({{{"attributes", {{"POSITION", shorts}}}}}));
     scene.json["extensionsRequired"] = {"KHR_mesh_quantization", "KHR_materials_unlit"};
     EXPECT_EQ(coordinates(read_scene(scene).shapes[0]), (std::vector<double>{32767, -32767, -32768, 3, 0, 0, 0, 5, 0}));
-    scene.json["accessors"][shorts]["normalized"] = true;
+    scene.json["accessors"].at(static_cast<std::size_t>(shorts))["normalized"] = true;
     const WorldMesh world = read_scene(scene, {.precision = Precision::float64});
     EXPECT_EQ(coordinates(world.shapes[0]), (std::vector<double>{1, -1, -1, 3.0 / 32767, 0, 0, 0, 5.0 / 32767, 0}));
     EXPECT_EQ(coordinates(read_scene(scene).shapes[0])[3], static_cast<float>(3.0 / 32767));
@@ -195,14 +195,14 @@ TEST(Gltf, QuantizedPositionsAreRead) {
 TEST(Gltf, VerticesMayBeInterleaved) {
     GltfScene scene;
     const int positions = scene.add_positions({0, 0, 0, 7, 1, 0, 0, 7, 0, 1, 0, 7});
-    scene.json["accessors"][positions]["count"] = 3;
+    scene.json["accessors"].at(static_cast<std::size_t>(positions))["count"] = 3;
     scene.json["bufferViews"][0]["byteStride"] = 16;
     scene.add_body("a", scene.add_mesh({{{"attributes", {{"POSITION", positions}}}}}));
     EXPECT_EQ(coordinates(read_scene(scene).shapes[0]), (std::vector<double>{0, 0, 0, 1, 0, 0, 0, 1, 0}));
-    scene.json["accessors"][positions]["byteOffset"] = 4;
+    scene.json["accessors"].at(static_cast<std::size_t>(positions))["byteOffset"] = 4;
     EXPECT_EQ(coordinates(read_scene(scene, {.weld = Weld::no}).shapes[0]),
               (std::vector<double>{0, 0, 7, 0, 0, 7, 1, 0, 7}));
-    scene.json["accessors"][positions]["byteOffset"] = 8;
+    scene.json["accessors"].at(static_cast<std::size_t>(positions))["byteOffset"] = 8;
     expect_refused(scene, "accessors[0] announces 3 elements, and bufferViews[0] holds 2");
 }
 
@@ -211,11 +211,11 @@ TEST(Gltf, WhatIsNotAppliedIsAWarning) {
     const int shape = scene.add_tetrahedron();
     scene.add_body("a", shape);
     scene.json["nodes"][0]["skin"] = 0;
-    scene.json["meshes"][shape]["primitives"][0]["targets"] = {{{"POSITION", 0}}};
-    scene.json["meshes"][shape]["weights"] = {0};
+    scene.json["meshes"].at(static_cast<std::size_t>(shape))["primitives"][0]["targets"] = {{{"POSITION", 0}}};
+    scene.json["meshes"].at(static_cast<std::size_t>(shape))["weights"] = {0};
     scene.add_node({{"mesh", shape}, {"extensions", {{"EXT_mesh_gpu_instancing", Json::object()}}}});
     EXPECT_EQ(read_scene(scene).warnings.size(), 2u);
-    scene.json["meshes"][shape]["weights"] = {0.5};
+    scene.json["meshes"].at(static_cast<std::size_t>(shape))["weights"] = {0.5};
     const std::vector<std::string> warnings = read_scene(scene).warnings;
     ASSERT_EQ(warnings.size(), 3u);
     EXPECT_TRUE(contains(warnings[0], "meshes[0].primitives[0] has morph targets"));

@@ -42,7 +42,7 @@ GltfScene full_scene() {
     const int child =
         scene.add_node({{"mesh", shape}, {"matrix", {0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1, 0, 1, 2, 3, 1}}}, false);
     scene.add_node({{"rotation", {0, 0, 1, 0}}, {"scale", {1, 2, 3}}, {"children", {child}}});
-    scene.json["meshes"][shape]["weights"] = {1};
+    scene.json["meshes"].at(static_cast<std::size_t>(shape))["weights"] = {1};
     return scene;
 }
 
