@@ -26,7 +26,7 @@ std::vector<std::array<std::int32_t, 4>> rows(const WorldCollisions& c) {
 }
 
 TEST(World, of_one_body_in_place_has_the_bytes_of_find_self) {
-    for (const std::uint64_t name : {0, 1}) {
+    for (const std::uint64_t name : {0u, 1u}) {
         const auto soup = random_soup(300, 0.3);
         Detector detector, other;
         const std::vector<Shape> shapes{Shape(soup.view(), name)};
@@ -44,7 +44,7 @@ TEST(World, of_one_body_in_place_has_the_bytes_of_find_self) {
 
 TEST(World, of_two_bodies_in_place_has_the_bytes_of_find_between) {
     const auto a = random_soup(200, 0.3), b = random_soup(250, 0.3, 5);
-    for (const std::uint64_t name : {0, 1}) {
+    for (const std::uint64_t name : {0u, 1u}) {
         Detector detector, other;
         const std::vector<Shape> shapes{Shape(a.view(), name), Shape(b.view(), 2 * name)};
         const std::vector<Body> bodies{{.shape = 0}, {.shape = 1}};
