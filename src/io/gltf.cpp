@@ -103,6 +103,7 @@ class Reader {
             Pose parent;
         };
         std::vector<Step> steps;
+        steps.reserve(roots.size());
         for (const std::size_t n : roots) steps.push_back({n, {}});
         while (!steps.empty()) {
             const Step step = steps.back();
