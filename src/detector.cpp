@@ -15,6 +15,7 @@
 #include "base/stopwatch.h"
 #include "crumple/error.h"
 #include "engine/backend.h"
+#include "engine/output.h"
 #include "engine/reference/worlds.h"
 #include "engine/world_output.h"
 #include "engine/worlds.h"
@@ -51,15 +52,6 @@ void check_query(const MeshView& a, const MeshView* b, const Query& q) {
     if (q.wanted != Wanted::between || !lacks_groups(a) || (b && !lacks_groups(*b))) return;
     check(false, b ? "wanted between needs groups, and neither mesh has any: nothing lies between different groups"
                    : "wanted between needs groups, and the mesh has none: nothing lies between different groups");
-}
-
-Collisions metered(MemoryMeter* meter) {
-    return {Array<Pair>(meter),
-            Array<std::int64_t>(meter),
-            Array<std::uint8_t>(meter),
-            Array<std::uint8_t>(meter),
-            {Array<ContactKind>(meter), Array<std::int64_t>(meter), Array<std::array<double, 3>>(meter)},
-            {}};
 }
 
 WorldCollisions metered_world(MemoryMeter* m) {
@@ -209,7 +201,7 @@ struct Detector::Implementation {
     }
 
     const WorldCollisions& find(const World& world, const Intersect& question, std::stop_token stop) {
-        const auto begin = std::chrono::steady_clock::now();
+        Stopwatch watch;
         const FloatEnvironment environment;
         cancellation.begin(std::move(stop));
         meter.peak = meter.used.load();
@@ -236,8 +228,7 @@ struct Detector::Implementation {
         }
         Statistics& statistics = world_result.statistics;
         statistics.peak_memory_bytes = meter.peak;
-        statistics.milliseconds =
-            std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+        statistics.milliseconds = watch.lap();
         return world_result;
     }
 

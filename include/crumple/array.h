@@ -91,9 +91,13 @@ class Array {
     void reserve(std::size_t capacity) {
         if (capacity > capacity_) grow(capacity);
     }
+    /// Room for so many more at the end. Growing bit by bit costs O(1) an element, under a limit too.
+    void make_room_for(std::size_t more) {
+        if (size_ + more > capacity_) grow(std::max(size_ + more, capacity_ + capacity_ / 8));
+    }
     void push_back(const T& value) {
         const T copy = value;
-        if (size_ == capacity_) grow(size_ + 1);
+        make_room_for(1);
         data_[size_++] = copy;
     }
     void fill(const T& value) { std::fill(begin(), end(), value); }
@@ -136,8 +140,8 @@ class Array {
         std::swap(meter_, other.meter_);
     }
     void grow(std::size_t wanted) {
-        // Half as much again, so that frames of slowly rising size do not allocate each time; under a limit just
-        // enough.
+        // Half as much again, so that frames of slowly rising size do not allocate each time; under a limit just what
+        // is wanted.
         const bool tight = meter_ && meter_->limit > 0;
         const std::size_t capacity = tight ? wanted : std::max(wanted + wanted / 8, capacity_ + capacity_ / 2);
         if (capacity > static_cast<std::size_t>(PTRDIFF_MAX) / sizeof(T)) throw std::bad_alloc();

@@ -4,6 +4,29 @@
 
 namespace crumple {
 
+Collisions metered(MemoryMeter* meter) {
+    return {Array<Pair>(meter),
+            Array<std::int64_t>(meter),
+            Array<std::uint8_t>(meter),
+            Array<std::uint8_t>(meter),
+            {Array<ContactKind>(meter), Array<std::int64_t>(meter), Array<std::array<double, 3>>(meter)},
+            {}};
+}
+
+void add(const Statistics& some, Statistics& sum) {
+    for (std::size_t s = 0; s < stage_count; ++s) sum.stage_milliseconds[s] += some.stage_milliseconds[s];
+    sum.clusters += some.clusters;
+    sum.leaves += some.leaves;
+    sum.members += some.members;
+    sum.interval_tests += some.interval_tests;
+    sum.box_overlaps += some.box_overlaps;
+    sum.edge_tests += some.edge_tests;
+    sum.double_tests += some.double_tests;
+    sum.exact_tests += some.exact_tests;
+    sum.rational_tests += some.rational_tests;
+    sum.rational_contacts += some.rational_contacts;
+}
+
 void index_pairs(const Scene& scene, Collisions& result) {
     const auto first = static_cast<std::size_t>(scene.triangles[0]);
     result.offsets.assign(first + 1, 0);

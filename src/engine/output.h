@@ -11,6 +11,12 @@
 
 namespace crumple {
 
+/// An empty result whose arrays the meter counts.
+Collisions metered(MemoryMeter* meter);
+
+/// Adds counts and times; says nothing of who did the work.
+void add(const Statistics& some, Statistics& sum);
+
 /// Gives the memory of all arrays back.
 inline void release(Collisions& result) {
     result.pairs.release();

@@ -54,10 +54,14 @@ void WorldScene::grow_vertices(std::int64_t more) {
     const std::int64_t n = vertices() + more;
     if (n > std::numeric_limits<std::int32_t>::max())
         throw Error(ErrorCode::invalid_argument, "bodies that meet have more than 2147483647 vertices together");
+    const auto grow = [&](auto& coordinates) {
+        coordinates.make_room_for(static_cast<std::size_t>(3 * more));
+        coordinates.resize(static_cast<std::size_t>(3 * n));
+    };
     if (float32_)
-        f_.resize(static_cast<std::size_t>(3 * n));
+        grow(f_);
     else
-        d_.resize(static_cast<std::size_t>(3 * n));
+        grow(d_);
 }
 
 void WorldScene::put(std::int64_t vertex, const Vec3d& p) {
@@ -93,9 +97,9 @@ void WorldScene::add(const WorldOutline& outline, std::int32_t b, bool everywher
         const std::int64_t begin = static_cast<std::int64_t>(c) * chunk;
         for (std::int64_t v = begin; v < std::min(n, begin + chunk); ++v) put(first + v, place(position(v)));
     });
-    groups_.reserve(static_cast<std::size_t>(triangles() + m));
-    triangle_.reserve(static_cast<std::size_t>(triangles() + m));
-    corner_.reserve(static_cast<std::size_t>(3 * (triangles() + m)));
+    groups_.make_room_for(static_cast<std::size_t>(m));
+    triangle_.make_room_for(static_cast<std::size_t>(m));
+    corner_.make_room_for(static_cast<std::size_t>(3 * m));
     with_corner_reader(shape, [&](auto corner) {
         for (std::int64_t t = 0; t < m; ++t) {
             Row row{static_cast<std::int32_t>(t), {}};

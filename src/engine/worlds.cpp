@@ -19,36 +19,10 @@ constexpr std::int32_t worlds_a_task = 16;
 
 bool is_flag(Wants wants) { return wants <= Wants::body_pairs; }
 
-void add(Statistics& sum, const Statistics& s) {
-    for (std::size_t i = 0; i < stage_count; ++i) sum.stage_milliseconds[i] += s.stage_milliseconds[i];
-    sum.clusters += s.clusters;
-    sum.leaves += s.leaves;
-    sum.members += s.members;
-    sum.interval_tests += s.interval_tests;
-    sum.box_overlaps += s.box_overlaps;
-    sum.edge_tests += s.edge_tests;
-    sum.double_tests += s.double_tests;
-    sum.exact_tests += s.exact_tests;
-    sum.rational_tests += s.rational_tests;
-    sum.rational_contacts += s.rational_contacts;
-    sum.threads = s.threads;
-    sum.backend = s.backend;
-    sum.simd = s.simd;
-}
-
 bool finite(const Bounds& box, double most) {
     for (int axis = 0; axis < 3; ++axis)
         if (!(box.low[axis] >= -most && box.high[axis] <= most)) return false;
     return true;
-}
-
-Collisions metered(MemoryMeter* m) {
-    return {Array<Pair>(m),
-            Array<std::int64_t>(m),
-            Array<std::uint8_t>(m),
-            Array<std::uint8_t>(m),
-            {Array<ContactKind>(m), Array<std::int64_t>(m), Array<std::array<double, 3>>(m)},
-            {}};
 }
 
 }  // namespace
@@ -340,7 +314,10 @@ void WorldSearch::search_scene(BackendBase& backend, std::int32_t pass, WorldCol
     }
     found_.statistics = {};
     backend.find(scene, query, nullptr, found_);
-    add(result.statistics, found_.statistics);
+    add(found_.statistics, result.statistics);
+    result.statistics.threads = found_.statistics.threads;
+    result.statistics.backend = found_.statistics.backend;
+    result.statistics.simd = found_.statistics.simd;
     append(pass, backend.heeds_bodies(), result);
 }
 

@@ -54,5 +54,22 @@ TEST(Array, a_swap_beyond_a_limit_changes_nothing) {
     }
 }
 
+TEST(Array, growing_bit_by_bit_moves_elements_seldom) {
+    for (const std::int64_t limit : {std::int64_t{0}, std::int64_t{1} << 30}) {
+        MemoryMeter meter;
+        meter.limit = limit;
+        Ints list(&meter);
+        int moves = 0;
+        for (int i = 0; i < 100'000; ++i) {
+            const int* const before = list.data();
+            list.push_back(i);
+            moves += list.data() != before;
+        }
+        EXPECT_LT(moves, 120) << limit;
+        EXPECT_LE(list.capacity(), list.size() * 3 / 2);
+        for (int i = 0; i < 100'000; ++i) ASSERT_EQ(list[i], i);
+    }
+}
+
 }  // namespace
 }  // namespace crumple

@@ -165,6 +165,21 @@ TEST(World, fits_a_memory_limit_or_names_one) {
     EXPECT_LE(found.statistics.peak_memory_bytes, error.bytes_needed);
 }
 
+TEST(World, long_answers_of_many_worlds_are_the_same_under_a_limit) {
+    const auto soup = random_soup(40, 0.4), other = random_soup(40, 0.4, 2);
+    const std::vector<Shape> shapes{Shape(soup.view()), Shape(other.view(), 1)};
+    std::vector<Body> bodies;
+    for (std::int32_t world = 0; world < 1000; ++world)
+        for (std::int32_t shape = 0; shape < 2; ++shape) bodies.push_back({.shape = shape, .world = world});
+    const World world{shapes, bodies, {}};
+    const Intersect question{.wants = Wants::contacts, .index = true};
+    Detector free, limited({.memory_limit = 1 << 28});
+    const WorldCollisions& found = limited.find(world, question);
+    EXPECT_GE(found.count, 20'000);
+    EXPECT_LE(found.statistics.peak_memory_bytes, 1 << 28);
+    EXPECT_TRUE(test::same_world_answer(found, free.find(world, question)));
+}
+
 TEST(World, ends_at_a_stop_that_was_requested_before) {
     const auto soup = random_soup(10, 0.5);
     const std::vector<Shape> shapes{Shape(soup.view())};

@@ -65,16 +65,6 @@ void for_each_leaf(const Call& call, Work work) {
     for (const Leaf& leaf : leaves) call.statistics.members += leaf.size;
 }
 
-void add_counts(const Statistics& from, Statistics& to) {
-    for (std::size_t s = 0; s < stage_count; ++s) to.stage_milliseconds[s] += from.stage_milliseconds[s];
-    to.interval_tests += from.interval_tests;
-    to.box_overlaps += from.box_overlaps;
-    to.edge_tests += from.edge_tests;
-    to.double_tests += from.double_tests;
-    to.exact_tests += from.exact_tests;
-    to.rational_tests += from.rational_tests;
-}
-
 }  // namespace
 
 void find_pairs(const Call& call) {
@@ -107,7 +97,7 @@ void find_pairs(const Call& call) {
         });
         watch.lap();
     }
-    for (const auto& worker : b.worker) add_counts(worker->narrow.statistics, statistics);
+    for (const auto& worker : b.worker) add(worker->narrow.statistics, statistics);
 }
 
 void find(const Call& call, Collisions& result) {
