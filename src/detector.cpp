@@ -121,9 +121,10 @@ struct Detector::Implementation {
 
     // Runs `work` on the prepared scene, or on_device() where the meshes lie on a device; a detector that throws holds
     // an empty result and no kept memory.
-    template <class Work, class OnDevice>
+    // `suffices` counts the memory limit that would do.
+    template <class Work, class OnDevice, class Suffices>
     void guarded(const MeshView& a, const MeshView* b, const Part* part, const Query& query, std::stop_token stop,
-                 Work work, OnDevice on_device) {
+                 Work work, OnDevice on_device, Suffices suffices) {
         const FloatEnvironment environment;
         cancellation.begin(std::move(stop));
         const auto attempt = [&] {
@@ -148,7 +149,7 @@ struct Detector::Implementation {
                     attempt();
                 }
             } catch (const MemoryMeter::Exceeded& exceeded) {
-                throw_limit_error(exceeded.bytes - kept, [&] { return bytes_needed(a, b, part, query); });
+                throw_limit_error(exceeded.bytes - kept, suffices);
             }
         } catch (...) {
             forget();
@@ -191,7 +192,7 @@ struct Detector::Implementation {
         result.statistics = {};
         guarded(
             a, b, part, query, std::move(stop), [&](const Scene& scene) { backend->find(scene, query, part, result); },
-            [&] { backend->find(a, b, query, result); });
+            [&] { backend->find(a, b, query, result); }, [&] { return bytes_needed(a, b, part, query); });
         if (part) name_globally(*part, result.pairs);
         result.statistics.triangles = a.triangles.rows + (b ? b->triangles.rows : 0);
         result.statistics.pairs = static_cast<std::int64_t>(result.pairs.size());
@@ -265,8 +266,40 @@ struct Detector::Implementation {
         bool found = false;
         guarded(
             a, b, nullptr, query, std::move(stop), [&](const Scene& scene) { found = backend->any(scene, query); },
-            [&] { found = backend->any(a, b, query); });
+            [&] { found = backend->any(a, b, query); }, [&] { return bytes_needed(a, b, nullptr, query); });
         return found;
+    }
+
+    Statistics stream(const MeshView& a, const MeshView* b, TakeBlock take, const Query& query, const Streaming& how,
+                      std::stop_token stop) {
+        Stopwatch watch;
+        check(how.block_pairs >= 1 && how.block_pairs <= std::int64_t{1} << 40, "block_pairs must be 1 to 2^40");
+        if (meter.limit > 0) forget();  // a call that has handed over blocks cannot begin again
+        meter.peak = meter.used.load();
+        Statistics statistics;
+        const auto work = [&](const Scene& scene, TakeBlock sink) {
+            backend->stream(scene, query, how, sink, statistics);
+        };
+        std::int64_t pairs = 0;
+        const auto count = [&](const Collisions& block) {
+            pairs += static_cast<std::int64_t>(block.pairs.size());
+            take(block);
+        };
+        guarded(
+            a, b, nullptr, query, std::move(stop), [&](const Scene& scene) { work(scene, count); },
+            [] { check(false, "answers in blocks are made of meshes in host memory"); },
+            [&] {
+                forget();
+                const Lifted lifted(meter);
+                meter.peak = meter.used.load();
+                work(prepare_scene(a, b, query.weld, *backend, buffers), [](const Collisions&) {});
+                return meter.peak.load();
+            });
+        statistics.triangles = a.triangles.rows + (b ? b->triangles.rows : 0);
+        statistics.pairs = pairs;
+        statistics.peak_memory_bytes = meter.peak;
+        statistics.milliseconds = watch.lap();
+        return statistics;
     }
 
     void launch(const MeshView& a, const MeshView* b, const Query& query) {
@@ -325,7 +358,7 @@ struct Detector::Implementation {
         std::vector<Part> parts;
         guarded(
             a, b, nullptr, {}, std::move(stop), [&](const Scene& scene) { parts = make_parts(scene, count, *backend); },
-            [&] { parts = backend->partition(a, b, count); });
+            [&] { parts = backend->partition(a, b, count); }, [&] { return bytes_needed(a, b, nullptr, {}); });
         return parts;
     }
 };
@@ -341,6 +374,14 @@ const Collisions& Detector::find_self(const MeshView& mesh, const Query& query, 
 const Collisions& Detector::find_between(const MeshView& a, const MeshView& b, const Query& query,
                                          std::stop_token stop) {
     return implementation_->find(a, &b, nullptr, query, std::move(stop));
+}
+Statistics Detector::stream_self(const MeshView& mesh, TakeBlock take, const Query& query, const Streaming& how,
+                                 std::stop_token stop) {
+    return implementation_->stream(mesh, nullptr, take, query, how, std::move(stop));
+}
+Statistics Detector::stream_between(const MeshView& a, const MeshView& b, TakeBlock take, const Query& query,
+                                    const Streaming& how, std::stop_token stop) {
+    return implementation_->stream(a, &b, take, query, how, std::move(stop));
 }
 const Collisions& Detector::find(const Part& part, const Query& query, std::stop_token stop) {
     const MeshView first = part.mesh.view(), second = part.second ? part.second->view() : MeshView();

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "crumple/collisions.h"
+#include "crumple/function_ref.h"
 #include "crumple/mesh.h"
 #include "crumple/options.h"
 #include "crumple/part.h"
@@ -42,6 +43,17 @@ class Detector {
     /// Query::weld equal positions do. If one is float64, both are computed in float64.
     const Collisions& find_between(const MeshView& a, const MeshView& b, const Query& query = {},
                                    std::stop_token stop = {});
+
+    /// All pairs of find_self or find_between, handed over in blocks: `take(block)` is called with one block after
+    /// another, which is gone when it returns. A block has pairs, and contacts if they are asked for; offsets and hit
+    /// flags are empty. Memory is that of find() without pairs, and of about three blocks; under a memory limit on one
+    /// thread. Cost: see Streaming::ordered. `take` must not call this detector; what it throws ends the call, as a
+    /// stop does, and then some blocks have been handed over. Not with the cuda backend.
+    using TakeBlock = FunctionRef<void(const Collisions& block)>;
+    Statistics stream_self(const MeshView& mesh, TakeBlock take, const Query& query = {}, const Streaming& how = {},
+                           std::stop_token stop = {});
+    Statistics stream_between(const MeshView& a, const MeshView& b, TakeBlock take, const Query& query = {},
+                              const Streaming& how = {}, std::stop_token stop = {});
 
     /// Whether anything collides. On the CPU it stops at the first pair found; the cuda backend finds all pairs.
     bool has_collision(const MeshView& mesh, const Query& query = {}, std::stop_token stop = {});

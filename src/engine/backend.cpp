@@ -12,6 +12,10 @@ namespace {
 
 }  // namespace
 
+void BackendBase::stream(const Scene&, const Query&, const Streaming&, BlockSink, Statistics&) {
+    throw Error(ErrorCode::invalid_argument, "answers in blocks need the cpu backend (Options::backend)",
+                Element::option);
+}
 void BackendBase::find(const MeshView&, const MeshView*, const Query&, Collisions&) { refuse(); }
 std::int64_t BackendBase::bytes_needed(const MeshView&, const MeshView*, const Query&) { refuse(); }
 bool BackendBase::any(const MeshView&, const MeshView*, const Query&) { refuse(); }

@@ -10,10 +10,14 @@
 #include "crumple/array.h"
 #include "crumple/collisions.h"
 #include "crumple/detector.h"
+#include "crumple/function_ref.h"
 #include "crumple/options.h"
 #include "model/scene.h"
 
 namespace crumple {
+
+/// Takes one block of a stream; it is gone when this returns.
+using BlockSink = FunctionRef<void(const Collisions& block)>;
 
 /// A backend with threads lends them by overriding parallel_for(). Its calls check the cancellation they are given.
 class BackendBase : public ParallelFor {
@@ -29,6 +33,10 @@ class BackendBase : public ParallelFor {
 
     /// Whether there is any pair; stops at the first.
     virtual bool any(const Scene& scene, const Query& query) = 0;
+
+    /// Hands all pairs over in blocks (Detector::stream_self). A call that throws may have handed over some.
+    virtual void stream(const Scene& scene, const Query& query, const Streaming& how, BlockSink sink,
+                        Statistics& statistics);
 
     /// Whether the rules of a scene that is made of a world (Scene::bodies) are heeded; else its answer has pairs that
     /// they do not want, too.

@@ -32,6 +32,7 @@ class Levels {
         if (!part) return;
         for (const PartLevel& level : part->levels) level_[count_++] = {level.masks.data(), level.cluster};
     }
+    void add(const Level& level) { level_[count_++] = level; }
     const Level* begin() const { return level_.data(); }
     const Level* end() const { return level_.data() + count_; }
 

@@ -8,6 +8,7 @@
 
 #include "engine/cpu/limit.h"
 #include "engine/cpu/order.h"
+#include "engine/cpu/stream.h"
 #include "engine/output.h"
 
 namespace crumple {
@@ -33,7 +34,11 @@ class CpuBackend final : public BackendBase {
             try {
                 Call call = make_call(scene, query, part);
                 PairBudget budget = budget_of(call);
-                if (meter_.limit > 0) call.budget = &budget;
+                const auto told = [&](const Array<Pair>& pairs, std::size_t before) {
+                    budget.add(static_cast<std::int64_t>(pairs.size() - before));
+                };
+                const PairSink sink = told;
+                if (meter_.limit > 0) call.sink = &sink;
                 cpu::find(call, result);
             } catch (const ResultExceeds&) {
                 throw;
@@ -52,17 +57,26 @@ class CpuBackend final : public BackendBase {
     }
 
     bool any(const Scene& scene, const Query& query) override {
-        std::atomic<bool> found{false};
+        bool found = false;
         workers_.run([&] {
             try {
-                Call call = make_call(scene, query, nullptr);
-                call.found = &found;
-                find_pairs(call);
+                found = cpu::any(make_call(scene, query, nullptr));
             } catch (const MemoryMeter::Exceeded&) {
-                found = any_in_chunks(call_in_chunks(scene, query, nullptr));
+                found = cpu::any(call_in_chunks(scene, query, nullptr));
             }
         });
         return found;
+    }
+
+    void stream(const Scene& scene, const Query& query, const Streaming& how, BlockSink sink,
+                Statistics& statistics) override {
+        statistics_ = {};
+        workers_.run([&] {
+            const Call call =
+                meter_.limit > 0 ? call_in_chunks(scene, query, nullptr) : make_call(scene, query, nullptr);
+            (how.ordered ? stream_in_order : stream_as_found)(call, how.block_pairs, sink);
+        });
+        statistics = statistics_;
     }
 
     bool heeds_bodies() const override { return true; }
@@ -86,7 +100,9 @@ class CpuBackend final : public BackendBase {
         release();
         statistics_ = {};
         meter_.peak = meter_.used.load();
-        return make_call(scene, query, part);
+        Call call = make_call(scene, query, part);
+        call.frugal = true;
+        return call;
     }
     void find_in_chunks(const Scene& scene, const Query& query, const Part* part, Collisions& result) {
         crumple::release(result);

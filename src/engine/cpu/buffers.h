@@ -29,7 +29,7 @@ struct WorkerBuffers {
 
 struct Buffers {
     Buffers(MemoryMeter* m, int workers)
-        : rule(m), points(m), balls(m), subdivision(m), included(m), copies(m), output(m) {
+        : rule(m), points(m), balls(m), subdivision(m), included(m), range_masks(m), copies(m), output(m) {
         for (int w = 0; w < workers; ++w) {
             worker.push_back(std::make_unique<WorkerBuffers>(m));
             found.push_back(&worker.back()->narrow.pairs);
@@ -42,7 +42,9 @@ struct Buffers {
     Points points;
     Array<Ball> balls;
     Subdivision subdivision;
-    Array<std::uint8_t> included;  ///< by triangle: 0 for one that is left out; empty: none is
+    Array<std::uint8_t> included;      ///< by triangle: 0 for one that is left out; empty: none is
+    Array<std::uint64_t> range_masks;  ///< by triangle: see exclude_others()
+    bool repeats_corner = false;       ///< whether some triangle names a vertex twice
     Copies copies;
     OutputScratch output;
     WarmCentres warm;

@@ -4,7 +4,7 @@
 
 namespace crumple::cpu {
 
-void Copies::find(const Scene& scene, const GroupRule& rule, const std::uint8_t* included) {
+void Copies::find(const Scene& scene, const GroupRule& rule, const Levels& levels, const std::uint8_t* included) {
     next_.clear();
     const auto n = static_cast<std::int32_t>(scene.triangle_count());
     const auto repeats_corner = [&](std::int32_t t) {
@@ -14,7 +14,8 @@ void Copies::find(const Scene& scene, const GroupRule& rule, const std::uint8_t*
     const auto group = [&](std::int32_t t) { return rule.trivial() ? 0 : scene.group(t); };
     const auto alike = [&](std::int32_t t, std::int32_t u) {
         const std::int32_t *c = scene.corners + 3 * std::int64_t{t}, *d = scene.corners + 3 * std::int64_t{u};
-        return std::equal(c, c + 3, d) && group(t) == group(u) && scene.second(t) == scene.second(u);
+        return std::equal(c, c + 3, d) && group(t) == group(u) && scene.second(t) == scene.second(u) &&
+               std::all_of(levels.begin(), levels.end(), [&](const Level& l) { return l.masks[t] == l.masks[u]; });
     };
     const auto hash = [&](std::int32_t t) {
         const std::int32_t* c = scene.corners + 3 * std::int64_t{t};

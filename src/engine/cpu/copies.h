@@ -18,6 +18,7 @@
 #include "crumple/array.h"
 #include "crumple/collisions.h"
 #include "geometry/position_hash.h"
+#include "model/levels.h"
 #include "model/rules.h"
 #include "model/scene.h"
 
@@ -27,9 +28,10 @@ class Copies {
    public:
     explicit Copies(MemoryMeter* meter) : next_(meter), table_(meter) {}
 
-    /// Finds the classes among the triangles t with included[t], or among all if that is null. Two passes over the
-    /// corners, so call it only if some triangle names a vertex twice; clear() if not.
-    void find(const Scene& scene, const GroupRule& rule, const std::uint8_t* included);
+    /// Finds the classes among the triangles t with included[t], or among all if that is null; members of a class also
+    /// have the same masks of the levels above the scene. Two passes over the corners, so call it only if some triangle
+    /// names a vertex twice; clear() if not.
+    void find(const Scene& scene, const GroupRule& rule, const Levels& levels, const std::uint8_t* included);
 
     void clear() { next_.clear(); }
     bool empty() const { return next_.empty(); }

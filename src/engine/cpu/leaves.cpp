@@ -33,7 +33,7 @@ NarrowContext narrow_context(const Call& call) {
     // The SIMD filters form 4 vertex in 32 bits.
     const bool huge = call.scene.vertex_count() >= std::int64_t{1} << 29;
     return {call.scene, call.query,        call.buffers.rule, call.kernels, huge ? scalar_intersect : call.intersect,
-            rows,       call.cancellation, call.found,        call.sink,    call.budget};
+            rows,       call.cancellation, call.sink,         call.enough};
 }
 
 void make_room_for_workers(const Call& call) {

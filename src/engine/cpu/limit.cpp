@@ -14,12 +14,15 @@ constexpr std::int64_t many_pairs = 8;
 /// Calls visit(pair) for each pair of the call, in any order.
 template <class Visit>
 void for_each_pair(Call call, Visit visit) {
-    const std::function<void(const Array<Pair>&)> sink = [&](const Array<Pair>& found) {
+    const auto take = [&](Array<Pair>& found, std::size_t) {
         for (const Pair& pair : found) visit(pair);
+        found.clear();
     };
+    const PairSink sink = take;
     call.frugal = true;
     call.sink = &sink;
-    find_pairs(call);
+    measure(call);
+    search(call);
 }
 
 }  // namespace
@@ -58,13 +61,6 @@ std::int64_t count_in_chunks(Call call) {
     std::int64_t pairs = 0;
     for_each_pair(call, [&](Pair pair) { pairs += call.buffers.copies.count(pair); });
     return pairs;
-}
-
-bool any_in_chunks(Call call) {
-    std::atomic<bool> found{false};
-    call.found = &found;
-    for_each_pair(call, [](Pair) {});
-    return found;
 }
 
 }  // namespace crumple::cpu

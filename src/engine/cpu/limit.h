@@ -14,9 +14,6 @@ void find_in_chunks(Call call, Collisions& result);
 /// The number of pairs, without storing any.
 std::int64_t count_in_chunks(Call call);
 
-/// Whether there is any.
-bool any_in_chunks(Call call);
-
 /// Told of the pairs of a call while it finds them; under no limit nobody need be told.
 PairBudget budget_of(const Call& call);
 

@@ -16,24 +16,29 @@ void begin(const Call& call) {
     statistics.simd = call.kernels.name;
     statistics.threads = call.workers.workers();
     statistics.leaves = statistics.members = 0;
+    call.buffers.rule.prepare(call.query, call.scene.bodies);
+}
+
+void forget_pairs(const Call& call) {
     for (auto& worker : call.buffers.worker) {
         worker->narrow.pairs.clear();
         worker->narrow.statistics = {};
     }
-    if (call.frugal) call.buffers.warm = {};  // each pass makes the same leaves
-    call.buffers.rule.prepare(call.query, call.scene.bodies);
 }
 
-// Which triangles are looked at.
-void choose_triangles(const Call& call, bool repeats_corner) {
+// Which triangles are looked at, and the levels above them that say whose pairs are wanted.
+Levels choose_triangles(const Call& call) {
     Buffers& b = call.buffers;
+    Levels levels = call.levels;
     b.included.clear();
     if (call.scene.between) exclude_far(call.scene, call.workers, b.balls, b.included);
+    if (call.range) levels.add(exclude_others(*call.range, call.workers, b.balls, b.included, b.range_masks));
     b.copies.clear();
-    if (repeats_corner) {
-        b.copies.find(call.scene, b.rule, b.included_or_null());
+    if (b.repeats_corner) {
+        b.copies.find(call.scene, b.rule, levels, b.included_or_null());
         b.copies.leave_out(b.included);
     }
+    return levels;
 }
 
 // How many leaves are done one after another, each on all workers: where a task cannot start a loop, those that are far
@@ -67,7 +72,15 @@ void for_each_leaf(const Call& call, Work work) {
 
 }  // namespace
 
-void find_pairs(const Call& call) {
+void measure(const Call& call) {
+    Buffers& b = call.buffers;
+    Stopwatch watch;
+    begin(call);
+    b.repeats_corner = compute_bounds(call.scene, call.kernels, call.workers, b.points, b.balls);
+    call.statistics[Stage::bounds] += watch.lap();
+}
+
+void search(const Call& call) {
     const Scene& scene = call.scene;
     const StageKernels& kernels = call.kernels;
     Workers& workers = call.workers;
@@ -75,9 +88,9 @@ void find_pairs(const Call& call) {
     Buffers& b = call.buffers;
     const std::int64_t n = scene.triangle_count();
     Stopwatch watch;
-    begin(call);
-    const bool repeats_corner = compute_bounds(scene, kernels, workers, b.points, b.balls);
-    choose_triangles(call, repeats_corner);
+    forget_pairs(call);
+    if (call.frugal) b.warm = {};  // each pass makes the same leaves
+    const Levels levels = choose_triangles(call);
     statistics[Stage::bounds] += watch.lap();
     place_clusters(b.balls, n, b.included_or_null(), call.options, kernels, workers, b.warm, b.subdivision);
     statistics.clusters = b.subdivision.clusters;
@@ -90,7 +103,7 @@ void find_pairs(const Call& call) {
         if (!call.frugal) make_room_for_workers(call);
         for_each_leaf(call, [&](const Leaf& leaf, WorkerBuffers& worker, bool in_tiles) {
             if (leaf.size < 2 || context.stop()) return;
-            Ownership ownership(scene, call.levels, b.subdivision, leaf);
+            Ownership ownership(scene, levels, b.subdivision, leaf);
             if (!align_leaf(call, context.points, leaf, ownership, worker)) return;
             sort_leaf(call, worker);
             sweep_leaf(call, context, ownership, in_tiles, worker);  // and narrow
@@ -100,8 +113,7 @@ void find_pairs(const Call& call) {
     for (const auto& worker : b.worker) add(worker->narrow.statistics, statistics);
 }
 
-void find(const Call& call, Collisions& result) {
-    find_pairs(call);
+void write_result(const Call& call, Collisions& result) {
     Buffers& b = call.buffers;
     Stopwatch watch;
     if (!b.copies.empty())
@@ -120,11 +132,30 @@ void write_contacts(const Call& call, Collisions& result) {
     result.contacts.points.clear();
     if (!call.query.contacts) return;
     constexpr std::size_t batch = 256;
-    call.statistics.rational_contacts = contacts_of_pairs(call.scene, result, [&](std::size_t n, auto task) {
+    call.statistics.rational_contacts += contacts_of_pairs(call.scene, result, [&](std::size_t n, auto task) {
         call.workers.parallel_for((n + batch - 1) / batch, [&](std::size_t b, std::size_t) {
             for (std::size_t i = b * batch; i < std::min(n, (b + 1) * batch); ++i) task(i);
         });
     });
+}
+
+void find(const Call& call, Collisions& result) {
+    measure(call);
+    search(call);
+    write_result(call, result);
+}
+
+bool any(Call call) {
+    std::atomic<bool> found{false};
+    const auto notice = [&](const Array<Pair>& pairs, std::size_t before) {
+        if (pairs.size() > before) found.store(true, std::memory_order_relaxed);
+    };
+    const PairSink sink = notice;
+    call.sink = &sink;
+    call.enough = &found;
+    measure(call);
+    search(call);
+    return found;
 }
 
 }  // namespace crumple::cpu

@@ -57,17 +57,28 @@ class Reference final : public BackendBase {
 
         Stopwatch output;
         index_pairs(scene, result);
-        result.contacts.kinds.clear();
-        result.contacts.offsets.clear();
-        result.contacts.points.clear();
-        if (query.contacts)
-            statistics.rational_contacts = contacts_of_pairs(scene, result, [&](std::size_t n, auto task) {
-                for (std::size_t i = 0; i < n; ++i) {
-                    cancellation_.check();
-                    task(i);
-                }
-            });
+        add_contacts(scene, query, result, statistics);
         statistics[Stage::output] = output.lap();
+    }
+
+    void stream(const Scene& scene, const Query& query, const Streaming& how, BlockSink sink,
+                Statistics& statistics) override {
+        statistics = {};
+        statistics.backend = "reference";
+        statistics.simd = "scalar";
+        prepare(scene, query, statistics);
+        Collisions block = metered(&meter_);
+        const auto hand_over = [&] {
+            add_contacts(scene, query, block, statistics);
+            sink(block);
+            block.pairs.clear();
+        };
+        for_each_collision(scene, query, nullptr, statistics.box_overlaps, [&](Pair pair, const RationalIntersection&) {
+            block.pairs.push_back(pair);
+            if (static_cast<std::int64_t>(block.pairs.size()) == how.block_pairs) hand_over();
+            return true;
+        });
+        if (!block.pairs.empty()) hand_over();
     }
 
     std::int64_t bytes_needed(const Scene& scene, const Query& query, const Part* part) override {
@@ -126,6 +137,19 @@ class Reference final : public BackendBase {
                 if (!visit(pair, intersection)) return;
             }
         }
+    }
+
+    void add_contacts(const Scene& scene, const Query& query, Collisions& result, Statistics& statistics) {
+        result.contacts.kinds.clear();
+        result.contacts.offsets.clear();
+        result.contacts.points.clear();
+        if (!query.contacts) return;
+        statistics.rational_contacts += contacts_of_pairs(scene, result, [&](std::size_t n, auto task) {
+            for (std::size_t i = 0; i < n; ++i) {
+                cancellation_.check();
+                task(i);
+            }
+        });
     }
 
     std::int64_t count(const Scene& scene, const Query& query, const Part* part, PairBudget* budget) {

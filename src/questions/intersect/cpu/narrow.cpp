@@ -25,8 +25,8 @@ void decide(const NarrowContext& context, const SortedLeaf& leaf, const Ownershi
         };
         hits.resize(static_cast<std::size_t>(std::remove_if(hits.begin(), hits.end(), foreign) - hits.begin()));
     }
-    const std::size_t before = scratch.pairs.size(), most = before + hits.size() + undecided.size() + padding;
-    if (most > scratch.pairs.capacity()) scratch.pairs.reserve(context.sink ? most : most + most / 2);
+    const std::size_t before = scratch.pairs.size();
+    scratch.pairs.make_room_for(hits.size() + undecided.size() + padding);
     Pair* next = scratch.pairs.data() + before;
     context.kernels.name_pairs(hits.data(), hits.size(), leaf.link.data() + candidates.rows,
                                leaf.link.data() + candidates.columns, next);
@@ -41,8 +41,7 @@ void decide(const NarrowContext& context, const SortedLeaf& leaf, const Ownershi
             *next++ = {std::min(a, b), std::max(a, b)};
     }
     scratch.pairs.resize(static_cast<std::size_t>(next - scratch.pairs.data()));
-    if (context.budget) context.budget->add(static_cast<std::int64_t>(scratch.pairs.size() - before));
-    if (context.found && scratch.pairs.size() > before) context.found->store(true, std::memory_order_relaxed);
+    if (context.sink) (*context.sink)(scratch.pairs, before);
     scratch.statistics.exact_tests += counts.exact;
     scratch.statistics.rational_tests += counts.rational;
 }
@@ -72,10 +71,6 @@ void sweep_and_narrow(const NarrowContext& context, const SortedLeaf& leaf, cons
         statistics.edge_tests += scratch.verdicts.edge_tests;
         statistics.double_tests += scratch.verdicts.double_tests;
         decide(context, leaf, ownership, scratch);
-        if (context.sink) {
-            (*context.sink)(scratch.pairs);
-            scratch.pairs.clear();
-        }
         statistics[Stage::narrow] += watch.lap();
     });
 }

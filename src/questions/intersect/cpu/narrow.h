@@ -4,18 +4,21 @@
 // is filtered, then decided, while it is still in the cache.
 
 #include <atomic>
-#include <functional>
 
 #include "base/cancellation.h"
 #include "crumple/collisions.h"
+#include "crumple/function_ref.h"
 #include "engine/cpu/ownership.h"
 #include "engine/cpu/sweep.h"
-#include "engine/pair_budget.h"
 #include "model/rules.h"
 #include "questions/intersect/cpu/records.h"
 #include "questions/intersect/decide.h"
 
 namespace crumple::cpu {
+
+/// Told of the pairs of each chunk that has been narrowed, by the worker that did it: those of its list from `before`
+/// on are new. It may take them out of the list; what it leaves there gathers.
+using PairSink = FunctionRef<void(Array<Pair>& pairs, std::size_t before)>;
 
 /// What narrow needs to know about the call.
 struct NarrowContext {
@@ -26,15 +29,13 @@ struct NarrowContext {
     const IntersectKernels& kernels;
     PointRows points;
     Cancellation& cancellation;
-    std::atomic<bool>* found = nullptr;  ///< not null: set, and everybody stops, as soon as a worker has found a pair
-    /// Takes the pairs of each chunk instead of letting them gather in NarrowScratch::pairs; null: they gather.
-    const std::function<void(const Array<Pair>&)>* sink = nullptr;
-    PairBudget* budget = nullptr;  ///< told of the pairs; null: there is no limit
+    const PairSink* sink = nullptr;       ///< null: pairs gather in NarrowScratch::pairs, and nobody is told
+    std::atomic<bool>* enough = nullptr;  ///< not null: everybody stops once it is set
 
     /// Asked before each chunk. Throws if the call was cancelled.
     bool stop() const {
         cancellation.check();
-        return found && found->load(std::memory_order_relaxed);
+        return enough && enough->load(std::memory_order_relaxed);
     }
 };
 

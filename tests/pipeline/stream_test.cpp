@@ -1,0 +1,248 @@
+// Answers in blocks: together they are the answer of find(), byte for byte, whatever the blocks' size.
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstring>
+#include <numeric>
+#include <stdexcept>
+
+#include "error_of.h"
+#include "soups.h"
+
+namespace crumple {
+namespace {
+
+using test::difference;
+using test::error_of;
+using test::pairs_of;
+using test::Soup;
+
+/// All blocks one behind the other.
+struct Whole {
+    std::vector<Pair> pairs;
+    std::vector<ContactKind> kinds;
+    std::vector<std::int64_t> counts;
+    std::vector<std::array<double, 3>> points;
+    std::int64_t blocks = 0, largest = 0;
+
+    void add(const Collisions& block) {
+        ++blocks;
+        largest = std::max(largest, static_cast<std::int64_t>(block.pairs.size()));
+        EXPECT_FALSE(block.pairs.empty());
+        EXPECT_TRUE(block.offsets.empty());
+        EXPECT_TRUE(block.hit.empty());
+        append(block);
+    }
+    void append(const Collisions& block) {
+        pairs.insert(pairs.end(), block.pairs.begin(), block.pairs.end());
+        const Contacts& c = block.contacts;
+        kinds.insert(kinds.end(), c.kinds.begin(), c.kinds.end());
+        for (std::size_t i = 0; i < c.kinds.size(); ++i) counts.push_back(c.offsets[i + 1] - c.offsets[i]);
+        points.insert(points.end(), c.points.begin(), c.points.end());
+    }
+    /// In the order of pairs.
+    void sort() {
+        std::vector<std::size_t> order(pairs.size());
+        std::iota(order.begin(), order.end(), std::size_t{0});
+        std::sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) { return pairs[i] < pairs[j]; });
+        std::vector<std::int64_t> first(counts.size() + 1, 0);
+        std::partial_sum(counts.begin(), counts.end(), first.begin() + 1);
+        Whole sorted;
+        for (const std::size_t i : order) {
+            sorted.pairs.push_back(pairs[i]);
+            if (kinds.empty()) continue;
+            sorted.kinds.push_back(kinds[i]);
+            sorted.counts.push_back(counts[i]);
+            sorted.points.insert(sorted.points.end(), points.begin() + first[i], points.begin() + first[i + 1]);
+        }
+        sorted.blocks = blocks;
+        sorted.largest = largest;
+        *this = std::move(sorted);
+    }
+};
+
+struct Meshes {
+    MeshView a;
+    const MeshView* b = nullptr;
+
+    const Collisions& find(Detector& by, const Query& query) const {
+        return b ? by.find_between(a, *b, query) : by.find_self(a, query);
+    }
+    Statistics stream(Detector& by, Detector::TakeBlock take, const Query& query, const Streaming& how) const {
+        return b ? by.stream_between(a, *b, take, query, how) : by.stream_self(a, take, query, how);
+    }
+};
+
+void compare(const Meshes& meshes, const Query& query, const Options& options, std::initializer_list<int> sizes,
+             std::int64_t least_pairs) {
+    Detector plain;
+    Whole expected;
+    expected.append(meshes.find(plain, query));
+    const auto count = static_cast<std::int64_t>(expected.pairs.size());
+    ASSERT_GE(count, least_pairs);
+    for (const bool ordered : {true, false}) {
+        Detector detector(options);
+        for (const int size : sizes) {
+            SCOPED_TRACE(testing::Message() << "blocks of " << size << (ordered ? "" : ", in any order"));
+            Whole found;
+            const auto take = [&](const Collisions& block) { found.add(block); };
+            const Statistics statistics = meshes.stream(detector, take, query, {size, ordered});
+            EXPECT_EQ(statistics.pairs, count);
+            EXPECT_LE(found.largest, size);
+            EXPECT_GE(found.blocks, (count + size - 1) / size);
+            if (!ordered) {
+                EXPECT_EQ(found.blocks, (count + size - 1) / size);
+                found.sort();
+            }
+            ASSERT_EQ(difference(expected.pairs, found.pairs), "");
+            ASSERT_EQ(found.pairs, expected.pairs) << "order";
+            EXPECT_EQ(found.kinds, expected.kinds);
+            EXPECT_EQ(found.counts, expected.counts);
+            ASSERT_EQ(found.points.size(), expected.points.size());
+            if (!found.points.empty()) {
+                EXPECT_EQ(std::memcmp(found.points.data(), expected.points.data(),
+                                      found.points.size() * sizeof found.points[0]),
+                          0);
+            }
+        }
+    }
+}
+
+std::vector<Options> ways() {
+    std::vector<Options> result(4);
+    result[0].threads = 1;
+    result[1].threads = 3;
+    result[1].clusters = 20;
+    result[1].leaf_size = 50;
+    result[2].threads = 2;
+    result[2].memory_limit = 1 << 22;
+    result[3].backend = Backend::reference;
+    return result;
+}
+
+TEST(Stream, of_one_soup_is_the_whole_answer) {
+    const auto soup = test::random_soup(400, 0.6);
+    for (const Options& options : ways())
+        compare({soup.view()}, {.contacts = true}, options, {1, 7, 300, 1 << 18}, 500);
+}
+
+TEST(Stream, of_two_soups_is_the_whole_answer) {
+    const auto a = test::random_soup<float>(300, 0.6);
+    const auto b = test::random_soup<double>(200, 0.7, 2);
+    const MeshView second = b.view();
+    for (const Options& options : ways()) compare({a.view(), &second}, {.contacts = true}, options, {1, 50, 4000}, 400);
+}
+
+TEST(Stream, of_a_sheet_is_the_whole_answer) {
+    auto sheet = test::wavy_sheet(60);
+    for (std::size_t t = 0; t < sheet.triangles.size(); ++t) sheet.groups.push_back(static_cast<std::int32_t>(t % 5));
+    const std::vector<GroupPair> excluded{{0, 1}, {3, 3}};
+    Query query;
+    query.excluded_groups = excluded;
+    for (std::size_t way = 0; way < 3; ++way) {
+        compare({sheet.view()}, {}, ways()[way], {40, 1000, 100000}, 1000);
+        compare({sheet.view()}, query, ways()[way], {40, 1000}, 500);
+    }
+}
+
+// More pairs of one triangle than a block holds.
+TEST(Stream, cuts_the_pairs_of_one_triangle) {
+    Soup<float> soup = test::random_soup(2000, 0.02);
+    const auto n = static_cast<std::int32_t>(soup.vertices.size());
+    for (std::size_t v = 0; v < soup.vertices.size(); ++v) soup.vertices[v][2] = static_cast<float>(v % 3) - 1.0f;
+    soup.vertices.insert(soup.vertices.end(), {{-9, -9, 0}, {9, -9, 0}, {0, 9, 0}});
+    soup.triangles.insert(soup.triangles.begin() + 5, {n, n + 1, n + 2});
+    for (const Options& options : ways()) {
+        if (options.backend == Backend::reference) continue;
+        compare({soup.view()}, {}, options, {100, 1500}, 2000);
+    }
+}
+
+// Copies of degenerate triangles are searched once, and their pairs repeated: those before, within and behind a range.
+TEST(Stream, repeats_the_pairs_of_copies) {
+    Soup<float> soup = test::random_soup(60, 0.8);
+    for (const int where : {0, 20, 40}) {
+        std::vector<std::array<std::int32_t, 3>> copies;
+        for (std::int32_t i = 0; i < 40; ++i) copies.push_back({3 * (i % 4), 3 * (i % 4), 3 * (i % 4) + 61});
+        soup.triangles.insert(soup.triangles.begin() + where, copies.begin(), copies.end());
+    }
+    const auto other = test::random_soup(40, 0.9, 7);
+    const MeshView second = other.view();
+    for (const Options& options : ways()) {
+        compare({soup.view()}, {.contacts = true}, options, {1, 10, 500}, 350);
+        compare({soup.view(), &second}, {}, options, {3, 200}, 100);
+    }
+}
+
+TEST(Stream, of_nothing_has_no_blocks) {
+    Detector detector;
+    const auto never = [](const Collisions&) { FAIL(); };
+    EXPECT_EQ(detector.stream_self(MeshView(), never).pairs, 0);
+    const auto apart = test::random_soup(1, 0.1);
+    EXPECT_EQ(detector.stream_self(apart.view(), never).triangles, 1);
+    EXPECT_EQ(detector.stream_between(apart.view(), MeshView(), never).pairs, 0);
+}
+
+TEST(Stream, ends_by_what_a_block_throws_and_by_a_stop) {
+    const auto soup = test::random_soup(2000, 0.5);
+    for (const bool ordered : {true, false}) {
+        Detector detector({.threads = 2});
+        std::atomic<int> blocks{0};
+        const auto refuse = [&](const Collisions&) {
+            if (++blocks == 3) throw std::runtime_error("full");
+        };
+        EXPECT_THROW(detector.stream_self(soup.view(), refuse, {}, {50, ordered}), std::runtime_error);
+        EXPECT_EQ(blocks, 3);
+        std::stop_source stop;
+        const auto ask = [&](const Collisions&) { stop.request_stop(); };
+        const Error error = error_of([&] {
+            detector.stream_self(soup.view(), ask, {}, {50, ordered}, stop.get_token());
+        });
+        EXPECT_EQ(error.code, ErrorCode::cancelled);
+        // The detector is usable still.
+        Whole found;
+        detector.stream_self(soup.view(), [&](const Collisions& block) { found.add(block); }, {}, {1000, ordered});
+        found.sort();
+        EXPECT_EQ(difference(pairs_of(Detector().find_self(soup.view())), found.pairs), "");
+    }
+}
+
+TEST(Stream, fits_a_limit_that_the_answer_does_not_fit_or_names_one) {
+    const auto soup = test::random_soup(4000, 0.9);
+    const auto count = static_cast<std::int64_t>(Detector().find_self(soup.view()).pairs.size());
+    constexpr std::int64_t limit = 2'500'000;
+    ASSERT_GT(count * 8, limit);
+    for (const bool ordered : {true, false}) {
+        Detector detector({.memory_limit = limit, .count_bytes_needed = true});
+        EXPECT_EQ(error_of([&] { detector.find_self(soup.view()); }).code, ErrorCode::memory_limit);
+        std::int64_t pairs = 0;
+        const auto take = [&](const Collisions& block) { pairs += static_cast<std::int64_t>(block.pairs.size()); };
+        const Statistics statistics = detector.stream_self(soup.view(), take, {}, {20'000, ordered});
+        EXPECT_EQ(pairs, count);
+        EXPECT_LE(statistics.peak_memory_bytes, limit);
+
+        pairs = 0;
+        const Error error = error_of([&] { detector.stream_self(soup.view(), take, {}, {1'000'000, ordered}); });
+        EXPECT_EQ(error.code, ErrorCode::memory_limit);
+        EXPECT_GT(error.bytes_needed, limit);
+        Detector enough({.memory_limit = error.bytes_needed});
+        pairs = 0;
+        enough.stream_self(soup.view(), take, {}, {1'000'000, ordered});
+        EXPECT_EQ(pairs, count);
+    }
+}
+
+TEST(Stream, refuses_what_is_no_size_of_a_block) {
+    const auto soup = test::random_soup(10, 0.2);
+    for (const std::int64_t size : {std::int64_t{0}, std::int64_t{-5}, (std::int64_t{1} << 40) + 1}) {
+        const Error error = error_of([&] {
+            Detector().stream_self(soup.view(), [](const Collisions&) {}, {}, {size, true});
+        });
+        EXPECT_EQ(error.code, ErrorCode::invalid_argument);
+        EXPECT_EQ(error.element, Element::option);
+    }
+}
+
+}  // namespace
+}  // namespace crumple
