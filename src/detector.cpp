@@ -4,7 +4,6 @@
 #include "crumple/detector.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <stop_token>
 #include <string>
@@ -13,46 +12,18 @@
 #include "base/cancellation.h"
 #include "base/float_environment.h"
 #include "base/stopwatch.h"
+#include "checks.h"
 #include "crumple/error.h"
 #include "engine/backend.h"
 #include "engine/output.h"
 #include "engine/reference/worlds.h"
 #include "engine/world_output.h"
 #include "engine/worlds.h"
-#include "model/fuzzy_c_means.h"
 #include "model/part.h"
 #include "model/part_centres.h"
 
 namespace crumple {
 namespace {
-
-void check(bool holds, const char* message) {
-    if (!holds) throw Error(ErrorCode::invalid_argument, message, Element::option);
-}
-
-void check_options(const Options& o) {
-    check(o.threads >= 0, "threads must be 0 (as many as the machine has) or more");
-    check(o.threads <= 1024, "threads must be at most 1024");
-    check(!o.executor || (o.executor->concurrency() >= 1 && o.executor->concurrency() <= 1024),
-          "an executor must have 1 to 1024 workers");
-    check(o.device >= 0, "device must be 0 or more");
-    check(o.memory_limit >= 0, "memory_limit must be 0 (none) or a number of bytes");
-    check(o.clusters >= 0 && o.clusters <= max_clusters, "clusters must be 0 (chosen) to 64");
-    check(o.leaf_size >= 1, "leaf_size must be at least 1");
-    check(o.fuzziness > 1 && std::isfinite(o.fuzziness), "fuzziness must be finite and above 1");
-    check(o.max_iterations >= 0 && o.first_iterations >= 0, "iteration caps must be 0 or more");
-    check(o.stop >= 0 && o.first_stop >= 0, "stop criteria must be 0 or more");
-}
-
-void check_query(const MeshView& a, const MeshView* b, const Query& q) {
-    check(q.wanted == Wanted::both || q.wanted == Wanted::between || q.wanted == Wanted::within,
-          "wanted must be both, between or within");
-    // An empty mesh may have groups without anybody seeing it, and where one mesh has them, the other is in group 0.
-    const auto lacks_groups = [](const MeshView& mesh) { return mesh.triangles.rows > 0 && mesh.groups.empty(); };
-    if (q.wanted != Wanted::between || !lacks_groups(a) || (b && !lacks_groups(*b))) return;
-    check(false, b ? "wanted between needs groups, and neither mesh has any: nothing lies between different groups"
-                   : "wanted between needs groups, and the mesh has none: nothing lies between different groups");
-}
 
 WorldCollisions metered_world(MemoryMeter* m) {
     WorldCollisions result;
@@ -201,45 +172,70 @@ struct Detector::Implementation {
         return result;
     }
 
-    const WorldCollisions& find(const World& world, const Intersect& question, std::stop_token stop) {
+    const WorldCollisions& find(const World& world, const Intersect& question, std::stop_token stop,
+                                const WorldBlocks* blocks = nullptr) {
         Stopwatch watch;
         const FloatEnvironment environment;
         cancellation.begin(std::move(stop));
         meter.peak = meter.used.load();
+        bool handed_over = false;
+        const auto noting = [&](const WorldCollisions& block) {
+            handed_over = true;
+            blocks->take(block);
+        };
         const auto attempt = [&] {
-            if (working == Backend::reference)
-                find_by_brute_force(world, question, meter, cancellation, world_result);
-            else
-                worlds.find(*backend, world, question, world_result);
+            if (!blocks) return search(world, question, nullptr);
+            const WorldBlocks noted{blocks->how, noting};
+            search(world, question, &noted);
         };
         try {
             try {
                 attempt();
             } catch (const MemoryMeter::Exceeded&) {
-                forget();  // perhaps it was what earlier calls have left
+                if (handed_over) throw;  // who has taken blocks cannot begin again
+                forget();                // perhaps it was what earlier calls have left
                 attempt();
             }
         } catch (const MemoryMeter::Exceeded& exceeded) {
             const std::int64_t least = std::max(exceeded.bytes, options.memory_limit + 1);
             forget();
-            throw_limit_error(least, [&] { return bytes_needed(world, question); });
+            throw_limit_error(least, [&] { return bytes_needed(world, question, blocks); });
         } catch (...) {
             forget();
             throw;
         }
         Statistics& statistics = world_result.statistics;
+        statistics.pairs = world_result.count;
         statistics.peak_memory_bytes = meter.peak;
         statistics.milliseconds = watch.lap();
         return world_result;
     }
 
+    void search(const World& world, const Intersect& question, const WorldBlocks* blocks) {
+        if (working == Backend::reference)
+            find_by_brute_force(world, question, meter, cancellation, world_result, blocks);
+        else
+            worlds.find(*backend, world, question, world_result, blocks);
+    }
+
+    Statistics stream(const World& world, TakeWorldBlock take, const Intersect& question, const Streaming& how,
+                      std::stop_token stop) {
+        check_blocks(how);
+        check(question.wants == Wants::pairs || question.wants == Wants::contacts, "blocks have pairs, or contacts");
+        if (meter.limit > 0) forget();
+        const WorldBlocks blocks{how, take};
+        return find(world, question, std::move(stop), &blocks).statistics;
+    }
+
     // The limit that suffices: found by answering without one.
-    std::int64_t bytes_needed(const World& world, const Intersect& question) {
+    std::int64_t bytes_needed(const World& world, const Intersect& question, const WorldBlocks* blocks) {
         std::int64_t needed = 0;
         {
             const Lifted lifted(meter);
             meter.peak = meter.used.load();
-            worlds.find(*backend, world, question, world_result);
+            const auto ignore = [](const WorldCollisions&) {};
+            const WorldBlocks ignored{blocks ? blocks->how : Streaming(), ignore};
+            search(world, question, blocks ? &ignored : nullptr);
             needed = meter.peak;
         }
         forget();
@@ -273,7 +269,7 @@ struct Detector::Implementation {
     Statistics stream(const MeshView& a, const MeshView* b, TakeBlock take, const Query& query, const Streaming& how,
                       std::stop_token stop) {
         Stopwatch watch;
-        check(how.block_pairs >= 1 && how.block_pairs <= std::int64_t{1} << 40, "block_pairs must be 1 to 2^40");
+        check_blocks(how);
         if (meter.limit > 0) forget();  // a call that has handed over blocks cannot begin again
         meter.peak = meter.used.load();
         Statistics statistics;
@@ -389,6 +385,10 @@ const Collisions& Detector::find(const Part& part, const Query& query, std::stop
 }
 const WorldCollisions& Detector::find(const World& world, const Intersect& question, std::stop_token stop) {
     return implementation_->find(world, question, std::move(stop));
+}
+Statistics Detector::stream(const World& world, TakeWorldBlock take, const Intersect& question, const Streaming& how,
+                            std::stop_token stop) {
+    return implementation_->stream(world, take, question, how, std::move(stop));
 }
 bool Detector::has_collision(const MeshView& mesh, const Query& query, std::stop_token stop) {
     return implementation_->any(mesh, nullptr, query, std::move(stop));

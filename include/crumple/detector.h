@@ -66,6 +66,12 @@ class Detector {
     /// the first hit. Errors name body or shape. The cuda backend searches copies on its device and keeps nothing.
     const WorldCollisions& find(const World& world, const Intersect& question = {}, std::stop_token stop = {});
 
+    /// The same in blocks, as stream_self: of pairs, their bodies, and contacts. `count` and `world_counts` of a block
+    /// say how many there were so far. Wants must be pairs or contacts; no index is made.
+    using TakeWorldBlock = FunctionRef<void(const WorldCollisions& block)>;
+    Statistics stream(const World& world, TakeWorldBlock take, const Intersect& question = {},
+                      const Streaming& how = {}, std::stop_token stop = {});
+
     /// Cuts a scene into `count` (1 to 262,144) parts. Depends only on the arguments, so that several machines that are
     /// given the same meshes make the same parts. Meshes of a device are copied to the host first. O(triangles times 64
     /// a level) and the copies; on all threads of the cpu backend. The memory limit counts neither parts nor what it

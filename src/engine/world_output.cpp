@@ -39,6 +39,18 @@ void release(WorldCollisions& result) {
     result.statistics = {};
 }
 
+void WorldBlocks::pass_on(WorldCollisions& result, bool last) const {
+    const auto pairs = static_cast<std::int64_t>(result.pairs.size());
+    if (pairs == 0 || (!last && pairs < how.block_pairs)) return;
+    take(result);
+    result.bodies.clear();
+    result.pairs.clear();
+    Contacts& contacts = result.contacts;
+    contacts.kinds.clear();
+    contacts.points.clear();
+    contacts.offsets.resize(std::min<std::size_t>(contacts.offsets.size(), 1));
+}
+
 void hit(std::int32_t pass, const WorldOutline& outline, WorldCollisions& result) {
     result.any = true;
     if (pass < outline.worlds() && !result.world_hit.empty()) result.world_hit[pass] = 1;
@@ -67,7 +79,6 @@ void add_contact(ContactKind kind, std::span<const std::array<double, 3>> points
 }
 
 void finish(const WorldOutline& outline, const Intersect& question, WorldCollisions& result) {
-    result.statistics.pairs = result.count;
     if (question.wants == Wants::body_pairs) {
         std::sort(result.bodies.begin(), result.bodies.end());
         result.bodies.resize(

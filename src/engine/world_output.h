@@ -6,10 +6,21 @@
 #include <cstdint>
 #include <span>
 
+#include "crumple/function_ref.h"
+#include "crumple/options.h"
 #include "crumple/world.h"
 #include "model/world.h"
 
 namespace crumple {
+
+/// Where an answer goes that is handed over in blocks (Detector::stream).
+struct WorldBlocks {
+    Streaming how;
+    FunctionRef<void(const WorldCollisions& block)> take;
+
+    /// Hands the pairs that are there over, if they fill a block or are the last, and makes room for the next.
+    void pass_on(WorldCollisions& result, bool last = false) const;
+};
 
 /// Empty, with room for what each world gets.
 void clear(WorldCollisions& result, const WorldOutline& outline, const Intersect& question);

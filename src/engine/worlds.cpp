@@ -55,9 +55,11 @@ void WorldSearch::release() {
     found_ = metered(&meter_);
 }
 
-void WorldSearch::find(BackendBase& backend, const World& world, const Intersect& question, WorldCollisions& result) {
+void WorldSearch::find(BackendBase& backend, const World& world, const Intersect& question, WorldCollisions& result,
+                       const WorldBlocks* blocks) {
     ++calls_;
     question_ = question;
+    blocks_ = blocks;
     outline_.read(world, question);
     rules_.prepare(question.rules);
     clear(result, outline_, question);
@@ -70,7 +72,10 @@ void WorldSearch::find(BackendBase& backend, const World& world, const Intersect
         if (question.wants == Wants::any_by_world && known(pass, result)) continue;
         search_scene(backend, pass, result);
     }
-    finish(outline_, question, result);
+    if (blocks)
+        blocks->pass_on(result, true);
+    else
+        finish(outline_, question, result);
     of_call_.clear();
 }
 
@@ -313,23 +318,29 @@ void WorldSearch::search_scene(BackendBase& backend, std::int32_t pass, WorldCol
         return;
     }
     found_.statistics = {};
-    backend.find(scene, query, nullptr, found_);
+    if (blocks_) {
+        const auto take = [&](const Collisions& block) { append(block, pass, true, result); };
+        backend.stream(scene, query, blocks_->how, take, found_.statistics);
+    } else {
+        backend.find(scene, query, nullptr, found_);
+    }
     add(found_.statistics, result.statistics);
     result.statistics.threads = found_.statistics.threads;
     result.statistics.backend = found_.statistics.backend;
     result.statistics.simd = found_.statistics.simd;
-    append(pass, backend.heeds_bodies(), result);
+    if (!blocks_) append(found_, pass, backend.heeds_bodies(), result);
 }
 
-void WorldSearch::append(std::int32_t pass, bool only_wanted, WorldCollisions& result) {
-    for (std::size_t i = 0; i < found_.pairs.size(); ++i) {
-        const Pair& pair = found_.pairs[i];
+void WorldSearch::append(const Collisions& found, std::int32_t pass, bool only_wanted, WorldCollisions& result) {
+    for (std::size_t i = 0; i < found.pairs.size(); ++i) {
+        const Pair& pair = found.pairs[i];
         const std::int32_t a = scene_.body(pair.a), b = scene_.body(pair.b);
         if (!only_wanted && !rules_(scene_.group(pair.a), scene_.group(pair.b))) continue;
-        const Contacts& c = found_.contacts;
+        const Contacts& c = found.contacts;
         add_pair(outline_, question_, pass, {a, b}, {scene_.triangle(pair.a), scene_.triangle(pair.b)}, result);
         if (question_.wants == Wants::contacts)
             add_contact(c.kinds[i], {c.points.data() + c.offsets[i], c.points.data() + c.offsets[i + 1]}, result);
+        if (blocks_) blocks_->pass_on(result);
     }
 }
 

@@ -30,7 +30,9 @@ class WorldSearch {
    public:
     WorldSearch(MemoryMeter& meter, Cancellation& cancellation);
 
-    void find(BackendBase& backend, const World& world, const Intersect& question, WorldCollisions& result);
+    /// In blocks, if `blocks` is not null.
+    void find(BackendBase& backend, const World& world, const Intersect& question, WorldCollisions& result,
+              const WorldBlocks* blocks = nullptr);
 
     /// Forgets named shapes and gives all memory back.
     void release();
@@ -79,7 +81,7 @@ class WorldSearch {
     bool gather(BackendBase& backend, std::int32_t pass);
     void mark(std::int32_t a, std::int32_t b);
     void search_scene(BackendBase& backend, std::int32_t pass, WorldCollisions& result);
-    void append(std::int32_t pass, bool only_wanted, WorldCollisions& result);
+    void append(const Collisions& found, std::int32_t pass, bool only_wanted, WorldCollisions& result);
 
     MemoryMeter& meter_;
     Cancellation& cancellation_;
@@ -88,6 +90,7 @@ class WorldSearch {
 
     // Of the call that runs:
     Intersect question_;
+    const WorldBlocks* blocks_ = nullptr;
     WorldOutline outline_;
     BodyRules rules_;
     bool float32_ = true;

@@ -180,6 +180,61 @@ TEST(World, long_answers_of_many_worlds_are_the_same_under_a_limit) {
     EXPECT_TRUE(test::same_world_answer(found, free.find(world, question)));
 }
 
+TEST(World, comes_in_blocks) {
+    for (unsigned seed = 0; seed < 60; ++seed) {
+        const auto world =
+            test::random_world(seed, {.bodies = 8, .worlds = static_cast<int>(seed % 4), .triangles = 60});
+        Intersect question = test::random_question(seed, 8);
+        question.wants = seed % 3 == 0 ? Wants::pairs : Wants::contacts;
+        question.index = false;
+        Detector detector({.backend = seed % 5 == 0 ? Backend::reference : Backend::cpu, .threads = 2});
+        WorldCollisions expected = detector.find(world->view(), question);
+        for (const bool ordered : {true, false}) {
+            std::vector<BodyPair> bodies;
+            std::vector<Pair> pairs;
+            std::vector<ContactKind> kinds;
+            std::vector<std::array<double, 3>> points;
+            std::int64_t last = 0;
+            const auto take = [&](const WorldCollisions& block) {
+                EXPECT_LE(block.pairs.size(), 7U);
+                ASSERT_EQ(block.bodies.size(), block.pairs.size());
+                bodies.insert(bodies.end(), block.bodies.begin(), block.bodies.end());
+                pairs.insert(pairs.end(), block.pairs.begin(), block.pairs.end());
+                kinds.insert(kinds.end(), block.contacts.kinds.begin(), block.contacts.kinds.end());
+                points.insert(points.end(), block.contacts.points.begin(), block.contacts.points.end());
+                last = block.count;
+            };
+            const Statistics statistics = detector.stream(world->view(), take, question, {7, ordered});
+            ASSERT_EQ(statistics.pairs, expected.count) << seed;
+            ASSERT_EQ(last, expected.count) << seed;
+            ASSERT_EQ(points.size(), expected.contacts.points.size()) << seed;
+            std::set<test::Row> rows;
+            for (std::size_t i = 0; i < pairs.size(); ++i)
+                rows.emplace(bodies[i].first, pairs[i].a, bodies[i].second, pairs[i].b);
+            ASSERT_EQ(rows, test::rows_of(expected)) << seed;
+            if (!ordered) continue;
+            ASSERT_TRUE(std::ranges::equal(bodies, expected.bodies)) << seed;
+            ASSERT_TRUE(std::ranges::equal(pairs, expected.pairs)) << seed;
+            ASSERT_TRUE(std::ranges::equal(kinds, expected.contacts.kinds)) << seed;
+            ASSERT_TRUE(std::ranges::equal(points, expected.contacts.points)) << seed;
+        }
+    }
+}
+
+TEST(World, has_blocks_of_pairs_only) {
+    const auto soup = random_soup(10, 0.5);
+    const std::vector<Shape> shapes{Shape(soup.view())};
+    const std::vector<Body> bodies{{}};
+    const auto never = [](const WorldCollisions&) { FAIL(); };
+    for (const Wants wants : {Wants::any, Wants::any_by_world, Wants::body_pairs, Wants::count}) {
+        Detector detector;
+        EXPECT_EQ(error_of([&] {
+                      detector.stream({shapes, bodies, {}}, never, {.wants = wants});
+                  }).code,
+                  ErrorCode::invalid_argument);
+    }
+}
+
 TEST(World, ends_at_a_stop_that_was_requested_before) {
     const auto soup = random_soup(10, 0.5);
     const std::vector<Shape> shapes{Shape(soup.view())};

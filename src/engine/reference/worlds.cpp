@@ -75,10 +75,19 @@ class Everything {
     std::vector<PosedTriangle> elements_;
 };
 
+void add_contact(const Triangle& a, const Triangle& b, WorldCollisions& result) {
+    const Contact c = contact(a, b);
+    std::vector<std::array<double, 3>> points;
+    points.reserve(static_cast<std::size_t>(c.count));
+    for (std::size_t k = 0; k < static_cast<std::size_t>(c.count); ++k)
+        points.push_back({c.points[k].x, c.points[k].y, c.points[k].z});
+    add_contact(c.kind(), points, result);
+}
+
 }  // namespace
 
 void find_by_brute_force(const World& world, const Intersect& question, MemoryMeter& meter, Cancellation& cancellation,
-                         WorldCollisions& result) {
+                         WorldCollisions& result, const WorldBlocks* blocks) {
     WorldOutline outline(&meter);
     outline.read(world, question);
     BodyRules rules(&meter);
@@ -100,15 +109,14 @@ void find_by_brute_force(const World& world, const Intersect& question, MemoryMe
             if (!collide(intersection, question.neighbours, question.intersections)) continue;
             add_pair(outline, question, world_a == -1 ? outline.worlds() : world_a, {all[i].of.body, all[j].of.body},
                      {all[i].index, all[j].index}, result);
-            if (question.wants != Wants::contacts) continue;
-            const Contact c = contact(all[i].triangle, all[j].triangle);
-            std::vector<std::array<double, 3>> points;
-            for (std::size_t k = 0; k < static_cast<std::size_t>(c.count); ++k)
-                points.push_back({c.points[k].x, c.points[k].y, c.points[k].z});
-            add_contact(c.kind(), points, result);
+            if (question.wants == Wants::contacts) add_contact(all[i].triangle, all[j].triangle, result);
+            if (blocks) blocks->pass_on(result);
         }
     }
-    finish(outline, question, result);
+    if (blocks)
+        blocks->pass_on(result, true);
+    else
+        finish(outline, question, result);
 }
 
 }  // namespace crumple

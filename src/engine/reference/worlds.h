@@ -2,12 +2,14 @@
 
 #include "base/cancellation.h"
 #include "crumple/world.h"
+#include "engine/world_output.h"
 
 namespace crumple {
 
 /// A world by brute force: all triangles of all bodies posed, all wanted pairs whose boxes overlap decided in rational
-/// arithmetic. Shares with other engines how a world is read, the pose and the rules.
+/// arithmetic; in blocks, if `blocks` is not null. Shares with other engines how a world is read, the pose and the
+/// rules.
 void find_by_brute_force(const World& world, const Intersect& question, MemoryMeter& meter, Cancellation& cancellation,
-                         WorldCollisions& result);
+                         WorldCollisions& result, const WorldBlocks* blocks = nullptr);
 
 }  // namespace crumple

@@ -1,0 +1,42 @@
+#include "checks.h"
+
+#include <cmath>
+
+#include "crumple/error.h"
+#include "model/fuzzy_c_means.h"
+
+namespace crumple {
+
+void check(bool holds, const char* message) {
+    if (!holds) throw Error(ErrorCode::invalid_argument, message, Element::option);
+}
+
+void check_options(const Options& o) {
+    check(o.threads >= 0, "threads must be 0 (as many as the machine has) or more");
+    check(o.threads <= 1024, "threads must be at most 1024");
+    check(!o.executor || (o.executor->concurrency() >= 1 && o.executor->concurrency() <= 1024),
+          "an executor must have 1 to 1024 workers");
+    check(o.device >= 0, "device must be 0 or more");
+    check(o.memory_limit >= 0, "memory_limit must be 0 (none) or a number of bytes");
+    check(o.clusters >= 0 && o.clusters <= max_clusters, "clusters must be 0 (chosen) to 64");
+    check(o.leaf_size >= 1, "leaf_size must be at least 1");
+    check(o.fuzziness > 1 && std::isfinite(o.fuzziness), "fuzziness must be finite and above 1");
+    check(o.max_iterations >= 0 && o.first_iterations >= 0, "iteration caps must be 0 or more");
+    check(o.stop >= 0 && o.first_stop >= 0, "stop criteria must be 0 or more");
+}
+
+void check_blocks(const Streaming& how) {
+    check(how.block_pairs >= 1 && how.block_pairs <= std::int64_t{1} << 40, "block_pairs must be 1 to 2^40");
+}
+
+void check_query(const MeshView& a, const MeshView* b, const Query& q) {
+    check(q.wanted == Wanted::both || q.wanted == Wanted::between || q.wanted == Wanted::within,
+          "wanted must be both, between or within");
+    // An empty mesh may have groups without anybody seeing it, and where one mesh has them, the other is in group 0.
+    const auto lacks_groups = [](const MeshView& mesh) { return mesh.triangles.rows > 0 && mesh.groups.empty(); };
+    if (q.wanted != Wanted::between || !lacks_groups(a) || (b && !lacks_groups(*b))) return;
+    check(false, b ? "wanted between needs groups, and neither mesh has any: nothing lies between different groups"
+                   : "wanted between needs groups, and the mesh has none: nothing lies between different groups");
+}
+
+}  // namespace crumple

@@ -1,0 +1,18 @@
+#pragma once
+
+// What a detector's options and questions must be; each function throws Error (invalid_argument) if they are not.
+
+#include "crumple/mesh.h"
+#include "crumple/options.h"
+
+namespace crumple {
+
+/// Throws with this message unless the condition holds.
+void check(bool holds, const char* message);
+
+void check_options(const Options& options);
+/// `b`: null for one mesh.
+void check_query(const MeshView& a, const MeshView* b, const Query& query);
+void check_blocks(const Streaming& how);
+
+}  // namespace crumple
