@@ -23,23 +23,6 @@
 #include "model/part_centres.h"
 
 namespace crumple {
-namespace {
-
-WorldCollisions metered_world(MemoryMeter* m) {
-    WorldCollisions result;
-    result.world_hit = Array<std::uint8_t>(m);
-    result.world_counts = Array<std::int64_t>(m);
-    result.bodies = Array<BodyPair>(m);
-    result.pairs = Array<Pair>(m);
-    result.contacts = {Array<ContactKind>(m), Array<std::int64_t>(m), Array<std::array<double, 3>>(m)};
-    result.world_offsets = Array<std::int64_t>(m);
-    result.body_offsets = Array<std::int64_t>(m);
-    result.first_triangle = Array<std::int64_t>(m);
-    result.hit = Array<std::uint8_t>(m);
-    return result;
-}
-
-}  // namespace
 
 struct Detector::Implementation {
     Options options;
@@ -257,6 +240,10 @@ struct Detector::Implementation {
         swap_arrays(result.contacts.points, other.contacts.points);
         other.statistics = std::exchange(result.statistics, {});
     }
+    void swap_result(WorldCollisions& other) {
+        if (meter.limit > 0) other = {};
+        hand_over(world_result, other);
+    }
 
     bool any(const MeshView& a, const MeshView* b, const Query& query, std::stop_token stop) {
         bool found = false;
@@ -412,6 +399,7 @@ void Detector::launch_between(const MeshView& a, const MeshView& b, const Query&
 const DeviceCollisions& Detector::wait(std::stop_token stop) { return implementation_->wait(std::move(stop)); }
 const Collisions& Detector::download() { return implementation_->download(); }
 void Detector::swap_result(Collisions& other) { implementation_->swap_result(other); }
+void Detector::swap_result(WorldCollisions& other) { implementation_->swap_result(other); }
 void Detector::cancel() { implementation_->cancellation.request(); }
 void Detector::set_poll(std::function<void()> poll) { implementation_->cancellation.set_poll(std::move(poll)); }
 const Options& Detector::options() const { return implementation_->options; }

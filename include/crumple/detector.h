@@ -94,6 +94,8 @@ class Detector {
         swap_result(spare);
         return spare;
     }
+    /// The same for the result of the last find of a world.
+    void swap_result(WorldCollisions& other);
 
     /// Asks the call that runs at this moment to end: it throws Error (cancelled) within some milliseconds, or returns
     /// its answer if that was all but there. Does nothing while no call runs: a call begins by forgetting earlier

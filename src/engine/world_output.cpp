@@ -1,9 +1,9 @@
 #include "engine/world_output.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace crumple {
-
 void clear(WorldCollisions& result, const WorldOutline& outline, const Intersect& question) {
     result.any = false;
     result.count = 0;
@@ -24,19 +24,37 @@ void clear(WorldCollisions& result, const WorldOutline& outline, const Intersect
     if (question.wants == Wants::contacts) result.contacts.offsets.push_back(0);
 }
 
-void release(WorldCollisions& result) {
+WorldCollisions metered_world(MemoryMeter* m) {
+    WorldCollisions result;
     for (auto* list : {&result.world_counts, &result.world_offsets, &result.body_offsets, &result.first_triangle})
-        list->release();
-    result.world_hit.release();
-    result.hit.release();
-    result.bodies.release();
-    result.pairs.release();
-    result.contacts.kinds.release();
-    result.contacts.offsets.release();
-    result.contacts.points.release();
-    result.any = false;
-    result.count = 0;
-    result.statistics = {};
+        *list = Array<std::int64_t>(m);
+    result.world_hit = Array<std::uint8_t>(m);
+    result.hit = Array<std::uint8_t>(m);
+    result.bodies = Array<BodyPair>(m);
+    result.pairs = Array<Pair>(m);
+    result.contacts = {Array<ContactKind>(m), Array<std::int64_t>(m), Array<std::array<double, 3>>(m)};
+    return result;
+}
+
+void hand_over(WorldCollisions& result, WorldCollisions& other) {
+    const auto swap = [](auto& mine, auto& theirs) {
+        mine.swap_elements(theirs);
+        mine.clear();
+    };
+    swap(result.world_hit, other.world_hit);
+    swap(result.world_counts, other.world_counts);
+    swap(result.bodies, other.bodies);
+    swap(result.pairs, other.pairs);
+    swap(result.contacts.kinds, other.contacts.kinds);
+    swap(result.contacts.offsets, other.contacts.offsets);
+    swap(result.contacts.points, other.contacts.points);
+    swap(result.world_offsets, other.world_offsets);
+    swap(result.body_offsets, other.body_offsets);
+    swap(result.first_triangle, other.first_triangle);
+    swap(result.hit, other.hit);
+    other.any = std::exchange(result.any, false);
+    other.count = std::exchange(result.count, 0);
+    other.statistics = std::exchange(result.statistics, {});
 }
 
 void WorldBlocks::pass_on(WorldCollisions& result, bool last) const {

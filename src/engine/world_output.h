@@ -24,8 +24,10 @@ struct WorldBlocks {
 
 /// Empty, with room for what each world gets.
 void clear(WorldCollisions& result, const WorldOutline& outline, const Intersect& question);
-/// Gives the memory of all arrays back.
-void release(WorldCollisions& result);
+/// Whose arrays are all counted by `meter`.
+WorldCollisions metered_world(MemoryMeter* meter);
+/// Gives `other` the result, and keeps the storage of `other`, emptied. Where a limit counts memory, `other` owns none.
+void hand_over(WorldCollisions& result, WorldCollisions& other);
 
 /// Something collides in this pass: in world `pass`, or (pass = worlds()) among the bodies that are in all worlds.
 void hit(std::int32_t pass, const WorldOutline& outline, WorldCollisions& result);
