@@ -13,23 +13,24 @@ Any triangle soup will do. What counts as a collision: docs/contract.md.
 """
 
 from ._core import Part, Statistics, __version__
-from ._detector import (
-    Detector,
-    DeviceInfo,
-    DeviceList,
-    find_intersections_between,
-    find_self_intersections,
-    has_intersections,
-    has_intersections_between,
-    list_devices,
-)
+from ._detector import Detector
+from ._devices import DeviceInfo, DeviceList, list_devices
 from ._errors import BackendUnavailable, Error, FileError, FileWarning, InvalidInput, InvalidType, MemoryLimit
 from ._files import Scene, make_scene, read_mesh, read_pairs, scenes, write_mesh
 from ._mesh import FileMesh, Mesh, Polygons, as_mesh
 from ._result import ContactKind, Contacts, Result
+from ._short_forms import (
+    find_intersections_between,
+    find_self_intersections,
+    has_intersections,
+    has_intersections_between,
+)
+from ._world import Body, Shape, World
+from ._world_result import WorldResult
 
 __all__ = [
     "BackendUnavailable",
+    "Body",
     "ContactKind",
     "Contacts",
     "Detector",
@@ -47,7 +48,10 @@ __all__ = [
     "Polygons",
     "Result",
     "Scene",
+    "Shape",
     "Statistics",
+    "World",
+    "WorldResult",
     "__version__",
     "as_mesh",
     "find_intersections_between",

@@ -47,6 +47,7 @@ def refuse_masked(array: Any, kind: str, which: str) -> None:
         "faces": ("faces are", "triangle"),
         "groups": ("groups are", "group"),
         "group_pairs": ("excluded_groups are", "group"),
+        "poses": ("poses are", "body"),
     }[kind]
     _refuse_mask(array, which + name, element=element)
 
@@ -207,6 +208,19 @@ def groups(array: Any, which: str) -> np.ndarray:
     if result.ndim != 1:
         raise InvalidInput(f"{name} must have shape (faces,), not {result.shape}")
     return _int32(result, name)
+
+
+def poses(array: Any, which: str) -> np.ndarray:
+    """(n, 3, 4) or (n, 4, 4), or (k, n, ...) of configurations, of float64."""
+    name = which + "poses"
+    result = host_array(array, name)
+    if result.shape == (0,):  # an empty list
+        result = result.reshape(0, 3, 4)
+    if result.ndim not in (3, 4) or result.shape[-1] != 4 or result.shape[-2] not in (3, 4):
+        raise InvalidInput(f"{name} must have shape (bodies, 3, 4) or (bodies, 4, 4), not {result.shape}")
+    if result.dtype.kind not in "iuf" or result.dtype.itemsize > 8:
+        raise InvalidInput(f"{name} must be float64 or float32, not {result.dtype}")
+    return _native(result, np.float64)
 
 
 def group_pairs(pairs: Any, which: str) -> np.ndarray:

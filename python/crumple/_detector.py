@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import Any, Literal, overload
 
 from . import _core
 from ._errors import InvalidInput
-from ._mesh import Mesh, as_mesh
+from ._mesh import Mesh, as_mesh, soup_of
 from ._names import suggesting
 from ._result import Result
-
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
+from ._world import World
+from ._world_result import WorldResult
+from ._world_search import Wants, find_in_world
 
 Neighbours = Literal["geometric", "skip"]
 Intersections = Literal["all", "proper"]
@@ -21,14 +20,6 @@ Wanted = Literal["both", "between", "within"]
 Backend = Literal["automatic", "cpu", "cuda", "reference"]
 Simd = Literal["automatic", "scalar", "sse4", "avx2", "avx512", "neon"]
 GroupPairs = Iterable[tuple[int, int]]
-
-
-def _soup(vertices: Any, faces: Any, groups: Any) -> Mesh:
-    """The mesh of a search within one soup, which is given by its arrays or as one object."""
-    if faces is not None:
-        return Mesh(vertices, faces, groups)
-    mesh = as_mesh(vertices)
-    return mesh if groups is None else mesh._replace(groups=groups)
 
 
 class Detector(_core.Detector):
@@ -181,7 +172,7 @@ class Detector(_core.Detector):
         Algorithm 1; see Detector. What a collision is: docs/contract.md.
         """
         query = _core.Query(neighbours, intersections, weld, contacts, wanted, excluded_groups)
-        mesh = _soup(vertices, faces, groups)
+        mesh = soup_of(vertices, faces, groups)
         return Result(self._find(mesh, None, query, copy), mesh, None)
 
     @suggesting
@@ -227,7 +218,7 @@ class Detector(_core.Detector):
         Algorithm 1, cut short.
         """
         query = _core.Query(neighbours, intersections, weld, False, wanted, excluded_groups)
-        return self._any(_soup(vertices, faces, groups), None, query)
+        return self._any(soup_of(vertices, faces, groups), None, query)
 
     @suggesting
     def has_intersections_between(
@@ -261,10 +252,11 @@ class Detector(_core.Detector):
         """
         return self._partition(as_mesh(mesh), None if second is None else as_mesh(second), count)
 
-    @suggesting
+    @overload
     def find(
         self,
         part: _core.Part,
+        /,
         *,
         neighbours: Neighbours = "geometric",
         intersections: Intersections = "all",
@@ -273,74 +265,77 @@ class Detector(_core.Detector):
         wanted: Wanted = "both",
         excluded_groups: GroupPairs | None = None,
         copy: bool = False,
-    ) -> Result:
-        """The pairs that a part owns, with the ids of the meshes it was cut from; see partition.
+    ) -> Result: ...
 
-        Offsets and hits count in the part's own lists, part.triangles and part.triangles_second. Otherwise as
-        find_self, errors and source included. Cost: as of find_self for a mesh of the part's size.
+    @overload
+    def find(
+        self,
+        world: World,
+        /,
+        *,
+        wants: Wants = "pairs",
+        neighbours: Neighbours = "geometric",
+        intersections: Intersections = "all",
+        weld: bool = False,
+        bodies: Wanted = "both",
+        groups: Wanted = "both",
+        excluded: Any = None,
+        excluded_groups: GroupPairs | None = None,
+        index: bool = False,
+        poses: Any = None,
+        copy: bool = False,
+    ) -> WorldResult: ...
+
+    def find(self, part_or_world: Any, /, **question: Any) -> Any:
+        """What collides in a world of bodies; or the pairs that a part owns (see partition).
+
+        Of a world (crumple.World) it returns a WorldResult. Args:
+            wants: how much is made; the first three end at the first hit where they can. "any": whether anything
+                collides; "any_by_world": in which worlds; "body_pairs": which bodies; "count": how many pairs of
+                triangles; "pairs": all of them; "contacts": and where each pair meets.
+            neighbours, intersections, weld: as find_self. Bodies share no vertices, also where they share a shape;
+                `weld` makes one of vertices at equal posed positions, across bodies too.
+            bodies: "both", pairs "between" bodies, "within" one.
+            groups: the same for groups, which compare across bodies.
+            excluded: pairs of bodies that are not tested against each other, by name or index: an iterable of sets
+                ({"arm", "hand"}; {"arm"}: the arm and itself) or pairs, or an array (k, 2) of integers.
+            excluded_groups: the same for groups.
+            index: also make offsets by world and by body, and hit flags, where pairs are wanted.
+            poses: instead of world.poses, for this call.
+            copy: the result gets writable arrays of its own instead of read-only views.
+
+        Of a part (crumple.Part) it returns a Result with the ids of the meshes that it was cut from; offsets and hits
+        count in the part's own lists, part.triangles and part.triangles_second. Arguments as of find_self.
+
+        Raises InvalidInput, which names body, shape or argument; MemoryLimit.
+
+        Cost: some microseconds a call, and less than one a body of a named shape that is clear of all others. What
+        must be looked at costs what find_self does for these triangles. A part costs as a mesh of its size. Source:
+        Mainzer and Zachmann, Algorithm 1, for each world; docs/worlds.md tells what is left out before.
         """
-        query = _core.Query(neighbours, intersections, weld, contacts, wanted, excluded_groups)
-        answer = self._find_part(part, query, copy)
-        if part.second is None:
-            return Result(answer, Mesh(*part.mesh), None, (part.triangles, None))
-        return Result(answer, Mesh(*part.mesh), Mesh(*part.second), (part.triangles, part.triangles_second))
+        if isinstance(part_or_world, World):
+            return find_in_world(self, part_or_world, **question)
+        return _find_in_part(self, part_or_world, **question)
 
 
-def find_self_intersections(vertices: Any, faces: Any = None, *, copy: bool = False, **query: Any) -> NDArray[np.int32]:
-    """(k, 2) int32: all colliding pairs within one soup, sorted, from a detector that lives for this call.
-
-    Arguments, errors and source as of Detector.find_self. For more than one call keep a Detector: it is faster when
-    warm, and costs a millisecond to make.
-    """
-    return Detector().find_self(vertices, faces, copy=copy, **query).pairs
-
-
-def find_intersections_between(a: Any, b: Any, *, copy: bool = False, **query: Any) -> NDArray[np.int32]:
-    """(k, 2) int32: all colliding pairs of two meshes, (index in a, index in b), sorted.
-
-    Arguments, errors, cost and source as of Detector.find_between, and what find_self_intersections says of warm calls.
-    """
-    return Detector().find_between(a, b, copy=copy, **query).pairs
-
-
-def has_intersections(vertices: Any, faces: Any = None, **query: Any) -> bool:
-    """Whether any two triangles of a soup collide. All else, cost and source included: Detector.has_intersections."""
-    return Detector().has_intersections(vertices, faces, **query)
+def _find_in_part(
+    self: Detector,
+    part: _core.Part,
+    *,
+    neighbours: Neighbours = "geometric",
+    intersections: Intersections = "all",
+    weld: bool = False,
+    contacts: bool = False,
+    wanted: Wanted = "both",
+    excluded_groups: GroupPairs | None = None,
+    copy: bool = False,
+) -> Result:
+    query = _core.Query(neighbours, intersections, weld, contacts, wanted, excluded_groups)
+    answer = self._find_part(part, query, copy)
+    if part.second is None:
+        return Result(answer, Mesh(*part.mesh), None, (part.triangles, None))
+    return Result(answer, Mesh(*part.mesh), Mesh(*part.second), (part.triangles, part.triangles_second))
 
 
-def has_intersections_between(a: Any, b: Any, **query: Any) -> bool:
-    """Whether two meshes collide. All else, cost and source included: Detector.has_intersections_between."""
-    return Detector().has_intersections_between(a, b, **query)
-
-
-class DeviceInfo(NamedTuple):
-    """A device that the cuda backend can work on.
-
-    Attributes:
-        number: selects it, as the option `device` of a Detector.
-        name: from its driver.
-        major, minor: its compute capability.
-        memory_bytes: all of its memory, in use or not.
-    """
-
-    number: int
-    name: str
-    major: int
-    minor: int
-    memory_bytes: int
-
-
-class DeviceList(NamedTuple):
-    """The devices; and if there are none, the reason in one line, otherwise ""."""
-
-    devices: list[DeviceInfo]
-    reason: str
-
-
-def list_devices() -> DeviceList:
-    """The devices that CUDA lists. Without a device, a driver or the backend, the list is empty and says why.
-
-    Cost: the first call in a process starts the driver, which takes some tenths of a second.
-    """
-    devices, reason = _core.list_devices()
-    return DeviceList([DeviceInfo(*device) for device in devices], reason)
+_find_in_part.__name__, _find_in_part.__qualname__ = "find", "Detector.find"
+_find_in_part = suggesting(_find_in_part)

@@ -81,6 +81,14 @@ def as_mesh(mesh: Any) -> Mesh:
     )
 
 
+def soup_of(vertices: Any, faces: Any = None, groups: Any = None) -> Mesh:
+    """A mesh that is given by its arrays, or as one object."""
+    if faces is not None:
+        return Mesh(vertices, faces, groups)
+    mesh = as_mesh(vertices)
+    return mesh if groups is None else mesh._replace(groups=groups)
+
+
 def _name_of_type(thing: Any) -> str:
     return f"{type(thing).__module__}.{type(thing).__qualname__}".removeprefix("builtins.")
 

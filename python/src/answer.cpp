@@ -2,26 +2,16 @@
 
 #include <cstdint>
 
-#include <nanobind/ndarray.h>
 #include <nanobind/stl/string_view.h>
 
-#include "arrays.h"
 #include "pickling.h"
+#include "views.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;
 
 namespace crumple::python {
 namespace {
-
-// A read-only NumPy view of an array, with as many columns as its elements have. The property that returns it names its
-// owner.
-template <class Number, class Element, class... Columns>
-nb::ndarray<nb::numpy, const Number> view(const Array<Element>& array, Columns... columns) {
-    import_numpy();
-    const void* const data = array.data();
-    return {static_cast<const Number*>(data), {array.size(), std::size_t{columns}...}};
-}
 
 nb::typed<nb::dict, nb::str, double> stage_milliseconds(const Statistics& statistics) {
     nb::typed<nb::dict, nb::str, double> result;

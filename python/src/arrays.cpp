@@ -91,12 +91,19 @@ bool are_group_pairs(const BorrowedArray& a) {
            a.strides[0] % size == 0 && a.strides[1] % size == 0 && reinterpret_cast<std::uintptr_t>(a.data) % size == 0;
 }
 
+bool are_poses(const BorrowedArray& a) {
+    if ((a.dimensions != 3 && a.dimensions != 4) || a.device != BorrowedArray::on_host) return false;
+    const auto rows = static_cast<std::size_t>(a.dimensions) - 2;
+    return (a.shape[rows] == 3 || a.shape[rows] == 4) && a.shape[rows + 1] == 4 &&
+           (a.number == Number::float32 || a.number == Number::float64);
+}
+
 bool borrow_numpy(nb::handle object, BorrowedArray& result) {
     if (!PyArray_Check(object.ptr())) return false;
     const auto array = reinterpret_cast<PyArrayObject*>(object.ptr());
     result.data = PyArray_DATA(array);
     result.number = number_of(array);
-    result.dimensions = PyArray_NDIM(array) <= 2 ? PyArray_NDIM(array) : 0;
+    result.dimensions = PyArray_NDIM(array) <= BorrowedArray::most_dimensions ? PyArray_NDIM(array) : 0;
     for (int i = 0; i < result.dimensions; ++i) {
         result.shape[static_cast<std::size_t>(i)] = PyArray_DIM(array, i);
         result.strides[static_cast<std::size_t>(i)] = PyArray_STRIDE(array, i);
@@ -139,7 +146,7 @@ bool borrow_dlpack(nb::handle object, BorrowedArray& result, Kept& kept) {
     }
     result.data = tensor.data();
     result.number = number_of(tensor.dtype());
-    result.dimensions = tensor.ndim() <= 2 ? static_cast<int>(tensor.ndim()) : 0;
+    result.dimensions = tensor.ndim() <= BorrowedArray::most_dimensions ? static_cast<int>(tensor.ndim()) : 0;
     for (int i = 0; i < result.dimensions; ++i) {
         const auto k = static_cast<std::size_t>(i);
         result.shape[k] = static_cast<std::int64_t>(tensor.shape(k));
@@ -217,6 +224,18 @@ BorrowedMesh::BorrowedMesh(const nb::tuple& mesh, const char* which)
 BorrowedMeshes::BorrowedMeshes(const nb::tuple& one, const std::optional<nb::tuple>& other)
     : first(one, other ? "first mesh: " : "") {
     if (other) second.emplace(*other, "second mesh: ");
+}
+
+BorrowedArray borrow_poses(nb::handle poses, Kept& kept) {
+    kept.push_back(nb::borrow(poses));
+    return borrow_array(poses, are_poses, "poses", "", kept);
+}
+
+bool is_contiguous(const BorrowedArray& array) {
+    std::int64_t size = array.number == Number::float64 || array.number == Number::int64 ? 8 : 4;
+    for (auto i = static_cast<std::size_t>(array.dimensions); i-- > 0; size *= array.shape[i])
+        if (array.shape[i] != 1 && array.strides[i] != size) return false;
+    return true;
 }
 
 std::vector<GroupPair> group_pairs(nb::handle pairs) {

@@ -3,7 +3,7 @@
 // Arrays on their way in: views of what Python holds, without a copy wherever the library can read it in place.
 //
 // Accepted as they are: NumPy's arrays, and anything that speaks DLPack, in host memory or CUDA's; vertices (n, 3) of
-// float32 or float64, faces (m, 3) or flat (3m) of int32, uint32 or int64, groups (m) of int32 without gaps; any
+// float32 or float64, faces (m, 3) or flat (3m) of int32, uint32 or int64, groups (m) of int32 without gaps; poses; any
 // strides. Everything else goes through crumple/_arrays.py, which converts what can be converted without loss and
 // refuses the rest by name.
 //
@@ -33,9 +33,10 @@ struct BorrowedArray {
 
     const void* data = nullptr;
     Number number = Number::other;
-    int dimensions = 0;                              ///< 1 or 2; 0 for another number of them
-    std::array<std::int64_t, 2> shape{}, strides{};  ///< of two dimensions; strides in bytes
-    int device = on_host;                            ///< number of the CUDA device that it lies on
+    static constexpr int most_dimensions = 4;
+    int dimensions = 0;                                            ///< 1 to 4; 0 for another number of them
+    std::array<std::int64_t, most_dimensions> shape{}, strides{};  ///< strides in bytes
+    int device = on_host;                                          ///< number of the CUDA device that it lies on
 };
 
 /// Imports NumPy before the first array that comes or goes, to keep `import crumple` quick.
@@ -68,6 +69,12 @@ struct BorrowedMeshes {
     BorrowedMesh first;
     std::optional<BorrowedMesh> second;
 };
+
+/// Poses: (n, 3, 4) or (n, 4, 4), or (k, n, ...), of float32 or float64 on the host.
+BorrowedArray borrow_poses(nanobind::handle poses, Kept& kept);
+
+/// Whether the elements lie one after the other, the last index fastest.
+bool is_contiguous(const BorrowedArray& array);
 
 /// Pairs of group ids from a sequence of pairs or an (n, 2) array.
 std::vector<GroupPair> group_pairs(nanobind::handle pairs);

@@ -18,6 +18,7 @@
 #include "gil.h"
 #include "names.h"
 #include "part.h"
+#include "world_search.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -69,13 +70,6 @@ void SharedDetector::wait_for_another_turn() {
     handle_signals();
 }
 
-std::shared_ptr<Collisions> SharedDetector::storage() {
-    if (options().memory_limit > 0) return std::make_shared<Collisions>();
-    if (last_.use_count() != 1) std::swap(last_, before_);
-    if (last_.use_count() != 1) last_ = std::make_shared<Collisions>();
-    return last_;
-}
-
 // Storage moves in and comes back as the result, which outlives the detector and its next call.
 void SharedDetector::find(const MeshView& first, const MeshView* second, const Query& query, Collisions& answer) {
     detector_.swap_result(answer);
@@ -92,12 +86,32 @@ void SharedDetector::find(const Part& part, const Query& query, Collisions& answ
     detector_.swap_result(answer);
 }
 
+void SharedDetector::find(const World& world, const Intersect& question, WorldCollisions& answer) {
+    detector_.swap_result(answer);
+    detector_.find(world, question);
+    detector_.swap_result(answer);
+}
+
 bool SharedDetector::any(const MeshView& first, const MeshView* second, const Query& query) {
     return second ? detector_.has_collision(first, *second, query) : detector_.has_collision(first, query);
 }
 
 std::vector<Part> SharedDetector::partition(const MeshView& first, const MeshView* second, int count) {
     return second ? detector_.partition(first, *second, count) : detector_.partition(first, count);
+}
+
+namespace {
+
+void check_self(nb::handle self) {
+    if (!nb::isinstance<SharedDetector>(self)) refuse_type("self", "a crumple.Detector", self);
+}
+
+}  // namespace
+
+SharedDetector& detector_of(nb::handle self) {
+    check_self(self);
+    if (!nb::inst_ready(self)) refuse("crumple.Detector.__init__ has not been called");
+    return *nb::inst_ptr<SharedDetector>(self);
 }
 
 namespace {
@@ -154,23 +168,6 @@ Options options_of(const nb::dict& given) {
         .simd = named(simd_names, "simd", given["simd"]),
         .device = integer<int>("device", given["device"]),
     };
-}
-
-template <class Work>
-auto without_gil(Work work, Detector* detector = nullptr) {
-    const WithoutGil released(WithoutGil::AtExit::given_up, detector);
-    return work();
-}
-
-void check_self(nb::handle self) {
-    if (!nb::isinstance<SharedDetector>(self)) refuse_type("self", "a crumple.Detector", self);
-}
-
-// The detector that a method is called on. A class of Python may leave it without what __init__ makes.
-SharedDetector& detector_of(nb::handle self) {
-    check_self(self);
-    if (!nb::inst_ready(self)) refuse("crumple.Detector.__init__ has not been called");
-    return *nb::inst_ptr<SharedDetector>(self);
 }
 
 void make(nb::handle self, const nb::dict& given) {
@@ -242,6 +239,7 @@ void bind_detector(nb::module_& module) {
         .def(nb::init<nb::handle, nb::handle, nb::handle, nb::handle, nb::handle, nb::handle>(), "neighbours"_a.none(),
              "intersections"_a.none(), "weld"_a.none(), "contacts"_a.none(), "wanted"_a.none(),
              "excluded_groups"_a.none());
+    bind_question(module);
     nb::class_<SharedDetector>(module, "Detector", "The library's detector; crumple.Detector is one.")
         .def("__init__", make, "options"_a)
         .def_prop_ro("backend", [](nb::handle self) { return name_of(backend_names, detector_of(self).backend()); })
@@ -249,6 +247,8 @@ void bind_detector(nb::module_& module) {
         .def("cancel", [](nb::handle self) { detector_of(self).cancel(); })
         .def("_find", find, "first"_a, "second"_a.none(), "query"_a, "copy"_a.none())
         .def("_find_part", find_part, "part"_a.none(), "query"_a, "copy"_a.none())
+        .def("_find_world", find_world, "world"_a.none(), "poses"_a.none(), "question"_a, "excluded"_a.none(),
+             "copy"_a.none())
         .def("_any", any, "first"_a, "second"_a.none(), "query"_a)
         .def("_partition", partition, "first"_a, "second"_a.none(), "count"_a.none());
     module.def("list_devices", listed_devices);

@@ -10,6 +10,7 @@
 #include <optional>
 #include <string_view>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include <nanobind/nanobind.h>
@@ -43,12 +44,16 @@ class SharedDetector {
     /// `storage` gives it.
     void find(const MeshView& first, const MeshView* second, const Query& query, Collisions& answer);
     void find(const Part& part, const Query& query, Collisions& answer);
+    void find(const World& world, const Intersect& question, WorldCollisions& answer);
     bool any(const MeshView& first, const MeshView* second, const Query& query);
     std::vector<Part> partition(const MeshView& first, const MeshView* second, int count);
     /// Storage for an answer: that of one of the last two, if nobody holds it any more. So frames of a simulation go
     /// back and forth between two and allocate nothing. Under a memory limit none is kept. Call with the GIL, under
     /// which results come and go.
-    std::shared_ptr<Collisions> storage();
+    std::shared_ptr<Collisions> storage() { return answers_.get(options().memory_limit > 0); }
+    std::shared_ptr<WorldCollisions> world_storage() { return world_answers_.get(options().memory_limit > 0); }
+    /// For poses that cannot be read in place. In a turn of one's own.
+    std::vector<Pose>& poses() { return poses_; }
     const Options& options() const { return detector_.options(); }
     Backend backend() const { return detector_.backend(); }
     std::string_view fallback() const { return detector_.fallback(); }
@@ -58,16 +63,36 @@ class SharedDetector {
     Detector& library() { return detector_; }
 
    private:
+    /// The last two answers, of which one may be free.
+    template <class Answer>
+    class Two {
+       public:
+        std::shared_ptr<Answer> get(bool limited) {
+            if (limited) return std::make_shared<Answer>();
+            if (last_.use_count() != 1) std::swap(last_, before_);
+            if (last_.use_count() != 1) last_ = std::make_shared<Answer>();
+            return last_;
+        }
+
+       private:
+        std::shared_ptr<Answer> last_, before_;
+    };
+
     void wait_for_another_turn();
 
     Detector detector_;
-    std::shared_ptr<Collisions> last_, before_;
+    Two<Collisions> answers_;
+    Two<WorldCollisions> world_answers_;
+    std::vector<Pose> poses_;
     std::thread::id caller_;  ///< whose turn it is; guarded by the GIL, as `waiting_` is
     int waiting_ = 0;
     std::uint64_t turns_ = 0;  ///< that ended while somebody waited; guarded by the mutex
     std::mutex mutex_;
     std::condition_variable turn_ended_;
 };
+
+/// The detector that a method is called on. A class of Python may leave it without what __init__ makes.
+SharedDetector& detector_of(nanobind::handle self);
 
 void bind_detector(nanobind::module_& module);
 

@@ -73,4 +73,11 @@ class WithoutGil {
     PyThreadState* state_;
 };
 
+/// What `work` gives. `detector`: whose call it is.
+template <class Work>
+auto without_gil(Work work, Detector* detector = nullptr) {
+    const WithoutGil released(WithoutGil::AtExit::given_up, detector);
+    return work();
+}
+
 }  // namespace crumple::python

@@ -10,6 +10,8 @@
 #include "gil.h"
 #include "part.h"
 #include "pickling.h"
+#include "world.h"
+#include "world_answer.h"
 
 NB_MODULE(_core, module) {
     module.doc() = "The C++ library behind crumple. Private.";
@@ -20,6 +22,8 @@ NB_MODULE(_core, module) {
     crumple::python::bind_answer(module);
     crumple::python::bind_pickling(module);
     crumple::python::bind_part(module);
+    crumple::python::bind_world(module);
+    crumple::python::bind_world_answer(module);
     crumple::python::bind_detector(module);
     crumple::python::bind_files(module);
 }

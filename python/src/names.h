@@ -10,6 +10,7 @@
 #include "arguments.h"
 #include "crumple/io.h"
 #include "crumple/options.h"
+#include "crumple/world.h"
 
 namespace crumple::python {
 
@@ -32,6 +33,12 @@ inline constexpr Names<Intersections, 2> intersections_names{
     {{"all", Intersections::all}, {"proper", Intersections::proper}}};
 inline constexpr Names<Wanted, 3> wanted_names{
     {{"both", Wanted::both}, {"between", Wanted::between}, {"within", Wanted::within}}};
+inline constexpr Names<Wants, 6> wants_names{{{"any", Wants::any},
+                                              {"any_by_world", Wants::any_by_world},
+                                              {"body_pairs", Wants::body_pairs},
+                                              {"count", Wants::count},
+                                              {"pairs", Wants::pairs},
+                                              {"contacts", Wants::contacts}}};
 inline constexpr Names<io::Precision, 3> precision_names{{{"automatic", io::Precision::automatic},
                                                           {"float32", io::Precision::float32},
                                                           {"float64", io::Precision::float64}}};

@@ -1,0 +1,38 @@
+"""Functions for a single search, each with a detector that lives for the call."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from ._detector import Detector
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+
+def find_self_intersections(vertices: Any, faces: Any = None, *, copy: bool = False, **query: Any) -> NDArray[np.int32]:
+    """(k, 2) int32: all colliding pairs within one soup, sorted, from a detector that lives for this call.
+
+    Arguments, errors and source as of Detector.find_self. For more than one call keep a Detector: it is faster when
+    warm, and costs a millisecond to make.
+    """
+    return Detector().find_self(vertices, faces, copy=copy, **query).pairs
+
+
+def find_intersections_between(a: Any, b: Any, *, copy: bool = False, **query: Any) -> NDArray[np.int32]:
+    """(k, 2) int32: all colliding pairs of two meshes, (index in a, index in b), sorted.
+
+    Arguments, errors, cost and source as of Detector.find_between, and what find_self_intersections says of warm calls.
+    """
+    return Detector().find_between(a, b, copy=copy, **query).pairs
+
+
+def has_intersections(vertices: Any, faces: Any = None, **query: Any) -> bool:
+    """Whether any two triangles of a soup collide. All else, cost and source included: Detector.has_intersections."""
+    return Detector().has_intersections(vertices, faces, **query)
+
+
+def has_intersections_between(a: Any, b: Any, **query: Any) -> bool:
+    """Whether two meshes collide. All else, cost and source included: Detector.has_intersections_between."""
+    return Detector().has_intersections_between(a, b, **query)

@@ -1,0 +1,302 @@
+"""Worlds as input: shapes, bodies, and where they are."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterable, Sequence
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from . import _core
+from ._errors import Error, InvalidInput, InvalidType
+from ._mesh import Mesh, as_mesh, soup_of
+from ._names import suggesting
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+_FIRST_OWN = 2**63  # numbers of names; those below are for names that are numbers
+_own_numbers = itertools.count(_FIRST_OWN)
+_numbers: dict[str, int] = {}
+
+
+class OwnName:
+    """The name of a shape that nobody else names, and whose arrays nobody changes."""
+
+
+def _number_of(name: Any) -> int:
+    if name is None:
+        return 0
+    if isinstance(name, OwnName):
+        return next(_own_numbers)
+    if isinstance(name, str):
+        if not name:
+            raise InvalidInput("name must not be empty; None: the shape has no name")
+        return _numbers.get(name) or _numbers.setdefault(name, next(_own_numbers))
+    if isinstance(name, bool) or not hasattr(name, "__index__"):
+        raise InvalidType(f"name must be a str, an int or None, not {type(name).__name__}")
+    number = name.__index__()
+    if not 0 < number < _FIRST_OWN:
+        raise InvalidInput(f"name must be a str or from 1 to {_FIRST_OWN - 1}, not {number}")
+    return number
+
+
+class Shape(_core.Shape):
+    """Triangles that bodies are made of. Nothing is copied.
+
+    Args:
+        vertices: (n, 3) float32 or float64; or a mesh that as_mesh knows, and then no `faces`. On the host.
+        faces: (m, 3) integers, or flat: three a triangle.
+        groups: (m,) integers that fit int32, one a triangle; None: the mesh's, or each body's own.
+        name: a str, or an int from 1 to 2**63 - 1. What it names has the same contents now and in later calls. A
+            detector checks and reads it in the first call only, and keeps what it has computed for all bodies of that
+            shape, so that a body which is clear of all others costs a microsecond or less. Names count for a whole
+            process; another size or precision under a known name is an InvalidInput. A shape whose vertices move gets
+            no name, or a new one with each change.
+
+    Raises InvalidInput, which names the argument. Whether coordinates are finite and indices in range is looked at when
+    a search first reads the shape.
+    """
+
+    __slots__ = ("__weakref__", "_mesh", "_name")
+
+    @suggesting
+    def __init__(self, vertices: Any, faces: Any = None, groups: Any = None, name: int | str | None = None) -> None:
+        self._make(soup_of(vertices, faces, groups), name, "")
+
+    def _make(self, mesh: Mesh, name: Any, which: str) -> None:
+        super().__init__(mesh, which, _number_of(name))
+        self._mesh = mesh
+        self._name = name
+
+    @property
+    def mesh(self) -> Mesh:
+        """What the shape was made of."""
+        return self._mesh
+
+    @property
+    def name(self) -> int | str | None:
+        """What the shape is remembered by, if anything; None also for one that a file gave, whose name is its own."""
+        return None if isinstance(self._name, OwnName) else self._name
+
+    def __repr__(self) -> str:
+        named = f" {self.name!r}" if self.name else ""
+        return f"<crumple.Shape{named}: {self.triangles} triangles>"
+
+
+def shape_of(given: Any, which: str, name: Any = None) -> Shape:
+    """A Shape as it is, or one of a mesh. `which` leads every message."""
+    if isinstance(given, Shape):
+        return given
+    try:
+        mesh = as_mesh(given)
+    except Error as error:
+        raise type(error)(f"{which}{error}", code=error.code) from None
+    shape = Shape.__new__(Shape)
+    shape._make(mesh, name, which)
+    return shape
+
+
+class Body(NamedTuple):
+    """One body, for worlds that are put together one by one; World takes arrays for all bodies at once as well.
+
+    Attributes:
+        shape: index into the world's shapes, or one of these shapes itself.
+        pose: (3, 4) or (4, 4), the latter ending in 0 0 0 1; None: as given.
+        group: of its triangles, where the shape has no groups of its own.
+        world: which world it is in; -1: in all.
+        self_collisions: whether pairs within the body are wanted.
+        name: for exclusions and messages; "": none.
+    """
+
+    shape: Any
+    pose: Any = None
+    group: int = 0
+    world: int = 0
+    self_collisions: bool = True
+    name: str = ""
+
+
+class World(_core.World):
+    """Bodies, each a shape under a pose; any number of them may share one shape.
+
+    Args:
+        shapes: of Shape, or of meshes that as_mesh knows.
+        bodies: (n,) integers, the index of each body's shape; None: one body a shape. Or n of Body, and then none of
+            the arguments below.
+        poses: (n, 3, 4) or (n, 4, 4) of float64 or float32: affine maps, the latter ending in 0 0 0 1. None: all as
+            given. Read by each search where they lie (float64 without gaps, of three rows) or copied by it, so that
+            they may be written to between searches.
+        groups: (n,) integers that fit int32, or one for all: of the triangles of shapes without groups of their own.
+        worlds: (n,) integers, ascending: which world each body is in. Bodies of different worlds never meet; -1: in all
+            worlds; such bodies come last. None: all in world 0.
+        self_collisions: True or False, or (n,) of bool: whether pairs within each body are wanted.
+        names: n of str, each once unless empty: for exclusions and messages.
+
+    `world.poses = poses` costs next to nothing; all else stays as it is. `len(world)` is the number of bodies. Raises
+    InvalidInput, which names the argument; what only the whole tells, such as world ids out of order, a search refuses.
+
+    What is answered, and what a posed vertex is to the bit: docs/worlds.md.
+    """
+
+    @suggesting
+    def __init__(
+        self,
+        shapes: Iterable[Any],
+        bodies: Any = None,
+        *,
+        poses: Any = None,
+        groups: Any = None,
+        worlds: Any = None,
+        self_collisions: Any = True,
+        names: Iterable[str] | None = None,
+    ) -> None:
+        from . import _world_arrays as columns
+
+        if isinstance(shapes, (Shape, Mesh)) or not isinstance(shapes, Iterable):
+            raise InvalidType(f"shapes must be a sequence of crumple.Shape or of meshes, not {type(shapes).__name__}")
+        self._shapes = tuple(shape_of(shape, f"shape {i}: ") for i, shape in enumerate(shapes))
+        if isinstance(bodies, Sequence) and len(bodies) and all(isinstance(body, Body) for body in bodies):
+            if not all(given is None for given in (poses, groups, worlds, names)) or self_collisions is not True:
+                raise InvalidInput("poses, groups, worlds, self_collisions and names are those of each crumple.Body")
+            poses, groups, worlds, self_collisions, names = columns.of_bodies(bodies)
+            bodies = columns.shapes_of(self._shapes, bodies)
+        self._bodies = columns.ids(range(len(self._shapes)) if bodies is None else bodies, "bodies")
+        n = len(self._bodies)
+        self._groups = columns.ids(0 if groups is None else groups, "groups", n)
+        self._worlds = columns.ids(0 if worlds is None else worlds, "worlds", n)
+        self._self_collisions = columns.flags(self_collisions, "self_collisions", n)
+        self._names = columns.names(names, n)
+        self._base: World | None = None
+        super().__init__(list(self._shapes), self._bodies, self._groups, self._worlds, self._self_collisions, poses)
+
+    def configurations(self, poses: Any) -> World:
+        """A world of many configurations of this one's bodies, each in a world of its own, against those at rest.
+
+        Args:
+            poses: (k, m, 3, 4) or (k, m, 4, 4): k configurations of the m bodies that are in world 0 here. Bodies that
+                are in all worlds (-1) stay where they are now.
+
+        Body b of configuration c has index c * m + b; those at rest follow. Names and indices in `excluded` are those
+        of this world, and hold in each configuration. `world.poses = poses` gives others, as many. Raises
+        InvalidInput.
+
+        Cost: some nanoseconds a body; a search copies 96 bytes a body if there are bodies at rest.
+        """
+        if self._base is not None:
+            raise InvalidInput("configurations are made of a world that is none of configurations itself")
+        import numpy as np
+
+        from ._arrays import host_array
+
+        if not np.isin(self._worlds, (0, -1)).all():
+            body = int(np.flatnonzero(~np.isin(self._worlds, (0, -1)))[0])
+            raise InvalidInput(
+                f"body {body}: its world is {self._worlds[body]}; configurations are made of bodies in world 0, which "
+                "move, and in all worlds (-1), which do not",
+                element="body",
+                index=body,
+            )
+        if (np.diff(self._worlds) > 0).any():
+            raise InvalidInput("bodies that are in all worlds (-1) come last")
+        shape = getattr(poses, "shape", None) or host_array(poses, "poses").shape
+        if len(shape) != 4:
+            moving = int((self._worlds == 0).sum())
+            raise InvalidInput(
+                f"poses of configurations must have shape (configurations, {moving}, 3, 4) or (configurations, "
+                f"{moving}, 4, 4), not {tuple(shape)}"
+            )
+        made = World.__new__(World)
+        made._shapes, made._base = self._shapes, self
+        _core.World._configure(made, self, int(shape[0]), poses)
+        return made
+
+    @property
+    def shapes(self) -> tuple[Shape, ...]:
+        """The shapes, as World was given them or as it made them of meshes."""
+        return self._shapes
+
+    @property
+    def poses(self) -> Any:
+        """The array of poses as it was given, or None: all as given. Of configurations, (k, m, 3, 4) or (k, m, 4, 4).
+
+        Others may be set at any time: one for each body, as in World; a search that runs meanwhile keeps its own.
+        """
+        return super().poses
+
+    @poses.setter
+    def poses(self, poses: Any) -> None:
+        self._place(poses)
+
+    def _spread(self, of_base: NDArray[Any]) -> NDArray[Any]:
+        import numpy as np
+
+        moving = self._moving
+        result = np.concatenate([np.tile(of_base[:moving], self._count), of_base[moving:]])
+        result.flags.writeable = False
+        return result
+
+    @cached_property
+    def originals(self) -> NDArray[np.int32]:
+        """(n,) int32: for each body, which one of the world that the configurations are made of; else itself."""
+        import numpy as np
+
+        return self._spread(np.arange(self.distinct, dtype=np.int32))
+
+    @property
+    def distinct(self) -> int:
+        """How many bodies one configuration has, those at rest included; otherwise len(world)."""
+        return len(self) if self._base is None else len(self._base)
+
+    @cached_property
+    def bodies(self) -> NDArray[np.int32]:
+        """(n,) int32: the index of each body's shape."""
+        return self._bodies if self._base is None else self._spread(self._base._bodies)
+
+    @cached_property
+    def groups(self) -> NDArray[np.int32]:
+        """(n,) int32: the group of each body's triangles, where its shape has none of its own."""
+        return self._groups if self._base is None else self._spread(self._base._groups)
+
+    @cached_property
+    def worlds(self) -> NDArray[np.int32]:
+        """(n,) int32: which world each body is in; -1: in all."""
+        if self._base is None:
+            return self._worlds
+        import numpy as np
+
+        rest = self._base._worlds[self._moving :]
+        result = np.concatenate([np.repeat(np.arange(self._count, dtype=np.int32), self._moving), rest])
+        result.flags.writeable = False
+        return result
+
+    @cached_property
+    def self_collisions(self) -> NDArray[np.bool_]:
+        """(n,) bool: whether pairs within each body are wanted."""
+        return self._self_collisions if self._base is None else self._spread(self._base._self_collisions)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of the bodies; "" for one without. Of configurations, those of the world they are made of."""
+        return self._names if self._base is None else self._base._names
+
+    @cached_property
+    def _index(self) -> dict[str, int]:
+        return {name: body for body, name in enumerate(self.names) if name}
+
+    def index(self, name: str) -> int:
+        """The body of this name. Raises InvalidInput, which suggests the nearest name. Of configurations as `names`."""
+        try:
+            return self._index[name]
+        except KeyError:
+            from difflib import get_close_matches
+
+            close = get_close_matches(name, list(self._index), n=1)
+            meant = f"; did you mean {close[0]!r}?" if close else ""
+            raise InvalidInput(f"there is no body {name!r}{meant}", element="body") from None
+
+    def __repr__(self) -> str:
+        if self._base is None:
+            return f"<crumple.World: {len(self)} bodies of {len(self._shapes)} shapes>"
+        return f"<crumple.World: {self._count} configurations of {self._moving} bodies, {len(self)} in all>"

@@ -1,0 +1,186 @@
+"""Columns of a world, one entry a body, converted if nothing is lost, and refused by name otherwise."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ._arrays import host_array
+from ._errors import InvalidInput, InvalidType
+
+if TYPE_CHECKING:
+    from ._world import Body, Shape, World
+
+
+def _column(array: Any, name: str, bodies: int | None) -> np.ndarray:
+    result = host_array(array, name)
+    if result.ndim == 0 and bodies is not None:  # one for all
+        result = np.broadcast_to(result, bodies)
+    if result.ndim != 1:
+        raise InvalidInput(f"{name} must have shape (bodies,), not {result.shape}")
+    if bodies is not None and len(result) != bodies:
+        raise InvalidInput(f"{name} must be one for each of the {bodies} bodies, not {len(result)}")
+    return result
+
+
+def ids(array: Any, name: str, bodies: int | None = None) -> np.ndarray:
+    """(n,) int32 without gaps, which nobody can write to."""
+    result = _column(array, name, bodies)
+    if result.size == 0:
+        result = result.astype(np.int32)
+    if result.dtype.kind not in "iu":
+        raise InvalidInput(f"{name} must be integers, not {result.dtype}")
+    limits = np.iinfo(np.int32)
+    outside = np.flatnonzero((result > limits.max) | (result < limits.min))
+    if len(outside):
+        body = int(outside[0])
+        raise InvalidInput(
+            f"{name}: {result[body]} of body {body} does not fit int32",
+            code="index_out_of_range",
+            element="body",
+            index=body,
+        )
+    return _constant(result, np.int32)
+
+
+def flags(array: Any, name: str, bodies: int) -> np.ndarray:
+    """(n,) bool without gaps, which nobody can write to."""
+    result = _column(array, name, bodies)
+    if result.size and result.dtype != np.bool_:
+        raise InvalidType(f"{name} must be True or False, or (bodies,) of bool, not {result.dtype}")
+    return _constant(result, np.bool_)
+
+
+def _constant(array: np.ndarray, dtype: Any) -> np.ndarray:
+    result = np.array(array, dtype, order="C")
+    result.flags.writeable = False
+    return result
+
+
+def names(given: Any, bodies: int) -> tuple[str, ...]:
+    """n strings, each once unless it is empty."""
+    if given is None:
+        return ("",) * bodies
+    if isinstance(given, (str, bytes)) or not isinstance(given, Iterable):
+        raise InvalidType(f"names must be a sequence of str, not {type(given).__name__}")
+    result = tuple(str(name) if isinstance(name, str) else name for name in given)
+    if len(result) != bodies:
+        raise InvalidInput(f"names must be one for each of the {bodies} bodies, not {len(result)}")
+    known: dict[str, int] = {}
+    for body, name in enumerate(result):
+        if not isinstance(name, str):
+            kind = "None" if name is None else type(name).__name__
+            raise InvalidType(f"names must be str, but that of body {body} is {kind}", element="body", index=body)
+        if name and known.setdefault(name, body) != body:
+            raise InvalidInput(
+                f"names: bodies {known[name]} and {body} are both called {name!r}", element="body", index=body
+            )
+    return result
+
+
+def pose_of(pose: Any, body: int) -> np.ndarray:
+    """The pose of one crumple.Body as (3, 4); None: as given."""
+    if pose is None:
+        return np.eye(3, 4)
+    result = host_array(pose, f"body {body}: its pose")
+    if result.shape not in ((3, 4), (4, 4)) or result.dtype.kind not in "iuf":
+        what = f"{result.shape}" if result.dtype.kind in "iuf" else f"{result.dtype}"
+        raise InvalidInput(
+            f"body {body}: its pose must have shape (3, 4) or (4, 4) and hold numbers, not {what}",
+            element="body",
+            index=body,
+        )
+    if len(result) == 4 and result[3].tolist() != [0, 0, 0, 1]:
+        last = " ".join(repr(float(value)) for value in result[3])
+        raise InvalidInput(
+            f"body {body}: the last row of its pose must be 0 0 0 1, not {last}", element="body", index=body
+        )
+    return result[:3].astype(np.float64)
+
+
+def of_bodies(bodies: Sequence[Body]) -> tuple[Any, list[int], list[int], list[bool], list[str]]:
+    """Poses, groups, worlds, self_collisions and names; no poses where no body has one."""
+    poses = None
+    if any(body.pose is not None for body in bodies):
+        poses = np.stack([pose_of(body.pose, i) for i, body in enumerate(bodies)])
+    return (
+        poses,
+        [body.group for body in bodies],
+        [body.world for body in bodies],
+        [body.self_collisions for body in bodies],
+        [body.name for body in bodies],
+    )
+
+
+def shapes_of(shapes: Sequence[Shape], bodies: Sequence[Body]) -> list[int]:
+    """The index of each body's shape, which may be given as the shape itself."""
+    places = {id(shape): i for i, shape in enumerate(shapes)}
+    result = []
+    for i, body in enumerate(bodies):
+        place = places.get(id(body.shape), body.shape)
+        if isinstance(place, (bool, np.bool_)) or not isinstance(place, (int, np.integer)):
+            raise InvalidType(
+                f"body {i}: its shape must be an index, or one of the world's crumple.Shape, not "
+                f"{'another one' if hasattr(place, 'mesh') else type(place).__name__}",
+                element="body",
+                index=i,
+            )
+        result.append(int(place))
+    return result
+
+
+def excluded_pairs(world: World, excluded: Any) -> np.ndarray:
+    """(k, 2) int32 of pairs of bodies, given by index or by name."""
+    # The fast way: whether indices are in range is looked at where they are read.
+    if type(excluded) is np.ndarray and excluded.dtype == np.int32 and excluded.shape[1:] == (2,):
+        return excluded
+    if isinstance(excluded, (str, bytes)) or not isinstance(excluded, Iterable):
+        kind = "None" if excluded is None else type(excluded).__name__
+        raise InvalidType(f"excluded must be pairs of bodies, not {kind}")
+    if hasattr(excluded, "dtype") or hasattr(excluded, "__dlpack__"):
+        pairs = host_array(excluded, "excluded")
+        if pairs.size == 0:
+            return np.empty((0, 2), np.int32)
+        if pairs.ndim != 2 or pairs.shape[1] != 2:
+            raise InvalidInput(f"excluded must have shape (k, 2), not {pairs.shape}")
+        if pairs.dtype.kind not in "iu":
+            raise InvalidInput(f"excluded must be integers, not {pairs.dtype}")
+        outside = np.argwhere((pairs < 0) | (pairs >= world.distinct))
+        if len(outside):
+            _refuse_index(world, int(pairs[tuple(outside[0])]))
+        return np.ascontiguousarray(pairs, np.int32)
+    rows = [_pair(world, pair) for pair in excluded]
+    return np.array(rows, np.int32).reshape(-1, 2)
+
+
+def _pair(world: World, pair: Any) -> tuple[int, int]:
+    # A set of one is a body and itself.
+    given = sorted(pair, key=str) if isinstance(pair, (set, frozenset)) else pair
+    if isinstance(given, (str, bytes)) or not isinstance(given, Sequence | np.ndarray):
+        raise InvalidType(f"excluded must be pairs of bodies, such as {{'arm', 'hand'}}, but {pair!r} is none")
+    if len(given) == 1 and isinstance(pair, (set, frozenset)):
+        given = [given[0], given[0]]
+    if len(given) != 2:
+        raise InvalidInput(f"excluded must be pairs of bodies, such as {{'arm', 'hand'}}, but {pair!r} is none")
+    return _body(world, given[0]), _body(world, given[1])
+
+
+def _body(world: World, given: Any) -> int:
+    if isinstance(given, str):
+        try:
+            return world.index(given)
+        except InvalidInput as error:
+            raise InvalidInput(f"excluded: {error}", element="body") from None
+    if isinstance(given, (bool, np.bool_)) or not isinstance(given, (int, np.integer)):
+        raise InvalidType(f"excluded must name bodies by str or int, not {type(given).__name__}")
+    if not 0 <= given < world.distinct:
+        _refuse_index(world, int(given))
+    return int(given)
+
+
+def _refuse_index(world: World, body: int) -> None:
+    raise InvalidInput(
+        f"excluded names body {body} of {world.distinct}", code="index_out_of_range", element="body", index=body
+    )

@@ -1,0 +1,148 @@
+"""The answer for a world: NumPy views, and files and pictures of them."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+from ._errors import InvalidInput
+from ._result import Contacts
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from ._core import Statistics, WorldAnswer
+    from ._world import World
+
+_WANTS = ("any", "any_by_world", "body_pairs", "count", "pairs", "contacts")
+# What each array is made for, from which of _WANTS on.
+_FROM = {"world_hit": 1, "count": 3, "world_counts": 3, "pairs": 4}
+_INDEX = ("world_offsets", "body_offsets", "first_triangle", "hit")
+
+
+class WorldResult:
+    """What collides in a world, as much as `wants` asked for: the same bytes from every backend and thread count.
+
+    Rows are in the order of first body, its triangle, second body, its triangle, each pair once. So worlds follow each
+    other, and pairs among bodies that are in all worlds, which come once and count for none, are last. Triangles count
+    within their bodies.
+
+    A result is true if anything collides; `len(result)` is the number of its rows. What was not asked for is an
+    InvalidInput that says how to ask. A result outlives its detector, and no later call changes it. Its arrays are
+    read-only views of the library's memory that keep that memory alive, or with `copy=True` writable arrays of their
+    own. It keeps the world and its poses as they were given, for files and pictures.
+    """
+
+    def __init__(self, answer: WorldAnswer, world: World, poses: Any) -> None:
+        self._answer = answer
+        self._world = world
+        self._poses = poses
+
+    def _array(self, name: str) -> Any:
+        answer = self._answer
+        if name in _INDEX and not answer.has_index:
+            raise InvalidInput(f'{name} was not asked for: find(..., wants="pairs", index=True)')
+        if _WANTS.index(answer.wants) < _FROM.get(name, 0):
+            raise InvalidInput(f'{name} was not asked for: find(..., wants="{_WANTS[_FROM[name]]}")')
+        array = getattr(answer, name)
+        return array.copy() if answer.copy else array
+
+    @property
+    def any(self) -> bool:
+        """Whether anything collides."""
+        return self._answer.any
+
+    @property
+    def count(self) -> int:
+        """How many pairs of triangles collide. From wants="count" on."""
+        if _WANTS.index(self._answer.wants) < _FROM["count"]:
+            raise InvalidInput('count was not asked for: find(..., wants="count")')
+        return self._answer.count
+
+    @cached_property
+    def world_hit(self) -> NDArray[np.bool_]:
+        """(worlds,) bool: in which worlds, or configurations, something collides. From wants="any_by_world" on."""
+        return self._array("world_hit")
+
+    @cached_property
+    def world_counts(self) -> NDArray[np.int64]:
+        """(worlds,) int64: how many pairs of triangles each world has. From wants="count" on."""
+        return self._array("world_counts")
+
+    @cached_property
+    def bodies(self) -> NDArray[np.int32]:
+        """(k, 2) int32: the bodies of each pair of triangles; of wants="body_pairs" the colliding ones, each once."""
+        if self._answer.wants not in ("body_pairs", "pairs", "contacts"):
+            raise InvalidInput('bodies was not asked for: find(..., wants="body_pairs")')
+        return self._array("bodies")
+
+    @cached_property
+    def pairs(self) -> NDArray[np.int32]:
+        """(k, 2) int32: the colliding triangles, as they count within their bodies. From wants="pairs" on."""
+        return self._array("pairs")
+
+    @cached_property
+    def contacts(self) -> Contacts | None:
+        """Where the pairs meet, or None if wants="contacts" was not asked for."""
+        if self._answer.wants != "contacts":
+            return None
+        return Contacts(self._array("contact_kinds"), self._array("contact_offsets"), self._array("contact_points"))
+
+    @cached_property
+    def world_offsets(self) -> NDArray[np.int64]:
+        """(worlds + 1,) int64, with `index`: the rows of world w are [world_offsets[w]:world_offsets[w + 1]].
+
+        The rows after these are of bodies that are in all worlds.
+        """
+        return self._array("world_offsets")
+
+    @cached_property
+    def body_offsets(self) -> NDArray[np.int64]:
+        """(n + 1,) int64, with `index`: the rows whose first body is b are [body_offsets[b]:body_offsets[b + 1]]."""
+        return self._array("body_offsets")
+
+    @cached_property
+    def first_triangle(self) -> NDArray[np.int64]:
+        """(n + 1,) int64, with `index`: where each body's triangles begin in `hit`."""
+        return self._array("first_triangle")
+
+    @cached_property
+    def hit(self) -> NDArray[np.bool_]:
+        """(triangles of all bodies,) bool, with `index`: which triangles of which body collide."""
+        return self._array("hit")
+
+    @property
+    def names(self) -> list[tuple[str, str]]:
+        """The names of `bodies`, row by row; of configurations, those of the world they are made of."""
+        names, originals = self._world.names, self._world.originals
+        return [(names[a], names[b]) for a, b in originals[self.bodies].tolist()]
+
+    @property
+    def world(self) -> World:
+        """The world that was searched."""
+        return self._world
+
+    @property
+    def statistics(self) -> Statistics:
+        """Counts and times of the stages."""
+        return self._answer.statistics
+
+    def __bool__(self) -> bool:
+        """Whether anything collides."""
+        return self._answer.any
+
+    def __len__(self) -> int:
+        """How many rows `bodies` has; 0 where they were not asked for."""
+        return len(self._answer.bodies)
+
+    def __repr__(self) -> str:
+        answer = self._answer
+        wants, time = answer.wants, f"{self.statistics.milliseconds:.3g} ms"
+        if wants in ("any", "any_by_world"):
+            found = "something collides" if answer.any else "nothing collides"
+        elif wants == "body_pairs":
+            found = f"{len(self)} colliding pairs of bodies"
+        else:
+            found = f"{answer.count} colliding pairs of triangles"
+        return f"<crumple.WorldResult: {found} of {len(self._world)} bodies, {time}>"

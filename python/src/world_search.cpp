@@ -1,0 +1,56 @@
+#include "world_search.h"
+
+#include <utility>
+
+#include "arguments.h"
+#include "detector.h"
+#include "gil.h"
+#include "names.h"
+#include "world.h"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+
+namespace crumple::python {
+namespace {
+
+void make_question(Intersect* place, nb::handle wants, nb::handle neighbours, nb::handle intersections, nb::handle weld,
+                   nb::handle bodies, nb::handle groups, nb::handle excluded_groups, nb::handle index) {
+    Intersect question;
+    question.wants = named(wants_names, "wants", wants);
+    question.neighbours = named(neighbours_names, "neighbours", neighbours);
+    question.intersections = named(intersections_names, "intersections", intersections);
+    question.weld = flag("weld", weld);
+    question.rules.bodies = named(wanted_names, "bodies", bodies);
+    question.rules.groups = named(wanted_names, "groups", groups);
+    question.rules.excluded_groups = group_pairs(excluded_groups);
+    question.index = flag("index", index);
+    new (place) Intersect(std::move(question));
+}
+
+}  // namespace
+
+// The world may get other poses while the call runs without the GIL: it reads those that were there when it began.
+WorldAnswer find_world(nb::handle self, nb::handle world, nb::handle poses, const Intersect& question,
+                       nb::handle excluded, nb::handle copy) {
+    SharedDetector& detector = detector_of(self);
+    const BorrowedWorld& given = given_world(world);
+    const std::shared_ptr<const Bodies> bodies = given.bodies;
+    const BorrowedPoses at = poses.is_none() ? given.poses : BorrowedPoses(poses, *bodies);
+    const bool copied = flag("copy", copy);
+    Intersect asked = question;
+    asked.rules.excluded_bodies = excluded_bodies(*bodies, excluded);
+    const SharedDetector::Turn turn(detector);
+    const World view{bodies->shapes, bodies->bodies, at.read(*bodies, detector.poses())};
+    WorldAnswer answer{detector.world_storage(), asked.wants, asked.index && asked.wants >= Wants::pairs, copied};
+    without_gil([&] { detector.find(view, asked, *answer.storage); }, &detector.library());
+    return answer;
+}
+
+void bind_question(nb::module_& module) {
+    nb::class_<Intersect>(module, "Question", "What is asked about a world.")
+        .def("__init__", make_question, "wants"_a.none(), "neighbours"_a.none(), "intersections"_a.none(),
+             "weld"_a.none(), "bodies"_a.none(), "groups"_a.none(), "excluded_groups"_a.none(), "index"_a.none());
+}
+
+}  // namespace crumple::python

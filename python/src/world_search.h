@@ -1,0 +1,17 @@
+#pragma once
+
+// What is asked about a world, and the call that answers it.
+
+#include <nanobind/nanobind.h>
+
+#include "crumple/world.h"
+#include "world_answer.h"
+
+namespace crumple::python {
+
+WorldAnswer find_world(nanobind::handle self, nanobind::handle world, nanobind::handle poses, const Intersect& question,
+                       nanobind::handle excluded, nanobind::handle copy);
+
+void bind_question(nanobind::module_& module);
+
+}  // namespace crumple::python

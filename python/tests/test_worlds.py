@@ -1,0 +1,255 @@
+"""Worlds of bodies: the same answer as brute force, as the searches of one mesh and two, and as a loop."""
+
+import gc
+
+import numpy as np
+import pytest
+
+import crumple
+from conftest import soup
+from worlds import random_columns, random_poses
+
+ARRAYS = ("bodies", "pairs", "world_hit", "world_counts", "world_offsets", "body_offsets", "first_triangle", "hit")
+QUESTIONS = [
+    {},
+    {"neighbours": "skip", "bodies": "between"},
+    {"intersections": "proper", "groups": "within"},
+    {"weld": True, "bodies": "within"},
+    {"excluded": [(0, 1), (2,) * 2, {3}], "excluded_groups": [(0, 1)], "groups": "between"},
+]
+
+
+@pytest.fixture(scope="module")
+def reference():
+    return crumple.Detector(backend="reference")
+
+
+def assert_same(found, expected):
+    for name in ARRAYS:
+        np.testing.assert_array_equal(getattr(found, name), getattr(expected, name), name, strict=True)
+    for name in ("kinds", "offsets", "points"):
+        np.testing.assert_array_equal(getattr(found.contacts, name), getattr(expected.contacts, name), name)
+    assert (found.any, found.count, len(found)) == (expected.any, expected.count, len(expected))
+
+
+@pytest.mark.parametrize("question", QUESTIONS, ids=str)
+@pytest.mark.parametrize("seed", range(4))
+def test_brute_force_agrees(seed, question, detector, reference):
+    columns = random_columns(seed)
+    expected = reference.find(columns.world(named=False), wants="contacts", index=True, **question)
+    assert seed > 0 or question or expected, "something must collide"
+    for named in (False, True, True):
+        found = detector.find(columns.world(named=named), wants="contacts", index=True, **question)
+        assert_same(found, expected)
+
+
+@pytest.mark.parametrize("named", [False, True])
+def test_less_is_the_same_as_all_cut_short(named, detector):
+    world = random_columns(5).world(named=named)
+    every = detector.find(world, index=True)
+    assert every.world_hit.any()
+    assert detector.find(world, wants="any").any is every.any is bool(every)
+    np.testing.assert_array_equal(detector.find(world, wants="any_by_world").world_hit, every.world_hit)
+    np.testing.assert_array_equal(detector.find(world, wants="body_pairs").bodies, np.unique(every.bodies, axis=0))
+    counted = detector.find(world, wants="count")
+    assert counted.count == every.count == len(every.pairs)
+    np.testing.assert_array_equal(counted.world_counts, every.world_counts)
+    for w, count in enumerate(every.world_counts):
+        rows = every.bodies[every.world_offsets[w] : every.world_offsets[w + 1]]
+        assert len(rows) == count and set(world.worlds[rows].ravel()) <= {w, -1}
+
+
+def test_one_body_in_place_is_a_soup_and_two_are_two_meshes(detector):
+    a, b = soup(200, size=0.4), soup(150, size=0.4, seed=2)
+    alone, both = crumple.World([a]), crumple.World([a, b], self_collisions=False)
+    expected = detector.find_self(a, contacts=True)
+    found = detector.find(alone, wants="contacts", index=True)
+    assert found.pairs.tobytes() == expected.pairs.tobytes() and len(expected)
+    assert found.contacts.points.tobytes() == expected.contacts.points.tobytes()
+    assert found.hit.tobytes() == expected.hit.tobytes()
+    expected = detector.find_between(a, b, contacts=True)
+    for found in (detector.find(both, wants="contacts"), detector.find(crumple.World([a, b]), bodies="between")):
+        assert found.pairs.tobytes() == expected.pairs.tobytes() and len(expected)
+        assert (found.bodies == [0, 1]).all()
+
+
+@pytest.mark.parametrize("named", [False, True])
+def test_configurations_are_a_loop(named, detector):
+    random = np.random.default_rng(3)
+    shape = crumple.Shape(soup(20, size=0.5), name="of configurations" if named else None)
+    names = ["upper", "lower", "hand", "table", "wall"]
+    base = crumple.World(
+        [shape],
+        [0] * 5,
+        worlds=[0, 0, 0, -1, -1],
+        names=names,
+        self_collisions=False,
+        poses=random_poses(random, 5, 3),
+    )
+    poses = random_poses(random, 3 * 40, 3).reshape(40, 3, 3, 4)
+    many = base.configurations(poses)
+    assert len(many) == 40 * 3 + 2 and many.worlds.tolist() == [*np.repeat(range(40), 3), -1, -1]
+    excluded = [{"upper", "lower"}, {"hand", "table"}]
+    every = detector.find(many, excluded=excluded, index=True)
+    hits = []
+    for c, moved in enumerate(poses):
+        one = detector.find(base, poses=np.concatenate([moved, base.poses[3:]]), excluded=excluded)
+        resting = (one.bodies >= 3).all(axis=1)  # pairs at rest come once, after all configurations
+        rows = slice(every.world_offsets[c], every.world_offsets[c + 1])
+        np.testing.assert_array_equal(many.originals[every.bodies[rows]], one.bodies[~resting])
+        np.testing.assert_array_equal(every.pairs[rows], one.pairs[~resting])
+        np.testing.assert_array_equal(every.bodies[every.world_offsets[-1] :] - 40 * 3 + 3, one.bodies[resting])
+        hits.append(bool(len(one.pairs[~resting])))
+    assert 0 < sum(hits) < 40
+    np.testing.assert_array_equal(detector.find(many, wants="any_by_world", excluded=excluded).world_hit, hits)
+    names = {name for pair in every.names for name in pair}
+    assert names == {"upper", "lower", "hand", "table", "wall"} and ("upper", "lower") not in every.names
+
+
+def test_configurations_get_other_poses(detector):
+    random = np.random.default_rng(4)
+    base = crumple.World([soup(20, size=0.5)], [0, 0, 0], worlds=[0, 0, -1], self_collisions=False)
+    one, other = random_poses(random, 40).reshape(2, 10, 2, 3, 4)
+    many = base.configurations(one)
+    expected = detector.find(base.configurations(other))
+    assert expected.pairs.tolist() != detector.find(many).pairs.tolist()
+    np.testing.assert_array_equal(detector.find(many, poses=other).pairs, expected.pairs)
+    assert many.poses is one
+    many.poses = other
+    np.testing.assert_array_equal(detector.find(many).pairs, expected.pairs)
+    np.testing.assert_array_equal(detector.find(many, poses=other.reshape(20, 3, 4)).pairs, expected.pairs)
+
+
+def square(poses):
+    """The same as (..., 4, 4)."""
+    return np.concatenate([poses, np.broadcast_to([0, 0, 0, 1.0], (*poses.shape[:-2], 1, 4))], axis=-2)
+
+
+class Dlpack:
+    """An array of which one sees nothing but DLPack."""
+
+    def __init__(self, array):
+        self.array = array
+
+    def __dlpack_device__(self):
+        return self.array.__dlpack_device__()
+
+    def __dlpack__(self, **how):
+        return self.array.__dlpack__(**how)
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        square,
+        np.asfortranarray,
+        Dlpack,
+        lambda p: p[::-1][::-1],
+        lambda p: np.repeat(p, 2, axis=0)[::2],
+        lambda p: square(p).tolist(),
+        lambda p: p.astype(">f8"),
+        lambda p: np.ma.masked_array(p),
+        lambda p: Dlpack(square(p)),
+    ],
+    ids=["square", "fortran", "dlpack", "reversed", "strided", "lists", "big endian", "no mask", "square dlpack"],
+)
+def test_poses_come_in_many_forms(given, detector):
+    columns = random_columns(6)
+    expected = detector.find(columns.world())
+    assert expected
+    for found in (
+        detector.find(columns.world(poses=given(columns.poses))),
+        detector.find(columns.world(), poses=given(columns.poses)),
+    ):
+        np.testing.assert_array_equal(found.pairs, expected.pairs)
+
+
+def test_single_precision_and_integers_are_poses(detector):
+    world = crumple.World([soup(30, size=0.5)], [0, 0], self_collisions=False)
+    poses = np.zeros((2, 3, 4), int)
+    poses[:, range(3), range(3)], poses[1, 0, 3] = 1, 0
+    expected = detector.find(world, poses=poses.astype(float)).pairs.tolist()
+    assert expected
+    for given in (poses, poses.astype(np.float32), poses.astype(np.float16), poses.tolist()):
+        assert detector.find(world, poses=given).pairs.tolist() == expected
+
+
+def test_poses_are_read_where_they_lie(detector):
+    """A search sees what was written since the last one."""
+    world = crumple.World([soup(30, size=0.5)], [0, 0], self_collisions=False)
+    poses = np.tile(np.eye(3, 4), (2, 1, 1))
+    world.poses = poses
+    assert world.poses is poses and detector.find(world)
+    poses[1, 0, 3] = 9
+    assert not detector.find(world)
+    world.poses = None
+    assert world.poses is None and detector.find(world)
+
+
+def test_bodies_one_by_one_are_the_same_as_columns(detector):
+    columns = random_columns(7)
+    shapes = [crumple.Shape(shape) for shape in columns.shapes]
+    bodies = [
+        crumple.Body(shapes[shape] if i % 2 else shape, square(pose) if i % 3 else pose, group, world, own, f"body {i}")
+        for i, (shape, pose, group, world, own) in enumerate(zip(*columns[1:]))
+    ]
+    world = crumple.World(shapes, bodies)
+    assert world.names[3] == "body 3" and world.index("body 3") == 3
+    assert_same(
+        detector.find(world, wants="contacts", index=True),
+        detector.find(columns.world(), wants="contacts", index=True),
+    )
+
+
+def test_a_result_outlives_everything(detector):
+    result = detector.find(random_columns(8).world(), wants="contacts", index=True)
+    arrays = {name: getattr(result, name) for name in ARRAYS}
+    points = result.contacts.points
+    before = {name: array.copy() for name, array in arrays.items()}, points.copy()
+    del result
+    for seed in range(9, 13):
+        detector.find(random_columns(seed).world(), wants="contacts", index=True)
+    del detector
+    gc.collect()
+    for name, array in arrays.items():
+        np.testing.assert_array_equal(array, before[0][name])
+        assert not array.flags.writeable
+    np.testing.assert_array_equal(points, before[1])
+
+
+def test_arrays_may_go_once_the_world_is_made(detector):
+    def made():
+        columns = random_columns(9)
+        return columns.world(named=False), detector.find(columns.world()).pairs.tolist()
+
+    world, expected = made()
+    gc.collect()
+    assert detector.find(world).pairs.tolist() == expected and expected
+
+
+def test_copies_may_be_written_to(detector):
+    result = detector.find(random_columns(10).world(), index=True, copy=True)
+    result.pairs[:] = 0
+    result.hit[:] = False
+    assert not result.pairs.any()
+
+
+def test_what_was_not_asked_for_says_how_to_ask(detector):
+    world = random_columns(11).world()
+    nothing = detector.find(world, wants="any")
+    for name in ("count", "bodies", "pairs", "world_hit", "world_counts", "hit", "body_offsets"):
+        with pytest.raises(crumple.InvalidInput, match=rf"{name} was not asked for: find\(\.\.\., wants="):
+            getattr(nothing, name)
+    assert nothing.contacts is None and len(nothing) == 0
+    with pytest.raises(crumple.InvalidInput, match="index=True"):
+        _ = detector.find(world).hit
+
+
+def test_a_memory_limit_holds():
+    world = random_columns(12, bodies=30).world()
+    expected = crumple.Detector().find(world).pairs
+    with pytest.raises(crumple.MemoryLimit) as caught:
+        crumple.Detector(memory_limit=10_000, count_bytes_needed=True).find(world)
+    enough = crumple.Detector(memory_limit=caught.value.bytes_needed)
+    for _ in range(3):
+        np.testing.assert_array_equal(enough.find(world).pairs, expected)
