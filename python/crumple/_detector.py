@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from typing import Any, Literal, overload
 
 from . import _core
-from ._errors import InvalidInput
+from ._errors import InvalidInput, InvalidType
 from ._mesh import Mesh, as_mesh, soup_of
 from ._names import suggesting
 from ._result import Result
@@ -315,6 +315,10 @@ class Detector(_core.Detector):
         """
         if isinstance(part_or_world, World):
             return find_in_world(self, part_or_world, **question)
+        if not isinstance(part_or_world, _core.Part):
+            kind = type(part_or_world)
+            name = f"{kind.__module__}.{kind.__qualname__}".removeprefix("builtins.")
+            raise InvalidType(f"find takes a crumple.World or a crumple.Part, not {name}")
         return _find_in_part(self, part_or_world, **question)
 
 

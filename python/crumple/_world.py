@@ -50,10 +50,10 @@ class Shape(_core.Shape):
         faces: (m, 3) integers, or flat: three a triangle.
         groups: (m,) integers that fit int32, one a triangle; None: the mesh's, or each body's own.
         name: a str, or an int from 1 to 2**63 - 1. What it names has the same contents now and in later calls. A
-            detector checks and reads it in the first call only, and keeps what it has computed for all bodies of that
-            shape, so that a body which is clear of all others costs a microsecond or less. Names count for a whole
-            process; another size or precision under a known name is an InvalidInput. A shape whose vertices move gets
-            no name, or a new one with each change.
+            detector checks it in the first call only and keeps what it has computed, for all bodies of that shape: one
+            that is clear of all others costs less than a microsecond. Pairs within a body are searched anew. Names
+            count for a whole process; another size or precision under a known name is an InvalidInput. A shape whose
+            vertices move gets no name, or a new one with each change.
 
     Raises InvalidInput, which names the argument. Whether coordinates are finite and indices in range is looked at when
     a search first reads the shape.
@@ -79,6 +79,11 @@ class Shape(_core.Shape):
     def name(self) -> int | str | None:
         """What the shape is remembered by, if anything; None also for one that a file gave, whose name is its own."""
         return None if isinstance(self._name, OwnName) else self._name
+
+    def __reduce__(self) -> Any:
+        from ._world_pickling import restore_shape, state_of_shape
+
+        return restore_shape, state_of_shape(self, self._name)
 
     def __repr__(self) -> str:
         named = f" {self.name!r}" if self.name else ""
@@ -152,6 +157,8 @@ class World(_core.World):
         self_collisions: Any = True,
         names: Iterable[str] | None = None,
     ) -> None:
+        import numpy as np
+
         from . import _world_arrays as columns
 
         if isinstance(shapes, (Shape, Mesh)) or not isinstance(shapes, Iterable):
@@ -162,14 +169,22 @@ class World(_core.World):
                 raise InvalidInput("poses, groups, worlds, self_collisions and names are those of each crumple.Body")
             poses, groups, worlds, self_collisions, names = columns.of_bodies(bodies)
             bodies = columns.shapes_of(self._shapes, bodies)
-        self._bodies = columns.ids(range(len(self._shapes)) if bodies is None else bodies, "bodies")
-        n = len(self._bodies)
-        self._groups = columns.ids(0 if groups is None else groups, "groups", n)
-        self._worlds = columns.ids(0 if worlds is None else worlds, "worlds", n)
-        self._self_collisions = columns.flags(self_collisions, "self_collisions", n)
+        of = columns.ids(np.arange(len(self._shapes)) if bodies is None else bodies, "bodies")
+        n = len(of)
+        self._columns = {
+            "bodies": of,
+            "groups": columns.ids(0 if groups is None else groups, "groups", n),
+            "worlds": columns.ids(0 if worlds is None else worlds, "worlds", n),
+            "self_collisions": columns.flags(self_collisions, "self_collisions", n),
+            "originals": columns.ids(np.arange(n), "originals"),
+        }
         self._names = columns.names(names, n)
         self._base: World | None = None
-        super().__init__(list(self._shapes), self._bodies, self._groups, self._worlds, self._self_collisions, poses)
+        super().__init__(
+            list(self._shapes),
+            *(self._columns[name] for name in ("bodies", "groups", "worlds", "self_collisions")),
+            poses,
+        )
 
     def configurations(self, poses: Any) -> World:
         """A world of many configurations of this one's bodies, each in a world of its own, against those at rest.
@@ -190,25 +205,26 @@ class World(_core.World):
 
         from ._arrays import host_array
 
-        if not np.isin(self._worlds, (0, -1)).all():
-            body = int(np.flatnonzero(~np.isin(self._worlds, (0, -1)))[0])
+        worlds = self.worlds
+        if not np.isin(worlds, (0, -1)).all():
+            body = int(np.flatnonzero(~np.isin(worlds, (0, -1)))[0])
             raise InvalidInput(
-                f"body {body}: its world is {self._worlds[body]}; configurations are made of bodies in world 0, which "
+                f"body {body}: its world is {worlds[body]}; configurations are made of bodies in world 0, which "
                 "move, and in all worlds (-1), which do not",
                 element="body",
                 index=body,
             )
-        if (np.diff(self._worlds) > 0).any():
+        if (np.diff(worlds) > 0).any():
             raise InvalidInput("bodies that are in all worlds (-1) come last")
         shape = getattr(poses, "shape", None) or host_array(poses, "poses").shape
         if len(shape) != 4:
-            moving = int((self._worlds == 0).sum())
+            moving = int((worlds == 0).sum())
             raise InvalidInput(
                 f"poses of configurations must have shape (configurations, {moving}, 3, 4) or (configurations, "
                 f"{moving}, 4, 4), not {tuple(shape)}"
             )
         made = World.__new__(World)
-        made._shapes, made._base = self._shapes, self
+        made._shapes, made._columns, made._base = self._shapes, {}, self
         _core.World._configure(made, self, int(shape[0]), poses)
         return made
 
@@ -229,52 +245,52 @@ class World(_core.World):
     def poses(self, poses: Any) -> None:
         self._place(poses)
 
-    def _spread(self, of_base: NDArray[Any]) -> NDArray[Any]:
-        import numpy as np
+    def _column(self, name: str) -> Any:
+        """A column of the world; of configurations, that of the bodies that move repeated, and the rest of it."""
+        if self._base is None:
+            return self._columns[name]
+        if name not in self._columns:
+            import numpy as np
 
-        moving = self._moving
-        result = np.concatenate([np.tile(of_base[:moving], self._count), of_base[moving:]])
-        result.flags.writeable = False
-        return result
+            column, moving = self._base._column(name), self._moving
+            if name == "worlds":
+                repeated = np.repeat(np.arange(self._count, dtype=np.int32), moving)
+            else:
+                repeated = np.tile(column[:moving], self._count)
+            made = np.concatenate([repeated, column[moving:]])
+            made.flags.writeable = False
+            self._columns[name] = made
+        return self._columns[name]
 
-    @cached_property
+    @property
     def originals(self) -> NDArray[np.int32]:
         """(n,) int32: for each body, which one of the world that the configurations are made of; else itself."""
-        import numpy as np
-
-        return self._spread(np.arange(self.distinct, dtype=np.int32))
+        return self._column("originals")
 
     @property
     def distinct(self) -> int:
         """How many bodies one configuration has, those at rest included; otherwise len(world)."""
         return len(self) if self._base is None else len(self._base)
 
-    @cached_property
+    @property
     def bodies(self) -> NDArray[np.int32]:
         """(n,) int32: the index of each body's shape."""
-        return self._bodies if self._base is None else self._spread(self._base._bodies)
+        return self._column("bodies")
 
-    @cached_property
+    @property
     def groups(self) -> NDArray[np.int32]:
         """(n,) int32: the group of each body's triangles, where its shape has none of its own."""
-        return self._groups if self._base is None else self._spread(self._base._groups)
+        return self._column("groups")
 
-    @cached_property
+    @property
     def worlds(self) -> NDArray[np.int32]:
         """(n,) int32: which world each body is in; -1: in all."""
-        if self._base is None:
-            return self._worlds
-        import numpy as np
+        return self._column("worlds")
 
-        rest = self._base._worlds[self._moving :]
-        result = np.concatenate([np.repeat(np.arange(self._count, dtype=np.int32), self._moving), rest])
-        result.flags.writeable = False
-        return result
-
-    @cached_property
+    @property
     def self_collisions(self) -> NDArray[np.bool_]:
         """(n,) bool: whether pairs within each body are wanted."""
-        return self._self_collisions if self._base is None else self._spread(self._base._self_collisions)
+        return self._column("self_collisions")
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -295,6 +311,20 @@ class World(_core.World):
             close = get_close_matches(name, list(self._index), n=1)
             meant = f"; did you mean {close[0]!r}?" if close else ""
             raise InvalidInput(f"there is no body {name!r}{meant}", element="body") from None
+
+    def __reduce__(self) -> Any:
+        from ._world_pickling import poses_of, restore_configurations, restore_world
+
+        if self._base is not None:
+            import numpy as np
+
+            # Those at rest stay where they were when the configurations were made.
+            base, moving = self._base.__reduce__(), np.tile(np.eye(3, 4), (self._moving, 1, 1))
+            poses = np.concatenate([moving, self._poses_at_rest])
+            return restore_configurations, (restore_world(*base[1][:-1], poses), poses_of(self.poses))
+        names = ("bodies", "groups", "worlds", "self_collisions")
+        columns = (self._columns[name] for name in names)
+        return restore_world, (self._shapes, *columns, self._names, poses_of(self.poses))
 
     def __repr__(self) -> str:
         if self._base is None:

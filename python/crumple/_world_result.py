@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import deepcopy
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -15,8 +16,8 @@ if TYPE_CHECKING:
     from ._core import Statistics, WorldAnswer
     from ._world import World
 
-_WANTS = ("any", "any_by_world", "body_pairs", "count", "pairs", "contacts")
-# What each array is made for, from which of _WANTS on.
+WANTS = ("any", "any_by_world", "body_pairs", "count", "pairs", "contacts")
+# What each array is made for, from which of WANTS on.
 _FROM = {"world_hit": 1, "count": 3, "world_counts": 3, "pairs": 4}
 _INDEX = ("world_offsets", "body_offsets", "first_triangle", "hit")
 
@@ -32,6 +33,10 @@ class WorldResult:
     InvalidInput that says how to ask. A result outlives its detector, and no later call changes it. Its arrays are
     read-only views of the library's memory that keep that memory alive, or with `copy=True` writable arrays of their
     own. It keeps the world and its poses as they were given, for files and pictures.
+
+    Results and worlds can be copied and pickled. A pickle carries the world, its shapes and poses as NumPy arrays;
+    copy.copy shares the answer and the world, copy.deepcopy neither. What was written into the arrays of `copy=True` is
+    not carried. Unpickling checks that all of it fits together, or raises InvalidInput.
     """
 
     def __init__(self, answer: WorldAnswer, world: World, poses: Any) -> None:
@@ -43,8 +48,8 @@ class WorldResult:
         answer = self._answer
         if name in _INDEX and not answer.has_index:
             raise InvalidInput(f'{name} was not asked for: find(..., wants="pairs", index=True)')
-        if _WANTS.index(answer.wants) < _FROM.get(name, 0):
-            raise InvalidInput(f'{name} was not asked for: find(..., wants="{_WANTS[_FROM[name]]}")')
+        if WANTS.index(answer.wants) < _FROM.get(name, 0):
+            raise InvalidInput(f'{name} was not asked for: find(..., wants="{WANTS[_FROM[name]]}")')
         array = getattr(answer, name)
         return array.copy() if answer.copy else array
 
@@ -56,7 +61,7 @@ class WorldResult:
     @property
     def count(self) -> int:
         """How many pairs of triangles collide. From wants="count" on."""
-        if _WANTS.index(self._answer.wants) < _FROM["count"]:
+        if WANTS.index(self._answer.wants) < _FROM["count"]:
             raise InvalidInput('count was not asked for: find(..., wants="count")')
         return self._answer.count
 
@@ -135,6 +140,19 @@ class WorldResult:
     def __len__(self) -> int:
         """How many rows `bodies` has; 0 where they were not asked for."""
         return len(self._answer.bodies)
+
+    def __reduce__(self) -> Any:
+        from ._world_pickling import poses_of, restore_result, stored
+
+        return restore_result, (tuple(stored(self._answer)), self._world, poses_of(self._poses))
+
+    def __copy__(self) -> WorldResult:
+        return WorldResult(self._answer, self._world, self._poses)
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> WorldResult:
+        from ._world_pickling import stored
+
+        return WorldResult(stored(self._answer), deepcopy(self._world, memo), deepcopy(self._poses, memo))
 
     def __repr__(self) -> str:
         answer = self._answer

@@ -226,6 +226,12 @@ void bind_world(nb::module_& module) {
         .def("__init__", make_world, "shapes"_a, "bodies"_a, "groups"_a, "worlds"_a, "self_collisions"_a,
              "poses"_a.none())
         .def("_configure", make_configurations, "of"_a, "count"_a, "poses"_a.none())
+        .def_prop_ro("_poses_at_rest",
+                     [](nb::handle self) {
+                         import_numpy();
+                         const std::vector<Pose>& poses = given_world(self).bodies->poses_at_rest;
+                         return nb::ndarray<nb::numpy, const double>(poses.data(), {poses.size(), 3, 4}, self);
+                     })
         .def("__len__", [](nb::handle self) { return given_world(self).bodies->bodies.size(); })
         .def_prop_ro("_moving", [](nb::handle self) { return given_world(self).bodies->moving; })
         .def_prop_ro("_count", [](nb::handle self) { return given_world(self).bodies->configurations; })

@@ -285,7 +285,7 @@ def test_a_part_whose_state_does_not_fit_together_is_refused(detector):
     part.__setstate__((0, 1, ARRAYS_OF_NOTHING, None, []))
     with pytest.raises(crumple.InvalidInput, match="a part needs 1 to 4 levels"):
         detector.find(part)
-    with pytest.raises(TypeError, match="part must be a crumple.Part, not int"):
+    with pytest.raises(TypeError, match="a crumple.World or a crumple.Part, not int"):
         detector.find(1)
 
 
