@@ -168,6 +168,7 @@ Bounds WorldSearch::read_box(std::int32_t b) const {
         Bounds box = place(known->box());
         if (finite(box, most)) return box;
     }
+    cancellation_.check();
     const VertexReader position = reader_of(shape);
     Bounds box = no_bounds;
     for (std::int64_t v = 0; v < shape.vertices.rows; ++v) {
@@ -224,10 +225,12 @@ void WorldSearch::search_directly(BackendBase& backend, WorldCollisions& result)
     backend.parallel_for(tasks, [&](std::size_t task) {
         const auto first = static_cast<std::int32_t>(task) * worlds_a_task;
         std::int64_t tests = 0;
+        cancellation_.check();
         for (std::int32_t pass = first; pass < std::min(passes(), first + worlds_a_task); ++pass) {
             if (question_.wants == Wants::any && any.load(std::memory_order_relaxed)) break;
             for_each_body_pair(pass, [&](std::int32_t a, std::int32_t b) {
                 if (!direct(a, b)) return true;
+                cancellation_.check();
                 if (!bodies_meet(outline_, question_, rules_, a, *tree(a), b, *tree(b), tests)) return true;
                 any.store(true, std::memory_order_relaxed);
                 if (pass < outline_.worlds() && !result.world_hit.empty()) result.world_hit[pass] = 1;
@@ -258,6 +261,7 @@ bool WorldSearch::gather(BackendBase& backend, std::int32_t pass) {
         for (std::int32_t b = begin_of(pass); b < end_of(pass); ++b)
             if (rules_.within(b, outline_.body(b).self)) whole_.push_back(b);
         for_each_body_pair(pass, [&](std::int32_t a, std::int32_t b) {
+            cancellation_.check();
             if (!(is_flag(question_.wants) && direct(a, b))) mark(a, b);
             return true;
         });
