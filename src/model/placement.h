@@ -10,6 +10,7 @@
 #include <limits>
 
 #include "crumple/world.h"
+#include "geometry/two.h"
 #include "geometry/vec.h"
 
 namespace crumple {
@@ -80,12 +81,14 @@ class Placement {
             }
             const double *const x = given[0], *const y = given[1], *const z = given[2];
             const double a = row(axis)[0], b = row(axis)[1], c = row(axis)[2], t = row(axis)[3];
+            const auto along = [&](std::int32_t i) {
+                return ((a * load_two(x + i) + b * load_two(y + i)) + c * load_two(z + i)) + t;
+            };
             for (std::int32_t i = 0; i < 4 * blocks; i += 4) {
-                Block value;
-                for (int lane = 0; lane < 4; ++lane)
-                    value[lane] = ((a * x[i + lane] + b * y[i + lane]) + c * z[i + lane]) + t;
-                if (float32_) round_to_float(value);
-                std::copy_n(value, 4, out + i);
+                Two low = along(i), high = along(i + 2);
+                if (float32_) round_to_float(low, high);
+                store_two(low, out + i);
+                store_two(high, out + i + 2);
             }
         }
     }
@@ -123,20 +126,21 @@ class Placement {
     }
 
    private:
-    using Block = double[4];
-
     // Nothing may be known of the rounded numbers, since g++ 12 with -O3 takes double(float(x)) for x where it selects
-    // between both in lanes.
-    static void round_to_float(Block& value) {
-        float rounded[4];
-        for (int lane = 0; lane < 4; ++lane) rounded[lane] = static_cast<float>(value[lane]);
+    // between both in lanes. They go through memory as one vector: read back from smaller pieces they would have to
+    // wait.
+    static void round_to_float(Two& low, Two& high) {
+        using Four = float __attribute__((vector_size(16)));
+        Four rounded{static_cast<float>(low[0]), static_cast<float>(low[1]), static_cast<float>(high[0]),
+                     static_cast<float>(high[1])};
         asm("" : "+m"(rounded));
-        for (int lane = 0; lane < 4; ++lane) value[lane] = static_cast<double>(rounded[lane]);
+        low = Two{static_cast<double>(rounded[0]), static_cast<double>(rounded[1])};
+        high = Two{static_cast<double>(rounded[2]), static_cast<double>(rounded[3])};
     }
     static Vec3d rounded(const Vec3d& p) {
-        Block value{p.x, p.y, p.z, 0};
-        round_to_float(value);
-        return {value[0], value[1], value[2]};
+        Two low{p.x, p.y}, high{p.z, 0};
+        round_to_float(low, high);
+        return {low[0], low[1], high[0]};
     }
 
     const double* row(int axis) const { return pose_->rows.data() + 4 * axis; }
