@@ -1,8 +1,9 @@
 #include "engine/first_hit.h"
 
-#include <algorithm>
+#include <cstring>
+#include <utility>
 
-#include "base/float_environment.h"
+#include "geometry/two.h"
 #include "questions/intersect/decide.h"
 
 namespace crumple {
@@ -38,16 +39,14 @@ void PosedGroup::pose(const ShapeTree& tree, const Placement& place, std::int32_
     double* const posed[3] = {coordinate[0], coordinate[1], coordinate[2]};
     place(given, group->blocks, posed);
     for (int axis = 0; axis < 3; ++axis) {
-        double low[4], high[4];
-        std::copy_n(posed[axis], 4, low);
-        std::copy_n(posed[axis], 4, high);
-        for (std::int32_t v = 4; v < 4 * group->blocks; v += 4)
-            for (int lane = 0; lane < 4; ++lane) {
-                low[lane] = min(low[lane], posed[axis][v + lane]);
-                high[lane] = max(high[lane], posed[axis][v + lane]);
-            }
-        all.low[axis] = min(min(low[0], low[1]), min(low[2], low[3]));
-        all.high[axis] = max(max(high[0], high[1]), max(high[2], high[3]));
+        Two low = load_two(posed[axis]), high = low;
+        for (std::int32_t v = 2; v < 4 * group->blocks; v += 2) {
+            const Two value = load_two(posed[axis] + v);
+            low = value < low ? value : low;
+            high = value > high ? value : high;
+        }
+        all.low[axis] = min(low[0], low[1]);
+        all.high[axis] = max(high[0], high[1]);
     }
 }
 
@@ -57,13 +56,23 @@ Bounds PosedGroup::box(int k) const {
     return {min(p, min(q, r)), max(p, max(q, r))};
 }
 
-std::int32_t PosedGroup::boxes_within(const Bounds& other, Boxed* out) const {
-    std::int32_t n = 0;
-    for (int k = 0; k < group->count; ++k) {
-        out[n] = {box(k), k};
-        n += overlap(out[n].box, other);
+std::span<const PosedGroup::Boxed> PosedGroup::boxes_within(const Bounds& other, Room& room) const {
+    std::int64_t
+        beyond[3 * ShapeTree::most_triangles];  // of each vertex: a bit for each side of `other` it lies beyond
+    for (std::int32_t v = 0; v < 4 * group->blocks; v += 2) {
+        TwoMasks sides{};
+        for (int axis = 0; axis < 3; ++axis) {
+            const Two value = load_two(coordinate[axis] + v);
+            sides |= ((value < other.low[axis]) & (1 << axis)) | ((value > other.high[axis]) & (8 << axis));
+        }
+        std::memcpy(beyond + v, &sides, sizeof sides);
     }
-    return n;
+    std::size_t n = 0;
+    for (int k = 0; k < group->count; ++k) {
+        const auto& c = group->corner[static_cast<std::size_t>(k)];
+        if ((beyond[c[0]] & beyond[c[1]] & beyond[c[2]]) == 0) room[n++] = {box(k), k};
+    }
+    return {room.data(), n};
 }
 
 bool bodies_meet(const WorldOutline& outline, const Intersect& question, const BodyRules& rules, std::int32_t a,
@@ -78,14 +87,11 @@ bool bodies_meet(const WorldOutline& outline, const Intersect& question, const B
         if (of_a.index != group_a) of_a.pose(tree_a, place_a, group_a);
         if (of_b.index != group_b) of_b.pose(tree_b, place_b, group_b);
         if (!overlap(of_a.all, of_b.all)) return true;
-        std::array<PosedGroup::Boxed, ShapeTree::most_triangles + 1> near_a, near_b;
-        const std::int32_t n = of_a.boxes_within(of_b.all, near_a.data()),
-                           m = of_b.boxes_within(of_a.all, near_b.data());
-        for (std::int32_t s_ = 0; s_ < n; ++s_) {
-            const auto& [box, i] = near_a[static_cast<std::size_t>(s_)];
-            for (std::int32_t t_ = 0; t_ < m; ++t_) {
-                const int j = near_b[static_cast<std::size_t>(t_)].triangle;
-                if (!overlap(box, near_b[static_cast<std::size_t>(t_)].box)) continue;
+        PosedGroup::Room room_a, room_b;
+        const auto near_a = of_a.boxes_within(of_b.all, room_a), near_b = of_b.boxes_within(of_a.all, room_b);
+        for (const auto& [box_i, i] : near_a) {
+            for (const auto& [box_j, j] : near_b) {
+                if (!overlap(box_i, box_j)) continue;
                 if (!rules.any_group() && !rules.groups(group_of(a, of_a.group->triangle[static_cast<std::size_t>(i)]),
                                                         group_of(b, of_b.group->triangle[static_cast<std::size_t>(j)])))
                     continue;

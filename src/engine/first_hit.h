@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 
 #include "model/body_rules.h"
 #include "model/shape_tree.h"
@@ -19,11 +20,12 @@ class PosedGroup {
         Bounds box;
         int triangle;
     };
+    using Room = std::array<Boxed, ShapeTree::most_triangles>;
 
     void pose(const ShapeTree& tree, const Placement& place, std::int32_t group);
     Bounds box(int triangle) const;
-    /// Lists the triangles whose boxes overlap `other`; writes one more than there are.
-    std::int32_t boxes_within(const Bounds& other, Boxed* out) const;
+    /// Lists the triangles whose boxes overlap `other`.
+    std::span<const Boxed> boxes_within(const Bounds& other, Room& room) const;
 
     std::int32_t index = -1;  ///< of the group, -1: none yet
     const ShapeTree::Group* group = nullptr;

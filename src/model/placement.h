@@ -19,9 +19,11 @@ namespace crumple {
 struct Bounds {
     Vec3d low, high;
 
+    // Without branches: which axis parts two boxes is hard to foretell.
     friend bool overlap(const Bounds& a, const Bounds& b) {
-        return !(a.low.x > b.high.x || b.low.x > a.high.x || a.low.y > b.high.y || b.low.y > a.high.y ||
-                 a.low.z > b.high.z || b.low.z > a.high.z);
+        const bool x = (a.low.x > b.high.x) | (b.low.x > a.high.x), y = (a.low.y > b.high.y) | (b.low.y > a.high.y),
+                   z = (a.low.z > b.high.z) | (b.low.z > a.high.z);
+        return !(x | y | z);
     }
     void widen(const Vec3d& p) { low = min(low, p), high = max(high, p); }
     void widen(const Bounds& other) { low = min(low, other.low), high = max(high, other.high); }
