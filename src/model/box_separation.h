@@ -5,8 +5,11 @@
 // A box with middle c and half extent h under the pose (P | t) is the set of all P (c + d) + t with |d| <= h by axis: a
 // parallelepiped. Along any direction n it reaches from n . (P c + t) by the sum over its axes of |n . P_j| h_j to both
 // sides. Directions that are tried: the columns of both poses, which are the boxes' face normals as long as poses are
-// rigid (S. Gottschalk, M. C. Lin, D. Manocha, "OBBTree", 1996, whose other nine directions part few boxes more). A
-// direction may be any vector, so poses that scale or flatten cost tightness only.
+// rigid (S. Gottschalk, M. C. Lin, D. Manocha, "OBBTree", 1996, whose other nine directions part few boxes more), and
+// the line through both shapes' middles. A direction may be any vector, so poses that scale or flatten cost tightness
+// only.
+//
+// Directions do not depend on the boxes. So how far a box reaches is computed once, and compared with many others.
 //
 // Boxes are given in float32, relative to the middle of the shape and in units of its extent. Lengths along a direction
 // are taken in units of what all boxes of both bodies can reach, so no number exceeds 1 by much and no sum of
@@ -58,17 +61,60 @@ struct SmallFrame {
 
 class BoxSeparation {
    public:
+    static constexpr int lanes = 8;  // the last one is not used
+    using Lanes = float[lanes];
+
+    /// From where to where a box reaches along each direction.
+    struct Reach {
+        alignas(16) Lanes low, high;
+
+        /// The largest distance along a direction, in no unit: above 0, the boxes are certainly apart.
+        friend float gap(const Reach& a, const Reach& b) {
+            Lanes apart;
+            for (int i = 0; i < lanes; ++i) apart[i] = max(a.low[i] - b.high[i], b.low[i] - a.high[i]);
+            for (int i = 0; i < 4; ++i) apart[i] = max(apart[i], apart[i + 4]);
+            return max(max(apart[0], apart[1]), max(apart[2], apart[3]));
+        }
+    };
+
+    /// One of both bodies, for its boxes.
+    class Side {
+       public:
+        Reach operator()(const SmallBox& box) const {
+            Reach reach;
+            const float *m = box.middle, *h = box.half;
+            for (int i = 0; i < lanes; ++i) {
+                const float middle = offset_[i] + ((along_[0][i] * m[0] + along_[1][i] * m[1]) + along_[2][i] * m[2]);
+                const float radius = slack_[i] + ((size_[0][i] * h[0] + size_[1][i] * h[1]) + size_[2][i] * h[2]);
+                reach.low[i] = middle - radius;
+                reach.high[i] = middle + radius;
+            }
+            return reach;
+        }
+
+       private:
+        friend class BoxSeparation;
+
+        void set(int lane, const double along[3], double scale, double offset, double slack) {
+            for (int j = 0; j < 3; ++j) {
+                along_[j][lane] = static_cast<float>(along[j] * scale);
+                size_[j][lane] = std::abs(along_[j][lane]);
+            }
+            offset_[lane] = static_cast<float>(offset * scale);
+            slack_[lane] = static_cast<float>(slack);
+        }
+
+        alignas(16) Lanes along_[3]{}, size_[3]{}, offset_{}, slack_{};
+    };
+
     BoxSeparation(const Placement& a, const SmallFrame& frame_a, const Placement& b, const SmallFrame& frame_b) {
         const Affine pa = a.matrix(), pb = b.matrix();
         const Vec3d apart = pb(frame_b.all.middle) - pa(frame_a.all.middle);
         const double error = a.error(frame_a.all) + b.error(frame_b.all);
         for (int i = 0; i < lanes; ++i) {
-            offset_[i] = 0;
-            slack_[i] = std::numeric_limits<float>::infinity();
-            for (int j = 0; j < 3; ++j) a_[j][i] = b_[j][i] = size_a_[j][i] = size_b_[j][i] = 0;
-        }
-        for (int i = 0; i < 6; ++i) {
-            const Vec3d n = i < 3 ? pa.column(i) : pb.column(i - 3);
+            a_.slack_[i] = std::numeric_limits<float>::infinity();
+            if (i == 7) break;
+            const Vec3d n = i < 3 ? pa.column(i) : i < 6 ? pb.column(i - 3) : apart;
             double along_a[3], along_b[3], reach = 0;
             for (int j = 0; j < 3; ++j) {
                 along_a[j] = dot(n, pa.column(j)) * frame_a.unit;
@@ -78,37 +124,16 @@ class BoxSeparation {
             const double offset = dot(n, apart), one_norm = std::abs(n.x) + std::abs(n.y) + std::abs(n.z);
             const double scale = 1 / (reach + std::abs(offset));
             if (!(scale > 0x1p-800 && scale < 0x1p800 && one_norm * error < 0x1p800)) continue;
-            for (int j = 0; j < 3; ++j) {
-                a_[j][i] = static_cast<float>(along_a[j] * scale), size_a_[j][i] = std::abs(a_[j][i]);
-                b_[j][i] = static_cast<float>(along_b[j] * scale), size_b_[j][i] = std::abs(b_[j][i]);
-            }
-            offset_[i] = static_cast<float>(offset * scale);
-            slack_[i] = static_cast<float>(one_norm * error * scale) * 1.0001f + 0x1p-18f;
+            a_.set(i, along_a, scale, 0, one_norm * error * scale * 1.0001 + 0x1p-18);
+            b_.set(i, along_b, scale, offset, 0);
         }
     }
 
-    /// The largest distance of the boxes along a direction, in no unit: above 0, they are certainly apart.
-    float gap(const SmallBox& a, const SmallBox& b) const {
-        float apart[lanes];
-        for (int i = 0; i < lanes; ++i) {
-            const float distance = offset_[i] +
-                                   ((b_[0][i] * b.middle[0] - a_[0][i] * a.middle[0]) +
-                                    (b_[1][i] * b.middle[1] - a_[1][i] * a.middle[1])) +
-                                   (b_[2][i] * b.middle[2] - a_[2][i] * a.middle[2]);
-            const float radius = slack_[i] +
-                                 ((size_a_[0][i] * a.half[0] + size_a_[1][i] * a.half[1]) +
-                                  (size_a_[2][i] * a.half[2] + size_b_[0][i] * b.half[0])) +
-                                 (size_b_[1][i] * b.half[1] + size_b_[2][i] * b.half[2]);
-            apart[i] = std::abs(distance) - radius;
-        }
-        return max(max(max(apart[0], apart[1]), max(apart[2], apart[3])), max(apart[4], apart[5]));
-    }
+    const Side& a() const { return a_; }
+    const Side& b() const { return b_; }
 
    private:
-    static constexpr int lanes = 8;  // the last two are not used
-    using Lanes = float[lanes];
-
-    alignas(32) Lanes a_[3], b_[3], size_a_[3], size_b_[3], offset_, slack_;
+    Side a_, b_;
 };
 
 }  // namespace crumple

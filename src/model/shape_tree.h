@@ -97,26 +97,41 @@ namespace detail {
 
 template <class Visit>
 struct PairWalk {
+    struct At {
+        std::int32_t node;
+        BoxSeparation::Reach reach;
+    };
+
     const ShapeTree &a, &b;
     const BoxSeparation& separation;
     Visit& visit;
     float extent_a = static_cast<float>(a.frame().unit), extent_b = static_cast<float>(b.frame().unit);
 
-    float gap(std::int32_t i, std::int32_t j) const { return separation.gap(a.node(i).box, b.node(j).box); }
+    static At at(const ShapeTree& tree, const BoxSeparation::Side& side, std::int32_t node) {
+        return {node, side(tree.node(node).box)};
+    }
+    static std::array<At, 2> children(const ShapeTree& tree, const BoxSeparation::Side& side, std::int32_t node) {
+        return {at(tree, side, node + 1), at(tree, side, tree.node(node).right)};
+    }
+
+    bool begin() {
+        const At root_a = at(a, separation.a(), 0), root_b = at(b, separation.b(), 0);
+        return gap(root_a.reach, root_b.reach) > 0 || (*this)(root_a, root_b);
+    }
 
     // Of two nodes that are not apart. Those that overlap most come first: a hit is likely there.
-    bool operator()(std::int32_t i, std::int32_t j) {
-        const ShapeTree::Node &node_a = a.node(i), &node_b = b.node(j);
+    bool operator()(const At& at_a, const At& at_b) {
+        const ShapeTree::Node &node_a = a.node(at_a.node), &node_b = b.node(at_b.node);
         const bool leaf_a = node_a.group >= 0, leaf_b = node_b.group >= 0;
         if (leaf_a && leaf_b) return visit(node_a.group, node_b.group);
         const bool split_a = leaf_b || (!leaf_a && extent_a * node_a.extent() > extent_b * node_b.extent());
-        const std::int32_t left[2] = {split_a ? i + 1 : i, split_a ? j : j + 1};
-        const std::int32_t right[2] = {split_a ? node_a.right : i, split_a ? j : node_b.right};
-        const float gap_left = gap(left[0], left[1]), gap_right = gap(right[0], right[1]);
-        const bool swap = gap_right < gap_left;
-        const auto &first = swap ? right : left, &second = swap ? left : right;
-        if (!((swap ? gap_right : gap_left) > 0) && !(*this)(first[0], first[1])) return false;
-        return (swap ? gap_left : gap_right) > 0 || (*this)(second[0], second[1]);
+        const auto half = split_a ? children(a, separation.a(), at_a.node) : children(b, separation.b(), at_b.node);
+        const At& other = split_a ? at_b : at_a;
+        const float gaps[2] = {gap(half[0].reach, other.reach), gap(half[1].reach, other.reach)};
+        const std::size_t first = gaps[1] < gaps[0];
+        for (const std::size_t k : {first, 1 - first})
+            if (!(gaps[k] > 0) && !(split_a ? (*this)(half[k], other) : (*this)(other, half[k]))) return false;
+        return true;
     }
 };
 
@@ -127,8 +142,7 @@ bool for_each_overlap(const ShapeTree& a, const Placement& pose_a, const ShapeTr
                       Visit visit) {
     if (a.empty() || b.empty()) return true;
     const BoxSeparation separation(pose_a, a.frame(), pose_b, b.frame());
-    detail::PairWalk<Visit> walk{a, b, separation, visit};
-    return walk.gap(0, 0) > 0 || walk(0, 0);
+    return detail::PairWalk<Visit>{a, b, separation, visit}.begin();
 }
 
 template <class Visit>
