@@ -27,7 +27,7 @@ struct Detect {
     AnswerOptions answer;
     BodyOptions bodies;
     Options options;
-    bool check = false, stats = false;
+    bool check = false, stats = false, stream = false;
 
     static std::optional<io::PairFormat> list_format(const std::string& extension) {
         const io::PairFormat format = io::pair_format_of(extension);
@@ -74,26 +74,55 @@ struct Detect {
     }
 
     /// The answer in one line: "925 pairs, 941 of 54,928 triangles, 4.4 ms".
-    std::string summary(const Collisions& found) const {
-        const std::size_t all = found.hit.size() + found.hit_second.size();
+    std::string summary(std::int64_t pairs, const Collisions& found) const {
+        const auto all = static_cast<std::int64_t>(found.hit.size() + found.hit_second.size());
         const char* const what = answer.polygons ? "polygons" : "triangles";
-        const auto pairs = static_cast<std::int64_t>(found.pairs.size());
-        if (pairs == 0)
-            return fmt::format("nothing collides: {} {}, {:.1f} ms\n", grouped(static_cast<std::int64_t>(all)), what,
-                               found.statistics.milliseconds);
+        const double milliseconds = found.statistics.milliseconds;
+        if (pairs == 0) return fmt::format("nothing collides: {} {}, {:.1f} ms\n", grouped(all), what, milliseconds);
         return fmt::format("{} pair{}, {} of {} {}, {:.1f} ms\n", grouped(pairs), pairs == 1 ? "" : "s",
-                           grouped(count_hits(found)), grouped(static_cast<std::int64_t>(all)), what,
-                           found.statistics.milliseconds);
+                           grouped(count_hits(found)), grouped(all), what, milliseconds);
+    }
+
+    /// Pairs go to the one output while they are found.
+    int run_stream() const {
+        const std::string path = outputs.empty() ? "-" : outputs.front();
+        const auto list = outputs.empty() ? io::PairFormat::txt : list_format(extension_of(path, format));
+        if (outputs.size() > 1 || (list != io::PairFormat::txt && list != io::PairFormat::csv))
+            fail("--stream writes one list of pairs, as .txt or .csv");
+        if (check || answer.polygons || answer.part) fail("--stream does not go with --check, --polygons or --part");
+        check_outputs(outputs, files, answer);
+        Search search(answer, options);
+        const Input input = read_input(files, answer);
+        Collisions all;  // of which only the flags are kept
+        all.hit.assign(static_cast<std::size_t>(input.first.triangle_count()), 0);
+        if (input.second) all.hit_second.assign(static_cast<std::size_t>(input.second->triangle_count()), 0);
+        const auto write_to = [&](io::PairWriter writer) {
+            all.statistics = search.stream(input, [&](const Collisions& block) {
+                for (const Pair& pair : block.pairs)
+                    all.hit[pair.a] = (input.second ? all.hit_second : all.hit)[pair.b] = 1;
+                writer.add(block);
+            });
+            writer.commit();
+        };
+        if (is_standard(path))
+            to_standard_output([&](std::ostream& out) { write_to(io::PairWriter(out, answer.contacts, *list)); });
+        else
+            write_to(io::PairWriter(path, answer.contacts));
+        if (stats) print_statistics(all.statistics, count_hits(all));
+        if (!stats && !is_standard(path)) say(summary(all.statistics.pairs, all));
+        return done;
     }
 
     int run() const {
         bodies.check(answer);
+        if (stream && answer.of_bodies()) fail("--stream is of triangles, and --groups bodies lists bodies");
         if (answer.of_bodies()) {
             if (stats) fail("--stats are of triangles, and --groups bodies lists bodies");
             return detect_bodies({files, outputs, format, answer, bodies, options, check});
         }
         if (files.size() > 2) fail("detect takes one FILE or two, or any number with --groups bodies");
         check_output_formats();
+        if (stream) return run_stream();
         check_outputs(outputs, files, answer);
         Search search(answer, options);
         const Input input = read_input(files, answer);
@@ -107,7 +136,8 @@ struct Detect {
         const Collisions& found = answer.polygons ? of_polygons : of_triangles;
         for (const std::string& path : outputs) write(path, input, found);
         if (outputs.empty()) to_standard_output([&](std::ostream& out) { io::write_pairs(out, found); });
-        if (!stats && !std::all_of(outputs.begin(), outputs.end(), is_standard)) say(summary(found));
+        if (!stats && !std::all_of(outputs.begin(), outputs.end(), is_standard))
+            say(summary(static_cast<std::int64_t>(found.pairs.size()), found));
         return check && !found.pairs.empty() ? collided : done;
     }
 
@@ -149,6 +179,9 @@ Command add_detect(CLI::App& app) {
         "--check", detect->check,
         "Exit with status 1 if anything collides. Without -o that is all that is searched for, and one line is "
         "printed");
+    command.add_flag("--stream", detect->stream,
+                     "Write pairs, as .txt or .csv, while they are found, for answers that exceed memory: the scene is "
+                     "searched again for each quarter of a million pairs");
     command.add_flag("--stats", detect->stats, "Print times and counts of the stages to standard error");
     add_cost_options(command, detect->options);
     command.footer(

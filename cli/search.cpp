@@ -202,6 +202,14 @@ const Collisions& Search::find(const Input& input) {
     });
 }
 
+Statistics Search::stream(const Input& input, Detector::TakeBlock take) {
+    const MeshView a = input.first.view();
+    return named(input.name, [&] {
+        return input.second ? detector_.stream_between(a, input.second->view(), take, query())
+                            : detector_.stream_self(a, take, query());
+    });
+}
+
 namespace {
 
 /// "body 7: ..." with the name of that body, and with the number of its configuration.

@@ -43,6 +43,8 @@ class Search {
 
     /// Valid until the next call. Throws Error that names the input.
     const Collisions& find(const Input& input);
+    /// The same in blocks, in order. Throws as find does, and what `take` throws.
+    Statistics stream(const Input& input, Detector::TakeBlock take);
     /// Whether there is any pair. Ends at the first that is found, unless only a part is wanted. Throws as find does.
     bool any(const Input& input);
     /// The answer for bodies that have these names, again and again in each of several configurations, whose first one

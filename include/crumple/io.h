@@ -219,6 +219,27 @@ void write_pairs(const std::filesystem::path& path, const Collisions& collisions
 /// The same to a stream; `automatic` is txt.
 void write_pairs(std::ostream& out, const Collisions& collisions, PairFormat format = PairFormat::automatic);
 
+/// Pairs written block by block (Detector::stream_self), as .txt or .csv; together they are what write_pairs writes.
+class PairWriter {
+   public:
+    /// `contacts`: whether the blocks have them. Throws crumple::Error (file; invalid_argument for other formats).
+    explicit PairWriter(const std::filesystem::path& path, bool contacts, PairFormat format = PairFormat::automatic);
+    /// To a stream; `automatic` is txt.
+    explicit PairWriter(std::ostream& out, bool contacts, PairFormat format = PairFormat::automatic);
+    ~PairWriter();
+    PairWriter(PairWriter&&) noexcept;
+    PairWriter& operator=(PairWriter&&) noexcept;
+
+    /// Throws crumple::Error (file), also at commit().
+    void add(const Collisions& block);
+    /// After the last block: the file is there. Without it, what was at the path stays as it was.
+    void commit();
+
+   private:
+    struct Implementation;
+    std::unique_ptr<Implementation> implementation_;
+};
+
 /// Reads the pairs of a file, in its order: .csv, .json (the member `pairs`), .npz (the array `pairs`) and .npy, of 32
 /// or 64 bits, by extension; any other is text, the first two numbers of each line, with or without a comma between,
 /// with what follows them, blank lines and comments (#) skipped. Throws crumple::Error (file, format) that names the

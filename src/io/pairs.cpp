@@ -2,6 +2,8 @@
 
 #include "io/pairs.h"
 
+#include <optional>
+
 #include "base/float_environment.h"
 #include "io/atomic_file.h"
 #include "io/formats.h"
@@ -13,8 +15,7 @@ namespace {
 
 constexpr std::size_t most_points = 6;
 
-void write_txt(std::ostream& out, const Collisions& collisions) {
-    Sink sink(out);
+void add_txt(Sink& sink, const Collisions& collisions) {
     for (std::size_t i = 0; i < collisions.pairs.size(); ++i) {
         sink << collisions.pairs[i].a << ' ' << collisions.pairs[i].b;
         if (has_contacts(collisions)) {
@@ -27,14 +28,16 @@ void write_txt(std::ostream& out, const Collisions& collisions) {
     }
 }
 
-void write_csv(std::ostream& out, const Collisions& collisions) {
-    Sink sink(out);
+void begin_csv(Sink& sink, bool contacts) {
     sink << "a,b";
-    if (has_contacts(collisions)) {
+    if (contacts) {
         sink << ",kind,points";
         for (std::size_t k = 0; k < most_points; ++k) sink << ",x" << k << ",y" << k << ",z" << k;
     }
     sink << '\n';
+}
+
+void add_csv(Sink& sink, const Collisions& collisions) {
     for (std::size_t i = 0; i < collisions.pairs.size(); ++i) {
         sink << collisions.pairs[i].a << ',' << collisions.pairs[i].b;
         if (has_contacts(collisions)) {
@@ -65,14 +68,13 @@ void validate(const Collisions& collisions) {
 
 void write(std::ostream& out, const Collisions& collisions, PairFormat format) {
     switch (format) {
-        case PairFormat::csv:
-            return write_csv(out, collisions);
         case PairFormat::json:
             return write_pairs_json(out, collisions);
         case PairFormat::npz:
             return write_pairs_npz(out, collisions);
         default:
-            return write_txt(out, collisions);
+            PairWriter writer(out, has_contacts(collisions), format);
+            writer.add(collisions);
     }
 }
 
@@ -104,6 +106,63 @@ void write_pairs(const std::filesystem::path& path, const Collisions& collisions
     AtomicFile file(path);
     write(file.stream(), collisions, format);
     file.commit();
+}
+
+struct PairWriter::Implementation {
+    std::optional<AtomicFile> file;
+    std::ostream* out = nullptr;
+    bool csv = false, contacts = false;
+
+    Implementation(PairFormat format, bool with_contacts) : csv(format == PairFormat::csv), contacts(with_contacts) {
+        if (format != PairFormat::csv && format != PairFormat::txt)
+            throw Error(ErrorCode::invalid_argument, "pairs are written block by block as .txt or .csv");
+    }
+    void begin() const {
+        const FloatEnvironment environment;
+        Sink sink(*out);
+        if (csv) begin_csv(sink, contacts);
+    }
+};
+
+PairWriter::PairWriter(const std::filesystem::path& path, bool contacts, PairFormat format)
+    : implementation_(std::make_unique<Implementation>(
+          format == PairFormat::automatic ? pair_format_of(extension_of(path)) : format, contacts)) {
+    implementation_->out = &implementation_->file.emplace(path).stream();
+    implementation_->begin();
+}
+
+PairWriter::PairWriter(std::ostream& out, bool contacts, PairFormat format)
+    : implementation_(
+          std::make_unique<Implementation>(format == PairFormat::automatic ? PairFormat::txt : format, contacts)) {
+    implementation_->out = &out;
+    implementation_->begin();
+}
+
+PairWriter::~PairWriter() = default;
+PairWriter::PairWriter(PairWriter&&) noexcept = default;
+PairWriter& PairWriter::operator=(PairWriter&&) noexcept = default;
+
+void PairWriter::add(const Collisions& block) {
+    const FloatEnvironment environment;
+    Implementation& to = *implementation_;
+    validate(block);
+    if (to.contacts != has_contacts(block) && !block.pairs.empty())
+        throw Error(ErrorCode::invalid_argument, "a block has contacts, or lacks them, unlike what was announced");
+    {
+        Sink sink(*to.out);
+        if (to.csv)
+            add_csv(sink, block);
+        else
+            add_txt(sink, block);
+    }
+    if (*to.out) return;
+    if (to.file) to.file->complete();  // says why not
+    throw Error(ErrorCode::file, "cannot write pairs to the stream");
+}
+
+void PairWriter::commit() {
+    if (implementation_->file) return implementation_->file->commit();
+    if (!implementation_->out->flush()) throw Error(ErrorCode::file, "cannot write pairs to the stream");
 }
 
 }  // namespace crumple::io

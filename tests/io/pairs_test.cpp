@@ -44,6 +44,39 @@ TEST(Pairs, CsvHasAHeaderAndAsManyFieldsInEachLine) {
     EXPECT_EQ(line, "0,2147483647,segment,2,-2,-2,1,1e+300,1e+300,1,,,,,,,,,,,,");
 }
 
+TEST(Pairs, BlocksMakeTheSameFile) {
+    for (const bool contacts : {false, true})
+        for (const PairFormat format : {PairFormat::txt, PairFormat::csv}) {
+            const Collisions one = example(contacts);
+            std::ostringstream twice;
+            PairWriter writer(twice, contacts, format);
+            writer.add(one);
+            writer.add(one);
+            writer.commit();
+            const std::string once = written(one, format);
+            const std::size_t header = format == PairFormat::csv ? once.find('\n') + 1 : 0;
+            EXPECT_EQ(twice.str(), once + once.substr(header));
+        }
+}
+
+TEST(Pairs, BlocksThatAreNotCommittedLeaveTheOldFile) {
+    const Folder folder;
+    const auto path = folder / "pairs.txt";
+    std::ofstream(path) << "old";
+    {
+        PairWriter writer(path, false);
+        writer.add(example(false));
+    }
+    EXPECT_EQ(bytes_of(path), "old");
+    PairWriter writer(path, false);
+    writer.add(example(false));
+    EXPECT_THROW(writer.add(example(true)), Error) << "contacts that were not announced";
+    writer.commit();
+    EXPECT_EQ(bytes_of(path), written(example(false), PairFormat::txt));
+    EXPECT_THROW(PairWriter(folder / "pairs.json", false), Error);
+    EXPECT_THROW(PairWriter(folder / "pairs.xyz", false), Error);
+}
+
 TEST(Pairs, JsonHoldsPairsContactsAndStatistics) {
     const auto json = nlohmann::json::parse(written(example(true), PairFormat::json));
     EXPECT_EQ(json["pairs"], nlohmann::json::parse("[[0,2],[0,2147483647],[1,2]]"));
