@@ -400,7 +400,6 @@ const DeviceCollisions& Detector::wait(std::stop_token stop) { return implementa
 const Collisions& Detector::download() { return implementation_->download(); }
 void Detector::swap_result(Collisions& other) { implementation_->swap_result(other); }
 void Detector::swap_result(WorldCollisions& other) { implementation_->swap_result(other); }
-void Detector::cancel() { implementation_->cancellation.request(); }
 void Detector::set_poll(std::function<void()> poll) { implementation_->cancellation.set_poll(std::move(poll)); }
 const Options& Detector::options() const { return implementation_->options; }
 Backend Detector::backend() const { return implementation_->working; }

@@ -19,7 +19,7 @@ namespace crumple {
 /// Finds all pairs of triangles that intersect, exactly. Keeps buffers and cluster centres between calls, so a detector
 /// that is fed the frames of a simulation is faster than a new one for each; the topology may change freely.
 ///
-/// A detector is used by one thread at a time, but for cancel(); different detectors work at the same time. Results are
+/// A detector is used by one thread at a time; different detectors work at the same time. Results are
 /// references to the detector's one result, valid until its next call, move or destruction. Every call throws
 /// crumple::Error on bad input and leaves the detector usable.
 ///
@@ -97,15 +97,9 @@ class Detector {
     /// The same for the result of the last find of a world.
     void swap_result(WorldCollisions& other);
 
-    /// Asks the call that runs at this moment to end: it throws Error (cancelled) within some milliseconds, or returns
-    /// its answer if that was all but there. Does nothing while no call runs: a call begins by forgetting earlier
-    /// requests. The one member function that any thread may call at any time between construction and destruction,
-    /// except during a move. What partition() does after it has read the meshes is not cut short.
-    void cancel();
-
     /// Has `poll` called about every 20 ms while a call runs, in the thread that made the call; shorter calls do not
-    /// poll. What it throws ends the call and leaves it, as an Error does; it may also call cancel(), and nothing else
-    /// of this detector. For languages whose signals must be looked at in the calling thread. Empty: none.
+    /// poll. What it throws ends the call and leaves it, as an Error does; it must not call this detector. For
+    /// languages whose signals must be looked at in the calling thread. Empty: none.
     void set_poll(std::function<void()> poll);
 
     /// Starts a query on meshes in device memory and returns at once: on the stream of `mesh` (of `a`), which the

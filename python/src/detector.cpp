@@ -46,6 +46,7 @@ SharedDetector::Turn::Turn(SharedDetector& detector) : detector_(detector) {
         detector_.wait_for_another_turn();
     }
     detector_.caller_ = self;
+    detector_.stop_.emplace();
 }
 
 SharedDetector::Turn::~Turn() {
@@ -74,30 +75,32 @@ void SharedDetector::wait_for_another_turn() {
 void SharedDetector::find(const MeshView& first, const MeshView* second, const Query& query, Collisions& answer) {
     detector_.swap_result(answer);
     if (second)
-        detector_.find_between(first, *second, query);
+        detector_.find_between(first, *second, query, stop_->get_token());
     else
-        detector_.find_self(first, query);
+        detector_.find_self(first, query, stop_->get_token());
     detector_.swap_result(answer);
 }
 
 void SharedDetector::find(const Part& part, const Query& query, Collisions& answer) {
     detector_.swap_result(answer);
-    detector_.find(part, query);
+    detector_.find(part, query, stop_->get_token());
     detector_.swap_result(answer);
 }
 
 void SharedDetector::find(const World& world, const Intersect& question, WorldCollisions& answer) {
     detector_.swap_result(answer);
-    detector_.find(world, question);
+    detector_.find(world, question, stop_->get_token());
     detector_.swap_result(answer);
 }
 
 bool SharedDetector::any(const MeshView& first, const MeshView* second, const Query& query) {
-    return second ? detector_.has_collision(first, *second, query) : detector_.has_collision(first, query);
+    return second ? detector_.has_collision(first, *second, query, stop_->get_token())
+                  : detector_.has_collision(first, query, stop_->get_token());
 }
 
 std::vector<Part> SharedDetector::partition(const MeshView& first, const MeshView* second, int count) {
-    return second ? detector_.partition(first, *second, count) : detector_.partition(first, count);
+    return second ? detector_.partition(first, *second, count, stop_->get_token())
+                  : detector_.partition(first, count, stop_->get_token());
 }
 
 namespace {
@@ -189,7 +192,7 @@ Answer find(nb::handle self, const nb::tuple& first, const std::optional<nb::tup
     const SharedDetector::Turn turn(detector);
     Answer answer{detector.storage(), query.contacts, copied};
     without_gil([&] { detector.find(meshes.first.view(), meshes.second_or_null(), query, *answer.storage); },
-                &detector.library());
+                detector.stop());
     return answer;
 }
 
@@ -199,7 +202,7 @@ Answer find_part(nb::handle self, nb::handle part, const OwningQuery& given, nb:
     const bool copied = flag("copy", copy);
     const SharedDetector::Turn turn(detector);
     Answer answer{detector.storage(), given.query.contacts, copied};
-    without_gil([&] { detector.find(of, given.query, *answer.storage); }, &detector.library());
+    without_gil([&] { detector.find(of, given.query, *answer.storage); }, detector.stop());
     return answer;
 }
 
@@ -209,7 +212,7 @@ bool any(nb::handle self, const nb::tuple& first, const std::optional<nb::tuple>
     check_devices(detector, meshes);
     const SharedDetector::Turn turn(detector);
     return without_gil([&] { return detector.any(meshes.first.view(), meshes.second_or_null(), given.query); },
-                       &detector.library());
+                       detector.stop());
 }
 
 std::vector<Part> partition(nb::handle self, const nb::tuple& first, const std::optional<nb::tuple>& second,
@@ -220,7 +223,7 @@ std::vector<Part> partition(nb::handle self, const nb::tuple& first, const std::
     const int parts = integer<int>("count", count);
     const SharedDetector::Turn turn(detector);
     return without_gil([&] { return detector.partition(meshes.first.view(), meshes.second_or_null(), parts); },
-                       &detector.library());
+                       detector.stop());
 }
 
 nb::tuple listed_devices() {

@@ -8,6 +8,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <stop_token>
 #include <string_view>
 #include <thread>
 #include <utility>
@@ -58,9 +59,11 @@ class SharedDetector {
     Backend backend() const { return detector_.backend(); }
     std::string_view fallback() const { return detector_.fallback(); }
 
-    /// Ends the call that runs, from any thread; one that waits for its turn goes on waiting.
-    void cancel() { detector_.cancel(); }
-    Detector& library() { return detector_; }
+    /// Ends the call whose turn it is; one that waits for its turn goes on waiting. Call with the GIL.
+    void cancel() {
+        if (stop_) stop_->request_stop();
+    }
+    const std::stop_source& stop() const { return *stop_; }
 
    private:
     /// The last two answers, of which one may be free.
@@ -84,7 +87,8 @@ class SharedDetector {
     Two<Collisions> answers_;
     Two<WorldCollisions> world_answers_;
     std::vector<Pose> poses_;
-    std::thread::id caller_;  ///< whose turn it is; guarded by the GIL, as `waiting_` is
+    std::optional<std::stop_source> stop_;  ///< of the turn; each has its own
+    std::thread::id caller_;                ///< whose turn it is; guarded by the GIL, as `stop_` and `waiting_` are
     int waiting_ = 0;
     std::uint64_t turns_ = 0;  ///< that ended while somebody waited; guarded by the mutex
     std::mutex mutex_;

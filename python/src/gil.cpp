@@ -5,9 +5,8 @@
 
 #include <chrono>
 #include <thread>
+#include <utility>
 #include <vector>
-
-#include "crumple/detector.h"
 
 namespace nb = nanobind;
 
@@ -39,7 +38,7 @@ nb::object call_python(const char* module, const char* function, std::initialize
 
 WithoutGil* WithoutGil::all_ = nullptr;
 
-WithoutGil::WithoutGil(AtExit at_exit, Detector* detector) : next_(all_), detector_(detector), at_exit_(at_exit) {
+WithoutGil::WithoutGil(AtExit at_exit, std::stop_source stop) : next_(all_), stop_(std::move(stop)), at_exit_(at_exit) {
     all_ = this;
     state_ = PyEval_SaveThread();
 }
@@ -72,7 +71,7 @@ void WithoutGil::end_all() {
         for (WithoutGil* work = all_; work; work = work->next_) {
             if (work->done_.load(std::memory_order_acquire)) continue;
             work->wanted_.store(false, std::memory_order_relaxed);
-            if (work->detector_) work->detector_->cancel();  // again and again: a call forgets what came before it
+            work->stop_.request_stop();
             waiting = waiting || patient || work->at_exit_ == AtExit::finished;
         }
         if (!waiting) return;

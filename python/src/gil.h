@@ -9,13 +9,11 @@
 #include <atomic>
 #include <cstdint>
 #include <initializer_list>
+#include <stop_token>
 #include <type_traits>
+#include <utility>
 
 #include <nanobind/nanobind.h>
-
-namespace crumple {
-class Detector;
-}
 
 namespace crumple::python {
 
@@ -48,10 +46,10 @@ nanobind::object call_python(const char* module, const char* function, std::init
 class WithoutGil {
    public:
     /// What the process does about work that is under way when the interpreter has ended: it waits a moment, or until
-    /// there is nothing left of it, such as a temporary file. `detector` is told to cancel its call.
+    /// there is nothing left of it, such as a temporary file. `stop` is requested.
     enum class AtExit : std::uint8_t { given_up, finished };
 
-    explicit WithoutGil(AtExit at_exit = AtExit::given_up, Detector* detector = nullptr);
+    explicit WithoutGil(AtExit at_exit = AtExit::given_up, std::stop_source stop = std::stop_source(std::nostopstate));
     ~WithoutGil();
     WithoutGil(const WithoutGil&) = delete;
     WithoutGil& operator=(const WithoutGil&) = delete;
@@ -67,16 +65,16 @@ class WithoutGil {
 
     static WithoutGil* all_;  ///< guarded by the GIL
     WithoutGil* next_;
-    Detector* const detector_;
+    std::stop_source stop_;
     const AtExit at_exit_;
     std::atomic<bool> done_{false}, wanted_{true};
     PyThreadState* state_;
 };
 
-/// What `work` gives. `detector`: whose call it is.
+/// What `work` gives, which `stop` may end.
 template <class Work>
-auto without_gil(Work work, Detector* detector = nullptr) {
-    const WithoutGil released(WithoutGil::AtExit::given_up, detector);
+auto without_gil(Work work, std::stop_source stop = std::stop_source(std::nostopstate)) {
+    const WithoutGil released(WithoutGil::AtExit::given_up, std::move(stop));
     return work();
 }
 

@@ -43,7 +43,7 @@ WorldAnswer find_world(nb::handle self, nb::handle world, nb::handle poses, cons
     const SharedDetector::Turn turn(detector);
     const World view{bodies->shapes, bodies->bodies, at.read(*bodies, detector.poses())};
     WorldAnswer answer{detector.world_storage(), asked.wants, asked.index && asked.wants >= Wants::pairs, copied};
-    without_gil([&] { detector.find(view, asked, *answer.storage); }, &detector.library());
+    without_gil([&] { detector.find(view, asked, *answer.storage); }, detector.stop());
     return answer;
 }
 

@@ -2,7 +2,6 @@
 
 // How a running call is asked to end before its answer is there.
 
-#include <atomic>
 #include <chrono>
 #include <functional>
 #include <stop_token>
@@ -16,34 +15,29 @@ namespace crumple {
 /// One detector's. Backends call check() between pieces of work of a few milliseconds at most, from any thread.
 class Cancellation {
    public:
-    /// From any thread, at any time.
-    void request() { requested_.store(true, std::memory_order_relaxed); }
-
     void set_poll(std::function<void()> poll) { poll_ = std::move(poll); }
 
-    /// A call of this thread begins, which `stop` may end; requests that came before are void.
+    /// A call of this thread begins, which `stop` may end.
     void begin(std::stop_token stop) {
-        requested_.store(false, std::memory_order_relaxed);
         stop_ = std::move(stop);
         caller_ = std::this_thread::get_id();
         polled_ = Clock::now();
     }
 
-    /// Throws Error (cancelled) after a request. In the caller's thread also polls, and lets through what poll throws.
+    /// Throws Error (cancelled) after a stop was requested. In the caller's thread also polls, and lets through what
+    /// poll throws.
     void check() {
         if (poll_ && std::this_thread::get_id() == caller_ && Clock::now() - polled_ >= interval) {
             poll_();
             polled_ = Clock::now();
         }
-        if (requested_.load(std::memory_order_relaxed) || stop_.stop_requested())
-            throw Error(ErrorCode::cancelled, "the call was cancelled");
+        if (stop_.stop_requested()) throw Error(ErrorCode::cancelled, "the call was cancelled");
     }
 
    private:
     using Clock = std::chrono::steady_clock;
     static constexpr std::chrono::milliseconds interval{20};
 
-    std::atomic<bool> requested_{false};
     std::stop_token stop_;
     std::function<void()> poll_;
     std::thread::id caller_;

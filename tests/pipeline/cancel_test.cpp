@@ -120,6 +120,9 @@ TEST(Cancel, a_stop_that_was_requested_before_ends_every_call) {
         ends("find, a part of two meshes", [&] { detector.find(part_between, {}, stop); });
         ends("has_collision", [&] { detector.has_collision(mesh, {}, stop); });
         ends("has_collision, two", [&] { detector.has_collision(mesh, mesh, {}, stop); });
+        const auto never = [](const Collisions&) { FAIL(); };
+        ends("stream_self", [&] { detector.stream_self(mesh, never, {}, {}, stop); });
+        ends("stream_between", [&] { detector.stream_between(mesh, mesh, never, {}, {}, stop); });
         ends("partition", [&] { detector.partition(mesh, 3, stop); });
         ends("partition, two", [&] { detector.partition(mesh, mesh, 3, stop); });
         ends("nothing to do", [&] { detector.find_self(MeshView(), {}, stop); });
