@@ -26,6 +26,7 @@ from ._short_forms import (
     has_intersections_between,
 )
 from ._world import Body, Shape, World
+from ._world_files import read_poses, read_world
 from ._world_result import WorldResult
 
 __all__ = [
@@ -62,6 +63,8 @@ __all__ = [
     "make_scene",
     "read_mesh",
     "read_pairs",
+    "read_poses",
+    "read_world",
     "scenes",
     "write_mesh",
 ]

@@ -22,10 +22,10 @@ if TYPE_CHECKING:
 
 _PAIR_FILES = {".txt", ".csv", ".json", ".npz"}
 _MESH_FILES = {".ply", ".obj", ".glb", ".html"}
-_PICTURES = {".png": "PNG", ".jpg": "JPEG", ".jpeg": "JPEG", ".bmp": "BMP", ".tif": "TIFF", ".tiff": "TIFF"}
+PICTURES = {".png": "PNG", ".jpg": "JPEG", ".jpeg": "JPEG", ".bmp": "BMP", ".tif": "TIFF", ".tiff": "TIFF"}
 
 
-def _file_name(path: Any) -> str:
+def file_name(path: Any) -> str:
     try:
         name = os.fsdecode(path)
         if b"\0" not in os.fsencode(name):
@@ -190,7 +190,7 @@ class Result:
         host. Ctrl-C waits until the file is written. Raises InvalidInput for other extensions and for options that do
         not belong to the extension, FileError, and ModuleNotFoundError without PyVista.
         """
-        name = _file_name(path)
+        name = file_name(path)
         extension = Path(name).suffix.lower()
         for option in options:
             if extension in _PAIR_FILES | _MESH_FILES and (extension, option) != (".html", "height"):
@@ -201,11 +201,11 @@ class Result:
             _core.write_bytes(path, self.to_html(**options).encode())
         elif extension in _MESH_FILES:
             _core.write_coloured(path, self._first, self._second, self._answer)
-        elif extension in _PICTURES:
+        elif extension in PICTURES:
             from ._pictures import image
 
             picture = io.BytesIO()
-            image(self, **options).save(picture, format=_PICTURES[extension])
+            image(self, **options).save(picture, format=PICTURES[extension])
             _core.write_bytes(path, picture.getvalue())
         else:
             raise InvalidInput(

@@ -186,6 +186,17 @@ class World(_core.World):
             poses,
         )
 
+    @classmethod
+    def from_trimesh(cls, scene: Any) -> World:
+        """The world of a trimesh.Scene: each node that has a mesh is a body, with its name and its transform.
+
+        Geometry that several nodes share is one shape. Paths and points are left out. Vertices and faces are copied,
+        so that detectors can remember them: make a world once, and set its poses. Raises InvalidInput, InvalidType.
+        """
+        from ._world_files import from_trimesh
+
+        return from_trimesh(scene)
+
     def configurations(self, poses: Any) -> World:
         """A world of many configurations of this one's bodies, each in a world of its own, against those at rest.
 
@@ -296,6 +307,25 @@ class World(_core.World):
     def names(self) -> tuple[str, ...]:
         """The names of the bodies; "" for one without. Of configurations, those of the world they are made of."""
         return self._names if self._base is None else self._base._names
+
+    @property
+    def mesh(self) -> Mesh:
+        """All bodies as one mesh, one after the other, each vertex where a search has it; groups are the bodies.
+
+        A copy of the whole, for pictures and files.
+        """
+        return self._mesh_at(self.poses)
+
+    def _mesh_at(self, poses: Any) -> Mesh:
+        return Mesh(*_core.posed_mesh(self, poses, self._all_names())[:3])
+
+    def _all_names(self) -> list[str]:
+        """A name for each body, for files."""
+        if self._base is None:
+            return [name or f"body {body}" for body, name in enumerate(self._names)]
+        own = self._base._all_names()
+        moving = [f"{name} {c}" for c in range(self._count) for name in own[: self._moving]]
+        return moving + own[self._moving :]
 
     @cached_property
     def _index(self) -> dict[str, int]:

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import io
+import os
 from copy import deepcopy
 from functools import cached_property
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ._errors import InvalidInput
+from . import _core
+from ._errors import InvalidInput, InvalidType
 from ._result import Contacts
 
 if TYPE_CHECKING:
@@ -14,12 +18,22 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from ._core import Statistics, WorldAnswer
+    from ._mesh import Mesh
     from ._world import World
 
 WANTS = ("any", "any_by_world", "body_pairs", "count", "pairs", "contacts")
 # What each array is made for, from which of WANTS on.
 _FROM = {"world_hit": 1, "count": 3, "world_counts": 3, "pairs": 4}
 _INDEX = ("world_offsets", "body_offsets", "first_triangle", "hit")
+
+
+class Painted:
+    """What a picture needs of a result: of a world, its mesh and the triangles that collide."""
+
+    _second = None
+
+    def __init__(self, mesh: Mesh, hit: NDArray[np.bool_], contacts: Contacts | None) -> None:
+        self._first, self.hit, self.contacts = mesh, hit, contacts
 
 
 class WorldResult:
@@ -140,6 +154,59 @@ class WorldResult:
     def __len__(self) -> int:
         """How many rows `bodies` has; 0 where they were not asked for."""
         return len(self._answer.bodies)
+
+    def save(self, path: str | os.PathLike[str], **options: Any) -> None:
+        """Writes the world with colliding triangles coloured, as of wants="pairs"; the extension names the kind.
+
+        - .glb: bodies with names and poses as nodes, over shapes that they share
+        - .ply, .obj: all bodies as one mesh, as world.mesh makes it
+        - .html: a page to turn and zoom, with contacts if there are any
+        - .png, .jpg, .jpeg, .bmp, .tif, .tiff: a picture; needs PyVista. `options` as of Result.save
+
+        Paints what shapes and poses hold by now; what does not fit the result any more is an InvalidInput. A file
+        appears when it is complete. Otherwise as Result.save, errors included.
+        """
+        from ._result import PICTURES, file_name
+
+        name = file_name(path)
+        extension = Path(name).suffix.lower()
+        if extension in PICTURES:
+            from ._pictures import image
+
+            picture = io.BytesIO()
+            image(self._painted(), **options).save(picture, format=PICTURES[extension])
+            _core.write_bytes(path, picture.getvalue())
+            return
+        if extension not in (".ply", ".obj", ".glb", ".html"):
+            raise InvalidInput(
+                f"{name}: a result of a world is saved as .ply, .obj, .glb (coloured meshes), .html, or .png, .jpg, "
+                ".bmp, .tif (pictures)"
+            )
+        for option in options:
+            raise InvalidType(f"{option} is no option of {extension} files")
+        contacts = [getattr(self._answer, name) for name in ("contact_kinds", "contact_offsets", "contact_points")]
+        _core.write_coloured_world(
+            path, self._world, self._poses, self._world._all_names(), self.bodies, self.pairs, *contacts
+        )
+
+    def show(self, **options: Any) -> Any:
+        """Opens a window, or a picture in a notebook: colliding triangles coloured, contacts drawn. Needs PyVista.
+
+        `options` go to pyvista.Plotter.show, whose answer is returned. Raises ModuleNotFoundError without PyVista.
+        """
+        from ._pictures import plotter
+
+        return plotter(self._painted(), off_screen=None).show(**options)
+
+    def _painted(self) -> Any:
+        import numpy as np
+
+        world = self._world
+        sizes = np.array([shape.triangles for shape in world.shapes], np.int64)[world.bodies]
+        first = np.concatenate([[0], np.cumsum(sizes)])
+        hit = np.zeros(first[-1], np.bool_)
+        hit[(first[self.bodies] + self.pairs).ravel()] = True
+        return Painted(world._mesh_at(self._poses), hit, self.contacts)
 
     def __reduce__(self) -> Any:
         from ._world_pickling import poses_of, restore_result, stored

@@ -25,11 +25,9 @@ namespace nb = nanobind;
 using namespace nb::literals;
 
 namespace crumple::python {
-namespace {
 
 using Path = std::filesystem::path;
 
-// (vertices, faces, groups or None, polygons or None): NumPy arrays over the mesh's own memory, which they share.
 nb::tuple give(io::TriangleMesh&& mesh) {
     import_numpy();
     const auto shared = new io::TriangleMesh(std::move(mesh));
@@ -57,6 +55,8 @@ nb::tuple give(io::TriangleMesh&& mesh) {
                           groups, polygons);
 }
 
+namespace {
+
 template <class To, class From, class Type>
 std::vector<To> rows(const ArrayView<Type>& view) {
     std::vector<To> values;
@@ -74,7 +74,8 @@ std::vector<To> rows(const ArrayView<Type>& view) {
     return values;
 }
 
-// What the writers take: a copy, once a file.
+}  // namespace
+
 io::TriangleMesh copy_of(const MeshView& view) {
     if (view.memory != MemorySpace::host)
         refuse(std::string("vertices lie in CUDA memory, but are wanted in the host's: ") + copy_to_host);
@@ -99,6 +100,8 @@ io::TriangleMesh copy_of(const MeshView& view) {
     return mesh;
 }
 
+namespace {
+
 // The meshes of a result, for those who draw them.
 struct CopiedMeshes {
     explicit CopiedMeshes(const BorrowedMeshes& borrowed) : first(copy_of(borrowed.first.view())) {
@@ -109,19 +112,20 @@ struct CopiedMeshes {
     std::optional<io::TriangleMesh> second;
 };
 
-// Text for people: the name of a file need not be UTF-8.
+}  // namespace
+
 nb::object shown(const std::string& text) {
     return nb::steal(PyUnicode_DecodeUTF8(text.data(), static_cast<Py_ssize_t>(text.size()), "backslashreplace"));
 }
 
-// A file is written to its end, so that no part of it is left behind. What is no regular file, such as a pipe, may
-// never end, and has no temporary file beside it.
 WithoutGil::AtExit at_exit(const Path& written) {
     std::error_code ignored;
     const std::filesystem::file_status status = std::filesystem::status(written, ignored);
     const bool special = std::filesystem::exists(status) && !std::filesystem::is_regular_file(status);
     return special ? WithoutGil::AtExit::given_up : WithoutGil::AtExit::finished;
 }
+
+namespace {
 
 // 0 for a scene that does not exist, whose name scenes::make then refuses.
 int last_frame(std::string_view scene) {

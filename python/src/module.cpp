@@ -12,6 +12,7 @@
 #include "pickling.h"
 #include "world.h"
 #include "world_answer.h"
+#include "world_files.h"
 
 NB_MODULE(_core, module) {
     module.doc() = "The C++ library behind crumple. Private.";
@@ -26,4 +27,5 @@ NB_MODULE(_core, module) {
     crumple::python::bind_world_answer(module);
     crumple::python::bind_detector(module);
     crumple::python::bind_files(module);
+    crumple::python::bind_world_files(module);
 }

@@ -1,0 +1,157 @@
+#include "world_files.h"
+
+#include <cstring>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include "arguments.h"
+#include "files.h"
+#include "names.h"
+#include "world.h"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+
+namespace crumple::python {
+namespace {
+
+using Path = std::filesystem::path;
+using Rows = nb::ndarray<const std::int32_t, nb::shape<-1, 2>, nb::c_contig, nb::device::cpu>;
+template <class Number>
+using Column = nb::ndarray<const Number, nb::shape<-1>, nb::c_contig, nb::device::cpu>;
+using Points = nb::ndarray<const double, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
+
+// (n, 3, 4), which owns its memory.
+nb::object give(std::vector<Pose>&& poses) {
+    import_numpy();
+    const auto shared = new std::vector<Pose>(std::move(poses));
+    const nb::capsule owner(shared, [](void* p) noexcept { delete static_cast<std::vector<Pose>*>(p); });
+    return nb::cast(nb::ndarray<nb::numpy, double>(static_cast<void*>(shared->data()), {shared->size(), 3, 4}, owner));
+}
+
+// (meshes, index of each body's shape, names, poses), and warnings.
+nb::tuple read_world(nb::handle path, nb::handle precision, nb::handle weld, nb::handle triangulation,
+                     nb::handle strict) {
+    const Path from = python::path("path", path);
+    io::ReadOptions options;
+    options.precision = named(precision_names, "precision", precision);
+    options.weld = named(weld_names, "weld", weld);
+    options.triangulation = named(triangulation_names, "triangulation", triangulation);
+    options.strict = flag("strict", strict);
+    io::WorldMesh world;
+    {
+        const WithoutGil released;
+        world = io::read_world(from, options);
+    }
+    nb::list shapes, of, names, warnings;
+    std::vector<Pose> poses;
+    poses.reserve(world.bodies.size());
+    for (const io::NamedBody& body : world.bodies) {
+        of.append(body.shape);
+        names.append(shown(body.name));
+        poses.push_back(body.pose);
+    }
+    for (io::TriangleMesh& shape : world.shapes) shapes.append(python::give(std::move(shape)));
+    for (const std::string& warning : world.warnings) warnings.append(shown(warning));
+    return nb::make_tuple(shapes, of, names, give(std::move(poses)), warnings);
+}
+
+nb::object read_poses(nb::handle path, const std::vector<std::string>& names) {
+    const Path from = python::path("path", path);
+    std::vector<Pose> poses;
+    {
+        const WithoutGil released;
+        poses = io::read_poses(from, names);
+    }
+    return give(std::move(poses));
+}
+
+// The world as the writers take it: copies of its shapes, and of its poses as they are now.
+io::WorldMesh copy_of(nb::handle world, nb::handle poses, const std::vector<std::string>& names) {
+    const BorrowedWorld& given = given_world(world);
+    const std::shared_ptr<const Bodies> bodies = given.bodies;
+    const BorrowedPoses at = poses.is_none() ? BorrowedPoses() : BorrowedPoses(poses, *bodies);
+    std::vector<Pose> buffer;
+    const std::span<const Pose> placed = at.read(*bodies, buffer);
+    if (names.size() != bodies->bodies.size()) throw std::logic_error("crumple/_world_result.py gave too few names");
+    io::WorldMesh result;
+    for (const Shape& shape : bodies->shapes)
+        result.shapes.push_back(python::copy_of(MeshView(shape.vertices, shape.triangles, shape.groups)));
+    result.bodies.reserve(names.size());
+    for (std::size_t b = 0; b < names.size(); ++b)
+        result.bodies.push_back({names[b], bodies->bodies[b].shape, placed.empty() ? Pose() : placed[b]});
+    return result;
+}
+
+[[noreturn]] void refuse_changed() {
+    refuse("the world was changed after the search: the result does not fit it any more");
+}
+
+// Pairs as triangles that are in some pair; checked, for they may come from elsewhere.
+void index(const io::WorldMesh& world, WorldCollisions& c) {
+    c.first_triangle.push_back(0);
+    for (const io::NamedBody& body : world.bodies) {
+        if (body.shape < 0 || static_cast<std::size_t>(body.shape) >= world.shapes.size()) refuse_changed();
+        c.first_triangle.push_back(c.first_triangle.back() +
+                                   world.shapes[static_cast<std::size_t>(body.shape)].triangle_count());
+    }
+    c.hit.assign(static_cast<std::size_t>(c.first_triangle.back()), 0);
+    const auto n = static_cast<std::int64_t>(world.bodies.size());
+    const auto hit = [&](std::int32_t body, std::int32_t triangle) {
+        if (body < 0 || body >= n || triangle < 0) refuse_changed();
+        const std::int64_t place = c.first_triangle[body] + triangle;
+        if (place >= c.first_triangle[body + 1]) refuse_changed();
+        c.hit[place] = 1;
+    };
+    for (std::size_t i = 0; i < c.pairs.size(); ++i) {
+        hit(c.bodies[i].first, c.pairs[i].a);
+        hit(c.bodies[i].second, c.pairs[i].b);
+    }
+}
+
+template <class Element, class Given>
+void fill(Array<Element>& array, const Given& given) {
+    array.resize_discard(given.shape(0));
+    if (!array.empty()) std::memcpy(static_cast<void*>(array.data()), given.data(), array.size() * sizeof(Element));
+}
+
+void write_coloured(nb::handle path, nb::handle world, nb::handle poses, const std::vector<std::string>& names,
+                    const Rows& bodies, const Rows& pairs, const Column<std::uint8_t>& kinds,
+                    const Column<std::int64_t>& offsets, const Points& points) {
+    const Path to = python::path("path", path);
+    const io::WorldMesh mesh = copy_of(world, poses, names);
+    WorldCollisions collisions;
+    fill(collisions.bodies, bodies);
+    fill(collisions.pairs, pairs);
+    if (collisions.bodies.size() != collisions.pairs.size()) refuse_changed();
+    index(mesh, collisions);
+    fill(collisions.contacts.kinds, kinds);
+    fill(collisions.contacts.offsets, offsets);
+    fill(collisions.contacts.points, points);
+    const WithoutGil released(at_exit(to));
+    io::write_coloured(to, mesh, collisions);
+}
+
+nb::tuple posed_mesh(nb::handle world, nb::handle poses, const std::vector<std::string>& names) {
+    const io::WorldMesh mesh = copy_of(world, poses, names);
+    return python::give(io::posed_mesh(mesh));
+}
+
+}  // namespace
+
+void bind_world_files(nb::module_& module) {
+    module.def("read_world", read_world, "path"_a.none(), "precision"_a.none(), "weld"_a.none(),
+               "triangulation"_a.none(), "strict"_a.none());
+    module.def("read_poses", read_poses, "path"_a.none(), "names"_a);
+    module.def("write_coloured_world", write_coloured, "path"_a.none(), "world"_a.none(), "poses"_a.none(), "names"_a,
+               "bodies"_a, "pairs"_a, "contact_kinds"_a, "contact_offsets"_a, "contact_points"_a);
+    module.def("posed_mesh", posed_mesh, "world"_a.none(), "poses"_a.none(), "names"_a);
+}
+
+}  // namespace crumple::python

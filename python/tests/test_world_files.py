@@ -1,0 +1,224 @@
+"""Worlds of glTF files and of trimesh, files of poses, and files and pictures of results."""
+
+import warnings
+
+import numpy as np
+import pytest
+
+import crumple
+from conftest import peer, soup
+from worlds import random_columns, random_poses
+
+PLACED = {"stone": [0, 0, 0], "pebble": [0.2, 0.3, 0.1], "far": [9, 0, 0], "cube": [0.5, 0, 0]}
+
+
+def at(place):
+    pose = np.eye(4)
+    pose[:3, 3] = place
+    return pose
+
+
+def scene():
+    """Two instances of one ball that meet, a third that is far, and a box."""
+    trimesh = peer("trimesh")
+    result = trimesh.Scene()
+    ball, box = trimesh.creation.icosphere(subdivisions=1), trimesh.creation.box()
+    for name, place in PLACED.items():
+        kind = "box" if name == "cube" else "ball"
+        if kind in result.geometry:
+            result.graph.update(name, geometry=kind, matrix=at(place))
+        else:
+            mesh = box if kind == "box" else ball
+            result.add_geometry(mesh, node_name=name, geom_name=kind, transform=at(place))
+    return result
+
+
+def expected_hits(detector, meshes):
+    """Which of these meshes, one by one and in place, collide."""
+    names = list(meshes)
+    return {
+        (a, b)
+        for i, a in enumerate(names)
+        for b in names[i + 1 :]
+        if detector.has_intersections_between(meshes[a], meshes[b])
+    }
+
+
+def test_a_scene_of_trimesh_is_a_world(detector):
+    given = scene()
+    world = crumple.World.from_trimesh(given)
+    assert sorted(world.names) == sorted(PLACED) and len(world.shapes) == 2
+    placed = {}
+    for node in given.graph.nodes_geometry:
+        transform, geometry = given.graph[node]
+        mesh = given.geometry[geometry].copy()
+        mesh.apply_transform(transform)
+        placed[node] = mesh
+    expected = expected_hits(detector, placed)
+    found = detector.find(world, wants="body_pairs", bodies="between").names
+    assert {frozenset(pair) for pair in found} == {frozenset(pair) for pair in expected} and len(found) == 3
+    less = detector.find(world, wants="body_pairs", bodies="between", excluded=[{"stone", "pebble"}]).names
+    assert len(less) == 2
+    assert repr(world.shapes[0]).startswith("<crumple.Shape: ") and world.shapes[0].name is None
+
+
+def test_what_happens_to_trimesh_later_does_not_matter(detector):
+    given = scene()
+    world = crumple.World.from_trimesh(given)
+    before = detector.find(world).pairs.tolist()
+    for mesh in given.geometry.values():
+        mesh.vertices[:] = np.nan
+    assert detector.find(world).pairs.tolist() == before
+    assert crumple.Detector().find(world).pairs.tolist() == before
+    with pytest.raises(ValueError, match="read-only"):
+        world.shapes[0].mesh.vertices[0] = 0
+
+
+def test_what_bounds_nothing_is_left_out_of_a_scene(detector):
+    trimesh = peer("trimesh")
+    given = scene()
+    given.add_geometry(trimesh.PointCloud(np.zeros((3, 3))), node_name="points")
+    assert "points" not in crumple.World.from_trimesh(given).names
+    assert len(crumple.World.from_trimesh(trimesh.Scene())) == 0
+    for wrong in (trimesh.creation.box(), None, [1]):
+        with pytest.raises(crumple.InvalidType, match="a scene of trimesh is wanted, not "):
+            crumple.World.from_trimesh(wrong)
+
+
+@pytest.mark.parametrize("extension", ["glb", "gltf"])
+def test_a_scene_comes_through_a_file(extension, tmp_path, detector):
+    given = scene()
+    path = tmp_path / f"model.{extension}"
+    if extension == "glb":
+        given.export(path)
+    else:
+        for name, data in peer("trimesh").exchange.gltf.export_gltf(given).items():
+            (tmp_path / name).write_bytes(data)
+    world = crumple.read_world(path, precision="float64")
+    assert sorted(world.names) == sorted(PLACED) and len(world.shapes) == 2
+    found = {frozenset(pair) for pair in detector.find(world, wants="body_pairs", bodies="between").names}
+    direct = detector.find(crumple.World.from_trimesh(given), wants="body_pairs", bodies="between").names
+    assert found == {frozenset(pair) for pair in direct} and found
+    assert crumple.read_world(path).shapes[0].mesh.vertices.dtype == np.float32
+
+
+def test_any_mesh_file_is_a_world_of_one_body(tmp_path, detector):
+    mesh = soup(30, size=0.5)
+    crumple.write_mesh(tmp_path / "part.ply", mesh)
+    world = crumple.read_world(tmp_path / "part.ply")
+    assert world.names == ("part",) and len(world) == 1
+    assert detector.find(world).pairs.tolist() == detector.find_self(mesh).pairs.tolist()
+    with pytest.raises(crumple.FileError, match="none.glb"):
+        crumple.read_world(tmp_path / "none.glb")
+    (tmp_path / "bad.glb").write_bytes(b"glTF\2\0\0\0")
+    with pytest.raises(crumple.InvalidInput, match="bad.glb"):
+        crumple.read_world(tmp_path / "bad.glb")
+    with pytest.raises(TypeError, match="Did you mean 'precision'"):
+        crumple.read_world(tmp_path / "part.ply", precison="float64")
+
+
+def test_what_is_odd_about_a_file_is_a_warning(tmp_path):
+    (tmp_path / "odd.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 1 2\nf 1 2 3 3\n")
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        mesh = crumple.read_mesh(tmp_path / "odd.obj")
+        expected = [str(w.message) for w in caught]
+        caught.clear()
+        world = crumple.read_world(tmp_path / "odd.obj")
+        assert [str(w.message) for w in caught] == expected
+        assert all(w.filename == __file__ for w in caught)
+    assert world.shapes[0].triangles == len(mesh.faces)
+
+
+@pytest.mark.parametrize("rows", [3, 4])
+@pytest.mark.parametrize("kind", ["npy", "csv", "txt"])
+def test_poses_come_from_files(kind, rows, tmp_path, detector):
+    poses = random_poses(np.random.default_rng(1), 10).reshape(5, 2, 3, 4)
+    given = np.concatenate([poses, np.broadcast_to([0, 0, 0, 1.0], (5, 2, 1, 4))], axis=2)[:, :, :rows]
+    path = tmp_path / f"poses.{kind}"
+    if kind == "npy":
+        np.save(path, given)
+    else:
+        numbers = given.reshape(10, -1)
+        path.write_text(
+            "".join((", " if kind == "csv" else " ").join(map(repr, row)) + "\n" for row in numbers.tolist())
+        )
+    base = crumple.World([soup(20)], [0, 0, 0], worlds=[0, 0, -1], names=["a", "b", "table"])
+    for bodies in (2, base, ["a", "b"], np.int64(2)):
+        np.testing.assert_array_equal(crumple.read_poses(path, bodies), poses)
+    assert crumple.read_poses(path).shape == (10, 1, 3, 4)
+    assert detector.find(base.configurations(crumple.read_poses(path, base)), wants="any") is not None
+    with pytest.raises(crumple.InvalidInput, match="10 rows for 3 bodies: the last configuration has 1"):
+        crumple.read_poses(path, 3)
+
+
+def test_wrong_poses_of_files_name_the_body(tmp_path):
+    path = tmp_path / "poses.csv"
+    path.write_text("1 0 0 0 0 1 0 0 0 0 1 0\n" * 3 + "1 0 0 0 0 1 0 0 0 0 nan 0\n")
+    with pytest.raises(crumple.InvalidInput, match=r"row 3 \(configuration 1, body .?hand.?\): number 11 is not"):
+        crumple.read_poses(path, ["arm", "hand"])
+    for wrong in ("arm", 1.5, True, [1, 2]):
+        with pytest.raises((crumple.InvalidType, TypeError)):
+            crumple.read_poses(path, wrong)
+    with pytest.raises(crumple.InvalidInput, match="bodies must be at least one"):
+        crumple.read_poses(path, 0)
+
+
+def test_the_mesh_of_a_world_is_what_is_searched(detector):
+    columns = random_columns(3)
+    single = [shape._replace(vertices=shape.vertices.astype(np.float32)) for shape in columns.shapes]
+    world = columns._replace(shapes=single, worlds=np.zeros(8, int)).world(named=False, self_collisions=True)
+    mesh = world.mesh
+    assert len(mesh.faces) == 8 * 30 and mesh.vertices.dtype == np.float32
+    found = detector.find(world)
+    expected = detector.find_self(mesh.vertices, mesh.faces).pairs
+    np.testing.assert_array_equal(
+        np.sort(30 * found.bodies + found.pairs, axis=1), expected[np.lexsort(expected.T[::-1])]
+    )
+
+
+@pytest.mark.parametrize("name", ["world.glb", "world.ply", "world.obj", "world.html"])
+def test_results_are_saved_coloured(name, tmp_path, detector):
+    world = crumple.World.from_trimesh(scene())
+    result = detector.find(world, wants="contacts")
+    result.save(tmp_path / name)
+    assert (tmp_path / name).stat().st_size > 1000
+    if name == "world.glb":
+        again = crumple.read_world(tmp_path / name)
+        assert again.names == world.names
+        assert {frozenset(p) for p in detector.find(again, wants="body_pairs", bodies="between").names} == {
+            frozenset(p) for p in detector.find(world, wants="body_pairs", bodies="between").names
+        }
+    if name == "world.ply":
+        assert len(crumple.read_mesh(tmp_path / name).faces) == len(world.mesh.faces)
+        face = np.dtype([("corners", "u1"), ("vertices", "<i4", 3), ("group", "<i4"), ("colour", "u1", 3)])
+        faces = np.frombuffer((tmp_path / name).read_bytes()[-252 * face.itemsize :], face)
+        red = faces["colour"][:, 0].astype(int) - faces["colour"][:, 2] > 50
+        np.testing.assert_array_equal(faces["group"], world.mesh.groups)
+        np.testing.assert_array_equal(red, detector.find(world, index=True).hit)
+
+
+def test_what_cannot_be_saved_says_why(tmp_path, detector):
+    world = crumple.World.from_trimesh(scene())
+    with pytest.raises(crumple.InvalidInput, match="bodies was not asked for"):
+        detector.find(world, wants="any").save(tmp_path / "world.glb")
+    result = detector.find(world)
+    with pytest.raises(crumple.InvalidInput, match="is saved as .ply"):
+        result.save(tmp_path / "world.csv")
+    with pytest.raises(crumple.InvalidType, match="height is no option of .glb files"):
+        result.save(tmp_path / "world.glb", height=3)
+    with pytest.raises(crumple.FileError):
+        result.save(tmp_path / "none" / "world.glb")
+
+
+def test_a_result_of_configurations_is_painted_too(tmp_path, detector):
+    base = crumple.World([soup(20, size=0.5)], [0, 0], worlds=[0, -1], names=["a", "table"], self_collisions=False)
+    result = detector.find(base.configurations(random_poses(np.random.default_rng(1), 3, 3)[:, None]))
+    result.save(tmp_path / "many.glb")
+    assert crumple.read_world(tmp_path / "many.glb").names == ("a 0", "a 1", "a 2", "table")
+
+
+def test_pictures(tmp_path, detector):
+    peer("pyvista")
+    detector.find(crumple.World.from_trimesh(scene()), wants="contacts").save(tmp_path / "world.png")
+    assert (tmp_path / "world.png").stat().st_size > 5000
