@@ -156,7 +156,9 @@ class WorldResult:
         return len(self._answer.bodies)
 
     def save(self, path: str | os.PathLike[str], **options: Any) -> None:
-        """Writes the world with colliding triangles coloured, as of wants="pairs"; the extension names the kind.
+        """Writes the world with what collides coloured; the extension names the kind.
+
+        Of wants="pairs" and "contacts" triangles are coloured, of wants="body_pairs" whole bodies.
 
         - .glb: bodies with names and poses as nodes, over shapes that they share
         - .ply, .obj: all bodies as one mesh, as world.mesh makes it
@@ -186,7 +188,7 @@ class WorldResult:
             raise InvalidType(f"{option} is no option of {extension} files")
         contacts = [getattr(self._answer, name) for name in ("contact_kinds", "contact_offsets", "contact_points")]
         _core.write_coloured_world(
-            path, self._world, self._poses, self._world._all_names(), self.bodies, self.pairs, *contacts
+            path, self._world, self._poses, self._world._all_names(), self.bodies, self._answer.pairs, *contacts
         )
 
     def show(self, **options: Any) -> Any:
@@ -205,7 +207,12 @@ class WorldResult:
         sizes = np.array([shape.triangles for shape in world.shapes], np.int64)[world.bodies]
         first = np.concatenate([[0], np.cumsum(sizes)])
         hit = np.zeros(first[-1], np.bool_)
-        hit[(first[self.bodies] + self.pairs).ravel()] = True
+        if self._answer.wants == "body_pairs":
+            collides = np.zeros(len(world), np.bool_)
+            collides[self.bodies.ravel()] = True
+            hit = np.repeat(collides, sizes)
+        else:
+            hit[(first[self.bodies] + self._answer.pairs).ravel()] = True
         return Painted(world._mesh_at(self._poses), hit, self.contacts)
 
     def __reduce__(self) -> Any:

@@ -1,5 +1,6 @@
 #include "world_files.h"
 
+#include <algorithm>
 #include <cstring>
 #include <memory>
 #include <string>
@@ -93,7 +94,8 @@ io::WorldMesh copy_of(nb::handle world, nb::handle poses, const std::vector<std:
     refuse("the world was changed after the search: the result does not fit it any more");
 }
 
-// Pairs as triangles that are in some pair; checked, for they may come from elsewhere.
+// Marks triangles that are in some pair; where there are only bodies, all of theirs. Checked, for pairs may come from
+// elsewhere.
 void index(const io::WorldMesh& world, WorldCollisions& c) {
     c.first_triangle.push_back(0);
     for (const io::NamedBody& body : world.bodies) {
@@ -102,17 +104,27 @@ void index(const io::WorldMesh& world, WorldCollisions& c) {
                                    world.shapes[static_cast<std::size_t>(body.shape)].triangle_count());
     }
     c.hit.assign(static_cast<std::size_t>(c.first_triangle.back()), 0);
-    const auto n = static_cast<std::int64_t>(world.bodies.size());
+    const auto first = [&](std::int32_t body) {
+        if (body < 0 || static_cast<std::size_t>(body) >= world.bodies.size()) refuse_changed();
+        return c.first_triangle[body];
+    };
     const auto hit = [&](std::int32_t body, std::int32_t triangle) {
-        if (body < 0 || body >= n || triangle < 0) refuse_changed();
-        const std::int64_t place = c.first_triangle[body] + triangle;
-        if (place >= c.first_triangle[body + 1]) refuse_changed();
+        const std::int64_t place = first(body) + triangle;
+        if (triangle < 0 || place >= c.first_triangle[body + 1]) refuse_changed();
         c.hit[place] = 1;
     };
-    for (std::size_t i = 0; i < c.pairs.size(); ++i) {
-        hit(c.bodies[i].first, c.pairs[i].a);
-        hit(c.bodies[i].second, c.pairs[i].b);
+    const bool whole_bodies = c.pairs.empty();
+    for (std::size_t i = 0; i < c.bodies.size(); ++i) {
+        const auto [a, b] = c.bodies[i];
+        if (whole_bodies) {
+            for (const std::int32_t body : {a, b})
+                std::fill(c.hit.begin() + first(body), c.hit.begin() + c.first_triangle[body + 1], std::uint8_t{1});
+        } else {
+            hit(a, c.pairs[i].a);
+            hit(b, c.pairs[i].b);
+        }
     }
+    if (whole_bodies) c.bodies.clear();
 }
 
 template <class Element, class Given>
@@ -129,7 +141,7 @@ void write_coloured(nb::handle path, nb::handle world, nb::handle poses, const s
     WorldCollisions collisions;
     fill(collisions.bodies, bodies);
     fill(collisions.pairs, pairs);
-    if (collisions.bodies.size() != collisions.pairs.size()) refuse_changed();
+    if (!collisions.pairs.empty() && collisions.bodies.size() != collisions.pairs.size()) refuse_changed();
     index(mesh, collisions);
     fill(collisions.contacts.kinds, kinds);
     fill(collisions.contacts.offsets, offsets);

@@ -19,7 +19,7 @@ def sections(page):
             yield page, part.splitlines()[0], programs
 
 
-SECTIONS = [section for page in ("python.md", "python_coming_from.md") for section in sections(page)]
+SECTIONS = [section for page in ("python.md", "python_coming_from.md", "worlds.md") for section in sections(page)]
 
 
 def test_their_program_stands_beside_ours():
@@ -37,7 +37,7 @@ def test_their_program_stands_beside_ours():
 
 def test_there_are_programs():
     headings = {heading for _, heading, _ in SECTIONS}
-    assert headings >= {"Five minutes", "Meshes", "Results", "libigl", "trimesh", "MeshLib", "FCL"}
+    assert headings >= {"Five minutes", "Meshes", "Results", "Worlds", "libigl", "trimesh", "MeshLib", "FCL"}
 
 
 @pytest.mark.parametrize(

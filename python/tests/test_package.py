@@ -58,12 +58,20 @@ def test_types_hold(tmp_path):
         "crumple.find_self_intersections(v, f, excluded_groups=zip([0], [1]))\n"
         "assert r.contacts is not None\n"
         "x: list[float] = [points[0, 0] for points in r.contacts]\n"
+        "base = crumple.World([crumple.Shape(v, f, name='arm'), (v, f)], worlds=[0, -1], names=['arm', 'wall'])\n"
+        "found: crumple.WorldResult = crumple.Detector().find(base, wants='any', excluded=[{'arm', 'wall'}])\n"
+        "many = base.configurations(np.zeros((9, 1, 3, 4)))\n"
+        "detector = crumple.Detector()\n"
+        "hit: bool = detector.find(many, wants='count').world_hit.dtype == np.bool_\n"
+        "of_part: crumple.Result = detector.find(detector.partition((v, f), count=1)[0], contacts=True)\n"
         "why: str = crumple.Detector().fallback or crumple.list_devices().reason\n"
     )
     checked = run("-m", "mypy", "--strict", str(program), cwd=tmp_path)
     assert checked.returncode == 0, checked.stdout
-    program.write_text("import crumple\ncrumple.Detector().find_self([], [], neighbours='none')\n")
-    assert "arg-type" in run("-m", "mypy", "--strict", str(program), cwd=tmp_path).stdout
+    for wrong in ("find_self([], [], neighbours='none')", "find(crumple.World([]), wants='all')"):
+        program.write_text(f"import crumple\ncrumple.Detector().{wrong}\n")
+        checked = run("-m", "mypy", "--strict", str(program), cwd=tmp_path)
+        assert "arg-type" in checked.stdout or "call-overload" in checked.stdout
 
 
 def test_everything_public_is_documented():

@@ -191,11 +191,21 @@ def test_results_are_saved_coloured(name, tmp_path, detector):
         }
     if name == "world.ply":
         assert len(crumple.read_mesh(tmp_path / name).faces) == len(world.mesh.faces)
-        face = np.dtype([("corners", "u1"), ("vertices", "<i4", 3), ("group", "<i4"), ("colour", "u1", 3)])
-        faces = np.frombuffer((tmp_path / name).read_bytes()[-252 * face.itemsize :], face)
-        red = faces["colour"][:, 0].astype(int) - faces["colour"][:, 2] > 50
-        np.testing.assert_array_equal(faces["group"], world.mesh.groups)
+        red = red_faces(tmp_path / name, 252)
         np.testing.assert_array_equal(red, detector.find(world, index=True).hit)
+
+
+def test_whole_bodies_are_coloured_where_only_they_are_known(tmp_path, detector):
+    world = crumple.World.from_trimesh(scene())
+    detector.find(world, wants="body_pairs", bodies="between").save(tmp_path / "world.ply")
+    red = red_faces(tmp_path / "world.ply", 252)
+    assert red.tolist() == [world.names[body] != "far" for body in world.mesh.groups]
+
+
+def red_faces(path, count):
+    face = np.dtype([("corners", "u1"), ("vertices", "<i4", 3), ("group", "<i4"), ("colour", "u1", 3)])
+    colour = np.frombuffer(path.read_bytes()[-count * face.itemsize :], face)["colour"]
+    return colour[:, 0].astype(int) - colour[:, 2] > 50
 
 
 def test_what_cannot_be_saved_says_why(tmp_path, detector):
