@@ -11,6 +11,12 @@
 
 namespace crumple::cpu {
 
+/// Those that this machine has; asked once, since a virtual machine takes some 10 us to tell.
+inline std::int64_t targets_here() {
+    static const std::int64_t targets = hwy::SupportedTargets();
+    return targets;
+}
+
 /// A table that Highway has compiled for a target.
 template <class Kernels>
 struct Table {
@@ -18,7 +24,7 @@ struct Table {
     Simd simd;
     const Kernels* kernels;
 
-    bool runs_here() const { return (hwy::SupportedTargets() & target) != 0; }
+    bool runs_here() const { return (targets_here() & target) != 0; }
 };
 
 /// The best of the tables, which come best first, for `simd`, or the plain one.
