@@ -3,6 +3,7 @@
 // Hashes with a random seed, so that no mesh can be made to be slow: of positions for welding, and of integers. No
 // answer depends on them. Compiled for host and device, but for the seed.
 
+#include <atomic>
 #include <bit>
 #include <cstdint>
 #include <random>
@@ -14,9 +15,14 @@ namespace crumple {
 /// Of a sequence of integers: seed(), and each one added in turn.
 class SeededHash {
    public:
+    /// Asks for a random number once a process, which takes 10 us where a virtual machine is asked; each seed is
+    /// another one nevertheless.
     SeededHash() {
-        std::random_device random;
-        seed_ = (std::uint64_t{random()} << 32) | random();
+        static std::atomic<std::uint64_t> last = [] {
+            std::random_device random;
+            return (std::uint64_t{random()} << 32) | random();
+        }();
+        seed_ = add(last.fetch_add(0x9e3779b97f4a7c15ull, std::memory_order_relaxed), 0);
     }
     CRUMPLE_HD std::uint64_t seed() const { return seed_; }
 
