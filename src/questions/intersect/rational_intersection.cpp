@@ -65,6 +65,9 @@ struct Hull {
 
     explicit Hull(const Corners& corner) : normal(cross(corner[1] - corner[0], corner[2] - corner[0])) {
         degenerate = normal == Point{};
+        on.reserve(3);
+        within.reserve(6);
+        edges.reserve(3);
         if (degenerate) {
             const auto [first, last] = std::minmax_element(corner.begin(), corner.end(), before);
             add_segment(*first, *last);
@@ -187,6 +190,14 @@ Corners scaled(const std::array<Vec3d, 3>& corner, int exponent) {
     return {scaled(corner[0], exponent), scaled(corner[1], exponent), scaled(corner[2], exponent)};
 }
 
+/// Whether all corners lie strictly on one side of the triangle's plane, so that nothing is shared; false if it has
+/// none.
+bool on_one_side(const Corners& corners, const Corners& triangle) {
+    const Plane plane(cross(triangle[1] - triangle[0], triangle[2] - triangle[0]), triangle[0]);
+    const int side = plane(corners[0]).sign();
+    return side != 0 && plane(corners[1]).sign() == side && plane(corners[2]).sign() == side;
+}
+
 /// Positions of the distinct vertices that both name.
 std::vector<Point> shared_vertices(const Triangle& a, const Triangle& b, const Corners& corners_of_a) {
     std::vector<Point> shared;
@@ -225,6 +236,7 @@ RationalIntersection intersect_rationally(const Triangle& a, const Triangle& b) 
     const auto& [b0, b1, b2] = b.point;
     result.exponent = common_exponent(std::array{a0, a1, a2, b0, b1, b2});
     const Corners corners_a = scaled(a.point, result.exponent), corners_b = scaled(b.point, result.exponent);
+    if (on_one_side(corners_b, corners_a) || on_one_side(corners_a, corners_b)) return result;
     const Hull hull_a(corners_a), hull_b(corners_b);
 
     for (const auto& edge : hull_a.edges) {

@@ -8,7 +8,8 @@
 // the insides of two faces meet in one point only if one of the faces is an edge or a vertex. So the edges of each,
 // clipped by the other, have all extreme points among their ends.
 //
-// This is the yardstick for everything faster: it has no filter and no case for how two triangles lie. Host only.
+// This is the yardstick for everything faster: it has no filter, and of cases for how two triangles lie only the one in
+// which all corners of one are beyond the other's plane. Host only.
 
 #include <array>
 #include <vector>
