@@ -302,7 +302,8 @@ Arrays::Arrays(const Mesh& mesh) : groups_(mesh.groups) {
 }
 
 Search::Search(Bytes bytes) {
-    constexpr int sizes[] = {1, 2, 2, 2, 3, 3, 3, 3, 4, 4, 4, 4, 4, 6, 8, 40};
+    constexpr int sizes[] = {1, 2, 2, 2, 3, 3, 3, 3, 4, 4, 4, 4, 4, 6, 8, 28,
+                             1, 2, 2, 2, 3, 3, 3, 3, 4, 4, 4, 4, 4, 6, 8, 12};
     constexpr IndexType indices[] = {IndexType::int32, IndexType::uint32, IndexType::int64};
     constexpr Wanted wanted[] = {Wanted::both, Wanted::both, Wanted::between, Wanted::within};
     Kind kind;
@@ -320,9 +321,15 @@ Search::Search(Bytes bytes) {
     kind.between = how & 64;
     const bool spoilt = bytes.next() == 255;
     const int extras = bytes.next();
-    if (extras & 1) parts = 1 + bytes.next() % 64 / (extras >= 240 ? 1 : 16);
-    if (extras & 4) parts *= 17;  // more than one level holds
-    if ((extras & 24) == 24) memory_limit = bytes.next() * (extras & 32 ? 16 : 256);
+    // Each part is a search, and each memory limit some five. Inputs that ask for many reach more code than others and
+    // so become most of the corpus; what chooses a share of them is no byte that could be learnt.
+    const std::uint32_t share = bytes.checksum();
+    if (extras & 1) parts = 1 + bytes.next() % 64 / (share % 16 == 0 ? 1 : 16);
+    if (extras & 4 && share % 16 == 1) parts *= 17;  // more than one level holds
+    if ((extras & 24) == 24) {
+        const std::int64_t limit = bytes.next() * (extras & 32 ? 16 : 256);
+        if (share / 16 % 2) memory_limit = limit;
+    }
     for (std::size_t side = 0; side < 2; ++side) {
         kind.single[side] = bytes.flag();
         kind.layout[side] = {bytes.one_of(indices), bytes.below(6), bytes.below(6)};

@@ -21,6 +21,12 @@ class Bytes {
     /// Below `n`, at most 256.
     int below(int n) { return next() % n; }
     bool flag() { return next() & 1; }
+    /// Of all bytes, read or not.
+    std::uint32_t checksum() const {
+        std::uint32_t sum = 2166136261u;  // FNV-1a, its upper half folded: the lowest bits alone are poor
+        for (const std::uint8_t byte : bytes_) sum = (sum ^ byte) * 16777619u;
+        return sum ^ sum >> 16;
+    }
     template <std::size_t n, class T>
     const T& one_of(const T (&values)[n]) {
         return values[next() % n];
