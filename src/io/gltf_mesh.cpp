@@ -120,11 +120,11 @@ TriangleMesh GltfMeshes::read(const std::vector<Primitive>& primitives, const Gl
             all.push_back(&vertices);
         }
         add_corners(primitive, vertices, mesh, corners);
+        // A file has these bytes for a purpose: each is named a few times, by primitives that share some of it.
+        if ((corners_ + corners.size()) / 24 > file_.bytes_read())
+            mesh.fail("names what has been named before so often that the file has more than 8 triangles a byte");
     }
-    // A file has these bytes for a purpose: each is named a few times, by meshes that share some of it.
     corners_ += corners.size();
-    if (corners_ / 24 > file_.bytes_read())
-        mesh.fail("names what other meshes have named so often that the file has more than 8 triangles a byte");
 
     const std::vector<std::int64_t> used = used_vertices(corners, count);
     if (used.size() > INT32_MAX || corners.size() / 3 > INT32_MAX)

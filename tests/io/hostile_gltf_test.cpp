@@ -181,6 +181,18 @@ TEST(HostileGltf, ManyMeshesOverTheSameDataAreRefused) {
     expect_refused(scene, "more than 8 triangles a byte");
 }
 
+TEST(HostileGltf, ManyPrimitivesOverTheSameDataAreRefusedBeforeTheyAreRead) {
+    GltfScene scene;
+    const int positions = scene.add_positions({0, 0, 0, 1, 0, 0, 0, 1, 0});
+    std::vector<std::uint8_t> turns(100'000);
+    for (std::size_t i = 0; i < turns.size(); ++i) turns[i] = static_cast<std::uint8_t>(i % 3);
+    const int indices = scene.add_accessor(turns, 5121, "SCALAR");
+    // All at once they would take 24 GB.
+    scene.add_body("a", scene.add_mesh(Json(
+                            10'000, {{"attributes", {{"POSITION", positions}}}, {"indices", indices}, {"mode", 5}})));
+    expect_refused(scene, "more than 8 triangles a byte");
+}
+
 TEST(HostileGltf, DeepAndWideTreesTakeLinearTime) {
     GltfScene scene;
     const int shape = scene.add_tetrahedron();
