@@ -2,6 +2,7 @@
 
 // What readers are given: bytes under a name, as if they were a file.
 
+#include <span>
 #include <sstream>
 #include <string>
 #include <string_view>
@@ -14,6 +15,17 @@ namespace crumple::fuzz {
 inline io::TriangleMesh read_mesh(std::string_view bytes, const std::string& name, const io::ReadOptions& options) {
     std::istringstream in{std::string(bytes)};
     return io::read_mesh(in, name, options);
+}
+
+inline io::WorldMesh read_world(std::string_view bytes, const std::string& name, const io::ReadOptions& options) {
+    std::istringstream in{std::string(bytes)};
+    return io::read_world(in, name, options);
+}
+
+inline std::vector<Pose> read_poses(std::string_view bytes, const std::string& name,
+                                    std::span<const std::string> bodies) {
+    std::istringstream in{std::string(bytes)};
+    return io::read_poses(in, name, bodies);
 }
 
 inline std::vector<Pair> read_pairs(std::string_view bytes, const std::string& name) {

@@ -5,17 +5,21 @@ Small files of every format and variant that docs/input.md names, sound and not,
 reader's input chooses the file's name (`kinds` in readers.cpp), byte 1 the options.
 """
 
+import base64
 import io
 import itertools
 import json
-import random
 import struct
 import sys
 import zipfile
 import zlib
 from pathlib import Path
 
-MESH, PLY, OBJ, STL, OFF, STL_MENDED, TXT, CSV, JSON, NPZ, NPZ_MENDED, NPY = range(12)  # kinds in readers.cpp
+from seed_searches import search_inputs
+
+# kinds in readers.cpp
+MESH, PLY, OBJ, STL, OFF, STL_MENDED, TXT, CSV, JSON, NPZ, NPZ_MENDED, NPY = range(12)
+GLTF, GLB, GLB_MENDED, WORLD, POSES_TEXT, POSES_NPY, POSES_MENDED = range(12, 19)
 FLOAT32, FLOAT64, UNWELDED, WELDED, GROUP, LABEL, FAN, STRICT = 2, 3, 4, 8, 32, 48, 64, 128  # options in readers.cpp
 
 BOM = b"\xef\xbb\xbf"
@@ -242,6 +246,90 @@ def pair_files():
     yield NPZ, npz(npy("<i4", "(0, 2)", b""))[:-10]
 
 
+def scene(nodes, primitive=(), binary=None, **more):
+    """A description with one mesh, a tetrahedron, and what its buffer holds; `primitive` and `more` add to it."""
+    points, faces = TETRAHEDRON
+    corners = list(itertools.chain(*faces))
+    if binary is None:
+        binary = struct.pack("<12f", *itertools.chain(*points)) + struct.pack("<12H", *corners)
+    positions = {"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"}
+    indices = {"bufferView": 1, "componentType": 5123, "count": 12, "type": "SCALAR"}
+    views = [{"buffer": 0, "byteLength": 48}, {"buffer": 0, "byteOffset": 48, "byteLength": 24}]
+    document = {"asset": {"version": "2.0"}, "nodes": nodes, "accessors": [positions, indices], "bufferViews": views,
+                "buffers": [{"byteLength": len(binary)}],
+                "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1, **dict(primitive)}]}], **more}
+    return document, binary
+
+
+def scenes():
+    half = 0.7071067811865476
+    two = [{"name": "a", "mesh": 0}, {"name": "a", "mesh": 0, "translation": [0.5, 0, 0]}]
+    chain = [{"mesh": 0, "children": [1], "rotation": [0, 0, half, half]},
+             {"mesh": 0, "scale": [1, -2, 0.5], "children": [2]}, {"translation": [1e300, 0, 0], "mesh": 0}]
+    yield scene(two)
+    yield scene(chain, scene=0, scenes=[{"nodes": [0]}])
+    yield scene([{"children": [1]}, {"children": [0]}], scenes=[{"nodes": [0]}])
+    yield scene([{"mesh": 0, "matrix": [0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1, 0, 1, 2, 3, 1]}])
+    for mode in (0, 5, 6):
+        yield scene(two, {"mode": mode})
+    # Quantised positions between other data, indices of one byte, two primitives over the same positions.
+    binary = b"".join(struct.pack("<3h2x", *(100 * x for x in p)) for p in TETRAHEDRON[0]) + bytes([0, 1, 2, 3])
+    yield scene(two, binary=binary, extensionsRequired=["KHR_mesh_quantization"],
+                meshes=[{"name": "small", "primitives": [{"attributes": {"POSITION": 0}, "indices": 1, "mode": 6},
+                                                         {"attributes": {"POSITION": 0}, "indices": 1, "mode": 5}]}],
+                accessors=[{"bufferView": 0, "componentType": 5122, "count": 4, "type": "VEC3", "normalized": True},
+                           {"bufferView": 1, "componentType": 5121, "count": 4, "type": "SCALAR"}],
+                bufferViews=[{"buffer": 0, "byteLength": 32, "byteStride": 8},
+                             {"buffer": 0, "byteOffset": 32, "byteLength": 4}])
+    # Thirty times the same strip.
+    strip = {"attributes": {"POSITION": 0}, "indices": 1, "mode": 5}
+    yield scene([{"mesh": 0}], binary=bytes(48) + bytes(i % 3 for i in range(1500)),
+                meshes=[{"primitives": [strip] * 30}],
+                accessors=[{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"},
+                           {"bufferView": 1, "componentType": 5121, "count": 1500, "type": "SCALAR"}],
+                bufferViews=[{"buffer": 0, "byteLength": 48}, {"buffer": 0, "byteOffset": 48, "byteLength": 1500}])
+    yield scene([{"mesh": 0, "skin": 0, "weights": [1]}], {"targets": [{"POSITION": 0}]})
+    yield scene([{"mesh": 1}])
+    yield scene([])
+    yield scene(two, asset={"version": "1.0"})
+
+
+def world_files():
+    for document, binary in scenes():
+        text = json.dumps(document, separators=(",", ":")).encode()
+        yield GLB_MENDED, text + b"\0" + binary
+        text += b" " * (-len(text) % 4)
+        chunks = struct.pack("<I", len(text)) + b"JSON" + text + struct.pack("<I", len(binary)) + b"BIN\0" + binary
+        yield GLB, b"glTF" + struct.pack("<II", 2, 12 + len(chunks)) + chunks
+        document["buffers"][0]["uri"] = "data:application/octet-stream;base64," + base64.b64encode(binary).decode()
+        yield GLTF, json.dumps(document, indent=1).encode()
+        yield WORLD, json.dumps(document).encode()
+    yield WORLD, off_text(*TETRAHEDRON)
+    yield WORLD, stl_binary([[(0, 0, 0), (1, 0, 0), (0, 1, 0)]])
+
+
+def pose_files():
+    row = [0.1, 0, 1, -2.5, 1e300, -0.0, 4.9e-324, 3, 1, 0, 1 / 3, 7]
+    text = ",".join(map(repr, row)) + "\n"
+    yield POSES_TEXT, text.encode() * 6
+    yield POSES_TEXT, b"# poses\nr00 r01 and so on\n" + text.replace(",", " ").encode() + b"\r\n"
+    yield POSES_TEXT, BOM + text.strip().encode() + b", 0 0 0 +1"
+    yield POSES_TEXT, b"1,2,3\n"
+    yield POSES_TEXT, b"1,1e999,nan,4,5,6,7,8,9,10,11,12\n"
+    square = [*row, 0, 0, 0, 1]
+    for code, dtype in (("<{}d", "<f8"), (">{}f", ">f4")):
+        small = [min(x, 9.0) for x in row]
+        data = struct.pack(code.format(24), *small, *small)
+        for shape in ("(2, 12)", "(2, 3, 4)", "(2, 1, 3, 4)", "(2, 4)", "(3, 12)"):
+            yield POSES_NPY, npy(dtype, shape, data)
+        yield POSES_NPY, npy(dtype, "(3, 4, 2)", data, fortran=True)
+    yield POSES_NPY, npy("<f8", "(1, 4, 4)", struct.pack("<16d", *square))
+    for kind in range(16):
+        numbers = row if kind < 8 else square
+        code = "<>"[kind % 4 // 2] + str(len(numbers)) + "df"[kind % 2]
+        yield POSES_MENDED, bytes([kind]) + 6 * struct.pack(code, *(min(x, 9.0) for x in numbers))
+
+
 def reader_inputs():
     for kind, files in ((PLY, ply_files()), (OBJ, obj_files()), (STL, stl_files()), (OFF, off_files())):
         for number, file in enumerate(files):
@@ -255,44 +343,12 @@ def reader_inputs():
     yield from ((bytes([PLY, LABEL]), file) for file in ply_files() if b"label" in file)
     for kind, file in pair_files():
         yield bytes([kind, 0]), file
-
-
-def search_inputs():
-    """Bytes as decode.cpp reads them: options, query, two layouts, excluded groups, frames, meshes."""
-    choose = random.Random(7)
-
-    def header(between=False, contacts=True, how=0, size=13, extras=0, options=bytes(6), kept=0, wild=0):
-        flags = how | (8 if contacts else 0) | (64 if between else 0)
-        more = (extras & 1) + (extras & 24 == 24)  # a count of parts, a memory limit
-        rest = bytes([1, 0, 0, 0, 0]) * 2  # float32, int32, contiguous, no groups
-        return (bytes([kept, size, wild]) + options + bytes([flags, 0, extras]) +
-                bytes(choose.randrange(64) for _ in range(more)) + rest + bytes([0, 0]))
-
-    def mesh(vertices, triangles, soup=False, scale=0, shift=0):
-        data = bytes([scale, shift, len(triangles), len(vertices), int(soup)])
-        data += b"".join(vertices) + b"".join(bytes(t) for t in triangles if not soup)
-        return data
-
-    def on_grid(x, y, z):
-        return bytes([1, x, y, z])
-
-    crossing = mesh([on_grid(0, 0, 1), on_grid(4, 0, 1), on_grid(0, 4, 1), on_grid(1, 1, 0), on_grid(1, 1, 2),
-                     on_grid(3, 0, 2)], [(0, 1, 2), (3, 4, 5)])
-    fold = mesh([on_grid(0, 0, 0), on_grid(4, 0, 0), on_grid(2, 4, 0), on_grid(2, 2, 0)], [(0, 1, 2), (0, 1, 3)])
-    copies = mesh([on_grid(0, 0, 0), on_grid(4, 0, 0), on_grid(2, 4, 0)], [(0, 1, 2), (1, 2, 0), (0, 1, 1), (2, 2, 2)])
-    for scene in (crossing, fold, copies):
-        for how in range(8):
-            yield header(how=how) + scene
-            yield header(between=True, how=how) + scene + crossing
-        for options in (bytes([0, simd, clusters, leaf, 0, 0]) for simd in range(5) for clusters in (0, 3, 6)
-                        for leaf in (0, 2, 5)):
-            yield header(options=options, extras=choose.choice([0, 1, 5, 24])) + scene
-    for length in (40, 80, 160, 320, 640):
-        for _ in range(12):
-            scene = header(choose.random() < 0.4, choose.random() < 0.5, choose.randrange(256), choose.randrange(16),
-                           choose.randrange(256), bytes(choose.randrange(256) for _ in range(6)),
-                           choose.randrange(2), 7 * (choose.random() < 0.2))
-            yield scene + bytes(choose.randrange(256) for _ in range(length))
+    for kind, file in world_files():
+        for options in (0, FLOAT64, STRICT | UNWELDED, WELDED):
+            yield bytes([kind, options]), file
+    for kind, file in pose_files():
+        for bodies in range(4):
+            yield bytes([kind, bodies]), file
 
 
 def write(folder, inputs):

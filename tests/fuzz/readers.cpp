@@ -1,7 +1,7 @@
-// Fuzz target: the readers of meshes and of pair lists. The first byte of an input tells what file it is to be, the
-// second one with which options it is read; the file follows. Broken promises besides what the sanitizers see: another
-// exception than crumple::Error, an error that does not tell its place in a short printable line, a mesh that is not
-// sound, memory out of proportion, and a mesh that a writer and a reader do not keep.
+// Fuzz target: the readers of meshes, of pair lists, of worlds and of poses. The first byte of an input tells what file
+// it is to be, the second one with which options it is read; the file follows. Broken promises besides what the
+// sanitizers see: another exception than crumple::Error, an error that does not tell its place in a short printable
+// line, a mesh that is not sound, memory out of proportion, and a mesh that a writer and a reader do not keep.
 
 #include <algorithm>
 #include <cstring>
@@ -11,6 +11,8 @@
 
 #include "crumple/error.h"
 #include "fuzz/archive.h"
+#include "fuzz/bodies.h"
+#include "fuzz/containers.h"
 #include "fuzz/fail.h"
 #include "fuzz/file.h"
 #include "fuzz/memory.h"
@@ -21,8 +23,8 @@
 namespace crumple::fuzz {
 namespace {
 
-enum class Content { mesh, pairs };
-enum class Mended { nothing, stl_count, archive };
+enum class Content { mesh, pairs, world, poses };
+enum class Mended { nothing, stl_count, archive, glb, array_of_poses };
 
 struct Kind {
     const char* name;  ///< of the file; its extension is a reader's second hint
@@ -43,10 +45,19 @@ constexpr Kind kinds[] = {
     {"file.npz", Content::pairs},
     {"file.npz", Content::pairs, Mended::archive},
     {"file.npy", Content::pairs},
+    {"file.gltf", Content::world},
+    {"file.glb", Content::world},
+    {"file.glb", Content::world, Mended::glb},
+    {"file", Content::world},
+    {"file.csv", Content::poses},
+    {"file.npy", Content::poses},
+    {"file.npy", Content::poses, Mended::array_of_poses},
 };
 
 std::string mend(std::string_view bytes, Mended mended) {
     if (mended == Mended::archive) return archive_of("pairs.npy", bytes);
+    if (mended == Mended::glb) return glb_of(bytes);
+    if (mended == Mended::array_of_poses) return npy_of_poses(bytes);
     std::string file(bytes);
     constexpr std::size_t header = 80, prologue = 84, record = 50;
     if (mended == Mended::stl_count && file.size() >= prologue) {
@@ -115,12 +126,29 @@ auto watched(std::string_view file, const Kind& kind, bool names_property, Read&
         fail(std::string("an exception that is not crumple::Error: ") + other.what());
     }
     // A face of one byte a corner becomes 12 bytes a triangle in a vector that doubles, and ears take lists. Deflated
-    // bytes become a thousand times as many.
+    // bytes become a thousand times as many. A byte of glTF's binary chunk may be named by eight triangles.
     const bool archive = std::strcmp(kind.name, "file.npz") == 0;
     const auto size = static_cast<std::int64_t>(file.size());
-    const std::int64_t most = archive ? (4 << 20) + 4096 * size : (64 << 10) + 128 * size;
+    const std::int64_t most = archive                          ? (4 << 20) + 4096 * size
+                              : kind.content == Content::world ? (64 << 10) + 1024 * size
+                                                               : (64 << 10) + 128 * size;
     if (peak > most) fail(std::to_string(peak) + " bytes held to read " + std::to_string(size));
     return result;
+}
+
+void check_warnings(const std::vector<std::string>& warnings, const Kind& kind, const io::ReadOptions& options) {
+    require(!options.strict || warnings.empty(), "a warning to those who want errors");
+    require(warnings.size() <= 64, "more warnings than anybody reads");
+    for (const std::string& warning : warnings) {
+        require(is_short_and_printable(warning), "a warning that is no short line");
+        require(warning.find(kind.name) != warning.npos, "a warning that does not name the file");
+    }
+}
+
+void check_precision(const io::TriangleMesh& mesh, const io::ReadOptions& options) {
+    if (options.precision != io::Precision::automatic)
+        require((mesh.precision() == ScalarType::float32) == (options.precision == io::Precision::float32),
+                "another precision than asked for");
 }
 
 void check_mesh(std::string_view file, const Kind& kind, const io::ReadOptions& options) {
@@ -129,17 +157,10 @@ void check_mesh(std::string_view file, const Kind& kind, const io::ReadOptions& 
     if (!mesh) return;
     require_sound(*mesh);
     require_cut(*mesh, options.triangulation);
-    require(!options.strict || mesh->warnings.empty(), "a warning to those who want errors");
-    require(mesh->warnings.size() <= 64, "more warnings than anybody reads");
-    for (const std::string& warning : mesh->warnings) {
-        require(is_short_and_printable(warning), "a warning that is no short line");
-        require(warning.find(kind.name) != warning.npos, "a warning that does not name the file");
-    }
+    check_warnings(mesh->warnings, kind, options);
     require(mesh->groups.empty() || names_property, "groups that nobody asked for");
     require(!names_property || mesh->groups.size() == mesh->triangles.size() / 3, "groups are missing");
-    if (options.precision != io::Precision::automatic)
-        require((mesh->precision() == ScalarType::float32) == (options.precision == io::Precision::float32),
-                "another precision than asked for");
+    check_precision(*mesh, options);
     if (options.weld != io::Weld::no) {
         io::ReadOptions unwelded = options;
         unwelded.weld = io::Weld::no;
@@ -159,6 +180,27 @@ void check_pairs(std::string_view file, const Kind& kind) {
     require_kept_by_writers(*pairs);
 }
 
+void check_world(std::string_view file, const Kind& kind, io::ReadOptions options) {
+    options.group_property.clear();  // glTF has none
+    const auto world = watched(file, kind, false, [&] { return read_world(file, kind.name, options); });
+    if (!world) return;
+    require_sound(*world);
+    check_warnings(world->warnings, kind, options);
+    for (const io::TriangleMesh& shape : world->shapes) check_precision(shape, options);
+    if (options.weld == io::Weld::yes) {
+        io::ReadOptions unwelded = options;
+        unwelded.weld = io::Weld::no;
+        require_welded(*world, read_world(file, kind.name, unwelded));
+    }
+    require_kept_by_writer(*world);
+}
+
+void check_poses(std::string_view file, const Kind& kind, std::uint8_t byte) {
+    const std::vector<std::string> all{"base", "arm", "hand"}, bodies(all.begin(), all.begin() + byte % 4);
+    const auto poses = watched(file, kind, false, [&] { return read_poses(file, kind.name, bodies); });
+    if (poses) require_kept(*poses, bodies);
+}
+
 }  // namespace
 }  // namespace crumple::fuzz
 
@@ -168,10 +210,19 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (size < 2) return -1;
     const Kind& kind = kinds[data[0] % std::size(kinds)];
     const std::string file = mend({reinterpret_cast<const char*>(data) + 2, size - 2}, kind.mended);
-    if (kind.content == Content::pairs) {
-        check_pairs(file, kind);
-        return 0;
+    switch (kind.content) {
+        case Content::mesh:
+            check_mesh(file, kind, options_of(data[1]));
+            break;
+        case Content::pairs:
+            check_pairs(file, kind);
+            break;
+        case Content::world:
+            check_world(file, kind, options_of(data[1]));
+            break;
+        case Content::poses:
+            check_poses(file, kind, data[1]);
+            break;
     }
-    check_mesh(file, kind, options_of(data[1]));
     return 0;
 }

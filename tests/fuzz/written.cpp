@@ -24,6 +24,12 @@ auto with_coordinates(const TriangleMesh& mesh, F&& f) {
     return std::visit(std::forward<F>(f), mesh.vertices);
 }
 
+template <class Scalar>
+std::array<Scalar, 3> position(const std::vector<Scalar>& of, std::int64_t v) {
+    const auto i = 3 * static_cast<std::size_t>(v);
+    return {of[i], of[i + 1], of[i + 2]};
+}
+
 Precision precision_of(const TriangleMesh& mesh) {
     return mesh.precision() == ScalarType::float32 ? Precision::float32 : Precision::float64;
 }
@@ -108,6 +114,19 @@ void require_same(const TriangleMesh& a, const TriangleMesh& b, const char* what
     });
 }
 
+void require_same_corners(const TriangleMesh& a, const TriangleMesh& b, const char* what) {
+    const auto same = [&](bool holds, const char* of) {
+        if (!holds) fail(std::string(what) + ": " + of + " differ");
+    };
+    same(a.precision() == b.precision(), "precisions");
+    same(a.triangles.size() == b.triangles.size(), "numbers of triangles");
+    with_coordinates(a, [&](const auto& p) {
+        const auto& q = std::get<std::decay_t<decltype(p)>>(b.vertices);
+        for (std::size_t i = 0; i < a.triangles.size(); ++i)
+            same(position(p, a.triangles[i]) == position(q, b.triangles[i]), "corners");
+    });
+}
+
 void require_sound(const TriangleMesh& mesh) {
     with_coordinates(mesh, [](const auto& xyz) {
         require(xyz.size() % 3 == 0, "a vertex is not whole");
@@ -124,10 +143,6 @@ void require_welded(const TriangleMesh& mesh, const TriangleMesh& before) {
     require(mesh.groups == before.groups, "welding changes groups");
     with_coordinates(mesh, [&](const auto& xyz) {
         using Scalar = typename std::decay_t<decltype(xyz)>::value_type;
-        const auto position = [](const std::vector<Scalar>& of, std::int64_t v) {
-            const auto i = 3 * static_cast<std::size_t>(v);
-            return std::array{of[i], of[i + 1], of[i + 2]};
-        };
         std::vector<std::array<Scalar, 3>> all;
         for (std::int64_t v = 0; v < mesh.vertex_count(); ++v) all.push_back(position(xyz, v));
         std::sort(all.begin(), all.end());

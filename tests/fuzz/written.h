@@ -12,6 +12,9 @@ namespace crumple::fuzz {
 /// The same precision, bits, triangles and groups.
 void require_same(const io::TriangleMesh& a, const io::TriangleMesh& b, const char* what);
 
+/// The same precision, and the same corners in the same order, whatever vertices they name.
+void require_same_corners(const io::TriangleMesh& a, const io::TriangleMesh& b, const char* what);
+
 /// Whole triangles, indices in range, finite coordinates, no groups or one a triangle.
 void require_sound(const io::TriangleMesh& mesh);
 

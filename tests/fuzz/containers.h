@@ -1,0 +1,48 @@
+#pragma once
+
+// What files wrap their contents in, made to fit the contents: a changed byte leaves lengths right.
+
+#include <algorithm>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "io/bytes.h"
+
+namespace crumple::fuzz {
+
+template <class T>
+std::string bytes_of(T value) {
+    const auto little = io::little_endian(value);
+    return {little.begin(), little.end()};
+}
+
+/// .glb: the description ends at the first byte 0 and is followed by the binary chunk.
+inline std::string glb_of(std::string_view bytes) {
+    const std::size_t end = std::min(bytes.find('\0'), bytes.size());
+    const std::string_view json = bytes.substr(0, end), binary = bytes.substr(std::min(end + 1, bytes.size()));
+    const auto word = [](std::size_t value) { return bytes_of(static_cast<std::uint32_t>(value)); };
+    std::string file = "glTF" + word(2) + word(12 + 8 + json.size() + 8 + binary.size());
+    file.append(word(json.size())).append("JSON").append(json);
+    return file.append(word(binary.size())).append("BIN\0", 4).append(binary);
+}
+
+/// What comes before the bytes of an array of NumPy.
+inline std::string npy_header(const std::string& description) {
+    return std::string("\x93NUMPY\1\0", 8) + bytes_of(static_cast<std::uint16_t>(description.size() + 1)) +
+           description + '\n';
+}
+
+/// An array of poses of NumPy, as many as there are bytes for; the first byte chooses the numbers' type and the shape.
+inline std::string npy_of_poses(std::string_view bytes) {
+    constexpr const char* types[] = {"<f8", "<f4", ">f8", ">f4"};
+    constexpr const char* rows[] = {", 12)", ", 3, 4)", ", 16)", ", 4, 4)"};
+    const std::size_t kind = bytes.empty() ? 0 : static_cast<unsigned char>(bytes[0]) % 16;
+    bytes.remove_prefix(std::min<std::size_t>(bytes.size(), 1));
+    const std::size_t row = (kind / 4 < 2 ? 12u : 16u) * (kind % 2 == 0 ? 8u : 4u), count = bytes.size() / row;
+    return npy_header("{'descr': '" + std::string(types[kind % 4]) + "', 'fortran_order': False, 'shape': (" +
+                      std::to_string(count) + rows[kind / 4] + ", }") +
+           std::string(bytes.substr(0, count * row));
+}
+
+}  // namespace crumple::fuzz
