@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Builds a fuzz target and runs it on seeds and on what earlier runs have found (docs/fuzzing.md).
-#   scripts/fuzz.sh readers|search [options of libFuzzer, as -max_total_time=60 or -runs=1000000]
+#   scripts/fuzz.sh readers|search|worlds [options of libFuzzer, as -max_total_time=60 or -runs=1000000]
 # Everything lies in build-fuzz: NAME.log, corpus/NAME, artefacts. What breaks a promise is printed, also as base64.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -9,8 +9,8 @@ case $name in
     readers) options=(-max_len=4096 -dict=tests/fuzz/readers.dict -entropic=0) ;;
     # Kept detectors look like leaks; what is left at the end is told. Small scenes are mutated more often than large
     # ones, which makes it three times as many in the same time.
-    search) options=(-max_len=512 -detect_leaks=0 -entropic=1 -entropic_scale_per_exec_time=1) ;;
-    *) echo "usage: $0 readers|search [options of libFuzzer]" >&2; exit 2 ;;
+    search | worlds) options=(-max_len=512 -detect_leaks=0 -entropic=1 -entropic_scale_per_exec_time=1) ;;
+    *) echo "usage: $0 readers|search|worlds [options of libFuzzer]" >&2; exit 2 ;;
 esac
 shift
 

@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
 # Tests that take an hour and more, which .ci/run leaves out. Prints a table of figures, for docs/fuzzing.md.
-#   scripts/test_long.sh [READS [SEARCHES]]   how many inputs of each fuzz target; ten and one million
+#   scripts/test_long.sh [READS [SEARCHES [WORLDS]]]   how many inputs of each fuzz target; ten, one and one million
 set -euo pipefail
 cd "$(dirname "$0")/.."
 reads=${1:-10000000}
 searches=${2:-1000000}
+worlds=${3:-1000000}
 
 row() {
     local log=build-fuzz/$1.log
@@ -20,6 +21,8 @@ row() {
 
 scripts/fuzz.sh readers -runs="$reads"
 scripts/fuzz.sh search -runs="$searches"
+scripts/fuzz.sh worlds -runs="$worlds"
 printf '\n| target | executions | seconds | edges | corpus: inputs/bytes | memory |\n|---|---|---|---|---|---|\n'
 row readers
 row search
+row worlds

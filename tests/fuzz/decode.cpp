@@ -4,7 +4,6 @@
 #include <bit>
 #include <cfloat>
 #include <cmath>
-#include <cstring>
 #include <limits>
 
 namespace crumple::fuzz {
@@ -12,8 +11,8 @@ namespace {
 
 using Point = std::array<double, 3>;
 
-/// Numbers at the edges of what filters, expansions and float32 hold; those before `tame` of them are of like size, so
-/// that the integers of rational arithmetic stay short and a search takes a tenth of a millisecond.
+/// Those before `tame` of them are of like size, so that the integers of rational arithmetic stay short and a search
+/// takes a tenth of a millisecond.
 constexpr double hostile[] = {
     0.0,         -0.0,      1.0,      -1.0,      2.0,        -2.0,        3.0,
     0.5,         -0.5,      1.0 / 3,  0.1,       0x1p-24,    0x1p-52,     0x1p23,
@@ -112,7 +111,7 @@ Point vertex(Bytes& bytes, const std::vector<Point>& earlier, Style style) {
             }
             return p;
         case 3:
-            for (double& x : p) x = hostile[bytes.below(style.wild ? static_cast<int>(std::size(hostile)) : tame)];
+            for (double& x : p) x = hostile_number(bytes, style.wild);
             return p;
         case 4:
             for (double& x : p) x = raw(bytes, style);
@@ -139,17 +138,11 @@ Point placed(Point p, int scale, double shift, bool single) {
     return p;
 }
 
-/// What holds for all frames of a search.
-struct Kind {
-    bool between = false;
-    std::array<bool, 2> single{};
-    std::array<Layout, 2> layout{};
-    std::array<int, 2> groups{};  ///< 0: none; else how many ids
-    bool wild = false;
-    int most = 0;  ///< triangles of a mesh
-};
+}  // namespace
 
-constexpr std::int32_t group_ids[] = {0, 1, 2, -1, INT32_MAX, INT32_MIN};
+double hostile_number(Bytes& bytes, bool wild) {
+    return hostile[bytes.below(wild ? static_cast<int>(std::size(hostile)) : tame)];
+}
 
 Mesh mesh(Bytes& bytes, const Kind& kind, std::size_t side) {
     Mesh result;
@@ -174,6 +167,8 @@ Mesh mesh(Bytes& bytes, const Kind& kind, std::size_t side) {
     }
     return result;
 }
+
+namespace {
 
 /// The frame before with some vertices and corners changed.
 Frame next_frame(Bytes& bytes, const Kind& kind, Frame frame) {
@@ -216,6 +211,8 @@ void spoil(Bytes& bytes, Frame& frame) {
     }
 }
 
+}  // namespace
+
 Options options(Bytes& bytes) {
     constexpr Simd sets[] = {Simd::automatic, Simd::scalar, Simd::sse4, Simd::avx2, Simd::avx512, Simd::neon};
     constexpr int clusters[] = {0, 0, 0, 0, 1, 1, 2, 2, 2, 3, 3, 3, 7, 7, 7, 64};
@@ -236,69 +233,6 @@ Options options(Bytes& bytes) {
     o.stop = stops[how >> 4 & 3];
     o.first_stop = stops[how >> 6 & 3];
     return o;
-}
-
-template <class Value>
-void put(std::byte* at, Value value) {
-    std::memcpy(at, &value, sizeof value);
-}
-
-/// Lays out rows of three values of `size` bytes: contiguous, by column, in records, backwards, off alignment, with the
-/// columns backwards. Returns the view's place and strides; `store(row, column, at)` writes a value.
-template <class View, class Store>
-void lay_out(std::vector<std::byte>& block, View& view, int arrangement, std::int64_t rows, std::int64_t size,
-             Store store) {
-    std::int64_t row = 3 * size, column = size, begin = 0, bytes = 3 * size * rows;
-    switch (arrangement) {
-        case 1:
-            row = size, column = rows * size;
-            break;
-        case 2:
-            row = 5 * size, bytes = rows > 0 ? 5 * size * (rows - 1) + 3 * size : 0;
-            break;
-        case 3:
-            row = -3 * size, begin = rows > 0 ? 3 * size * (rows - 1) : 0;
-            break;
-        case 4:
-            row = 3 * size + 1, begin = 1, bytes = rows > 0 ? 1 + (3 * size + 1) * (rows - 1) + 3 * size : 1;
-            break;
-        case 5:
-            column = -size, begin = 2 * size;
-            break;
-        default:
-            break;
-    }
-    block.resize(static_cast<std::size_t>(bytes));
-    for (std::int64_t r = 0; r < rows; ++r)
-        for (std::int64_t c = 0; c < 3; ++c) store(r, c, block.data() + begin + r * row + c * column);
-    view.data = rows > 0 ? block.data() + begin : nullptr;
-    view.rows = rows;
-    view.row_stride = row;
-    view.column_stride = column;
-}
-
-}  // namespace
-
-Arrays::Arrays(const Mesh& mesh) : groups_(mesh.groups) {
-    view_.vertices.type = mesh.single ? ScalarType::float32 : ScalarType::float64;
-    lay_out(vertices_, view_.vertices, mesh.layout.vertices, static_cast<std::int64_t>(mesh.vertices.size()),
-            mesh.single ? 4 : 8, [&](std::int64_t r, std::int64_t c, std::byte* at) {
-                const double x = mesh.vertices[static_cast<std::size_t>(r)][static_cast<std::size_t>(c)];
-                if (mesh.single)
-                    put(at, static_cast<float>(x));
-                else
-                    put(at, x);
-            });
-    view_.triangles.type = mesh.layout.index;
-    lay_out(triangles_, view_.triangles, mesh.layout.triangles, static_cast<std::int64_t>(mesh.triangles.size()),
-            mesh.layout.index == IndexType::int64 ? 8 : 4, [&](std::int64_t r, std::int64_t c, std::byte* at) {
-                const std::int64_t i = mesh.triangles[static_cast<std::size_t>(r)][static_cast<std::size_t>(c)];
-                if (mesh.layout.index == IndexType::int64)
-                    put(at, i);
-                else
-                    put(at, static_cast<std::int32_t>(i));
-            });
-    view_.groups = groups_;
 }
 
 Search::Search(Bytes bytes) {

@@ -64,6 +64,26 @@ class Arrays {
     MeshView view_;
 };
 
+inline constexpr std::int32_t group_ids[] = {0, 1, 2, -1, INT32_MAX, INT32_MIN};
+
+/// What meshes of a kind have in common, for each side.
+struct Kind {
+    bool between = false;
+    std::array<bool, 2> single{};
+    std::array<Layout, 2> layout{};
+    std::array<int, 2> groups{};  ///< 0: none; else how many ids
+    bool wild = false;
+    int most = 0;  ///< triangles of a mesh
+};
+
+Mesh mesh(Bytes& bytes, const Kind& kind, std::size_t side);
+
+/// Of the cpu backend.
+Options options(Bytes& bytes);
+
+/// Numbers at the edges of what filters, expansions and float32 hold; the first ones of like size, unless `wild`.
+double hostile_number(Bytes& bytes, bool wild);
+
 /// One or two meshes.
 using Frame = std::vector<Mesh>;
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes the seed corpora of the fuzz targets: make_seeds.py FOLDER makes FOLDER/readers and FOLDER/search.
+"""Writes the seed corpora of the fuzz targets: make_seeds.py FOLDER makes FOLDER/readers, FOLDER/search, FOLDER/worlds.
 
 Small files of every format and variant that docs/input.md names, sound and not, and scenes for the search. Byte 0 of a
 reader's input chooses the file's name (`kinds` in readers.cpp), byte 1 the options.
@@ -15,7 +15,7 @@ import zipfile
 import zlib
 from pathlib import Path
 
-from seed_searches import search_inputs
+from seed_searches import search_inputs, world_inputs
 
 # kinds in readers.cpp
 MESH, PLY, OBJ, STL, OFF, STL_MENDED, TXT, CSV, JSON, NPZ, NPZ_MENDED, NPY = range(12)
@@ -363,6 +363,7 @@ def main():
     folder = Path(sys.argv[1])
     write(folder / "readers", (options + file for options, file in reader_inputs()))
     write(folder / "search", search_inputs())
+    write(folder / "worlds", world_inputs())
 
 
 if __name__ == "__main__":

@@ -36,7 +36,9 @@ std::string code_of(const Query& query) {
     return code + "};\nquery.excluded_groups = excluded;\n";
 }
 
-std::string code_of(const Options& o) {
+}  // namespace
+
+std::string as_code(const Options& o) {
     constexpr const char* sets[] = {"automatic", "scalar", "sse4", "avx2", "avx512", "neon"};
     return "Options options;\noptions.backend = Backend::cpu;\noptions.threads = " + std::to_string(o.threads) +
            ";\noptions.simd = Simd::" + sets[static_cast<int>(o.simd)] +
@@ -47,7 +49,7 @@ std::string code_of(const Options& o) {
            ";\noptions.first_stop = " + text(o.first_stop) + ";\n";
 }
 
-std::string code_of(const Mesh& mesh, const std::string& name) {
+std::string as_code(const Mesh& mesh, const std::string& name) {
     constexpr const char* indices[] = {"std::int32_t", "std::uint32_t", "std::int64_t"};
     std::string code = "// arranged as " + std::to_string(mesh.layout.vertices) + " and " +
                        std::to_string(mesh.layout.triangles) + " of fuzz::Arrays\n";
@@ -61,15 +63,13 @@ std::string code_of(const Mesh& mesh, const std::string& name) {
     return code + "};\n";
 }
 
-}  // namespace
-
 std::string as_code(const Search& search) {
-    std::string code = code_of(search.options) + code_of(search.query);
+    std::string code = as_code(search.options) + code_of(search.query);
     if (search.parts > 0) code += "// " + std::to_string(search.parts) + " parts\n";
     if (search.memory_limit >= 0) code += "// memory limit " + std::to_string(search.memory_limit) + "\n";
     for (std::size_t f = 0; f < search.frames.size(); ++f)
         for (std::size_t side = 0; side < search.frames[f].size(); ++side)
-            code += code_of(search.frames[f][side], "_" + std::to_string(f) + (side ? "b" : "a"));
+            code += as_code(search.frames[f][side], "_" + std::to_string(f) + (side ? "b" : "a"));
     return code;
 }
 

@@ -14,7 +14,9 @@
 #include "crumple/crumple.h"
 #include "fuzz/decode.h"
 #include "fuzz/fail.h"
+#include "fuzz/instruction_sets.h"
 #include "fuzz/print.h"
+#include "fuzz/same.h"
 #include "questions/intersect/contact.h"
 #include "questions/intersect/rational_intersection.h"
 
@@ -22,7 +24,6 @@ namespace crumple::fuzz {
 namespace {
 
 using Input = std::vector<std::uint8_t>;
-using Outcome = std::variant<Collisions, Error>;
 
 /// The meshes of a frame as the detector is given them.
 class Views {
@@ -47,23 +48,6 @@ class Views {
     std::optional<Arrays> b_;
 };
 
-template <class Call>
-Outcome outcome_of(Call&& call) {
-    try {
-        return call();
-    } catch (const Error& error) {
-        return error;
-    }
-}
-
-template <class T>
-void require_same_bytes(const Array<T>& found, const Array<T>& expected, const std::string& what) {
-    if (found.size() != expected.size())
-        fail(what + ": " + std::to_string(found.size()) + " instead of " + std::to_string(expected.size()));
-    for (std::size_t i = 0; i < found.size(); ++i)
-        if (std::memcmp(&found[i], &expected[i], sizeof(T)) != 0) fail(what + " differ at " + std::to_string(i));
-}
-
 std::string difference(const Array<Pair>& found, const Array<Pair>& expected) {
     std::string text;
     const auto list = [&](const char* what, const Array<Pair>& of, const Array<Pair>& without) {
@@ -86,14 +70,9 @@ void require_same(const Collisions& found, const Collisions& expected, const std
     require_same_bytes(found.contacts.points, expected.contacts.points, what + " contact points");
 }
 
-void require_same(const Outcome& found, const Outcome& expected, const std::string& what) {
-    const Error *error = std::get_if<Error>(&found), *wanted = std::get_if<Error>(&expected);
-    if (error && !wanted) fail(what + " throws: " + error->what());
-    if (wanted && !error) fail(what + " does not throw: " + wanted->what());
-    if (!error) return require_same(std::get<Collisions>(found), std::get<Collisions>(expected), what);
-    if (error->code != wanted->code || error->element != wanted->element || error->index != wanted->index ||
-        std::strcmp(error->what(), wanted->what()) != 0)
-        fail(what + " throws " + error->what() + " instead of " + wanted->what());
+void require_same(const Outcome<Collisions>& found, const Outcome<Collisions>& expected, const std::string& what) {
+    compare(found, expected, what,
+            [](const Collisions& f, const Collisions& e, const std::string& w) { require_same(f, e, w); });
 }
 
 /// One search, all its questions.
@@ -105,7 +84,8 @@ class Judge {
     void judge() {
         for (const Frame& frame : search_.frames) {
             const Views views(frame);
-            const Outcome expected = outcome_of([&]() -> Collisions { return views.find(reference_, search_.query); });
+            const Outcome<Collisions> expected =
+                outcome_of<Collisions>([&]() -> const Collisions& { return views.find(reference_, search_.query); });
             ask(detector_, views, expected);
             const auto* answer = std::get_if<Collisions>(&expected);
             if (!answer) continue;
@@ -117,8 +97,9 @@ class Judge {
     }
 
    private:
-    void ask(Detector& detector, const Views& views, const Outcome& expected) const {
-        const Outcome found = outcome_of([&]() -> Collisions { return views.find(detector, search_.query); });
+    void ask(Detector& detector, const Views& views, const Outcome<Collisions>& expected) const {
+        const Outcome<Collisions> found =
+            outcome_of<Collisions>([&]() -> const Collisions& { return views.find(detector, search_.query); });
         require_same(found, expected, "find");
         if (std::holds_alternative<Error>(expected)) return;
         const bool any = !std::get<Collisions>(expected).pairs.empty();
@@ -186,13 +167,13 @@ class Judge {
 
     void check_limit(const Views& views, const Collisions& expected) const {
         const auto find = [&](Detector& by) {
-            return outcome_of([&]() -> Collisions { return views.find(by, search_.query); });
+            return outcome_of<Collisions>([&]() -> const Collisions& { return views.find(by, search_.query); });
         };
         Options options = search_.options;
         options.memory_limit = 1 + search_.memory_limit;
         Detector tight(options);
         for (int call = 0; call < 2; ++call) {  // the second one with what the first one has left
-            const Outcome found = find(tight);
+            const Outcome<Collisions> found = find(tight);
             if (const auto* error = std::get_if<Error>(&found)) {
                 check_bounds(find, options, *error, expected);
                 break;
@@ -217,7 +198,7 @@ class Judge {
         Options counting = options;
         counting.count_bytes_needed = true;
         Detector counts(counting);
-        const Outcome counted = find(counts);
+        const Outcome<Collisions> counted = find(counts);
         const auto* enough = std::get_if<Error>(&counted);
         require(enough && enough->code == ErrorCode::memory_limit && !enough->bytes_needed_at_least,
                 "bytes are not counted");
@@ -259,26 +240,6 @@ Kept& kept_for(const Options& options) {
     const bool fits = kept.detector && same_options(kept.detector->options(), options);
     if (!fits || kept.history.size() == most_inputs) kept = {std::make_unique<Detector>(options), {}};
     return kept;
-}
-
-/// The instruction sets asked for, or the best where this machine lacks it.
-Simd present(Simd wanted) {
-    static const auto there = [] {
-        std::array<bool, 6> result{};
-        for (std::size_t i = 0; i < result.size(); ++i) {
-            try {
-                Options options;
-                options.backend = Backend::cpu;
-                options.threads = 1;
-                options.simd = static_cast<Simd>(i);
-                const Detector detector(options);
-                result[i] = true;
-            } catch (const Error&) {
-            }
-        }
-        return result;
-    }();
-    return there[static_cast<std::size_t>(wanted)] ? wanted : Simd::automatic;
 }
 
 /// Tells of the search that runs when the process ends: sanitizers and broken promises alike.

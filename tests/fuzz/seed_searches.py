@@ -1,4 +1,4 @@
-"""Seeds of the fuzz target `search`: scenes by hand and by chance."""
+"""Seeds of the fuzz targets `search` and `worlds`: scenes by hand and by chance."""
 
 import random
 
@@ -39,3 +39,12 @@ def search_inputs():
                            choose.randrange(256), bytes(choose.randrange(256) for _ in range(6)),
                            choose.randrange(2), 7 * (choose.random() < 0.2))
             yield scene + bytes(choose.randrange(256) for _ in range(length))
+
+
+def world_inputs():
+    """Bytes as decode_world.cpp reads them; what they mean is left to chance but for the options."""
+    choose = random.Random(8)
+    for length in (60, 120, 240, 480):
+        for number in range(60):
+            some = bytes(choose.randrange(256) for _ in range(length))
+            yield bytes(6 if number % 2 else 0) + bytes([choose.randrange(248), choose.randrange(256)]) + some
