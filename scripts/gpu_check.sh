@@ -74,7 +74,7 @@ step() {
     timeout -k 5 "$budget" "$@" >"$log" 2>&1 || status=$?
     { printf '\n===== %s\n' "$name"; tail -n 400 "$log"; } >>"$out/check.log"
     local seconds=$((SECONDS - begin)) remark
-    remark=$(grep -aE 'Test .*FAILED|FAILED  \]|[1-9][0-9]* (FAILED TEST|failed)|ERROR SUMMARY|error:|rror \(' "$log" |
+    remark=$(grep -aE 'Test .*FAILED|FAILED  \]|[1-9][0-9]* (FAILED TEST|failed)|ERROR SUMMARY|error:|rror \(|^none: ' "$log" |
         tail -n 1 | tr -dc '[:alnum:] .:_/()-' | cut -c1-100) || true
     case $status in
         0) note "$name" ok "$seconds" ;;
@@ -116,7 +116,7 @@ data=${CRUMPLE_DATA:-$top/../shared/data}
 
 # Whether the programs in $bin start and find a device.
 find_device() {
-    step device 30 "$bin/crumple" info --devices && ! grep -q '^none' "$work/logs/device"
+    step device 30 bash -c 'set -o pipefail; "$1" info --devices | tee "$2" && ! grep -q "^none" "$2"' - "$bin/crumple" "$work/devices"
 }
 # Where the programs are, by the pack's word.
 use_pack() {
