@@ -18,7 +18,7 @@ from ._devices import DeviceInfo, DeviceList, list_devices
 from ._errors import BackendUnavailable, Error, FileError, FileWarning, InvalidInput, InvalidType, MemoryLimit
 from ._files import Scene, make_scene, read_mesh, read_pairs, scenes, write_mesh
 from ._mesh import FileMesh, Mesh, Polygons, as_mesh
-from ._result import ContactKind, Contacts, Result
+from ._result import Block, ContactKind, Contacts, Result
 from ._short_forms import (
     find_intersections_between,
     find_self_intersections,
@@ -31,6 +31,7 @@ from ._world_result import WorldResult
 
 __all__ = [
     "BackendUnavailable",
+    "Block",
     "Body",
     "ContactKind",
     "Contacts",

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import Any, Literal, overload
 
 from . import _core
 from ._errors import InvalidInput, InvalidType
 from ._mesh import Mesh, as_mesh, soup_of
 from ._names import suggesting
-from ._result import Result
+from ._core import Statistics
+from ._result import Block, Result
 from ._world import World
 from ._world_result import WorldResult
 from ._world_search import Wants, find_in_world
@@ -20,6 +21,12 @@ Wanted = Literal["both", "between", "within"]
 Backend = Literal["automatic", "cpu", "cuda", "reference"]
 Simd = Literal["automatic", "scalar", "sse4", "avx2", "avx512", "neon"]
 GroupPairs = Iterable[tuple[int, int]]
+
+
+def _taker(take: Any) -> Callable[[Any], Any]:
+    if not callable(take):
+        raise InvalidType(f"take must be callable with a crumple.Block, not {type(take).__name__}")
+    return lambda answer: take(Block(answer))
 
 
 class Detector(_core.Detector):
@@ -198,6 +205,62 @@ class Detector(_core.Detector):
         query = _core.Query(neighbours, intersections, weld, contacts, wanted, excluded_groups)
         first, second = as_mesh(a), as_mesh(b)
         return Result(self._find(first, second, query, copy), first, second)
+
+    @suggesting
+    def stream_self(
+        self,
+        take: Callable[[Block], Any],
+        vertices: Any,
+        faces: Any = None,
+        *,
+        block_pairs: int = 1 << 18,
+        ordered: bool = True,
+        groups: Any = None,
+        neighbours: Neighbours = "geometric",
+        intersections: Intersections = "all",
+        weld: bool = False,
+        contacts: bool = False,
+        wanted: Wanted = "both",
+        excluded_groups: GroupPairs | None = None,
+    ) -> Statistics:
+        """Hands all colliding pairs of one soup over in blocks, for answers that exceed memory.
+
+        Args:
+            take: called with one crumple.Block after the other. What it raises ends the call. It may run in another
+                thread, but never in two at a time, and cannot call this detector.
+            block_pairs: most pairs of a block, 1 to 2^40.
+            ordered: blocks follow each other in the order of the answer. False: in any order, and pairs too.
+
+        Other arguments, errors and source as of find_self. Returns the statistics of the call.
+
+        Cost: as found, that of find_self; in order, about that of find_self for each block, so blocks should be large.
+        Memory: that of a search without its pairs, and some 32 bytes for each pair of a block.
+        """
+        query = _core.Query(neighbours, intersections, weld, contacts, wanted, excluded_groups)
+        return self._stream(_taker(take), soup_of(vertices, faces, groups), None, query, block_pairs, ordered)
+
+    @suggesting
+    def stream_between(
+        self,
+        take: Callable[[Block], Any],
+        a: Any,
+        b: Any,
+        *,
+        block_pairs: int = 1 << 18,
+        ordered: bool = True,
+        neighbours: Neighbours = "geometric",
+        intersections: Intersections = "all",
+        weld: bool = False,
+        contacts: bool = False,
+        wanted: Wanted = "both",
+        excluded_groups: GroupPairs | None = None,
+    ) -> Statistics:
+        """Hands all colliding pairs of two meshes over in blocks: find_between as stream_self is find_self.
+
+        Arguments, errors, cost and source as of these two.
+        """
+        query = _core.Query(neighbours, intersections, weld, contacts, wanted, excluded_groups)
+        return self._stream(_taker(take), as_mesh(a), as_mesh(b), query, block_pairs, ordered)
 
     @suggesting
     def has_intersections(

@@ -86,6 +86,34 @@ class Contacts:
         return f"<crumple.Contacts: {len(self)} pairs, {len(self.points)} points>"
 
 
+class Block:
+    """Some of the pairs of an answer that comes in blocks (Detector.stream_self). It keeps its arrays as a Result does.
+
+    `len(block)` is the number of pairs.
+    """
+
+    def __init__(self, answer: Answer) -> None:
+        self._answer = answer
+
+    @cached_property
+    def pairs(self) -> NDArray[np.int32]:
+        """(k, 2) int32: colliding pairs; sorted, if blocks come in order. Indices as in Result.pairs."""
+        return self._answer.pairs
+
+    @cached_property
+    def contacts(self) -> Contacts | None:
+        """Where the pairs meet, or None if `contacts=True` was not asked for."""
+        a = self._answer
+        return Contacts(a.contact_kinds, a.contact_offsets, a.contact_points) if a.has_contacts else None
+
+    def __len__(self) -> int:
+        """How many pairs."""
+        return len(self._answer)
+
+    def __repr__(self) -> str:
+        return f"<crumple.Block: {len(self)} colliding pairs>"
+
+
 class Result:
     """Every colliding pair, once, in lexicographic order: the same bytes from every backend and thread count.
 

@@ -40,7 +40,8 @@ SharedDetector::SharedDetector(const Options& options) : detector_(options) { de
 
 SharedDetector::Turn::Turn(SharedDetector& detector) : detector_(detector) {
     const std::thread::id self = std::this_thread::get_id();
-    if (detector_.caller_ == self) refuse("a signal handler cannot call the detector whose call it interrupts");
+    if (detector_.caller_ == self)
+        refuse("neither a signal handler nor what takes a block can call the detector whose call goes on");
     while (detector_.caller_ != std::thread::id()) {
         if (interpreter_ends()) throw Error(ErrorCode::cancelled, "the interpreter ends in another thread's call");
         detector_.wait_for_another_turn();
@@ -96,6 +97,23 @@ void SharedDetector::find(const World& world, const Intersect& question, WorldCo
 bool SharedDetector::any(const MeshView& first, const MeshView* second, const Query& query) {
     return second ? detector_.has_collision(first, *second, query, stop_->get_token())
                   : detector_.has_collision(first, query, stop_->get_token());
+}
+
+// What takes a block may be called by another thread than the one whose turn it is; it is refused a call all the same.
+Statistics SharedDetector::stream(const MeshView& first, const MeshView* second, Detector::TakeBlock take,
+                                  const Query& query, const Streaming& how) {
+    const auto with_gil = [&](const Collisions& block) {
+        const WithGil acquired;
+        const std::thread::id caller = std::exchange(caller_, std::this_thread::get_id());
+        struct Back {
+            std::thread::id& caller_;
+            std::thread::id caller;
+            ~Back() { caller_ = caller; }
+        } const back{caller_, caller};
+        take(block);
+    };
+    return second ? detector_.stream_between(first, *second, with_gil, query, how, stop_->get_token())
+                  : detector_.stream_self(first, with_gil, query, how, stop_->get_token());
 }
 
 std::vector<Part> SharedDetector::partition(const MeshView& first, const MeshView* second, int count) {
@@ -215,6 +233,26 @@ bool any(nb::handle self, const nb::tuple& first, const std::optional<nb::tuple>
                        detector.stop());
 }
 
+// Python's copy of a block outlives the call.
+Statistics stream(nb::handle self, nb::handle take, const nb::tuple& first, const std::optional<nb::tuple>& second,
+                  const OwningQuery& given, nb::handle block_pairs, nb::handle ordered) {
+    SharedDetector& detector = detector_of(self);
+    const BorrowedMeshes meshes(first, second);
+    check_devices(detector, meshes);
+    const Streaming how{integer<std::int64_t>("block_pairs", block_pairs), flag("ordered", ordered)};
+    const auto hand_over = [&](const Collisions& block) {
+        const nb::object answer =
+            nb::cast(Answer{std::make_shared<Collisions>(block), given.query.contacts, false}, nb::rv_policy::move);
+        PyObject* const done = in_python([&] { return PyObject_CallOneArg(take.ptr(), answer.ptr()); });
+        if (!done) throw nb::python_error();
+        Py_DECREF(done);
+    };
+    const SharedDetector::Turn turn(detector);
+    return without_gil(
+        [&] { return detector.stream(meshes.first.view(), meshes.second_or_null(), hand_over, given.query, how); },
+        detector.stop());
+}
+
 std::vector<Part> partition(nb::handle self, const nb::tuple& first, const std::optional<nb::tuple>& second,
                             nb::handle count) {
     SharedDetector& detector = detector_of(self);
@@ -252,6 +290,8 @@ void bind_detector(nb::module_& module) {
         .def("_find_part", find_part, "part"_a.none(), "query"_a, "copy"_a.none())
         .def("_find_world", find_world, "world"_a.none(), "poses"_a.none(), "question"_a, "excluded"_a.none(),
              "copy"_a.none())
+        .def("_stream", stream, "take"_a, "first"_a, "second"_a.none(), "query"_a, "block_pairs"_a.none(),
+             "ordered"_a.none())
         .def("_any", any, "first"_a, "second"_a.none(), "query"_a)
         .def("_partition", partition, "first"_a, "second"_a.none(), "count"_a.none());
     module.def("list_devices", listed_devices);

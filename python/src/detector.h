@@ -47,6 +47,9 @@ class SharedDetector {
     void find(const Part& part, const Query& query, Collisions& answer);
     void find(const World& world, const Intersect& question, WorldCollisions& answer);
     bool any(const MeshView& first, const MeshView* second, const Query& query);
+    /// `take` is called with the GIL, in any thread of the library.
+    Statistics stream(const MeshView& first, const MeshView* second, Detector::TakeBlock take, const Query& query,
+                      const Streaming& how);
     std::vector<Part> partition(const MeshView& first, const MeshView* second, int count);
     /// Storage for an answer: that of one of the last two, if nobody holds it any more. So frames of a simulation go
     /// back and forth between two and allocate nothing. Under a memory limit none is kept. Call with the GIL, under

@@ -42,6 +42,18 @@ template <class Call>
 /// Calls a function of a module of Python.
 nanobind::object call_python(const char* module, const char* function, std::initializer_list<nanobind::handle> given);
 
+/// The GIL, in a thread that may be the library's own and does not have it.
+class WithGil {
+   public:
+    WithGil() : state_(in_python([] { return PyGILState_Ensure(); })) {}
+    ~WithGil() { PyGILState_Release(state_); }
+    WithGil(const WithGil&) = delete;
+    WithGil& operator=(const WithGil&) = delete;
+
+   private:
+    PyGILState_STATE state_;
+};
+
 /// Work without the GIL. Comes and goes with it.
 class WithoutGil {
    public:

@@ -31,7 +31,7 @@ class BackendBase : public ParallelFor {
     /// limit for records while it counts, never for the result.
     virtual std::int64_t bytes_needed(const Scene& scene, const Query& query, const Part* part) = 0;
 
-    /// Whether there is any pair; stops at the first.
+    /// Whether there is any pair. The cpu and reference backends stop at the first; cuda finds all.
     virtual bool any(const Scene& scene, const Query& query) = 0;
 
     /// Hands all pairs over in blocks (Detector::stream_self). A call that throws may have handed over some.

@@ -209,7 +209,7 @@ GltfFile::Buffer GltfFile::read_buffer(const GltfObject& buffer, bool first) con
         const fs::path path = decode_percent(uri);
         if (uri.empty() || path.is_absolute() || uri.find("://") != uri.npos)
             buffer.fail("uri", in_quotes(uri) + " is no file beside this one");
-        if (!folder_) buffer.fail("uri", "names the file " + in_quotes(uri) + ", which a stream has not beside it");
+        if (!folder_) buffer.fail("uri", "names the file " + in_quotes(uri) + ", and a stream has no files beside it");
         result.file.emplace(*folder_ / path);
     }
     return result;

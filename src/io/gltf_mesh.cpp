@@ -180,7 +180,7 @@ void GltfMeshes::add_corners(const Primitive& primitive, const Vertices& vertice
         const bool turned = primitive.mode == strip && i % 2;  // every other triangle of a strip
         const std::int64_t a = corner(primitive.mode == fan ? 0 : i), b = corner(i + (turned ? 2 : 1)),
                            c = corner(i + (turned ? 1 : 2));
-        // A strip turns and jumps by triangles that name a vertex twice; nobody sees them.
+        // A strip turns and jumps by triangles that name a vertex twice; they cannot be seen.
         if (a != b && b != c && c != a) corners.insert(corners.end(), {a, b, c});
     }
 }

@@ -21,7 +21,7 @@ class Sink {
         try {
             make_room(buffer_.size());
         } catch (...) {
-            // A stream that throws has also set its state, which whoever owns it checks.
+            // A stream that throws has also set its state, which its owner checks.
         }
     }
 

@@ -8,8 +8,8 @@
 
 namespace crumple::io {
 
-/// Whoever takes the name out of its slot removes the file. A handler never frees the name: the heap is not safe there.
-/// Nor does anybody else then, who cannot know whether the handler is through; but `given` still names it.
+/// The thread that takes the name out of its slot removes the file. A handler never frees the name: the heap is not
+/// safe there. Nor does anybody else then, who cannot know whether the handler is through; but `given` still names it.
 struct UnfinishedFile::Slot {
     std::atomic<bool> taken{true};
     std::atomic<char*> name{nullptr};

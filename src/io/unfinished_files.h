@@ -8,7 +8,7 @@
 
 namespace crumple::io {
 
-/// Removes them all. Async-signal-safe. Whoever writes one of them fails to finish it.
+/// Removes them all. Async-signal-safe. A thread that is writing one of them fails to finish it.
 void remove_unfinished_files() noexcept;
 
 /// A file that is removed unless it is finished.

@@ -23,7 +23,7 @@ struct Level {
     int cluster = 0;                       ///< the one that the scene is
 };
 
-/// A short list, from the top; empty for a scene that is nobody's part.
+/// A short list, from the top; empty for a scene that is no part of another.
 class Levels {
    public:
     Levels() = default;

@@ -89,7 +89,7 @@ void PartSample::set(std::size_t i, const Triangle& t, const Normaliser& normali
     centroids_[i] = {static_cast<float>(c.x), static_cast<float>(c.y), static_cast<float>(c.z)};
 }
 
-// Whoever has fewest parts for their points gets the next one: integers alone decide.
+// The next part goes to the cluster with the fewest parts for its points: integers alone decide.
 std::vector<int> share_out(int parts, int most, std::span<const std::int64_t> points) {
     std::vector<int> shares(points.size(), 1);
     for (int left = parts - static_cast<int>(points.size()); left > 0; --left) {

@@ -104,7 +104,7 @@ struct SortedLeaf {
         : position(m), low_y(m), high_y(m), low_z(m), high_z(m), lower(m), begin(m), link(m), member(m) {}
 };
 
-/// Calls visit(row) for each row that is nobody's: the blocks' dummies, and the padding.
+/// Calls visit(row) for each row that holds no member: the blocks' dummies, and the padding.
 template <class Visit>
 void for_each_dummy(const SortedLeaf& leaf, Visit visit) {
     for (std::int64_t row = block_members; row < leaf.rows - 1; row += block_stride) visit(row);

@@ -10,8 +10,8 @@ namespace crumple::cpu {
 /// What `narrow` needs to know, once the bounds are there.
 NarrowContext narrow_context(const Call& call);
 
-/// Whoever gets the largest leaf, and more than their share of the pairs, finds room for them, so that warm calls
-/// allocate nothing. Leaves far larger than others are usual are left to those who get them.
+/// Reserves each worker's scratch for the largest ordinary leaf and for more than its share of the pairs, so that warm
+/// calls allocate nothing. A worker that gets an unusually large leaf makes room for it then.
 void make_room_for_workers(const Call& call);
 
 /// False if the leaf holds no pair. Tells `ownership` of its members.

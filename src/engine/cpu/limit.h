@@ -14,7 +14,7 @@ void find_in_chunks(Call call, Collisions& result);
 /// The number of pairs, without storing any.
 std::int64_t count_in_chunks(Call call);
 
-/// Told of the pairs of a call while it finds them; under no limit nobody need be told.
+/// Told of the pairs of a call while it finds them; without a limit it is not needed.
 PairBudget budget_of(const Call& call);
 
 }  // namespace crumple::cpu

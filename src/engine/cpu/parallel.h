@@ -113,7 +113,7 @@ class Workers {
             }
         };
         if (n == 1)
-            guarded(0, 0);  // nobody need be woken
+            guarded(0, 0);  // no other thread need wake
         else if (n > 1)
             lent_->parallel_for(n, guarded);
         if (failure) std::rethrow_exception(failure);

@@ -2,9 +2,9 @@
 
 // Answers that exceed memory: handed over in blocks, each of which has room.
 //
-// In order: a block has all pairs whose first triangle is in a range of ids. Nobody knows beforehand how many these
-// are, so a range is searched until one pair more than a block was found, and then again by half; the ranges that
-// follow have the length that the last block suggests. Bounds are computed once, the rest once for each range.
+// In order: a block has all pairs whose first triangle is in a range of ids. Their number is not known beforehand,
+// so a range is searched until one pair more than a block was found, and then again by half; the ranges that follow
+// have the length that the last block suggests. Bounds are computed once, the rest once for each range.
 //
 // As found: all is searched once, and a block is handed over whenever one is full.
 

@@ -31,8 +31,8 @@ FuzzyOptions fuzzy(const Options& options, bool first) {
 }
 
 // Writes the members of clusters [begin, end), cluster by cluster, in the order of triangles: prefix sums of the counts
-// give each chunk of triangles its places. Members are found by comparing lanes: a loop over a mask's bits would end
-// where nobody can foresee it.
+// give each chunk of triangles its places. Members are found by comparing lanes: the exit of a loop over a mask's bits
+// would be mispredicted.
 void scatter_members(std::int64_t n, int begin, int end, const StageKernels& kernels, Workers& workers,
                      Subdivision& s) {
     const auto chunks = static_cast<std::size_t>((n + chunk - 1) / chunk);

@@ -1,8 +1,8 @@
 #pragma once
 
 // Work that is given to a stream again and again: launch by launch the first time, which also loads its kernels, and as
-// one CUDA graph from the second time on. So whoever never asks for the same again, because his arrays move, say, pays
-// for no graph, and no kernel is loaded while a stream captures.
+// one CUDA graph from the second time on. So a caller
+// whose arrays move with each call never pays for a graph, and no kernel is loaded while a stream captures.
 
 #include <algorithm>
 #include <array>
@@ -16,7 +16,7 @@ namespace crumple::cuda {
 /// What `enqueue` gives to `stream`, as a graph.
 template <class Enqueue>
 GraphExec capture(cudaStream_t stream, Enqueue enqueue) {
-    const CaptureMode strict(cudaStreamCaptureModeThreadLocal);  // whoever allocates or waits meanwhile is told
+    const CaptureMode strict(cudaStreamCaptureModeThreadLocal);  // allocating or waiting meanwhile is an error
     CRUMPLE_CUDA(cudaStreamBeginCapture(stream, cudaStreamCaptureModeThreadLocal));
     cudaGraph_t made = nullptr;
     try {

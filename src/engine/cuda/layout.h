@@ -14,7 +14,7 @@
 //
 // How many members, survivors and hits there will be is known to the device alone. The host gives each list a capacity;
 // a kernel that meets a full list counts on without writing, and the host, when it looks (wait), grows the list and
-// runs all again. So nothing is dropped, and a steady frame needs no word between host and device.
+// runs all again. So nothing is dropped, and in a steady frame the host reads one struct of counters, at the end.
 
 #include <cstdint>
 

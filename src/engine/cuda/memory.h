@@ -84,7 +84,7 @@ class Cutter {
     std::size_t used_ = 0;
 };
 
-/// Lays `tables` out in the block by cut(cutter, tables).
+/// Lays arrays out in the block: cut(cutter) names them one after the other, first to measure, then to place them.
 template <class Cut>
 void lay_out(Block& block, Cut cut) {
     Cutter measure;

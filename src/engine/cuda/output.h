@@ -13,7 +13,7 @@ namespace crumple::cuda {
 
 struct Output {
     unsigned long long* offsets;  ///< n + 1; before: pairs of each first triangle
-    unsigned long long* next;     ///< the same, for whoever writes pairs to their buckets
+    unsigned long long* next;     ///< the same, counted up while pairs are written to their buckets
     std::int32_t* second;         ///< by pair, in no order within a bucket
     Pair* pairs;
     std::uint8_t *hit, *hit_second;  ///< room for a multiple of four bytes

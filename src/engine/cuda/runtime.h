@@ -124,7 +124,7 @@ __device__ inline unsigned long long append(bool wants, unsigned long long* coun
     return first + static_cast<unsigned long long>(__popc(wanting & ((1u << lane) - 1)));
 }
 
-/// Counts the lanes that hold, for all lanes of the warp together. Nobody waits for the sum.
+/// Counts the lanes that hold, for all lanes of the warp together. No lane waits for the sum.
 __device__ inline void tally(bool holds, unsigned long long* counter) {
     const unsigned holding = __ballot_sync(whole_warp, holds);
     if (threadIdx.x % 32 == 0 && holding) atomicAdd(counter, static_cast<unsigned long long>(__popc(holding)));

@@ -2,9 +2,9 @@
 //
 // The first pass over the centres finds the nearest one. Many centres are then asked the looser but cheaper rule
 // d_k <= d_min + 2 r, as d_k^2 <= (d_min + 2 r)^2, which nearly all fail for all balls of a vector, since neighbours in
-// the array tend to be neighbours in space; the few left, by their bits, so that only the loop's end is hard to
-// foresee, are asked the bisector rule, whose factor |v_k - v_nearest| is gathered. Few centres, as the second level
-// has, are all asked the bisector rule at once: their factors fit a register.
+// the array tend to be neighbours in space; the few left, by their bits, so that only the loop's exit is
+// mispredicted, are asked the bisector rule, whose factor |v_k - v_nearest| is gathered. Few centres, as the second
+// level has, are all asked the bisector rule at once: their factors fit a register.
 
 #if defined(CRUMPLE_CPU_SIMD_ASSIGN_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef CRUMPLE_CPU_SIMD_ASSIGN_INL_H_

@@ -29,7 +29,7 @@ struct NarrowContext {
     const IntersectKernels& kernels;
     PointRows points;
     Cancellation& cancellation;
-    const PairSink* sink = nullptr;       ///< null: pairs gather in NarrowScratch::pairs, and nobody is told
+    const PairSink* sink = nullptr;       ///< null: pairs gather in NarrowScratch::pairs
     std::atomic<bool>* enough = nullptr;  ///< not null: everybody stops once it is set
 
     /// Asked before each chunk. Throws if the call was cancelled.
