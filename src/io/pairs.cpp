@@ -72,9 +72,15 @@ void write(std::ostream& out, const Collisions& collisions, PairFormat format) {
             return write_pairs_json(out, collisions);
         case PairFormat::npz:
             return write_pairs_npz(out, collisions);
-        default:
-            PairWriter writer(out, has_contacts(collisions), format);
-            writer.add(collisions);
+        case PairFormat::csv: {
+            Sink sink(out);
+            begin_csv(sink, has_contacts(collisions));
+            return add_csv(sink, collisions);
+        }
+        default: {
+            Sink sink(out);
+            add_txt(sink, collisions);
+        }
     }
 }
 
