@@ -246,6 +246,77 @@ TEST(World, ends_at_a_stop_that_was_requested_before) {
     EXPECT_GE(detector.find({shapes, bodies, {}}).count, 0);
 }
 
+TEST(World, polls_between_two_bodies) {
+    // Saddles a little above each other, in one world: groups of triangles overlap, and nothing collides.
+    constexpr std::int32_t n = 20;
+    std::vector<std::array<double, 3>> vertices;
+    std::vector<std::array<std::int32_t, 3>> faces;
+    for (std::int32_t i = 0; i < n; ++i)
+        for (std::int32_t j = 0; j < n; ++j) {
+            vertices.push_back({1.0 * i, 1.0 * j, 0.1 * (i - n / 2) * (j - n / 2)});
+            if (i == 0 || j == 0) continue;
+            const std::int32_t v = n * i + j;
+            faces.push_back({v, v - 1, v - n - 1});
+            faces.push_back({v, v - n - 1, v - n});
+        }
+    const std::vector<Shape> shapes{Shape({vertices, faces}, 1)};
+    const std::vector<Body> bodies(20, Body{.self = false});
+    std::vector<Pose> poses;
+    for (std::size_t b = 0; b < bodies.size(); ++b) poses.push_back(moved(0, 0, 0.001 * static_cast<double>(b)));
+    Detector detector({.threads = 1});
+    int polls = 0;
+    detector.set_poll([&] { ++polls; });
+    // A machine that stands still meanwhile polls less. Between worlds alone there would be two polls a call.
+    for (int call = 0; call < 20 && polls < 4; ++call) {
+        polls = 0;
+        EXPECT_FALSE(detector.find({shapes, bodies, poses}, {.wants = Wants::any_by_world}).any);
+    }
+    EXPECT_GE(polls, 4);
+    std::stop_source stop;
+    detector.set_poll([&] { stop.request_stop(); });
+    const auto call = [&] { detector.find({shapes, bodies, poses}, {.wants = Wants::any}, stop.get_token()); };
+    EXPECT_EQ(error_of(call).code, ErrorCode::cancelled);
+}
+
+TEST(World, answers_that_are_handed_over_outlive_the_detector) {
+    const auto soup = random_soup(300, 0.3), other = random_soup(300, 0.3, 2);
+    const std::vector<Shape> shapes{Shape(soup.view()), Shape(other.view(), 1)};
+    const std::vector<Body> bodies{{.shape = 0}, {.shape = 1, .world = 1}, {.shape = 1, .world = -1}};
+    const Intersect question{.wants = Wants::contacts, .index = true};
+    Detector fresh;
+    const WorldCollisions& expected = fresh.find({shapes, bodies, {}}, question);
+    ASSERT_GT(expected.count, 50);
+    WorldCollisions taken, spare;
+    {
+        Detector detector;
+        const WorldCollisions& found = detector.find({shapes, bodies, {}}, question);
+        const Pair* const storage = found.pairs.data();
+        detector.swap_result(taken);
+        EXPECT_EQ(taken.pairs.data(), storage) << "nothing is copied";
+        EXPECT_FALSE(found.any || found.count || !found.pairs.empty() || !found.world_hit.empty() || found.hit.size())
+            << "the detector's own answer is empty";
+        detector.find({shapes, bodies, {}}, {.wants = Wants::any});
+        detector.swap_result(spare);
+        detector.swap_result(spare);
+        detector.find({shapes, bodies, {}}, question);
+    }
+    EXPECT_TRUE(test::same_world_answer(taken, expected));
+    EXPECT_TRUE(same_bytes(taken.world_offsets, expected.world_offsets, "offsets of worlds"));
+    EXPECT_TRUE(same_bytes(taken.body_offsets, expected.body_offsets, "offsets of bodies"));
+    EXPECT_TRUE(same_bytes(taken.hit, expected.hit, "hit flags"));
+
+    Detector limited({.memory_limit = 10'000'000});
+    limited.find({shapes, bodies, {}}, question);
+    limited.swap_result(taken);
+    const std::int64_t peak = limited.find({shapes, bodies, {}}, question).statistics.peak_memory_bytes;
+    std::vector<WorldCollisions> held(5);
+    for (WorldCollisions& answer : held) {
+        limited.swap_result(answer);
+        EXPECT_LE(limited.find({shapes, bodies, {}}, question).statistics.peak_memory_bytes, peak)
+            << "answers taken over do not count";
+    }
+}
+
 class WrongWorld : public testing::TestWithParam<Backend> {
    protected:
     Error error(const World& world, const Intersect& question = {}) {
