@@ -8,6 +8,9 @@
     result = detector.find_self(vertices, faces, contacts=True)       # result.pairs, .offsets, .hit, .contacts
     result.save("collisions.png")
 
+    world = crumple.World([arm, table], worlds=[0, -1])               # bodies, poses, many configurations at once
+    detector.find(world, wants="any").any
+
 Vertices are (n, 3) float32 or float64, faces (m, 3) integers or flat: NumPy arrays, or anything that speaks DLPack.
 Any triangle soup will do. What counts as a collision: docs/contract.md.
 """

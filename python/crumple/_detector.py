@@ -30,7 +30,7 @@ def _taker(take: Any) -> Callable[[Any], Any]:
 
 
 class Detector(_core.Detector):
-    """Finds all pairs of triangles that intersect, exactly.
+    """Finds all pairs of triangles that intersect, exactly: in a mesh, between two, or in a world of bodies.
 
     Keeps buffers and cluster centres between calls, so one detector for all frames of a simulation is faster than a new
     one for each; the topology may change freely. Any triangle soup will do.
