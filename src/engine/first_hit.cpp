@@ -88,7 +88,14 @@ bool bodies_meet(const WorldOutline& outline, const Intersect& question, const B
         if (of_b.index != group_b) of_b.pose(tree_b, place_b, group_b);
         if (!overlap(of_a.all, of_b.all)) return true;
         PosedGroup::Room room_a, room_b;
-        const auto near_a = of_a.boxes_within(of_b.all, room_a), near_b = of_b.boxes_within(of_a.all, room_b);
+        // The larger group first: fewest of its triangles are near the other.
+        const bool a_first = largest(of_a.all.high - of_a.all.low) > largest(of_b.all.high - of_b.all.low);
+        const auto near_one = a_first ? of_a.boxes_within(of_b.all, room_a) : of_b.boxes_within(of_a.all, room_b);
+        if (near_one.empty()) return true;
+        Bounds reach = no_bounds;
+        for (const auto& [box, i] : near_one) reach.widen(box);
+        const auto near_other = a_first ? of_b.boxes_within(reach, room_b) : of_a.boxes_within(reach, room_a);
+        const auto &near_a = a_first ? near_one : near_other, &near_b = a_first ? near_other : near_one;
         for (const auto& [box_i, i] : near_a) {
             for (const auto& [box_j, j] : near_b) {
                 if (!overlap(box_i, box_j)) continue;
