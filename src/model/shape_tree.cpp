@@ -2,9 +2,28 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 
 namespace crumple {
+namespace {
+
+/// Some centroids.
+struct Section {
+    Bounds box = no_bounds;
+    std::int64_t count = 0;
+
+    void add(const Section& other) {
+        box.widen(other.box);
+        count += other.count;
+    }
+    double cost() const {
+        const Vec3d size = box.high - box.low;
+        return static_cast<double>(count) * (size.x * size.y + size.y * size.z + size.z * size.x);
+    }
+};
+
+}  // namespace
 
 void ShapeTree::build(const Shape& shape) {
     const std::int64_t n = shape.triangles.rows;
@@ -44,6 +63,40 @@ void ShapeTree::build(const Shape& shape) {
     order_.release();
 }
 
+// Along the longest axis, where boxes are least in surface times the triangles they hold: a walk enters a box about as
+// often as its surface is large. Of 32 places, those that leave less than an eighth on a side do not count, so that the
+// depth is logarithmic. If there is none, the order of the centroids is halved.
+ShapeTree::Item* ShapeTree::split(Item* begin, Item* end) {
+    constexpr int bins = 32, least_share = 8;
+    Section all;
+    for (const Item* item = begin; item != end; ++item) all.add({{item->centroid, item->centroid}, 1});
+    const Vec3d half = 0.5 * all.box.high - 0.5 * all.box.low;
+    const int axis = half.x >= half.y && half.x >= half.z ? 0 : half.y >= half.z ? 1 : 2;
+    const double low = all.box.low[axis], scale = bins / (2 * half[axis]);
+    const auto bin_of = [&](const Item& item) {
+        const double at = (item.centroid[axis] - low) * scale;  // not a number where the extent leaves float64's range
+        return at > 0 ? static_cast<std::size_t>(min(at, bins - 1.0)) : 0;
+    };
+    std::array<Section, bins> bin, right;
+    for (const Item* item = begin; item != end; ++item) bin[bin_of(*item)].add({{item->centroid, item->centroid}, 1});
+    right[bins - 1] = bin[bins - 1];
+    for (std::size_t k = bins - 1; k > 0; --k) (right[k - 1] = right[k]).add(bin[k - 1]);
+    Section left;
+    std::size_t cut = 0;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t k = 1; k < bins; ++k) {
+        left.add(bin[k - 1]);
+        if (least_share * min(left.count, right[k].count) < all.count) continue;
+        if (const double cost = left.cost() + right[k].cost(); cost < least) least = cost, cut = k;
+    }
+    if (cut > 0) return std::partition(begin, end, [&](const Item& item) { return bin_of(item) < cut; });
+    Item* const middle = begin + (end - begin) / 2;
+    std::nth_element(begin, middle, end, [axis](const Item& a, const Item& b) {
+        return a.centroid[axis] != b.centroid[axis] ? a.centroid[axis] < b.centroid[axis] : a.triangle < b.triangle;
+    });
+    return middle;
+}
+
 template <class Corners>
 Bounds ShapeTree::add_node(const Shape& shape, Item* begin, Item* end, Corners corners) {
     const auto i = static_cast<std::int32_t>(node_.size());
@@ -57,15 +110,7 @@ Bounds ShapeTree::add_node(const Shape& shape, Item* begin, Item* end, Corners c
         node_[i].group = static_cast<std::int32_t>(group_.size());
         return box_of(add_group(shape, begin, end, corners));
     }
-    Bounds centroids = no_bounds;
-    for (const Item* item = begin; item != end; ++item) centroids.widen(item->centroid);
-    const Vec3d size = 0.5 * centroids.high - 0.5 * centroids.low;
-    const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-    const std::int64_t leaves = (end - begin + most_triangles - 1) / most_triangles;
-    Item* const middle = begin + (leaves + 1) / 2 * most_triangles;
-    std::nth_element(begin, middle, end, [axis](const Item& a, const Item& b) {
-        return a.centroid[axis] != b.centroid[axis] ? a.centroid[axis] < b.centroid[axis] : a.triangle < b.triangle;
-    });
+    Item* const middle = split(begin, end);
     Bounds box = add_node(shape, begin, middle, corners);
     node_[i].right = static_cast<std::int32_t>(node_.size());
     box.widen(add_node(shape, middle, end, corners));

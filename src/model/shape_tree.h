@@ -1,12 +1,12 @@
 #pragma once
 
-// Groups of some sixteen triangles of one shape, and a binary tree of boxes over them, in the shape's own frame.
+// Groups of at most sixteen triangles of one shape, and a binary tree of boxes over them, in the shape's own frame.
 //
 // [MZ] builds no hierarchy, because one has to be built or refitted whenever triangles move. A named shape never does:
 // its tree is built once and serves every body of that shape under every pose. It only leaves triangles out: which
 // groups of two bodies may meet. What becomes of those is decided as ever.
 //
-// Built from the top by halving the centroids' order along the longest axis, so that all groups but one are full.
+// Built from the top: each part is cut along its longest axis where the boxes of both sides are small.
 // Nodes lie in the order of a depth-first walk: the left child follows its parent. Each group has its own vertices, so
 // that it can be posed alone.
 
@@ -70,6 +70,7 @@ class ShapeTree {
         std::int32_t triangle;
     };
 
+    static Item* split(Item* begin, Item* end);
     template <class Corners>
     Bounds add_node(const Shape& shape, Item* begin, Item* end, Corners corners);
     template <class Corners>
