@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 #include <stop_token>
 
@@ -134,6 +135,39 @@ TEST(World, is_remembered_by_name) {
     EXPECT_EQ(error.element, Element::shape);
     EXPECT_EQ(error.index, 0);
     EXPECT_EQ(detector.find({named, bodies, {}}).count, 0) << "after an error nothing is remembered";
+}
+
+// Shapes that a tree cannot cut evenly: equal triangles, sizes from tiny to huge, a line, extents beyond float64.
+TEST(World, odd_shapes_lose_nothing_by_their_names) {
+    constexpr int triangles = 60;
+    std::vector<test::Soup<double>> soups(4);
+    const auto add = [](test::Soup<double>& soup, const std::array<std::array<double, 3>, 3>& corners) {
+        const auto first = static_cast<std::int32_t>(soup.vertices.size());
+        soup.vertices.insert(soup.vertices.end(), corners.begin(), corners.end());
+        soup.triangles.push_back({first, first + 1, first + 2});
+    };
+    for (int k = 0; k < triangles; ++k) {
+        const double scale = std::ldexp(1.0, 4 * (k - triangles / 2)), far = k % 2 == 0 ? 1.5e308 : -1.5e308;
+        add(soups[0], {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}});
+        add(soups[1], {{{scale, 0, 0}, {2 * scale, scale, 0}, {scale, scale, scale}}});
+        add(soups[2], {{{0.5 * k, 0, 0}, {0.5 * k + 1, 0, 0}, {0.5 * k + 0.25, 0, 0}}});
+        add(soups[3], {{{far, 0.1 * k, 0}, {far, 0.1 * k + 1, 0}, {far / 2, 0.1 * k, 1}}});
+    }
+    std::vector<Shape> shapes;
+    for (std::size_t s = 0; s < soups.size(); ++s) shapes.push_back(Shape(soups[s].view(), s + 1));
+    std::vector<Body> bodies;
+    std::vector<Pose> poses;
+    for (std::int32_t b = 0; b < 8; ++b) {
+        bodies.push_back({.shape = b / 2, .world = b / 2, .self = false});
+        poses.push_back(b % 2 == 0 ? Pose{} : moved(0.25));
+    }
+    Detector detector, reference(Options{.backend = Backend::reference});
+    for (const Wants wants : {Wants::body_pairs, Wants::pairs}) {
+        const WorldCollisions& expected = reference.find({shapes, bodies, poses}, {.wants = wants});
+        ASSERT_EQ(expected.world_hit.size(), 4u);
+        EXPECT_TRUE(expected.world_hit[0] && expected.world_hit[1] && expected.world_hit[2]);
+        EXPECT_TRUE(test::same_world_answer(detector.find({shapes, bodies, poses}, {.wants = wants}), expected));
+    }
 }
 
 TEST(World, sequences_of_named_and_unnamed_shapes_equal_fresh_detectors) {

@@ -1,0 +1,138 @@
+"""Shapes and poses for worlds.py: the same on every machine."""
+
+from __future__ import annotations
+
+import numpy as np
+
+import crumple
+
+
+def ball(cuts, radius=1.0):
+    """A sphere of 20 cuts**2 triangles, an icosahedron whose edges are cut: float32 vertices and int32 faces."""
+    golden = (1 + 5**0.5) / 2
+    corners = np.array([p for s in (-1, 1) for t in (-golden, golden) for p in ((0, s, t), (s, t, 0), (t, 0, s))])
+    edge = np.array([[a, b] for a in range(12) for b in range(12) if abs(np.linalg.norm(corners[a] - corners[b]) - 2) < 1e-9])
+    joined = {tuple(e) for e in edge.tolist()}
+    sides = [(a, b, c) for a, b in joined for c in range(12) if a < b < c and (b, c) in joined and (a, c) in joined]
+    points, faces = [], []
+    for a, b, c in sorted(sides):
+        if np.linalg.det(corners[[a, b, c]]) < 0:
+            b, c = c, b
+        first = len(points)
+        number = {}
+        for i in range(cuts + 1):
+            for j in range(cuts + 1 - i):
+                number[i, j] = first + len(number)
+                points.append(((cuts - i - j) * corners[a] + i * corners[b] + j * corners[c]) / cuts)
+        for i in range(cuts):
+            for j in range(cuts - i):
+                faces.append((number[i, j], number[i + 1, j], number[i, j + 1]))
+                if i + j < cuts - 1:
+                    faces.append((number[i + 1, j], number[i + 1, j + 1], number[i, j + 1]))
+    points = np.array(points)
+    points *= radius / np.linalg.norm(points, axis=1, keepdims=True)
+    return _joined(points, faces)
+
+
+def _joined(points, faces):
+    """Points of equal position made one."""
+    _, kept, new = np.unique(points.round(9) + 0.0, axis=0, return_index=True, return_inverse=True)
+    return points[kept].astype(np.float32), new.reshape(-1)[np.array(faces)].astype(np.int32)
+
+
+def link(around, along, length, radius):
+    """A rod from the origin along z with round ends, 2 around (along - 1) triangles."""
+    height = np.linspace(0, np.pi, along + 1)
+    z = np.where(height < np.pi / 2, 0, length) - radius * np.cos(height)
+    turn = 2 * np.pi * np.arange(around) / around
+    ring = radius * np.sin(height)[1:-1, None]
+    rings = np.stack(np.broadcast_arrays(ring * np.cos(turn), ring * np.sin(turn), z[1:-1, None]), axis=-1)
+    points = np.concatenate([rings.reshape(-1, 3), [[0, 0, z[0]], [0, 0, z[-1]]]])
+    bottom, top = len(points) - 2, len(points) - 1
+    faces = []
+    for k in range(around):
+        n = (k + 1) % around
+        faces += [(bottom, n, k), (top, (along - 2) * around + k, (along - 2) * around + n)]
+        for row in range(along - 2):
+            p, q = row * around, (row + 1) * around
+            faces += [(p + k, p + n, q + n), (p + k, q + n, q + k)]
+    return points.astype(np.float32), np.array(faces, np.int32)
+
+
+def rotations(random, n):
+    """(n, 3, 3), uniform."""
+    w, x, y, z = np.moveaxis(_unit(random, n, 4), -1, 0)
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+    return np.moveaxis(np.array(rows), -1, 0)
+
+
+def _unit(random, n, dimensions):
+    v = random.normal(size=(n, dimensions))
+    return v / np.linalg.norm(v, axis=1, keepdims=True)
+
+
+def poses_of(rotation, translation):
+    """(..., 3, 4)"""
+    return np.concatenate([rotation, translation[..., None]], axis=-1)
+
+
+def on_the_cloth(cloth, n, radius):
+    """Poses of a ball of that radius, at most so far from a random vertex of the cloth that they meet."""
+    random = np.random.default_rng(1)
+    near = cloth.vertices[random.integers(len(cloth.vertices), size=n)].astype(float)
+    away = _unit(random, n, 3) * random.uniform(0.2, 0.95, size=(n, 1)) * radius
+    return poses_of(rotations(random, n), near + away)
+
+
+def beside_each_other(n, apart):
+    """(n, 2, 3, 4): two bodies each, turned at random, their origins as far apart as `apart` tells: least and most."""
+    random = np.random.default_rng(2)
+    poses = poses_of(rotations(random, 2 * n), np.zeros((2 * n, 3))).reshape(n, 2, 3, 4)
+    poses[:, 1, :, 3] = _unit(random, n, 3) * random.uniform(*apart, size=(n, 1))
+    return poses
+
+
+def spread(poses, step):
+    """The same, each world in a cell of its own of a cubic grid."""
+    n = len(poses)
+    side = int(np.ceil(n ** (1 / 3)))
+    cell = np.stack(np.unravel_index(np.arange(n), (side, side, side)), axis=-1)
+    moved = poses.copy()
+    moved[..., 3] += step * cell[:, None, :]
+    return moved
+
+
+def arm(n, links, length, bases, bend):
+    """(n, links, 3, 4): chains of rods from random places among `bases`, each bent against the one before."""
+    random = np.random.default_rng(3)
+    rotation = rotations(random, n)
+    origin = bases[random.integers(len(bases), size=n)]
+    poses = np.empty((n, links, 3, 4))
+    for k in range(links):
+        poses[:, k] = poses_of(rotation, origin)
+        origin = origin + length * rotation[:, :, 2]
+        about = np.take_along_axis(rotation, random.integers(2, size=(n, 1, 1)), axis=2)[:, :, 0]
+        rotation = _turn(about, random.uniform(-bend, bend, n)) @ rotation
+    return poses
+
+
+def _turn(axis, angle):
+    """(n, 3, 3): by Rodrigues' formula."""
+    x, y, z = axis.T
+    zero = np.zeros_like(x)
+    cross = np.moveaxis(np.array([[zero, -z, y], [z, zero, -x], [-y, x, zero]]), -1, 0)
+    sine, cosine = np.sin(angle)[:, None, None], np.cos(angle)[:, None, None]
+    return np.eye(3) + sine * cross + (1 - cosine) * (cross @ cross)
+
+
+def cloth(triangles):
+    return crumple.make_scene("cloth", triangles=triangles)
+
+
+def obstacles(triangles):
+    """Balls, boxes and rings that hang in a room."""
+    return crumple.make_scene("bodies", triangles=triangles)
