@@ -1,4 +1,4 @@
-"""Shapes and poses for worlds.py: the same on every machine."""
+"""Shapes and poses for worlds_python.py: the same on every machine."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ def ball(cuts, radius=1.0):
     """A sphere of 20 cuts**2 triangles, an icosahedron whose edges are cut: float32 vertices and int32 faces."""
     golden = (1 + 5**0.5) / 2
     corners = np.array([p for s in (-1, 1) for t in (-golden, golden) for p in ((0, s, t), (s, t, 0), (t, 0, s))])
-    edge = np.array([[a, b] for a in range(12) for b in range(12) if abs(np.linalg.norm(corners[a] - corners[b]) - 2) < 1e-9])
-    joined = {tuple(e) for e in edge.tolist()}
+    far = np.linalg.norm(corners[:, None] - corners, axis=2)
+    joined = {(a, b) for a in range(12) for b in range(12) if abs(far[a, b] - 2) < 1e-9}
     sides = [(a, b, c) for a, b in joined for c in range(12) if a < b < c and (b, c) in joined and (a, c) in joined]
     points, faces = [], []
     for a, b, c in sorted(sides):

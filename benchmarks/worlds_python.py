@@ -1,0 +1,339 @@
+"""Times worlds (docs/worlds.md) against Coal, the library of simulators and planners, in one process and taking turns.
+
+    python worlds_python.py [--quick] [--json OUT]
+
+Needs crumple's Python package and Coal in one environment: scripts/test_python.sh --all makes one. Both are called
+from Python, on one thread unless a row says otherwise. Coal's trees (OBBRSS) and its transforms and requests are made
+before the clock starts; crumple's shapes are named, and it reads poses as NumPy arrays on the clock. Coal stands by
+its fastest way: with or without contacts, and what else a row offers.
+
+Times are medians, of the thread's own time where there is one thread, so that what others do on the machine disturbs
+less. A ratio is formed pose by pose, or round by round where one call has all poses; its median is given, and
+quartiles. Answers are compared: Coal decides in float64 with rounding errors, crumple exactly, for posed vertices
+that are rounded to float32, so triangles that hardly touch may differ.
+"""
+
+from __future__ import annotations
+
+import argparse
+import functools
+import json
+import os
+import sys
+import time
+from statistics import median, quantiles
+
+import numpy as np
+import rigid_scenes as scenes
+
+import crumple
+
+try:
+    import coal
+except ImportError as error:
+    sys.exit(f"worlds_python.py compares with Coal, which is not installed ({error}): pip install coal")
+
+
+def microseconds(call, clock):
+    begin = clock()
+    answer = call()
+    end = clock()
+    del answer
+    return 1e6 * (end - begin)
+
+
+def tree(vertices, faces):
+    points, corners = coal.StdVec_Vec3s(), coal.StdVec_Triangle()
+    for point in vertices.astype(float):
+        points.append(point)
+    for face in faces.tolist():
+        corners.append(coal.Triangle(*face))
+    model = coal.BVHModelOBBRSS()
+    model.beginModel(len(faces), len(vertices))
+    model.addSubModel(points, corners)
+    model.endModel()
+    return model
+
+
+def transforms(poses):
+    return [coal.Transform3s(np.ascontiguousarray(p[:, :3]), p[:, 3].copy()) for p in poses.reshape(-1, 3, 4)]
+
+
+def request(most, contacts):
+    made = coal.CollisionRequest()
+    made.num_max_contacts, made.enable_contact = most, contacts
+    return made
+
+
+WAYS = {"Coal, with contacts": True, "Coal, without contacts": False}
+ALL = 2**62
+
+
+class Row:
+    """A row of the table: `ours` and each of `theirs` answer what a turn asks; compare(way) tells how answers differ."""
+
+    def __init__(self, name, ours, theirs, turns, compare, a_turn=1, less=None, clock=time.thread_time):
+        self.name, self.ours, self.theirs, self.turns, self.compare = name, ours, theirs, turns, compare
+        self.a_turn = a_turn  # questions a turn answers
+        self.clock = clock  # the thread's own time, unless a row needs more threads: others use this machine, too
+        self.less = less  # what of Coal's time is the loop's, measured as `theirs` is
+
+
+def race(row, rounds):
+    """Microseconds of each contestant, turn and round; contestants change places from round to round."""
+    calls = {"crumple": row.ours, **row.theirs, **({"loop": row.less} if row.less else {})}
+    times = {name: [[] for _ in range(row.turns)] for name in calls}
+    for call in calls.values():
+        call(0), call(row.turns - 1)
+    for r in range(rounds):
+        for turn in range(row.turns):
+            for name in list(calls)[:: 1 if r % 2 else -1]:
+                times[name][turn].append(microseconds(functools.partial(calls[name], turn), row.clock))
+    return times
+
+
+def judge(row, rounds):
+    times = race(row, rounds)
+    if row.turns == 1:  # a turn a round
+        times = {name: times[name][0] for name in times}
+    else:
+        times = {name: [median(t) for t in times[name]] for name in times}
+    ways = {name: median(times[name]) for name in row.theirs}
+    way = min(ways, key=ways.get)
+    loop = times.get("loop", [0.0] * len(times[way]))
+    theirs = [t - u for t, u in zip(times[way], loop)]
+    ratios = [t / o for t, o in zip(theirs, times["crumple"])]
+    lower, middle, upper = quantiles(ratios, method="inclusive")
+    answers = row.compare(way)
+    if row.a_turn > 1:
+        answers += f"; {1e6 * row.a_turn / median(times['crumple']):,.0f} a second"
+    return {
+        "name": row.name,
+        "crumple_us": median(times["crumple"]) / row.a_turn,
+        "peer": way,
+        "peer_us": median(theirs) / row.a_turn,
+        "loop_us": median(loop) / row.a_turn,
+        "ratio": middle,
+        "lower_quartile": lower,
+        "upper_quartile": upper,
+        "answers": answers,
+    }
+
+
+def pairs_differ(answers):
+    """`answers`: for each pose two sets."""
+    found, missing, extra = map(sum, zip(*((len(a), len(a - b), len(b - a)) for a, b in answers)))
+    return f"{found} pairs; the peer lacks {missing}, has {extra} more"
+
+
+def flags_differ(ours, theirs):
+    ours, theirs = np.asarray(ours, bool), np.asarray(theirs, bool)
+    return f"{ours.sum()} of {ours.size} collide; the peer differs in {(ours != theirs).sum()}"
+
+
+def ball_and_cloth(quick):
+    """Three rows: all pairs, yes or no, and the ball lifted clear."""
+    vertices, faces = scenes.ball(16)
+    cloth = scenes.cloth(20_000 if quick else 200_000)
+    shapes = [crumple.Shape(vertices, faces, name="ball"), crumple.Shape(cloth.vertices, cloth.faces, name="cloth")]
+    detector, world = crumple.Detector(threads=1), crumple.World(shapes, self_collisions=False)
+    touching = np.tile(np.eye(3, 4), (10 if quick else 100, 2, 1, 1))
+    touching[:, 0] = scenes.on_the_cloth(cloth, len(touching), 1.0)
+    clear = touching.copy()
+    clear[:, 0, 2, 3] = float(cloth.vertices[:, 2].max()) + 2
+    trees = tree(vertices, faces), tree(cloth.vertices, cloth.faces)
+
+    def row(name, poses, wants, most):
+        given = [tuple(transforms(p)) for p in poses]
+
+        def ours(i):
+            return detector.find(world, poses=poses[i], wants=wants)
+
+        def collide(i, contacts):
+            result = coal.CollisionResult()
+            coal.collide(trees[0], given[i][0], trees[1], given[i][1], request(most, contacts), result)
+            return result
+
+        def compare(way):
+            answers = [(ours(i), collide(i, WAYS[way])) for i in range(len(poses))]
+            if wants == "any":
+                return flags_differ([a.any for a, _ in answers], [b.isCollision() for _, b in answers])
+            return pairs_differ(
+                (set(map(tuple, a.pairs.tolist())), {(c.b1, c.b2) for c in map(b.getContact, range(b.numContacts()))})
+                for a, b in answers
+            )
+
+        theirs = {way: lambda i, contacts=contacts: collide(i, contacts) for way, contacts in WAYS.items()}
+        return Row(name, ours, theirs, len(poses), compare)
+
+    thousands = f"{round(len(cloth.faces), -3):,}"
+    return [
+        row(f"ball of 5,120 on a cloth of {thousands} triangles, all pairs", touching, "pairs", ALL),
+        row("the same, yes or no", touching, "any", 1),
+        row("the ball lifted clear, yes or no", clear, "any", 1),
+        row("the ball lifted clear, all pairs", clear, "pairs", ALL),
+    ]
+
+
+def robot(quick):
+    """Configurations of a chain of 8 links among obstacles, on one thread and on two; links next to each other may
+    touch."""
+    links, length = 8, 1.5
+    count = 100 if quick else 1000
+    vertices, faces = scenes.link(25, 41, length, 0.2)
+    room = scenes.obstacles(20_000 if quick else 200_000)
+    free = np.random.default_rng(4).uniform(room.vertices.min(0), room.vertices.max(0), size=(count, 3))
+    poses = scenes.arm(count, links, length, free, 0.9)
+    shapes = [*(crumple.Shape(vertices, faces, name=f"link {k}") for k in range(links))]
+    shapes.append(crumple.Shape(room.vertices, room.faces, name="obstacles"))
+    robot = crumple.World(shapes, worlds=[0] * links + [-1], self_collisions=False)
+    world = robot.configurations(poses)
+    excluded = [(k, k + 1) for k in range(links - 1)]
+    pairs = [(a, b) for a in range(links) for b in range(a + 2, links)]
+    link_trees, room_tree = [tree(vertices, faces) for _ in range(links)], tree(room.vertices, room.faces)
+    given, identity = [transforms(p) for p in poses], coal.Transform3s.Identity()
+
+    def ours(detector):
+        return lambda turn: detector.find(world, wants="any_by_world", excluded=excluded)
+
+    def self_collides(placed, asked, result):
+        for a, b in pairs:
+            if coal.collide(link_trees[a], placed[a], link_trees[b], placed[b], asked, result):
+                return True
+        return False
+
+    def by_hand(contacts):
+        asked, result = request(1, contacts), coal.CollisionResult()
+
+        def collides(placed):
+            result.clear()
+            for link, place in zip(link_trees, placed):
+                if coal.collide(link, place, room_tree, identity, asked, result):
+                    return True
+            return self_collides(placed, asked, result)
+
+        return lambda turn: [collides(placed) for placed in given]
+
+    # A tree of boxes over the obstacles, each with a tree of its own.
+    pieces = []
+    for group in np.unique(room.groups):
+        used, renamed = np.unique(room.faces[room.groups == group], return_inverse=True)
+        pieces.append(coal.CollisionObject(tree(room.vertices[used], renamed.reshape(-1, 3))))
+    manager = coal.DynamicAABBTreeCollisionManager()
+    for piece in pieces:
+        manager.registerObject(piece)
+    manager.setup()
+    moving = [coal.CollisionObject(link) for link in link_trees]
+
+    def by_manager(contacts):
+        asked, result, callback = request(1, contacts), coal.CollisionResult(), coal.CollisionCallBackDefault()
+        callback.data.request = asked
+
+        def collides(placed):
+            for link, place in zip(moving, placed):
+                link.setTransform(place)
+                link.computeAABB()
+                callback.init()
+                manager.collide(link, callback)
+                if callback.data.result.isCollision():
+                    return True
+            result.clear()
+            return self_collides(placed, asked, result)
+
+        return lambda turn: [collides(placed) for placed in given]
+
+    theirs = {way: by_hand(contacts) for way, contacts in WAYS.items()}
+    theirs.update({f"{way}, dynamic AABB tree": by_manager(contacts) for way, contacts in WAYS.items()})
+    rows = []
+    for threads in (1, 2):
+        mine = ours(crumple.Detector(threads=threads))
+        clock = time.thread_time if threads == 1 else time.perf_counter
+        name = f"robot of 8 links of 2,000 among {len(room.faces):,}, {count} configurations, {threads} thread"
+        compare = lambda way, mine=mine: flags_differ(mine(0).world_hit, theirs[way](0))  # noqa: E731
+        rows.append(Row(name + "s" * (threads > 1), mine, theirs, 1, compare, count, clock=clock))
+    return rows
+
+
+def many_worlds(quick):
+    """Worlds of two balls each, half of them colliding; at one place, and each at a place of its own."""
+    count = 500 if quick else 10_000
+    vertices, faces = scenes.ball(5)
+    shapes = [crumple.Shape(vertices, faces, name=f"small ball {k}") for k in range(2)]
+    poses = scenes.beside_each_other(count, (1, 3))
+    far = scenes.spread(poses, 10.0)
+    columns = {"bodies": [0, 1] * count, "worlds": np.repeat(np.arange(count), 2), "self_collisions": False}
+    detector, world = crumple.Detector(threads=1), crumple.World(shapes, **columns)
+    a, b = tree(vertices, faces), tree(vertices, faces)
+    point = tree(np.eye(3, dtype=np.float32), np.array([[0, 1, 2]]))
+    given = [tuple(transforms(p)) for p in poses]
+    aside = [(coal.Transform3s.Identity(), coal.Transform3s(np.full(3, 100.0)))] * count
+    near, spread = poses.reshape(-1, 3, 4), far.reshape(-1, 3, 4)
+
+    def ours(at):
+        return lambda turn: detector.find(world, poses=at, wants="any_by_world")
+
+    def loop(first, second, placed, contacts):
+        asked, result, collide = request(1, contacts), coal.CollisionResult(), coal.collide
+
+        def run(turn):
+            hit = []
+            for p, q in placed:
+                result.clear()
+                hit.append(collide(first, p, second, q, asked, result))
+            return hit
+
+        return run
+
+    theirs = {way: loop(a, b, given, contacts) for way, contacts in WAYS.items()}
+    name = f"{count:,} worlds of two balls of 500, yes or no for each"
+    return [
+        Row(
+            name + ", less Coal's loop",
+            ours(near),
+            theirs,
+            1,
+            lambda way: flags_differ(ours(near)(0).world_hit, theirs[way](0)),
+            a_turn=count,
+            less=loop(point, point, aside, False),
+        ),
+        Row(
+            "the same",
+            ours(near),
+            {"crumple, each world at a place of its own": ours(spread)},
+            1,
+            lambda way: flags_differ(ours(near)(0).world_hit, ours(spread)(0).world_hit),
+            a_turn=count,
+        ),
+    ]
+
+
+def show(figures):
+    rows = [["microseconds a question", "crumple", "peer", "ratio", "quartiles", "peer", "answers"]]
+    for f in figures:
+        quartiles = f"{f['lower_quartile']:.2f} - {f['upper_quartile']:.2f}"
+        numbers = [f"{f['crumple_us']:.3g}", f"{f['peer_us']:.3g}", f"{f['ratio']:.2f}", quartiles]
+        rows.append([f["name"], *numbers, f["peer"], f["answers"]])
+    widths = [max(map(len, column)) for column in zip(*rows)]
+    for row in rows:
+        print("  ".join(cell.ljust(w) for cell, w in zip(row, widths)).rstrip())
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--quick", action="store_true", help="small scenes and few rounds, to see that all is well")
+    parser.add_argument("--json", help="file for the figures")
+    arguments = parser.parse_args()
+    rounds = 3 if arguments.quick else 11
+    load = os.getloadavg()[0]
+    print(f"crumple {crumple.__version__}, Coal {coal.__version__}, {os.cpu_count()} processors, load {load:.1f}")
+    figures = []
+    for make in (ball_and_cloth, robot, many_worlds):
+        figures += [judge(row, rounds) for row in make(arguments.quick)]
+    show(figures)
+    if arguments.json:
+        with open(arguments.json, "w") as file:
+            json.dump(figures, file, indent=1)
+
+
+if __name__ == "__main__":
+    main()
