@@ -32,7 +32,7 @@ T& instance(nb::handle given, const char* argument, const char* type) {
 template <class T, class... Arguments>
 void construct(nb::handle self, const char* type, Arguments&&... arguments) {
     if (nb::inst_ready(self)) refuse(std::string(type) + ".__init__ has been called already");
-    new (nb::inst_ptr<T>(self)) T(std::forward<Arguments>(arguments)...);
+    new (nb::inst_ptr<T>(self)) T{std::forward<Arguments>(arguments)...};
     nb::inst_mark_ready(self);
 }
 
@@ -46,6 +46,7 @@ void make_world(nb::handle self, const nb::list& shapes, const Column<std::int32
                 nb::handle poses) {
     if (!nb::isinstance<BorrowedWorld>(self)) refuse_type("self", "a crumple.World", self);
     const auto made = std::make_shared<Bodies>();
+    made->shapes.reserve(shapes.size());
     for (const nb::handle shape : shapes) {
         made->shapes.push_back(instance<BorrowedShape>(shape, "shape", "crumple.Shape").shape);
         made->kept.push_back(nb::borrow(shape));

@@ -82,6 +82,7 @@ io::WorldMesh copy_of(nb::handle world, nb::handle poses, const std::vector<std:
     const std::span<const Pose> placed = at.read(*bodies, buffer);
     if (names.size() != bodies->bodies.size()) throw std::logic_error("crumple/_world_result.py gave too few names");
     io::WorldMesh result;
+    result.shapes.reserve(bodies->shapes.size());
     for (const Shape& shape : bodies->shapes)
         result.shapes.push_back(python::copy_of(MeshView(shape.vertices, shape.triangles, shape.groups)));
     result.bodies.reserve(names.size());

@@ -327,7 +327,7 @@ TEST(World, answers_that_are_handed_over_outlive_the_detector) {
         const Pair* const storage = found.pairs.data();
         detector.swap_result(taken);
         EXPECT_EQ(taken.pairs.data(), storage) << "nothing is copied";
-        EXPECT_FALSE(found.any || found.count || !found.pairs.empty() || !found.world_hit.empty() || found.hit.size())
+        EXPECT_FALSE(found.any || found.count || !found.pairs.empty() || !found.world_hit.empty() || !found.hit.empty())
             << "the detector's own answer is empty";
         detector.find({shapes, bodies, {}}, {.wants = Wants::any});
         detector.swap_result(spare);
