@@ -75,6 +75,10 @@ def as_mesh(mesh: Any) -> Mesh:
         return _from_open3d(mesh)
     if hasattr(mesh, "vertex") and hasattr(mesh, "triangle"):
         return _from_open3d_tensors(mesh)
+    if hasattr(mesh, "graph") and hasattr(mesh, "geometry"):
+        raise InvalidType(
+            "a scene of trimesh is a world of bodies: crumple.World.from_trimesh, or as one mesh .to_mesh() of it"
+        )
     raise InvalidType(
         "a mesh must be crumple.Mesh, a tuple (vertices, faces) or (vertices, faces, groups), or of trimesh, meshio, "
         f"Open3D or PyVista, not {f'a tuple of {len(mesh)}' if isinstance(mesh, tuple) else _name_of_type(mesh)}"

@@ -62,6 +62,14 @@ def test_a_scene_of_trimesh_is_a_world(detector):
     assert repr(world.shapes[0]).startswith("<crumple.Shape: ") and world.shapes[0].name is None
 
 
+def test_a_scene_that_is_taken_for_a_mesh_says_what_it_is(detector):
+    with pytest.raises(
+        crumple.InvalidType, match=r"a world of bodies: crumple.World.from_trimesh, or .*to_mesh"
+    ):
+        detector.find_self(scene())
+    assert detector.find_self(scene().to_mesh()) is not None
+
+
 def test_what_happens_to_trimesh_later_does_not_matter(detector):
     given = scene()
     world = crumple.World.from_trimesh(given)

@@ -217,6 +217,16 @@ def test_a_result_outlives_everything(detector):
     np.testing.assert_array_equal(points, before[1])
 
 
+def test_frames_go_back_and_forth_between_two_memories(detector):
+    world, places = random_columns(8).world(), set()
+    for _ in range(8):
+        result = detector.find(world)
+        places.add(result.pairs.ctypes.data)
+    assert len(places) == 2
+    held = [detector.find(world).pairs for _ in range(4)]
+    assert len({pairs.ctypes.data for pairs in held}) == 4
+
+
 def test_arrays_may_go_once_the_world_is_made(detector):
     def made():
         columns = random_columns(9)
