@@ -163,28 +163,28 @@ class World(_core.World):
 
         if isinstance(shapes, (Shape, Mesh)) or not isinstance(shapes, Iterable):
             raise InvalidType(f"shapes must be a sequence of crumple.Shape or of meshes, not {type(shapes).__name__}")
-        self._shapes = tuple(shape_of(shape, f"shape {i}: ") for i, shape in enumerate(shapes))
+        made = tuple(shape_of(shape, f"shape {i}: ") for i, shape in enumerate(shapes))
         if isinstance(bodies, Sequence) and len(bodies) and all(isinstance(body, Body) for body in bodies):
             if not all(given is None for given in (poses, groups, worlds, names)) or self_collisions is not True:
                 raise InvalidInput("poses, groups, worlds, self_collisions and names are those of each crumple.Body")
             poses, groups, worlds, self_collisions, names = columns.of_bodies(bodies)
-            bodies = columns.shapes_of(self._shapes, bodies)
-        of = columns.ids(np.arange(len(self._shapes)) if bodies is None else bodies, "bodies")
+            bodies = columns.shapes_of(made, bodies)
+        of = columns.ids(np.arange(len(made)) if bodies is None else bodies, "bodies")
         n = len(of)
+        groups = columns.ids(0 if groups is None else groups, "groups", n)
+        worlds = columns.ids(0 if worlds is None else worlds, "worlds", n)
+        self_collisions = columns.flags(self_collisions, "self_collisions", n)
+        all_names = columns.names(names, n)
+        super().__init__(list(made), of, groups, worlds, self_collisions, poses)
+        self._shapes, self._names = made, all_names
+        self._base: World | None = None
         self._columns = {
             "bodies": of,
-            "groups": columns.ids(0 if groups is None else groups, "groups", n),
-            "worlds": columns.ids(0 if worlds is None else worlds, "worlds", n),
-            "self_collisions": columns.flags(self_collisions, "self_collisions", n),
+            "groups": groups,
+            "worlds": worlds,
+            "self_collisions": self_collisions,
             "originals": columns.ids(np.arange(n), "originals"),
         }
-        self._names = columns.names(names, n)
-        self._base: World | None = None
-        super().__init__(
-            list(self._shapes),
-            *(self._columns[name] for name in ("bodies", "groups", "worlds", "self_collisions")),
-            poses,
-        )
 
     @classmethod
     def from_trimesh(cls, scene: Any) -> World:
@@ -235,8 +235,8 @@ class World(_core.World):
                 f"{moving}, 4, 4), not {tuple(shape)}"
             )
         made = World.__new__(World)
+        made._configure(self, int(shape[0]), poses)
         made._shapes, made._columns, made._base = self._shapes, {}, self
-        _core.World._configure(made, self, int(shape[0]), poses)
         return made
 
     @property

@@ -63,9 +63,7 @@ def test_a_scene_of_trimesh_is_a_world(detector):
 
 
 def test_a_scene_that_is_taken_for_a_mesh_says_what_it_is(detector):
-    with pytest.raises(
-        crumple.InvalidType, match=r"a world of bodies: crumple.World.from_trimesh, or .*to_mesh"
-    ):
+    with pytest.raises(crumple.InvalidType, match=r"a world of bodies: crumple.World.from_trimesh, or .*to_mesh"):
         detector.find_self(scene())
     assert detector.find_self(scene().to_mesh()) is not None
 

@@ -336,3 +336,4 @@ def test_what_init_did_not_make_is_refused(detector):
     world = three()
     with pytest.raises(crumple.InvalidInput, match="__init__ has been called already"):
         world.__init__([MESH])
+    assert len(world) == len(world.names) == len(world.bodies) == 3 and detector.find(world)

@@ -4,6 +4,7 @@
 #include <utility>
 
 namespace crumple {
+
 void clear(WorldCollisions& result, const WorldOutline& outline, const Intersect& question) {
     result.any = false;
     result.count = 0;
