@@ -35,13 +35,11 @@ void weld(Triangle& a, Triangle& b) {
 void PosedGroup::pose(const ShapeTree& tree, const Placement& place, std::int32_t g) {
     index = g;
     group = &tree.group(g);
-    const double* const given[3] = {tree.vertices(*group, 0), tree.vertices(*group, 1), tree.vertices(*group, 2)};
-    double* const posed[3] = {coordinate[0], coordinate[1], coordinate[2]};
-    place(given, group->blocks, posed);
+    tree.pose(*group, place, coordinate);
     for (int axis = 0; axis < 3; ++axis) {
-        Two low = load_two(posed[axis]), high = low;
+        Two low = load_two(coordinate[axis]), high = low;
         for (std::int32_t v = 2; v < 4 * group->blocks; v += 2) {
-            const Two value = load_two(posed[axis] + v);
+            const Two value = load_two(coordinate[axis] + v);
             low = value < low ? value : low;
             high = value > high ? value : high;
         }

@@ -30,7 +30,7 @@ class PosedGroup {
     std::int32_t index = -1;  ///< of the group, -1: none yet
     const ShapeTree::Group* group = nullptr;
     Bounds all;
-    alignas(64) double coordinate[3][3 * ShapeTree::most_triangles];
+    alignas(64) ShapeTree::Posed coordinate;
 
     Vec3d vertex(std::size_t v) const { return {coordinate[0][v], coordinate[1][v], coordinate[2][v]}; }
 };

@@ -116,13 +116,15 @@ void WorldScene::add(const WorldOutline& outline, std::int32_t b, bool everywher
 void WorldScene::add(const WorldOutline& outline, std::int32_t b, bool everywhere, const ShapeTree& tree,
                      std::span<const std::int32_t> groups) {
     const Placement place = outline.placement(b);
+    ShapeTree::Posed posed;
     begin_body(b);
     row_.clear();
     for (const std::int32_t g : groups) {
         const ShapeTree::Group& group = tree.group(g);
         const auto first = static_cast<std::int32_t>(vertices());
         grow_vertices(group.vertices);
-        for (std::int32_t v = 0; v < group.vertices; ++v) put(first + v, place(tree.vertex(group, v)));
+        tree.pose(group, place, posed);
+        for (std::int32_t v = 0; v < group.vertices; ++v) put(first + v, {posed[0][v], posed[1][v], posed[2][v]});
         for (std::size_t k = 0; k < static_cast<std::size_t>(group.count); ++k) {
             const auto& c = group.corner[k];
             row_.push_back({group.triangle[k], {first + c[0], first + c[1], first + c[2]}});

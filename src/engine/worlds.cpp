@@ -292,9 +292,10 @@ void WorldSearch::mark(std::int32_t a, std::int32_t b) {
     const ShapeTree *tree_a = tree(a), *tree_b = tree(b);
     const Placement place_a = outline_.placement(a), place_b = outline_.placement(b);
     if (tree_a && tree_b) {
+        std::int32_t last_a = -1, last_b = -1;  // many pairs in a row have a group in common
         for_each_overlap(*tree_a, place_a, *tree_b, place_b, [&](std::int32_t group_a, std::int32_t group_b) {
-            marks_.push_back({a, group_a});
-            marks_.push_back({b, group_b});
+            if (group_a != last_a) marks_.push_back({a, last_a = group_a});
+            if (group_b != last_b) marks_.push_back({b, last_b = group_b});
             return true;
         });
         return;

@@ -41,6 +41,9 @@ class ShapeTree {
         std::array<std::array<std::uint8_t, 3>, most_triangles> corner;
     };
 
+    /// Coordinates of a group's vertices: all x, all y, all z.
+    using Posed = double[3][3 * most_triangles];
+
     explicit ShapeTree(MemoryMeter* meter) : node_(meter), group_(meter), vertex_(meter), box_(meter), order_(meter) {}
 
     /// Reads the shape: coordinates must be finite and indices in range, or Error (without a shape's name) is thrown.
@@ -55,8 +58,11 @@ class ShapeTree {
     const double* vertices(const Group& group, int axis) const {
         return vertex_.data() + 12 * group.first_block + 4 * axis * group.blocks;
     }
-    Vec3d vertex(const Group& group, std::int32_t v) const {
-        return {vertices(group, 0)[v], vertices(group, 1)[v], vertices(group, 2)[v]};
+    /// A group's vertices under a pose, and what fills up the last block.
+    void pose(const Group& group, const Placement& place, Posed& posed) const {
+        const double* const given[3] = {vertices(group, 0), vertices(group, 1), vertices(group, 2)};
+        double* const to[3] = {posed[0], posed[1], posed[2]};
+        place(given, group.blocks, to);
     }
     /// Of the whole shape; only if it is not empty.
     const CentredBox& box() const { return frame_.all; }
