@@ -28,7 +28,8 @@ struct SmallBox {
     float middle[3], half[3];
 };
 
-/// Where a shape's small boxes are: its whole box, and the unit of length, a power of two.
+/// Where a shape's small boxes are: its whole box, and the unit of length, a power of two. A shape near the largest
+/// number has an infinite one, so that small boxes are NaN where they are used, and nothing is apart.
 struct SmallFrame {
     CentredBox all;
     double unit = 1;
@@ -36,7 +37,10 @@ struct SmallFrame {
     SmallFrame() = default;
     explicit SmallFrame(const CentredBox& box) : all(box) {
         const double extent = largest(box.half);
-        unit = extent > 0x1p-900 ? std::ldexp(1.0, std::ilogb(extent) + 1) : 0x1p-900;
+        if (!(extent < 0x1p1023))
+            unit = std::numeric_limits<double>::infinity();
+        else
+            unit = extent > 0x1p-900 ? std::ldexp(1.0, std::ilogb(extent) + 1) : 0x1p-900;
     }
     SmallBox operator()(const CentredBox& box) const {
         SmallBox small;

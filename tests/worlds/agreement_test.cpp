@@ -2,6 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cmath>
+#include <limits>
+#include <vector>
+
 #include "worlds/compare_worlds.h"
 #include "worlds/random_worlds.h"
 
@@ -58,6 +63,37 @@ TEST_P(Worlds, of_many_bodies_each) {
         compare(seed, {.bodies = 90, .worlds = 2, .triangles = 5, .everywhere = 0.5, .reach = 2});
 }
 TEST_P(Worlds, of_no_bodies) { compare(500, {.bodies = 0}); }
+
+/// Beside each other and across each other, as they are and scaled down to a size with small numbers.
+TEST_P(Worlds, of_shapes_that_reach_to_the_largest_numbers) {
+    const double most = std::numeric_limits<double>::max();
+    for (const double size : {0x1p1021, 0x1p1022, 0x1p1023, most}) {
+        const std::vector<std::array<double, 3>> vertices{{-size, -size, 0}, {size, -size, 0}, {0, size, 0},
+                                                          {-size, 0, -size}, {size, 0, size},  {0, 0, size}};
+        const std::vector<std::array<std::int32_t, 3>> triangles{{0, 1, 2}, {3, 4, 5}};
+        const MeshView mesh(vertices, triangles);
+        for (const std::uint64_t name : {0u, 1u}) {
+            const std::uint64_t unique = name ? static_cast<std::uint64_t>(std::ilogb(size)) + (size == most) : 0;
+            const Shape shapes[] = {Shape(mesh, unique)};
+            const Body bodies[] = {{.world = 0}, {.world = 0}, {.world = 0}};
+            for (const double scale : {1.0, 0x1p-1000}) {
+                const auto at = [&](double x) {
+                    Pose pose;
+                    for (std::size_t i = 0; i < 12; i += 5) pose.rows[i] = scale;
+                    pose.rows[3] = x;
+                    return pose;
+                };
+                const Pose poses[] = {at(0), at(1e6), at(-3e7)};
+                for (const Wants wants : {Wants::any, Wants::body_pairs, Wants::contacts}) {
+                    SCOPED_TRACE(testing::Message() << size << " named " << name << " scaled by " << scale);
+                    const World world{shapes, bodies, poses};
+                    const Intersect question{.wants = wants};
+                    ASSERT_TRUE(same_world_answer(detector_.find(world, question), reference_.find(world, question)));
+                }
+            }
+        }
+    }
+}
 
 INSTANTIATE_TEST_SUITE_P(, Worlds, testing::Values(tested),
                          [](const auto& info) { return std::string(test::backend_name(info.param)); });
