@@ -4,7 +4,7 @@
 
 #include <limits>
 
-#include "geometry/named_pairs.h"
+#include "questions/intersect/named_pairs.h"
 
 namespace crumple {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "base/float_environment.h"
 #include "geometry/callers_mode.h"
-#include "geometry/named_pairs.h"
+#include "questions/intersect/named_pairs.h"
 #include "questions/intersect/decision.h"
 #include "questions/intersect/rational_intersection.h"
 
