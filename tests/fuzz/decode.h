@@ -93,6 +93,7 @@ struct Search {
     Query query;  ///< `excluded_groups` looks at `excluded`
     std::vector<GroupPair> excluded;
     int parts = 0;                   ///< 0: none
+    Streaming blocks{0, true};       ///< of 0 pairs: none
     std::int64_t memory_limit = -1;  ///< beside what suffices; -1: none
     std::vector<Frame> frames;
 

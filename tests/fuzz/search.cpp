@@ -37,6 +37,12 @@ class Views {
     bool any(Detector& by, const Query& query) const {
         return b_ ? by.has_collision(a(), b(), query) : by.has_collision(a(), query);
     }
+    void stream(Detector& by, Detector::TakeBlock take, const Query& query, const Streaming& how) const {
+        if (b_)
+            by.stream_between(a(), b(), take, query, how);
+        else
+            by.stream_self(a(), take, query, how);
+    }
     std::vector<Part> partition(Detector& by, int count) const {
         return b_ ? by.partition(a(), b(), count) : by.partition(a(), count);
     }
@@ -91,6 +97,7 @@ class Judge {
             if (!answer) continue;
             if (search_.query.contacts) check_contacts(frame, *answer);
             if (&frame != &search_.frames.back()) continue;
+            if (search_.blocks.block_pairs > 0) check_blocks(views, *answer);
             if (search_.parts > 0) check_parts(views, frame, *answer);
             if (search_.memory_limit >= 0) check_limit(views, *answer);
         }
@@ -141,6 +148,22 @@ class Judge {
                         std::memcmp(&ours.points[begin], &theirs.points[theirs.offsets[w]], bytes) == 0,
                     "a part's contact");
         }
+    }
+
+    /// Blocks together are the answer; in order, if they come so.
+    void check_blocks(const Views& views, const Collisions& whole) const {
+        Array<Pair> all;
+        std::int64_t points = 0;
+        const auto take = [&](const Collisions& block) {
+            require(static_cast<std::int64_t>(block.pairs.size()) <= search_.blocks.block_pairs, "a block's size");
+            for (const Pair& pair : block.pairs) all.push_back(pair);
+            if (search_.query.contacts) require_contacts_of(whole, block);
+            points += static_cast<std::int64_t>(block.contacts.points.size());
+        };
+        views.stream(detector_, take, search_.query, search_.blocks);
+        if (!search_.blocks.ordered) std::sort(all.begin(), all.end());
+        if (!std::ranges::equal(all, whole.pairs)) fail("the blocks:" + difference(all, whole.pairs));
+        require(points == static_cast<std::int64_t>(whole.contacts.points.size()), "the blocks' contacts");
     }
 
     void check_parts(const Views& views, const Frame& frame, const Collisions& whole) const {
