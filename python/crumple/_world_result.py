@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from ._core import Statistics, WorldAnswer
     from ._mesh import Mesh
     from ._world import World
+    from ._world_pickling import StoredAnswer
 
 WANTS = ("any", "any_by_world", "body_pairs", "count", "pairs", "contacts")
 # What each array is made for, from which of WANTS on.
@@ -53,7 +54,7 @@ class WorldResult:
     not carried. Unpickling checks that all of it fits together, or raises InvalidInput.
     """
 
-    def __init__(self, answer: WorldAnswer, world: World, poses: Any) -> None:
+    def __init__(self, answer: WorldAnswer | StoredAnswer, world: World, poses: Any) -> None:
         self._answer = answer
         self._world = world
         self._poses = poses
