@@ -101,7 +101,14 @@ bool Triangulator::find_plane() {
     sign_ = 1;
     // Where the normal vanishes, as that of a bow tie does, the plane is where most of the cross products lie.
     axis_ = largest_component(normal == Vec3d{} ? magnitude : normal);
-    return magnitude != Vec3d{};
+    if (magnitude != Vec3d{}) return true;
+    // Beside a first corner that is very far away the others are one point to floating-point numbers.
+    for (axis_ = 2; axis_ >= 0; --axis_) {
+        for (int i = 1; i + 1 < count_; ++i)
+            if (plane_turn(0, i, i + 1) != 0) return true;
+    }
+    axis_ = 2;
+    return false;
 }
 
 /// Convex, and no triangle of its fan is degenerate. All corners turn one way, and from left to right and back is all

@@ -186,6 +186,14 @@ TEST(Triangulation, AnOutlineThatCoversAnAreaTwiceCrossesItself) {
     warns({{0, 0}, {1, 2}, {1, 1}, {0, 2}, {2, 2}}, {0, 1, 2, 2, 0, 3, 4});
 }
 
+TEST(Triangulation, ACornerMayBeFarFromAllOthers) {
+    const Outline notched{{1e30, 1e30}, {-1, 5}, {0, 0}, {1, 1.5}, {1.5, 0}, {5, -1}};
+    expect_cut_however_it_lies(notched);
+    Outline beyond_expansions = notched;
+    beyond_expansions[0] = {1e305, 1e305};
+    expect_cut_however_it_lies(beyond_expansions);
+}
+
 TEST(Triangulation, IsExactInEveryMagnitude) {
     const Outline sliver{{0, 0}, {4, 0}, {2, 0x1p-50}, {2, 0x1p-51}};  // concave by one unit in the last place or so
     for (const double scale : {1.0, 0x1p-900, 0x1p900, 0x1p1020, 0x1p-1020}) {
