@@ -148,7 +148,7 @@ Mesh mesh(Bytes& bytes, const Kind& kind, std::size_t side) {
     Mesh result;
     result.single = kind.single[side];
     result.layout = kind.layout[side];
-    const int scale = bytes.one_of(scales);
+    const int scale = kind.scaled ? bytes.one_of(scales) : 0;
     const double shift = bytes.one_of(shifts);
     const int triangles = bytes.below(kind.most + 1);
     const int vertices = bytes.below(2 * kind.most + 4);

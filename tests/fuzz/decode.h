@@ -73,7 +73,8 @@ struct Kind {
     std::array<Layout, 2> layout{};
     std::array<int, 2> groups{};  ///< 0: none; else how many ids
     bool wild = false;
-    int most = 0;  ///< triangles of a mesh
+    bool scaled = true;  ///< perhaps, as a whole
+    int most = 0;        ///< triangles of a mesh
 };
 
 Mesh mesh(Bytes& bytes, const Kind& kind, std::size_t side);
