@@ -1,48 +1,13 @@
 #include "questions/intersect/rational_intersection.h"
 
 #include <algorithm>
-#include <climits>
 #include <cmath>
-#include <span>
 
 namespace crumple {
 namespace {
 
 using Point = Vec3<Integer>;
 using Corners = std::array<Point, 3>;
-
-/// x = mantissa · 2^exponent, the mantissa odd; 0 has no exponent.
-struct Binary {
-    std::int64_t mantissa = 0;
-    int exponent = 0;
-
-    explicit Binary(double x) {
-        if (x == 0) return;
-        mantissa = static_cast<std::int64_t>(std::ldexp(std::frexp(x, &exponent), 53));
-        exponent -= 53;
-        while (mantissa % 2 == 0) mantissa /= 2, ++exponent;
-    }
-};
-
-/// The largest power of two that every coordinate is a multiple of.
-int common_exponent(std::span<const Vec3d> points) {
-    int exponent = INT_MAX;
-    for (const Vec3d& p : points) {
-        for (int axis = 0; axis < 3; ++axis) {
-            if (p[axis] != 0) exponent = std::min(exponent, Binary(p[axis]).exponent);
-        }
-    }
-    return exponent == INT_MAX ? 0 : exponent;
-}
-
-Integer scaled(double x, int exponent) {
-    const Binary binary(x);
-    return binary.mantissa == 0 ? Integer(0) : Integer(binary.mantissa) << (binary.exponent - exponent);
-}
-
-Point scaled(const Vec3d& p, int exponent) {
-    return {scaled(p.x, exponent), scaled(p.y, exponent), scaled(p.z, exponent)};
-}
 
 /// normal · x = offset, or ≥ offset.
 struct Plane {

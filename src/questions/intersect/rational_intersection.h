@@ -14,20 +14,12 @@
 #include <array>
 #include <vector>
 
-#include <boost/multiprecision/cpp_int.hpp>
-
 #include "crumple/options.h"
 #include "geometry/triangle.h"
+#include "questions/integer.h"
 #include "questions/intersect/contact.h"
 
 namespace crumple {
-
-namespace mp = boost::multiprecision;
-
-/// An integer of any width; up to 512 bits do not allocate.
-using Integer =
-    mp::number<mp::cpp_int_backend<512, 0, mp::signed_magnitude, mp::unchecked, std::allocator<mp::limb_type>>,
-               mp::et_off>;
 
 /// numerator / denominator · 2^exponent, rounded to the nearest float64, ties to even; +0 for zero. The denominator is
 /// positive. A result beyond the largest float64 is not expected: points of triangles never are.

@@ -1,0 +1,60 @@
+#pragma once
+
+// Integers of any width, and float64 numbers as such: every finite one is an integer times a power of two, so once the
+// power is common to all coordinates of a question, it is decided in integers. Host only.
+
+#include <algorithm>
+#include <climits>
+#include <cmath>
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include <boost/multiprecision/cpp_int.hpp>
+
+#include "geometry/vec.h"
+
+namespace crumple {
+
+namespace mp = boost::multiprecision;
+
+/// An integer of any width; up to 512 bits do not allocate.
+using Integer =
+    mp::number<mp::cpp_int_backend<512, 0, mp::signed_magnitude, mp::unchecked, std::allocator<mp::limb_type>>,
+               mp::et_off>;
+
+/// x = mantissa · 2^exponent, the mantissa odd; 0 has no exponent.
+struct Binary {
+    std::int64_t mantissa = 0;
+    int exponent = 0;
+
+    explicit Binary(double x) {
+        if (x == 0) return;
+        mantissa = static_cast<std::int64_t>(std::ldexp(std::frexp(x, &exponent), 53));
+        exponent -= 53;
+        while (mantissa % 2 == 0) mantissa /= 2, ++exponent;
+    }
+};
+
+/// The largest power of two that every coordinate is a multiple of; 0 if all are zero.
+inline int common_exponent(std::span<const Vec3d> points) {
+    int exponent = INT_MAX;
+    for (const Vec3d& p : points) {
+        for (int axis = 0; axis < 3; ++axis) {
+            if (p[axis] != 0) exponent = std::min(exponent, Binary(p[axis]).exponent);
+        }
+    }
+    return exponent == INT_MAX ? 0 : exponent;
+}
+
+/// x in units of 2^exponent, of which it is a multiple.
+inline Integer scaled(double x, int exponent) {
+    const Binary binary(x);
+    return binary.mantissa == 0 ? Integer(0) : Integer(binary.mantissa) << (binary.exponent - exponent);
+}
+
+inline Vec3<Integer> scaled(const Vec3d& p, int exponent) {
+    return {scaled(p.x, exponent), scaled(p.y, exponent), scaled(p.z, exponent)};
+}
+
+}  // namespace crumple
