@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "motion/random_moves.h"
 #include "questions/intersect/rational_intersection.h"
+#include "questions/motion/random_moves.h"
 
 namespace crumple {
 namespace {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <utility>
 
-#include "motion/random_moves.h"
 #include "questions/intersect/rational_intersection.h"
+#include "questions/motion/random_moves.h"
 
 namespace crumple {
 namespace {

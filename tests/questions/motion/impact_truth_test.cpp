@@ -8,7 +8,7 @@
 
 #include "crumple/io.h"
 #include "io/files.h"
-#include "motion/moves.h"
+#include "questions/motion/moves.h"
 
 namespace crumple {
 namespace {

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <random>
 
-#include "motion/moves.h"
+#include "questions/motion/moves.h"
 
 namespace crumple {
 

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "motion/moves.h"
+#include "questions/motion/moves.h"
 
 namespace crumple {
 namespace {

@@ -10,8 +10,8 @@
 #include <string>
 
 #include "io/files.h"
-#include "motion/moves.h"
 #include "questions/integer.h"
+#include "questions/motion/moves.h"
 
 namespace crumple {
 namespace {
