@@ -122,14 +122,14 @@ std::vector<Options> ways() {
 }
 
 TEST(Stream, of_one_soup_is_the_whole_answer) {
-    const auto soup = test::random_soup(400, 0.6);
+    const auto soup = test::random_soup(200, 0.8);
     for (const Options& options : ways())
         compare({soup.view()}, {.contacts = true}, options, {1, 7, 300, 1 << 18}, 500);
 }
 
 TEST(Stream, of_two_soups_is_the_whole_answer) {
-    const auto a = test::random_soup<float>(300, 0.6);
-    const auto b = test::random_soup<double>(200, 0.7, 2);
+    const auto a = test::random_soup<float>(150, 0.8);
+    const auto b = test::random_soup<double>(120, 0.9, 2);
     const MeshView second = b.view();
     for (const Options& options : ways()) compare({a.view(), &second}, {.contacts = true}, options, {1, 50, 4000}, 400);
 }
