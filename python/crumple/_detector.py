@@ -6,10 +6,10 @@ from collections.abc import Callable, Iterable
 from typing import Any, Literal, overload
 
 from . import _core
+from ._core import Statistics
 from ._errors import InvalidInput, InvalidType
 from ._mesh import Mesh, as_mesh, soup_of
 from ._names import suggesting
-from ._core import Statistics
 from ._result import Block, Result
 from ._world import World
 from ._world_result import WorldResult

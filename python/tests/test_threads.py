@@ -184,4 +184,7 @@ def test_a_signal_handler_cannot_call_the_detector_it_interrupts():
             print(error)
     """
     out = run_interrupted(program)
-    assert out in ("neither a signal handler nor what takes a block can call the detector whose call goes on\n", "between two calls\n")
+    assert out in (
+        "neither a signal handler nor what takes a block can call the detector whose call goes on\n",
+        "between two calls\n",
+    )

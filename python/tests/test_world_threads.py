@@ -43,9 +43,7 @@ def test_interrupt_cuts_a_call_short(options, wants, name, count):
         except KeyboardInterrupt:
             print("interrupted", detector.find(base, wants="any", bodies="within").any)
     """
-    begin = time.perf_counter()
     assert run_interrupted(program) == "interrupted False\n"
-    assert time.perf_counter() - begin < 10
 
 
 def test_cancel_ends_the_call_of_another_thread():
