@@ -37,7 +37,8 @@ TEST_F(Detect, WritesPairsToStandardOutput) { EXPECT_EQ(pairs("five.off"), five_
 TEST_F(Detect, OfTwoFilesCountsFirstInTheFirst) { EXPECT_EQ(pairs("five.off two.off"), "0 1\n2 0\n3 1\n4 0\n"); }
 
 TEST_F(Detect, StreamsTheSameLines) {
-    for (const std::string way : {"five.off", "five.off two.off", "five.off --contacts", "five.off --memory-limit 1MB"}) {
+    for (const std::string way :
+         {"five.off", "five.off two.off", "five.off --contacts", "five.off --memory-limit 1MB"}) {
         EXPECT_EQ(pairs(way + " --stream"), pairs(way));
         for (const std::string out : {"pairs.txt", "pairs.csv"}) {
             const std::string said = summary(way + " --stream -o streamed_" + out);
@@ -49,7 +50,8 @@ TEST_F(Detect, StreamsTheSameLines) {
 }
 
 TEST_F(Detect, StreamsOneListOfPairsOnly) {
-    for (const std::string bad : {"-o a.json", "-o a.glb", "-o a.txt -o b.txt", "--check", "--polygons", "--part 1/2"}) {
+    for (const std::string bad :
+         {"-o a.json", "-o a.glb", "-o a.txt -o b.txt", "--check", "--polygons", "--part 1/2"}) {
         const Outcome outcome = crumple("detect five.off --stream " + bad);
         EXPECT_EQ(outcome.status, 2) << bad;
         EXPECT_NE(outcome.err.find("--stream"), std::string::npos) << outcome.err;

@@ -4,8 +4,8 @@
 
 #include "base/float_environment.h"
 #include "geometry/callers_mode.h"
-#include "questions/intersect/named_pairs.h"
 #include "questions/intersect/decision.h"
+#include "questions/intersect/named_pairs.h"
 #include "questions/intersect/rational_intersection.h"
 
 #if defined(__SSE2__)
