@@ -148,7 +148,7 @@ TEST_P(Bisected, FractionsAreTheExactTimes) {
     // down is one at which they touch.
     constexpr int largest = 12;
     int exact = 0, all = 0;
-    for (const Lattice lattice : {Lattice::tiny, Lattice::small, Lattice::flat, Lattice::line}) {
+    for (const Lattice lattice : {Lattice::tiny, Lattice::small, Lattice::flat, Lattice::line, Lattice::focus}) {
         RandomMoves random(lattice, 37);
         for (int i = 0; i < 60; ++i) {
             const Move move = random(GetParam());

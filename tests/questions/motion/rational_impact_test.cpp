@@ -155,9 +155,19 @@ TEST(EdgeEdge, MeetsParallelEdges) {
     EXPECT_EQ(edge_edge(left, east, move({-5, 0, 1}, {-5, 0, -2}), move({5, 0, 1}, {5, 0, -2})), at(third));
     EXPECT_EQ(edge_edge(left, east, move({1, 0, 1}, {1, 0, -2}), move({5, 0, 1}, {5, 0, -2})), at(third));
     EXPECT_EQ(edge_edge(left, east, move({2, 0, 1}, {2, 0, -2}), move({5, 0, 1}, {5, 0, -2})), none);
-    // They are parallel at the moment of contact only, 1/2.
-    EXPECT_EQ(edge_edge(left, east, move({-3, 1, 1}, {-3, -1, -1}), move({0, -1, 1}, {0, 1, -1})), at(0.5));
-    EXPECT_EQ(edge_edge(left, east, move({-3, 1, 1}, {-3, -1, -1}), move({-2, -1, 1}, {-2, 1, -1})), none);
+    // They are parallel at the moment of contact only, 1/2: overlapping, the one within the other, the same, apart.
+    const auto through = [&](double c, double d) {
+        return edge_edge(left, east, move({c, 1, 1}, {c, -1, -1}), move({d, -1, 1}, {d, 1, -1}));
+    };
+    EXPECT_EQ(through(-3, 0), at(0.5));
+    EXPECT_EQ(through(0, -3), at(0.5));
+    EXPECT_EQ(through(0, 3), at(0.5));
+    EXPECT_EQ(through(-3, 3), at(0.5));
+    EXPECT_EQ(through(0.5, -0.5), at(0.5));
+    EXPECT_EQ(through(1, -1), at(0.5));
+    EXPECT_EQ(through(1, 2), at(0.5));
+    EXPECT_EQ(through(-3, -2), none);
+    EXPECT_EQ(through(3, 2), none);
 }
 
 TEST(EdgeEdge, MeetsInOnePlane) {
