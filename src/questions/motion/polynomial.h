@@ -3,7 +3,7 @@
 // Polynomials in one unknown over the integers: what becomes of coordinates, normals and volumes when points move.
 //
 // Degrees are at most some six, and products of sums of products are all that is made of them, so the plainest methods
-// are the fastest. No coefficient is ever divided with a remainder.
+// are the fastest. No division leaves a remainder.
 
 #include <span>
 #include <vector>
