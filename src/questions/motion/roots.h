@@ -2,6 +2,7 @@
 
 // Real roots in [0, 1] of polynomials over the integers: found, told apart, asked for signs, rounded; all exactly.
 
+#include <utility>
 #include <vector>
 
 #include "questions/motion/polynomial.h"
