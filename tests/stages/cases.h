@@ -30,18 +30,21 @@ class StageCase {
         for (std::int32_t i = 0; i < scene.triangle_count(); ++i)
             for (std::int32_t j = i + 1; j < scene.triangle_count(); ++j) {
                 if (scene.between && scene.second(i) == scene.second(j)) continue;
-                if (!intersect_rationally(scene.triangle(i), scene.triangle(j)).points.empty())
-                    meeting_.push_back({i, j});
+                const RationalIntersection exact = intersect_rationally(scene.triangle(i), scene.triangle(j));
+                if (!exact.points.empty()) meeting_.push_back({i, j});
+                if (collide(exact, Neighbours::geometric, Intersections::all)) colliding_.push_back({i, j});
             }
     }
 
     /// Those that a search must not lose, sorted.
     const std::vector<Pair>& meeting() const { return meeting_; }
+    /// The answer in joint numbering, sorted.
+    const std::vector<Pair>& colliding() const { return colliding_; }
 
    private:
     std::shared_ptr<void> soups_;
     std::shared_ptr<SceneBuffers> buffers_ = std::make_shared<SceneBuffers>();
-    std::vector<Pair> meeting_;
+    std::vector<Pair> meeting_, colliding_;
 };
 
 inline const std::vector<StageCase>& stage_cases() {

@@ -6,9 +6,11 @@
 #include "cpu/tables.h"
 #include "engine/cpu/align.h"
 #include "engine/cpu/bounds.h"
+#include "engine/cpu/output.h"
 #include "engine/cpu/ownership.h"
 #include "engine/cpu/sort.h"
 #include "engine/cpu/sweep.h"
+#include "questions/intersect/cpu/narrow.h"
 #include "questions/intersect/cpu/records.h"
 #include "stages/state.h"
 
@@ -33,7 +35,7 @@ struct Run {
         return scene.float32 ? PointRows{points.f.data(), nullptr} : PointRows{nullptr, points.d.data()};
     }
 
-    LeafState leaf(const Leaf& leaf) const {
+    LeafState leaf(const Leaf& leaf, Cancellation& cancellation) const {
         LeafState state;
         LeafMembers members(nullptr);
         members.gather(scene, subdivision, leaf);
@@ -83,6 +85,14 @@ struct Run {
                         state.candidates.push_back(ordered(triangle(candidates.rows + candidates.row[i]),
                                                            triangle(candidates.columns + candidates.column[i])));
             });
+
+        records.sort(tables.intersect, sorted);
+        const Query query;
+        const GroupRule all;
+        NarrowScratch narrow(nullptr);
+        sweep_and_narrow({scene, query, all, tables.stages, tables.intersect, rows(), cancellation}, sorted, records,
+                         ownership, 0, sorted.rows, narrow);
+        state.found.assign(narrow.pairs.begin(), narrow.pairs.end());
         return state;
     }
 };
@@ -105,7 +115,16 @@ StageState run_stages(const Tables& tables, const Scene& scene, const Options& o
                        tables.stages, workers, warm, run.subdivision);
         gather_leaves(run.balls, scene.triangle_count(), 0, run.subdivision.clusters, options, tables.stages, workers,
                       warm, run.subdivision);
-        for (const Leaf& leaf : run.subdivision.leaves) state.leaves.push_back(run.leaf(leaf));
+        std::vector<Array<Pair>> lists;  // as if each leaf had been another worker's
+        for (const Leaf& leaf : run.subdivision.leaves) {
+            state.leaves.push_back(run.leaf(leaf, cancellation));
+            for (Array<Pair>& list = lists.emplace_back(); const Pair& pair : state.leaves.back().found)
+                list.push_back(pair);
+        }
+        std::vector<const Array<Pair>*> found;
+        for (const Array<Pair>& list : lists) found.push_back(&list);
+        OutputScratch scratch(nullptr);
+        write_output(scene, workers, found, scratch, state.answer);
     });
     return state;
 }

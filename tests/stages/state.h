@@ -30,12 +30,14 @@ struct LeafState {
     std::vector<Pair> met;         ///< sort: pairs that the rows bring together
     std::vector<Pair> candidates;  ///< sweep, with a filter that keeps all
     bool sweep_asks_all = true;    ///< the sweep knows all about owners; otherwise `narrow` drops the rest
+    std::vector<Pair> found;       ///< narrow: those that collide; lower id first
 };
 
 struct StageState {
     std::vector<Vec3d> point;  ///< bounds: normalised vertices
     std::vector<Ball> ball;    ///< bounds: by triangle
     std::vector<LeafState> leaves;
+    Collisions answer;  ///< output, of what the leaves found
 };
 
 struct StageBackend {

@@ -1,0 +1,25 @@
+// Stage `narrow`: exactly the pairs that collide, each once, whichever leaf it belongs to.
+
+#include "stages/cases.h"
+
+namespace crumple::test {
+namespace {
+
+using Narrow = Stages;
+INSTANTIATE_TEST_SUITE_P(, Narrow, testing::ValuesIn(stage_backends()), [](const auto& b) { return b.param.name; });
+
+TEST_P(Narrow, keeps_exactly_the_pairs_that_collide) {
+    std::size_t all = 0;
+    run([&](const StageCase& the, const StageState& state) {
+        std::vector<Pair> found;
+        for (const LeafState& leaf : state.leaves) found.insert(found.end(), leaf.found.begin(), leaf.found.end());
+        std::sort(found.begin(), found.end());
+        ASSERT_EQ(std::adjacent_find(found.begin(), found.end()), found.end()) << "a pair twice";
+        ASSERT_EQ(difference(the.colliding(), found), "");
+        all += found.size();
+    });
+    EXPECT_GT(all, 100U);
+}
+
+}  // namespace
+}  // namespace crumple::test

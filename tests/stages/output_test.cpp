@@ -1,0 +1,35 @@
+// Stage `output`: pairs in lexicographic order, with the second mesh's own numbering, and offsets and hit flags that
+// follow from them.
+
+#include "stages/cases.h"
+
+namespace crumple::test {
+namespace {
+
+using Output = Stages;
+INSTANTIATE_TEST_SUITE_P(, Output, testing::ValuesIn(stage_backends()), [](const auto& b) { return b.param.name; });
+
+TEST_P(Output, sorts_pairs_and_tells_what_follows_from_them) {
+    run([](const StageCase& the, const StageState& state) {
+        const Scene& scene = the.scene;
+        const auto first = static_cast<std::int32_t>(scene.triangles[0]);
+        std::vector<Pair> pairs;
+        std::vector<std::int64_t> offsets(static_cast<std::size_t>(first) + 1, 0);
+        std::vector<std::uint8_t> hit(static_cast<std::size_t>(first), 0);
+        std::vector<std::uint8_t> hit_second(static_cast<std::size_t>(scene.triangles[1]), 0);
+        for (const Pair& pair : the.colliding()) {
+            const std::int32_t b = pair.b - (scene.between ? first : 0);
+            pairs.push_back({pair.a, b});
+            for (std::int32_t a = pair.a; a < first; ++a) ++offsets[static_cast<std::size_t>(a) + 1];
+            hit[static_cast<std::size_t>(pair.a)] = 1;
+            (scene.between ? hit_second : hit)[static_cast<std::size_t>(b)] = 1;
+        }
+        ASSERT_EQ(pairs_of(state.answer), pairs);
+        ASSERT_TRUE(std::ranges::equal(state.answer.offsets, offsets));
+        ASSERT_TRUE(std::ranges::equal(state.answer.hit, hit));
+        ASSERT_TRUE(std::ranges::equal(state.answer.hit_second, hit_second));
+    });
+}
+
+}  // namespace
+}  // namespace crumple::test
