@@ -29,8 +29,11 @@ void for_each_range(IdRange ids, std::int64_t most, Answer answer, One one) {
         } else {
             // Three quarters full, if the next ids are like these.
             const std::int64_t longest = 16 * range.size();
-            length =
-                pairs == 0 ? longest : std::clamp<std::int64_t>(range.size() * (most - most / 4) / pairs, 1, longest);
+            const double share =
+                0.75 * static_cast<double>(most) / static_cast<double>(std::max<std::int64_t>(pairs, 1));
+            const double next = share * static_cast<double>(range.size());
+            length = next < static_cast<double>(longest) ? std::max<std::int64_t>(1, static_cast<std::int64_t>(next))
+                                                         : longest;
         }
         ids.begin = range.end;
     }
