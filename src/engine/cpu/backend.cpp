@@ -6,8 +6,8 @@
 #include <limits>
 #include <memory>
 
+#include "engine/cpu/intersections.h"
 #include "engine/cpu/limit.h"
-#include "engine/cpu/order.h"
 #include "engine/cpu/stream.h"
 #include "engine/output.h"
 
@@ -32,7 +32,7 @@ class CpuBackend final : public BackendBase {
         workers_.run([&] {
             if (scene.triangle_count() >= too_many_) return find_in_chunks(scene, query, part, result);
             try {
-                Call call = make_call(scene, query, part);
+                IntersectCall call = make_call(scene, query, part);
                 PairBudget budget = budget_of(call);
                 const auto told = [&](const Array<Pair>& pairs, std::size_t before) {
                     budget.add(static_cast<std::int64_t>(pairs.size() - before));
@@ -72,7 +72,7 @@ class CpuBackend final : public BackendBase {
                 Statistics& statistics) override {
         statistics_ = {};
         workers_.run([&] {
-            const Call call =
+            const IntersectCall call =
                 meter_.limit > 0 ? call_in_chunks(scene, query, nullptr) : make_call(scene, query, nullptr);
             (how.ordered ? stream_in_order : stream_as_found)(call, how.block_pairs, sink);
         });
@@ -86,21 +86,36 @@ class CpuBackend final : public BackendBase {
     }
 
     void release() override {
-        buffers_.reset();
-        buffers_ = std::make_unique<Buffers>(&meter_, workers_.workers());
+        kept_.reset();
+        kept_ = std::make_unique<Kept>(&meter_, workers_.workers(), intersect_);
     }
 
    private:
-    Call make_call(const Scene& scene, const Query& query, const Part* part) {
-        return {scene,    query, Levels(part),  options_, kernels_,  intersect_,
-                workers_, *this, cancellation_, meter_,   *buffers_, statistics_};
+    /// From call to call.
+    struct Kept {
+        Kept(MemoryMeter* m, int workers, const IntersectKernels& kernels)
+            : rule(m), buffers(m, workers), leaves(m, workers, kernels), output(m) {}
+        GroupRule rule;
+        Buffers buffers;
+        IntersectLeaves leaves;
+        OutputScratch output;
+    };
+
+    IntersectCall make_call(const Scene& scene, const Query& query, const Part* part) {
+        Kept& k = *kept_;
+        k.rule.prepare(query, scene.bodies);
+        return {{scene, k.rule, Levels(part), options_, kernels_, workers_, *this, cancellation_, meter_, k.buffers,
+                 statistics_, k.leaves},
+                query,
+                k.leaves,
+                k.output};
     }
     // With nothing kept.
-    Call call_in_chunks(const Scene& scene, const Query& query, const Part* part) {
+    IntersectCall call_in_chunks(const Scene& scene, const Query& query, const Part* part) {
         release();
         statistics_ = {};
         meter_.peak = meter_.used.load();
-        Call call = make_call(scene, query, part);
+        IntersectCall call = make_call(scene, query, part);
         call.frugal = true;
         return call;
     }
@@ -115,7 +130,7 @@ class CpuBackend final : public BackendBase {
     Cancellation& cancellation_;
     Workers workers_;
     MemoryMeter& meter_;
-    std::unique_ptr<Buffers> buffers_;
+    std::unique_ptr<Kept> kept_;
     Statistics statistics_;
     std::int64_t too_many_ =
         std::numeric_limits<std::int64_t>::max();  ///< triangles that did not fit the limit at once

@@ -26,44 +26,30 @@ void cut_into_tiles(const SortedLeaf& leaf, Array<std::int64_t>& tile_begin) {
 
 }  // namespace
 
-NarrowContext narrow_context(const Call& call) {
-    const Points& points = call.buffers.points;
-    const PointRows rows =
-        call.scene.float32 ? PointRows{points.f.data(), nullptr} : PointRows{nullptr, points.d.data()};
-    // The SIMD filters form 4 vertex in 32 bits.
-    const bool huge = call.scene.vertex_count() >= std::int64_t{1} << 29;
-    return {call.scene, call.query,        call.buffers.rule, call.kernels, huge ? scalar_intersect : call.intersect,
-            rows,       call.cancellation, call.sink,         call.enough};
-}
-
 void make_room_for_workers(const Call& call) {
-    const int workers = call.workers.workers();
-    if (call.meter.limit > 0 || workers == 1) return;
-    std::int64_t largest = 0, most = 0;
+    if (call.meter.limit > 0 || call.workers.workers() == 1) return;
+    std::int64_t largest = 0;
     for (const Leaf& leaf : call.buffers.subdivision.leaves) largest = std::max(largest, leaf.size);
-    for (const auto& worker : call.buffers.worker) most = std::max(most, worker->narrow.most_candidates);
     largest = std::min<std::int64_t>(largest, 4 * call.options.leaf_size);
-    const std::size_t share = 2 * call.buffers.pairs_before / static_cast<std::size_t>(workers);
-    for (const auto& worker : call.buffers.worker) {
-        worker->members.make_room(static_cast<std::size_t>(largest));
-        make_room(largest, call.scene.between, worker->sort, worker->leaf);
-        worker->records.make_room(largest, worker->leaf.rows);
-        make_room(worker->leaf.rows, worker->narrow.candidates);
-        if (most > 0) worker->narrow.verdicts.make_room(most);
-        worker->narrow.pairs.reserve(share);
+    for (std::size_t w = 0; w < call.buffers.worker.size(); ++w) {
+        WorkerBuffers& worker = *call.buffers.worker[w];
+        worker.members.make_room(static_cast<std::size_t>(largest));
+        make_room(largest, call.scene.between, worker.sort, worker.leaf);
+        call.question.make_room(call, largest, worker.leaf.rows, w);
     }
 }
 
-bool align_leaf(const Call& call, const PointRows& points, const Leaf& leaf, Ownership& ownership,
-                WorkerBuffers& worker) {
+bool align_leaf(const Call& call, const Leaf& leaf, Ownership& ownership, std::size_t w) {
     const Scene& scene = call.scene;
+    WorkerBuffers& worker = *call.buffers.worker[w];
     Stopwatch watch;
     LeafMembers& members = worker.members;
     members.gather(scene, call.buffers.subdivision, leaf);
     if (members.size() < 2) return false;
-    ownership.bits(members.triangle.data(), members.member.data(), members.size(), call.buffers.rule.groups_apart(),
+    ownership.bits(members.triangle.data(), members.member.data(), members.size(), call.rule.groups_apart(),
                    members.lower.data());
     members.keep_members = !ownership.complete();
+    const PointRows points = call.points();
     const BuildInput input{points,
                            scene.corners,
                            scene.triangle_count(),
@@ -71,32 +57,32 @@ bool align_leaf(const Call& call, const PointRows& points, const Leaf& leaf, Own
                            members.size(),
                            leaf_frame(call.buffers.balls, points, scene.corners, members)};
     const FlushToZero mode;
-    worker.records.build(call.intersect, input, members);
-    worker.narrow.statistics[Stage::align] += watch.lap();
+    call.question.build(input, members, w);
+    worker.statistics[Stage::align] += watch.lap();
     return true;
 }
 
-void sort_leaf(const Call& call, WorkerBuffers& worker) {
+void sort_leaf(const Call& call, std::size_t w) {
+    WorkerBuffers& worker = *call.buffers.worker[w];
     Stopwatch watch;
     const FlushToZero mode;
     sort_leaf(worker.members, call.kernels, worker.sort, worker.leaf);
-    worker.records.sort(call.intersect, worker.leaf);
-    worker.narrow.statistics.interval_tests += worker.leaf.work;
-    worker.narrow.statistics[Stage::sort] += watch.lap();
+    call.question.place(worker.leaf, w);
+    worker.statistics.interval_tests += worker.leaf.work;
+    worker.statistics[Stage::sort] += watch.lap();
 }
 
-void sweep_leaf(const Call& call, const NarrowContext& context, const Ownership& ownership, bool in_tiles,
-                WorkerBuffers& worker) {
+void sweep_leaf(const Call& call, const Ownership& ownership, bool in_tiles, std::size_t w) {
+    WorkerBuffers& worker = *call.buffers.worker[w];
     const SortedLeaf& leaf = worker.leaf;
     if (!in_tiles || call.workers.workers() == 1 || leaf.work <= tile_work) {
-        sweep_and_narrow(context, leaf, worker.records, ownership, 0, leaf.rows, worker.narrow);
+        call.question.sweep(leaf, ownership, 0, leaf.rows, w, w);
         return;
     }
     const Array<std::int64_t>& begin = worker.tile_begin;
     cut_into_tiles(leaf, worker.tile_begin);
-    call.workers.parallel_for(begin.size() - 1, [&](std::size_t tile, std::size_t w) {
-        sweep_and_narrow(context, leaf, worker.records, ownership, begin[tile], begin[tile + 1],
-                         call.buffers.worker[w]->narrow);
+    call.workers.parallel_for(begin.size() - 1, [&](std::size_t tile, std::size_t helper) {
+        call.question.sweep(leaf, ownership, begin[tile], begin[tile + 1], w, helper);
     });
 }
 

@@ -7,21 +7,16 @@
 
 namespace crumple::cpu {
 
-/// What `narrow` needs to know, once the bounds are there.
-NarrowContext narrow_context(const Call& call);
-
-/// Reserves each worker's scratch for the largest ordinary leaf and for more than its share of the pairs, so that warm
-/// calls allocate nothing. A worker that gets an unusually large leaf makes room for it then.
+/// Reserves each worker's scratch for the largest ordinary leaf, so that warm calls allocate nothing. A worker that
+/// gets an unusually large leaf makes room for it then.
 void make_room_for_workers(const Call& call);
 
 /// False if the leaf holds no pair. Tells `ownership` of its members.
-bool align_leaf(const Call& call, const PointRows& points, const Leaf& leaf, Ownership& ownership,
-                WorkerBuffers& worker);
+bool align_leaf(const Call& call, const Leaf& leaf, Ownership& ownership, std::size_t worker);
 
-void sort_leaf(const Call& call, WorkerBuffers& worker);
+void sort_leaf(const Call& call, std::size_t worker);
 
 /// Stages `sweep` and `narrow`. `in_tiles`: on several workers, if there is enough to do.
-void sweep_leaf(const Call& call, const NarrowContext& context, const Ownership& ownership, bool in_tiles,
-                WorkerBuffers& worker);
+void sweep_leaf(const Call& call, const Ownership& ownership, bool in_tiles, std::size_t worker);
 
 }  // namespace crumple::cpu

@@ -13,7 +13,7 @@ constexpr std::int64_t many_pairs = 8;
 
 /// Calls visit(pair) for each pair of the call, in any order.
 template <class Visit>
-void for_each_pair(Call call, Visit visit) {
+void for_each_pair(IntersectCall call, Visit visit) {
     const auto take = [&](Array<Pair>& found, std::size_t) {
         for (const Pair& pair : found) visit(pair);
         found.clear();
@@ -22,16 +22,16 @@ void for_each_pair(Call call, Visit visit) {
     call.frugal = true;
     call.sink = &sink;
     measure(call);
-    search(call);
+    search_pairs(call);
 }
 
 }  // namespace
 
-PairBudget budget_of(const Call& call) { return {call.asked(), call.meter, many_pairs}; }
+PairBudget budget_of(const IntersectCall& call) { return {call.asked(), call.meter, many_pairs}; }
 
-void find_in_chunks(Call call, Collisions& result) {
+void find_in_chunks(IntersectCall call, Collisions& result) {
     PairBudget budget = budget_of(call);
-    const Copies& copies = call.buffers.copies;
+    const Copies& copies = call.leaves.copies();
     const auto n = static_cast<std::size_t>(call.scene.triangles[0]);
     result.offsets.assign(n + 1, 0);
     std::int64_t* offsets = result.offsets.data();
@@ -57,9 +57,9 @@ void find_in_chunks(Call call, Collisions& result) {
     call.statistics[Stage::output] += watch.lap();
 }
 
-std::int64_t count_in_chunks(Call call) {
+std::int64_t count_in_chunks(IntersectCall call) {
     std::int64_t pairs = 0;
-    for_each_pair(call, [&](Pair pair) { pairs += call.buffers.copies.count(pair); });
+    for_each_pair(call, [&](Pair pair) { pairs += call.leaves.copies().count(pair); });
     return pairs;
 }
 

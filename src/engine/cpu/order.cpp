@@ -16,14 +16,6 @@ void begin(const Call& call) {
     statistics.simd = call.kernels.name;
     statistics.threads = call.workers.workers();
     statistics.leaves = statistics.members = 0;
-    call.buffers.rule.prepare(call.query, call.scene.bodies);
-}
-
-void forget_pairs(const Call& call) {
-    for (auto& worker : call.buffers.worker) {
-        worker->narrow.pairs.clear();
-        worker->narrow.statistics = {};
-    }
 }
 
 // Which triangles are looked at, and the levels above them that say whose pairs are wanted.
@@ -33,11 +25,7 @@ Levels choose_triangles(const Call& call) {
     b.included.clear();
     if (call.scene.between) exclude_far(call.scene, call.workers, b.balls, b.included);
     if (call.range) levels.add(exclude_others(*call.range, call.workers, b.balls, b.included, b.range_masks));
-    b.copies.clear();
-    if (b.repeats_corner) {
-        b.copies.find(call.scene, b.rule, levels, b.included_or_null());
-        b.copies.leave_out(b.included);
-    }
+    call.question.leave_out(call, levels);
     return levels;
 }
 
@@ -55,16 +43,14 @@ std::size_t leaves_alone(const Call& call) {
 template <class Work>
 void for_each_leaf(const Call& call, Work work) {
     const Array<Leaf>& leaves = call.buffers.subdivision.leaves;
-    const auto on_worker = [&](std::size_t l, std::size_t w, bool in_tiles) {
-        work(leaves[l], *call.buffers.worker[w], in_tiles);
-    };
     if (call.frugal) {
-        for (std::size_t l = 0; l < leaves.size(); ++l) on_worker(l, 0, false);
+        for (const Leaf& leaf : leaves) work(leaf, std::size_t{0}, false);
     } else {
         const std::size_t alone = leaves_alone(call);
-        for (std::size_t l = 0; l < alone; ++l) on_worker(l, 0, true);
-        call.workers.parallel_for(leaves.size() - alone,
-                                  [&](std::size_t l, std::size_t w) { on_worker(alone + l, w, call.workers.nests()); });
+        for (std::size_t l = 0; l < alone; ++l) work(leaves[l], std::size_t{0}, true);
+        call.workers.parallel_for(leaves.size() - alone, [&](std::size_t l, std::size_t w) {
+            work(leaves[alone + l], w, call.workers.nests());
+        });
     }
     call.statistics.leaves += static_cast<std::int64_t>(leaves.size());
     for (const Leaf& leaf : leaves) call.statistics.members += leaf.size;
@@ -85,77 +71,34 @@ void search(const Call& call) {
     const StageKernels& kernels = call.kernels;
     Workers& workers = call.workers;
     Statistics& statistics = call.statistics;
+    LeafQuestion& question = call.question;
     Buffers& b = call.buffers;
     const std::int64_t n = scene.triangle_count();
     Stopwatch watch;
-    forget_pairs(call);
+    question.begin(call);
+    for (const auto& worker : b.worker) worker->statistics = {};
     if (call.frugal) b.warm = {};  // each pass makes the same leaves
     const Levels levels = choose_triangles(call);
     statistics[Stage::bounds] += watch.lap();
     place_clusters(b.balls, n, b.included_or_null(), call.options, kernels, workers, b.warm, b.subdivision);
     statistics.clusters = b.subdivision.clusters;
 
-    const NarrowContext context = narrow_context(call);
     const int together = call.frugal ? 1 : b.subdivision.clusters;
-    for (int k = 0; k < b.subdivision.clusters && !context.stop(); k += together) {
+    for (int k = 0; k < b.subdivision.clusters && !question.stop(); k += together) {
         gather_leaves(b.balls, n, k, k + together, call.options, kernels, workers, b.warm, b.subdivision);
         statistics[Stage::subdivide] += watch.lap();
         if (!call.frugal) make_room_for_workers(call);
-        for_each_leaf(call, [&](const Leaf& leaf, WorkerBuffers& worker, bool in_tiles) {
-            if (leaf.size < 2 || context.stop()) return;
+        for_each_leaf(call, [&](const Leaf& leaf, std::size_t worker, bool in_tiles) {
+            if (leaf.size < 2 || question.stop()) return;
             Ownership ownership(scene, levels, b.subdivision, leaf);
-            if (!align_leaf(call, context.points, leaf, ownership, worker)) return;
+            if (!align_leaf(call, leaf, ownership, worker)) return;
             sort_leaf(call, worker);
-            sweep_leaf(call, context, ownership, in_tiles, worker);  // and narrow
+            sweep_leaf(call, ownership, in_tiles, worker);  // and narrow
         });
         watch.lap();
     }
-    for (const auto& worker : b.worker) add(worker->narrow.statistics, statistics);
-}
-
-void write_result(const Call& call, Collisions& result) {
-    Buffers& b = call.buffers;
-    Stopwatch watch;
-    if (!b.copies.empty())
-        call.workers.parallel_for(b.worker.size(), [&](std::size_t w, std::size_t) {
-            b.copies.expand(b.worker[w]->narrow.pairs, call.cancellation);
-        });
-    write_output(call.scene, call.workers, b.found, b.output, result);
-    b.pairs_before = result.pairs.size();
-    write_contacts(call, result);
-    call.statistics[Stage::output] += watch.lap();
-}
-
-void write_contacts(const Call& call, Collisions& result) {
-    result.contacts.kinds.clear();
-    result.contacts.offsets.clear();
-    result.contacts.points.clear();
-    if (!call.query.contacts) return;
-    constexpr std::size_t batch = 256;
-    call.statistics.rational_contacts += contacts_of_pairs(call.scene, result, [&](std::size_t n, auto task) {
-        call.workers.parallel_for((n + batch - 1) / batch, [&](std::size_t b, std::size_t) {
-            for (std::size_t i = b * batch; i < std::min(n, (b + 1) * batch); ++i) task(i);
-        });
-    });
-}
-
-void find(const Call& call, Collisions& result) {
-    measure(call);
-    search(call);
-    write_result(call, result);
-}
-
-bool any(Call call) {
-    std::atomic<bool> found{false};
-    const auto notice = [&](const Array<Pair>& pairs, std::size_t before) {
-        if (pairs.size() > before) found.store(true, std::memory_order_relaxed);
-    };
-    const PairSink sink = notice;
-    call.sink = &sink;
-    call.enough = &found;
-    measure(call);
-    search(call);
-    return found;
+    for (const auto& worker : b.worker) add(worker->statistics, statistics);
+    question.finish(statistics);
 }
 
 }  // namespace crumple::cpu

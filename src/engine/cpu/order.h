@@ -1,55 +1,45 @@
 #pragma once
 
-// The order of the stages: [MZ] Algorithm 1.
+// The order of the stages: [MZ] Algorithm 1. The same for every question.
 
 #include "engine/cpu/buffers.h"
 #include "engine/cpu/pair_range.h"
 #include "engine/cpu/parallel.h"
-#include "engine/pair_budget.h"
+#include "engine/cpu/question.h"
 #include "model/levels.h"
+#include "model/rules.h"
 
 namespace crumple::cpu {
 
-/// What is asked, who answers, and where the pairs go.
+/// What is asked, and who answers.
 struct Call {
     const Scene& scene;
-    const Query& query;
+    const GroupRule& rule;
     Levels levels;  ///< above the scene
     const Options& options;
     const StageKernels& kernels;
-    const IntersectKernels& intersect;
     Workers& workers;
     ParallelFor& parallel;  ///< the same workers, for the model
     Cancellation& cancellation;
     MemoryMeter& meter;
     Buffers& buffers;
     Statistics& statistics;
+    LeafQuestion& question;
 
-    bool frugal = false;                  ///< one cluster after another, on one worker
-    const PairRange* range = nullptr;     ///< only pairs of these ids; null: all
-    const PairSink* sink = nullptr;       ///< see NarrowContext
-    std::atomic<bool>* enough = nullptr;  ///< see NarrowContext
+    bool frugal = false;               ///< one cluster after another, on one worker
+    const PairRange* range = nullptr;  ///< only pairs of these ids; null: all
 
-    PairBudget::Call asked() const { return {scene, query, buffers.rule, levels}; }
+    /// The normalised vertices, once they are there.
+    PointRows points() const {
+        return scene.float32 ? PointRows{buffers.points.f.data(), nullptr}
+                             : PointRows{nullptr, buffers.points.d.data()};
+    }
 };
 
 /// Stage `bounds`, once a call.
 void measure(const Call& call);
 
-/// From `subdivide` to `narrow`, on a scene that was measured. Pairs gather in the workers' buffers, unless the sink
-/// takes them; of copies of a triangle only the first is there.
+/// From `subdivide` to `narrow`, on a scene that was measured. The question keeps what it finds.
 void search(const Call& call);
-
-/// Stage `output`: the result from the pairs in the workers' buffers.
-void write_result(const Call& call, Collisions& result);
-
-/// What belongs to the pairs of `result`: where they meet, if that is asked for.
-void write_contacts(const Call& call, Collisions& result);
-
-/// All stages.
-void find(const Call& call, Collisions& result);
-
-/// Whether there is any pair; ends at the first.
-bool any(Call call);
 
 }  // namespace crumple::cpu

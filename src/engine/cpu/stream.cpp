@@ -50,14 +50,14 @@ std::int64_t count(const Copies& copies, const Array<Pair>& pairs, std::size_t b
 // A block that is filled from any thread, and handed over when it is full.
 class FillingBlock {
    public:
-    FillingBlock(const Call& call, std::int64_t most, BlockSink sink)
+    FillingBlock(const IntersectCall& call, std::int64_t most, BlockSink sink)
         : call_(call), most_(static_cast<std::size_t>(most)), sink_(sink), filling_(fresh()) {}
 
     void add(const Array<Pair>& pairs) {
         std::unique_lock lock(mutex_);
         const auto second = static_cast<std::int32_t>(call_.scene.between ? call_.scene.triangles[0] : 0);
         for (const Pair& first : pairs)
-            call_.buffers.copies.for_each(first, call_.cancellation, [&](Pair pair) {
+            call_.leaves.copies().for_each(first, call_.cancellation, [&](Pair pair) {
                 filling_->pairs.push_back({pair.a, pair.b - second});
                 if (filling_->pairs.size() == most_) hand_over(lock);
             });
@@ -94,7 +94,7 @@ class FillingBlock {
         call_.statistics.rational_contacts = rational_;
     }
 
-    const Call& call_;
+    const IntersectCall& call_;
     const std::size_t most_;
     const BlockSink sink_;
     std::mutex mutex_;  ///< of the block that is filled, and the spare ones
@@ -106,11 +106,11 @@ class FillingBlock {
 
 }  // namespace
 
-void stream_in_order(Call call, std::int64_t most, BlockSink sink) {
+void stream_in_order(IntersectCall call, std::int64_t most, BlockSink sink) {
     std::atomic<std::int64_t> pairs{0};
     std::atomic<bool> enough{false};
     const auto told = [&](const Array<Pair>& found, std::size_t before) {
-        const std::int64_t more = count(call.buffers.copies, found, before);
+        const std::int64_t more = count(call.leaves.copies(), found, before);
         if (pairs.fetch_add(more, std::memory_order_relaxed) + more > most)
             enough.store(true, std::memory_order_relaxed);
     };
@@ -123,7 +123,7 @@ void stream_in_order(Call call, std::int64_t most, BlockSink sink) {
     const auto answer = [&] {
         pairs = 0;
         enough = false;
-        search(call);
+        search_pairs(call);
         if (enough || pairs == 0) return pairs.load();
         write_result(call, block);
         for (auto* flags : {&block.hit, &block.hit_second}) flags->clear();
@@ -148,7 +148,7 @@ void stream_in_order(Call call, std::int64_t most, BlockSink sink) {
     for_each_range({0, first}, most, of_firsts, of_one);
 }
 
-void stream_as_found(Call call, std::int64_t most, BlockSink sink) {
+void stream_as_found(IntersectCall call, std::int64_t most, BlockSink sink) {
     FillingBlock block(call, most, sink);
     const auto take = [&](Array<Pair>& found, std::size_t) {
         block.add(found);
@@ -157,7 +157,7 @@ void stream_as_found(Call call, std::int64_t most, BlockSink sink) {
     const PairSink taken = take;
     call.sink = &taken;
     measure(call);
-    search(call);
+    search_pairs(call);
     block.finish();
 }
 

@@ -9,14 +9,14 @@
 // As found: all is searched once, and a block is handed over whenever one is full.
 
 #include "engine/backend.h"
-#include "engine/cpu/order.h"
+#include "engine/cpu/intersections.h"
 
 namespace crumple::cpu {
 
 /// Hands all pairs over, at most `most` in a block, in order.
-void stream_in_order(Call call, std::int64_t most, BlockSink sink);
+void stream_in_order(IntersectCall call, std::int64_t most, BlockSink sink);
 
 /// The same in any order, by whichever worker has filled a block, one at a time.
-void stream_as_found(Call call, std::int64_t most, BlockSink sink);
+void stream_as_found(IntersectCall call, std::int64_t most, BlockSink sink);
 
 }  // namespace crumple::cpu
