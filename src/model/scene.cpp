@@ -5,6 +5,7 @@
 #include <limits>
 #include <string>
 
+#include "crumple/error.h"
 #include "geometry/position_hash.h"
 #include "model/outline.h"
 
@@ -168,24 +169,39 @@ void check_content(const MeshView& mesh, const VertexReader& reader, const std::
     }
 }
 
-// Replaces each corner by the lowest vertex at the same position: open addressing, linear probing, half full at most.
-void weld_corners(Scene& scene, SceneBuffers& buffers) {
+}  // namespace
+
+// Open addressing, linear probing, half full at most.
+void name_equal_positions(const Scene& scene, Array<std::int32_t>& table, Array<std::int32_t>& names) {
     const std::int64_t n = scene.vertex_count();
     const std::uint64_t slots = std::bit_ceil(static_cast<std::uint64_t>(2 * n + 1));
     const PositionHash hash;
-    buffers.table.assign(slots, -1);
-    buffers.representative.resize_discard(static_cast<std::size_t>(n));
+    const auto equal = [&](std::int32_t u, std::int64_t v) {
+        return scene.position(u) == scene.position(v) && scene.end_position(u) == scene.end_position(v);
+    };
+    table.assign(slots, -1);
+    names.resize_discard(static_cast<std::size_t>(n));
     for (std::int64_t v = 0; v < n; ++v) {
-        const Vec3d p = scene.position(v);
-        std::uint64_t slot = hash(p) & (slots - 1);
-        while (buffers.table[slot] >= 0 && !(scene.position(buffers.table[slot]) == p)) slot = (slot + 1) & (slots - 1);
-        if (buffers.table[slot] < 0) buffers.table[slot] = static_cast<std::int32_t>(v);
-        buffers.representative[static_cast<std::size_t>(v)] = buffers.table[slot];
+        std::uint64_t slot = hash(scene.position(v)) & (slots - 1);
+        while (table[slot] >= 0 && !equal(table[slot], v)) slot = (slot + 1) & (slots - 1);
+        if (table[slot] < 0) table[slot] = static_cast<std::int32_t>(v);
+        names[v] = table[slot];
     }
-    for (std::int32_t& corner : buffers.corners) corner = buffers.representative[static_cast<std::size_t>(corner)];
 }
 
-}  // namespace
+void add_motion(const VertexView& end, ParallelFor& workers, SceneBuffers& buffers, Scene& scene) {
+    if (end.rows != scene.vertex_count())
+        throw Error(ErrorCode::invalid_argument, "there are " + std::to_string(end.rows) + " vertices at the end for " +
+                                                     std::to_string(scene.vertex_count()) + " at the start");
+    if (end.rows > 0 && !end.data) throw Error(ErrorCode::invalid_argument, "the end has no vertex data");
+    scene.moving = true;
+    scene.end = {static_cast<const std::byte*>(end.data), end.row_stride, end.column_stride,
+                 end.type == ScalarType::float32};
+    scene.float32 = scene.float32 && scene.end.float32;
+    Vec3d low = scene.low, high = scene.high;
+    check_content(MeshView(end, {}), scene.end, "at the end: ", workers, buffers.checks, low, high);
+    if (end.rows > 0) scene.low = low, scene.high = high;
+}
 
 Scene prepare_scene(const MeshView& a, const MeshView* b, bool weld, ParallelFor& workers, SceneBuffers& buffers) {
     Scene scene = outline_scene(a, b, MemorySpace::host);
@@ -213,7 +229,10 @@ Scene prepare_scene(const MeshView& a, const MeshView* b, bool weld, ParallelFor
                                               static_cast<std::int32_t>(side ? scene.vertices[0] : 0),
                                               buffers.corners.data() + (side ? 3 * scene.triangles[0] : 0));
             });
-        if (weld) weld_corners(scene, buffers);
+        if (weld) {
+            name_equal_positions(scene, buffers.table, buffers.representative);
+            for (std::int32_t& corner : buffers.corners) corner = buffers.representative[corner];
+        }
         scene.corners = buffers.corners.data();
     }
 

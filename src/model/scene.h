@@ -57,10 +57,12 @@ struct Scene {
     std::array<VertexReader, 2> reader;      ///< of the first and the second mesh
     std::array<std::int64_t, 2> vertices{};  ///< counts
     std::array<std::int64_t, 2> triangles{};
-    const std::int32_t* corners = nullptr;     ///< 3 a triangle
-    const std::int32_t* groups = nullptr;      ///< 1 a triangle, or null: all in group 0
-    const BodyRules* bodies = nullptr;         ///< of a world: its groups are classes of these, which decide
-    Vec3d low, high;                           ///< box of all vertices; 0 if there are none
+    const std::int32_t* corners = nullptr;  ///< 3 a triangle
+    const std::int32_t* groups = nullptr;   ///< 1 a triangle, or null: all in group 0
+    const BodyRules* bodies = nullptr;      ///< of a world: its groups are classes of these, which decide
+    bool moving = false;                    ///< one mesh, whose vertices go straight to `end`
+    VertexReader end;
+    Vec3d low, high;                           ///< box of all vertices, also at their ends; 0 if there are none
     std::array<Vec3d, 2> side_low, side_high;  ///< box of each mesh's vertices; low > high if there are none
 
     friend bool operator==(const Scene&, const Scene&) = default;
@@ -69,6 +71,8 @@ struct Scene {
     CRUMPLE_HD Vec3d position(std::int64_t vertex) const {
         return vertex < vertices[0] ? reader[0](vertex) : reader[1](vertex - vertices[0]);
     }
+    /// The same as position() where nothing moves.
+    Vec3d end_position(std::int64_t vertex) const { return moving ? end(vertex) : position(vertex); }
     CRUMPLE_HD Triangle triangle(std::int64_t t) const {
         const std::int32_t* c = corners + 3 * t;
         return {{position(c[0]), position(c[1]), position(c[2])}, {c[0], c[1], c[2]}};
@@ -89,6 +93,13 @@ struct SceneBuffers {
     explicit SceneBuffers(MemoryMeter* meter = nullptr)
         : corners(meter), groups(meter), representative(meter), table(meter), checks(meter) {}
 };
+
+/// Gives each vertex of a scene of one mesh an end. Throws Error: not_finite, invalid_argument.
+void add_motion(const VertexView& end, ParallelFor& workers, SceneBuffers& buffers, Scene& scene);
+
+/// names[v]: the lowest vertex at v's position, at the start and, if the scene moves, at the end. -0 equals +0.
+/// `table` is scratch.
+void name_equal_positions(const Scene& scene, Array<std::int32_t>& table, Array<std::int32_t>& names);
 
 /// Checks one mesh (b null) or two, on the threads of `workers`, and joins them. Throws Error: not_finite,
 /// index_out_of_range, invalid_argument.
