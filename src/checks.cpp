@@ -29,6 +29,15 @@ void check_blocks(const Streaming& how) {
     check(how.block_pairs >= 1 && how.block_pairs <= std::int64_t{1} << 40, "block_pairs must be 1 to 2^40");
 }
 
+void check_question(const Motion& q) {
+    check(q.separation >= 0 && std::isfinite(q.separation), "separation must be finite and 0 or more");
+    check(q.separation_share >= 0 && q.separation_share < 1, "separation_share must be 0 or more, and below 1");
+}
+
+void check_question(const Near& q) {
+    check(q.radius >= 0 && std::isfinite(q.radius), "radius must be finite and 0 or more");
+}
+
 void check_query(const MeshView& a, const MeshView* b, const Query& q) {
     check(q.wanted == Wanted::both || q.wanted == Wanted::between || q.wanted == Wanted::within,
           "wanted must be both, between or within");

@@ -3,6 +3,8 @@
 // What a detector's options and questions must be; each function throws Error (invalid_argument) if they are not.
 
 #include "crumple/mesh.h"
+#include "crumple/motion.h"
+#include "crumple/near.h"
 #include "crumple/options.h"
 
 namespace crumple {
@@ -13,6 +15,8 @@ void check(bool holds, const char* message);
 void check_options(const Options& options);
 /// `b`: null for one mesh.
 void check_query(const MeshView& a, const MeshView* b, const Query& query);
+void check_question(const Motion& question);
+void check_question(const Near& question);
 void check_blocks(const Streaming& how);
 
 }  // namespace crumple

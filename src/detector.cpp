@@ -15,6 +15,8 @@
 #include "checks.h"
 #include "crumple/error.h"
 #include "engine/backend.h"
+#include "engine/feature_output.h"
+#include "engine/feature_search.h"
 #include "engine/output.h"
 #include "engine/reference/worlds.h"
 #include "engine/world_output.h"
@@ -30,8 +32,11 @@ struct Detector::Implementation {
     SceneBuffers buffers{&meter};
     Collisions result = metered(&meter);
     WorldCollisions world_result = metered_world(&meter);
+    Impacts impacts = metered_impacts(&meter);
+    Nearby nearby = metered_nearby(&meter);
     Cancellation cancellation;
     WorldSearch worlds{meter, cancellation};
+    FeatureSearch features{meter, cancellation};
     Backend working = Backend::cpu;  ///< what `backend` is
     std::unique_ptr<BackendBase> backend;
     std::string fallback;
@@ -71,6 +76,9 @@ struct Detector::Implementation {
         result = metered(&meter);
         worlds.release();
         world_result = metered_world(&meter);
+        features.release();
+        impacts = metered_impacts(&meter);
+        nearby = metered_nearby(&meter);
     }
 
     // Runs `work` on the prepared scene, or on_device() where the meshes lie on a device; a detector that throws holds
@@ -155,12 +163,49 @@ struct Detector::Implementation {
         return result;
     }
 
-    const WorldCollisions& find(const World& world, const Intersect& question, std::stop_token stop,
-                                const WorldBlocks* blocks = nullptr) {
-        Stopwatch watch;
+    // Runs attempt(), and once more with nothing kept if it exceeds the limit and again() is true: perhaps it was what
+    // earlier calls have left. `suffices` counts the memory limit that would do. A detector that throws holds an empty
+    // result and no kept memory.
+    template <class Attempt, class Again, class Suffices>
+    void within_limit(std::stop_token stop, Attempt attempt, Again again, Suffices suffices) {
         const FloatEnvironment environment;
         cancellation.begin(std::move(stop));
         meter.peak = meter.used.load();
+        try {
+            try {
+                attempt();
+            } catch (const MemoryMeter::Exceeded&) {
+                if (!again()) throw;
+                forget();
+                attempt();
+            }
+        } catch (const MemoryMeter::Exceeded& exceeded) {
+            const std::int64_t least = std::max(exceeded.bytes, options.memory_limit + 1);
+            forget();
+            throw_limit_error(least, suffices);
+        } catch (...) {
+            forget();
+            throw;
+        }
+    }
+
+    // The peak of attempt() without a limit, with which it will succeed.
+    template <class Attempt>
+    std::int64_t peak_of(Attempt attempt) {
+        std::int64_t needed = 0;
+        {
+            const Lifted lifted(meter);
+            meter.peak = meter.used.load();
+            attempt();
+            needed = meter.peak;
+        }
+        forget();
+        return needed;
+    }
+
+    const WorldCollisions& find(const World& world, const Intersect& question, std::stop_token stop,
+                                const WorldBlocks* blocks = nullptr) {
+        Stopwatch watch;
         bool handed_over = false;
         const auto noting = [&](const WorldCollisions& block) {
             handed_over = true;
@@ -171,27 +216,48 @@ struct Detector::Implementation {
             const WorldBlocks noted{blocks->how, noting};
             search(world, question, &noted);
         };
-        try {
-            try {
-                attempt();
-            } catch (const MemoryMeter::Exceeded&) {
-                if (handed_over) throw;  // who has taken blocks cannot begin again
-                forget();                // perhaps it was what earlier calls have left
-                attempt();
-            }
-        } catch (const MemoryMeter::Exceeded& exceeded) {
-            const std::int64_t least = std::max(exceeded.bytes, options.memory_limit + 1);
-            forget();
-            throw_limit_error(least, [&] { return bytes_needed(world, question, blocks); });
-        } catch (...) {
-            forget();
-            throw;
-        }
+        // Who has taken blocks cannot begin again.
+        within_limit(
+            std::move(stop), attempt, [&] { return !handed_over; },
+            [&] { return bytes_needed(world, question, blocks); });
         Statistics& statistics = world_result.statistics;
         statistics.pairs = world_result.count;
         statistics.peak_memory_bytes = meter.peak;
         statistics.milliseconds = watch.lap();
         return world_result;
+    }
+
+    template <class Question, class Answer>
+    const Answer& find(const World& world, const Question& question, bool bodies, Answer& answer,
+                       std::stop_token stop) {
+        Stopwatch watch;
+        const auto attempt = [&] {
+            check_question(question);
+            features.find(*backend, world, question, bodies, answer);
+        };
+        within_limit(
+            std::move(stop), attempt, [] { return true; }, [&] { return peak_of(attempt); });
+        answer.statistics.peak_memory_bytes = meter.peak;
+        answer.statistics.milliseconds = watch.lap();
+        return answer;
+    }
+    static Shape host_shape(const MeshView& mesh) {
+        check(mesh.memory == MemorySpace::host, "motion and nearness take meshes in host memory");
+        return Shape(mesh);
+    }
+    // One mesh is a world of one body.
+    const Impacts& find_impacts(const MeshView& mesh, const VertexView& end, const Motion& question,
+                                std::stop_token stop) {
+        Shape shape = host_shape(mesh);
+        shape.end = end;
+        if (!end.data && end.rows == 0 && mesh.vertices.rows > 0) check(false, "the vertices at the end are missing");
+        const Body body;
+        return find({{&shape, 1}, {&body, 1}, {}, {}}, question, false, impacts, std::move(stop));
+    }
+    const Nearby& find_near(const MeshView& mesh, const Near& question, std::stop_token stop) {
+        const Shape shape = host_shape(mesh);
+        const Body body;
+        return find({{&shape, 1}, {&body, 1}, {}, {}}, question, false, nearby, std::move(stop));
     }
 
     void search(const World& world, const Intersect& question, const WorldBlocks* blocks) {
@@ -212,17 +278,9 @@ struct Detector::Implementation {
 
     // The limit that suffices: found by answering without one.
     std::int64_t bytes_needed(const World& world, const Intersect& question, const WorldBlocks* blocks) {
-        std::int64_t needed = 0;
-        {
-            const Lifted lifted(meter);
-            meter.peak = meter.used.load();
-            const auto ignore = [](const WorldCollisions&) {};
-            const WorldBlocks ignored{blocks ? blocks->how : Streaming(), ignore};
-            search(world, question, blocks ? &ignored : nullptr);
-            needed = meter.peak;
-        }
-        forget();
-        return needed;
+        const auto ignore = [](const WorldCollisions&) {};
+        const WorldBlocks ignored{blocks ? blocks->how : Streaming(), ignore};
+        return peak_of([&] { search(world, question, blocks ? &ignored : nullptr); });
     }
 
     void swap_result(Collisions& other) {
@@ -243,6 +301,11 @@ struct Detector::Implementation {
     void swap_result(WorldCollisions& other) {
         if (meter.limit > 0) other = {};
         hand_over(world_result, other);
+    }
+    template <class Answer>
+    void swap_answer(Answer& answer, Answer& other) {
+        if (meter.limit > 0) other = {};
+        hand_over(answer, other);
     }
 
     bool any(const MeshView& a, const MeshView* b, const Query& query, std::stop_token stop) {
@@ -373,6 +436,30 @@ const Collisions& Detector::find(const Part& part, const Query& query, std::stop
 const WorldCollisions& Detector::find(const World& world, const Intersect& question, std::stop_token stop) {
     return implementation_->find(world, question, std::move(stop));
 }
+const Impacts& Detector::find(const World& world, const Motion& question, std::stop_token stop) {
+    return implementation_->find(world, question, true, implementation_->impacts, std::move(stop));
+}
+const Impacts& Detector::find_impacts(const MeshView& mesh, const VertexView& end, const Motion& question,
+                                      std::stop_token stop) {
+    return implementation_->find_impacts(mesh, end, question, std::move(stop));
+}
+FirstImpact Detector::time_of_first_impact(const MeshView& mesh, const VertexView& end, const Motion& question,
+                                           std::stop_token stop) {
+    Motion asked = question;
+    asked.wants = MotionWants::earliest;
+    return find_impacts(mesh, end, asked, std::move(stop)).first;
+}
+bool Detector::is_free(const MeshView& mesh, const VertexView& end, const Motion& question, std::stop_token stop) {
+    Motion asked = question;
+    asked.wants = MotionWants::any;
+    return !find_impacts(mesh, end, asked, std::move(stop)).any;
+}
+const Nearby& Detector::find(const World& world, const Near& question, std::stop_token stop) {
+    return implementation_->find(world, question, true, implementation_->nearby, std::move(stop));
+}
+const Nearby& Detector::find_near(const MeshView& mesh, const Near& question, std::stop_token stop) {
+    return implementation_->find_near(mesh, question, std::move(stop));
+}
 Statistics Detector::stream(const World& world, TakeWorldBlock take, const Intersect& question, const Streaming& how,
                             std::stop_token stop) {
     return implementation_->stream(world, take, question, how, std::move(stop));
@@ -400,6 +487,8 @@ const DeviceCollisions& Detector::wait(std::stop_token stop) { return implementa
 const Collisions& Detector::download() { return implementation_->download(); }
 void Detector::swap_result(Collisions& other) { implementation_->swap_result(other); }
 void Detector::swap_result(WorldCollisions& other) { implementation_->swap_result(other); }
+void Detector::swap_result(Impacts& other) { implementation_->swap_answer(implementation_->impacts, other); }
+void Detector::swap_result(Nearby& other) { implementation_->swap_answer(implementation_->nearby, other); }
 void Detector::set_poll(std::function<void()> poll) { implementation_->cancellation.set_poll(std::move(poll)); }
 const Options& Detector::options() const { return implementation_->options; }
 Backend Detector::backend() const { return implementation_->working; }

@@ -7,5 +7,7 @@
 #include "crumple/error.h"
 #include "crumple/executor.h"
 #include "crumple/mesh.h"
+#include "crumple/motion.h"
+#include "crumple/near.h"
 #include "crumple/options.h"
 #include "crumple/version.h"

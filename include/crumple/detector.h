@@ -10,6 +10,8 @@
 #include "crumple/collisions.h"
 #include "crumple/function_ref.h"
 #include "crumple/mesh.h"
+#include "crumple/motion.h"
+#include "crumple/near.h"
 #include "crumple/options.h"
 #include "crumple/part.h"
 #include "crumple/world.h"
@@ -72,6 +74,24 @@ class Detector {
     Statistics stream(const World& world, TakeWorldBlock take, const Intersect& question = {},
                       const Streaming& how = {}, std::stop_token stop = {});
 
+    /// What touches what on the way from the start of a step to its end, and when: all impacts of vertices with faces
+    /// and of edges with edges, exactly (docs/motion.md). Not with the cuda backend.
+    const Impacts& find(const World& world, const Motion& question, std::stop_token stop = {});
+    /// The same for one mesh, whose vertices are at `end` at the end.
+    const Impacts& find_impacts(const MeshView& mesh, const VertexView& end, const Motion& question = {},
+                                std::stop_token stop = {});
+    /// The first impact, if there is one; Motion::wants does not matter.
+    FirstImpact time_of_first_impact(const MeshView& mesh, const VertexView& end, const Motion& question = {},
+                                     std::stop_token stop = {});
+    /// Whether nothing touches from the start to the end, both included; Motion::wants does not matter.
+    bool is_free(const MeshView& mesh, const VertexView& end, const Motion& question = {}, std::stop_token stop = {});
+
+    /// What is near what: all pairs of vertices and faces, and of edges and edges, within a distance, exactly
+    /// (docs/nearness.md). Not with the cuda backend.
+    const Nearby& find(const World& world, const Near& question, std::stop_token stop = {});
+    /// The same for one mesh.
+    const Nearby& find_near(const MeshView& mesh, const Near& question, std::stop_token stop = {});
+
     /// Cuts a scene into `count` (1 to 262,144) parts. Depends only on the arguments, so that several machines that are
     /// given the same meshes make the same parts. Meshes of a device are copied to the host first. O(triangles times 64
     /// a level) and the copies; on all threads of the cpu backend. The memory limit counts neither parts nor what it
@@ -96,6 +116,9 @@ class Detector {
     }
     /// The same for the result of the last find of a world.
     void swap_result(WorldCollisions& other);
+    /// The same for the last answer about motion, or nearness.
+    void swap_result(Impacts& other);
+    void swap_result(Nearby& other);
 
     /// Has `poll` called about every 20 ms while a call runs, in the thread that made the call; shorter calls do not
     /// poll. What it throws ends the call and leaves it, as an Error does; it must not call this detector. For

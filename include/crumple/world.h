@@ -32,6 +32,10 @@ struct Shape {
     /// a memory limit, it is read again. Another size or precision under a known name is an error.
     std::uint64_t name = 0;
 
+    /// Where the vertices are at the end of a step, for Motion: (n, 3); without data they stay. Intersections and
+    /// nearness are those of the start.
+    VertexView end = {};
+
     Shape() = default;
     Shape(VertexView vertices, TriangleView triangles, std::span<const std::int32_t> groups = {},
           std::uint64_t name = 0)
@@ -54,6 +58,9 @@ struct World {
     std::span<const Shape> shapes;
     std::span<const Body> bodies;
     std::span<const Pose> poses;  ///< one a body; empty: all as given
+    /// The same at the end of a step, for Motion: posed vertices go straight from the one place to the other. Empty: as
+    /// `poses`.
+    std::span<const Pose> end_poses = {};
 };
 
 /// Two bodies by their index; the order does not matter.

@@ -16,6 +16,10 @@ void BackendBase::stream(const Scene&, const Query&, const Streaming&, BlockSink
     throw Error(ErrorCode::invalid_argument, "answers in blocks need the cpu backend (Options::backend)",
                 Element::option);
 }
+void BackendBase::find(const Scene&, const FeatureQuery&, FeatureAnswer&) {
+    throw Error(ErrorCode::invalid_argument, "motion and nearness need the cpu backend (Options::backend)",
+                Element::option);
+}
 void BackendBase::find(const MeshView&, const MeshView*, const Query&, Collisions&) { refuse(); }
 std::int64_t BackendBase::bytes_needed(const MeshView&, const MeshView*, const Query&) { refuse(); }
 bool BackendBase::any(const MeshView&, const MeshView*, const Query&) { refuse(); }

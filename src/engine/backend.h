@@ -12,6 +12,7 @@
 #include "crumple/detector.h"
 #include "crumple/function_ref.h"
 #include "crumple/options.h"
+#include "engine/feature_query.h"
 #include "model/scene.h"
 
 namespace crumple {
@@ -37,6 +38,10 @@ class BackendBase : public ParallelFor {
     /// Hands all pairs over in blocks (Detector::stream_self). A call that throws may have handed over some.
     virtual void stream(const Scene& scene, const Query& query, const Streaming& how, BlockSink sink,
                         Statistics& statistics);
+
+    /// Pairs of features that touch or are near, of a scene of one mesh. Fills rows, counts and stage times. Not on
+    /// cuda.
+    virtual void find(const Scene& scene, const FeatureQuery& query, FeatureAnswer& answer);
 
     /// Whether the rules of a scene that is made of a world (Scene::bodies) are heeded; else its answer has pairs that
     /// they do not want, too.

@@ -27,6 +27,13 @@ void add(const Statistics& some, Statistics& sum) {
     sum.rational_contacts += some.rational_contacts;
 }
 
+void add_pass(const Statistics& pass, Statistics& sum) {
+    add(pass, sum);
+    sum.threads = pass.threads;
+    sum.backend = pass.backend;
+    sum.simd = pass.simd;
+}
+
 void index_pairs(const Scene& scene, Collisions& result) {
     const auto first = static_cast<std::size_t>(scene.triangles[0]);
     result.offsets.assign(first + 1, 0);

@@ -17,6 +17,9 @@ Collisions metered(MemoryMeter* meter);
 /// Adds counts and times; says nothing of who did the work.
 void add(const Statistics& some, Statistics& sum);
 
+/// The same, and takes over who did it.
+void add_pass(const Statistics& pass, Statistics& sum);
+
 /// Gives the memory of all arrays back.
 inline void release(Collisions& result) {
     result.pairs.release();

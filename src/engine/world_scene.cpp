@@ -17,21 +17,24 @@ constexpr std::int64_t chunk = 8192;
 }  // namespace
 
 void fail_body_not_finite(const WorldOutline& outline, std::int32_t b) {
-    const VertexReader position = reader_of(outline.shape(b));
-    const Placement place = outline.placement(b);
-    for (std::int64_t v = 0; v < outline.shape(b).vertices.rows; ++v) {
-        const Vec3d given = position(v);
-        if (finite(place(given))) continue;
-        const std::string what = finite(given) ? " is posed to infinity" : " is not finite";
-        throw Error(ErrorCode::not_finite, WorldOutline::name(b) + "vertex " + std::to_string(v) + what,
-                    Element::vertex, v);
-    }
+    const Shape& shape = outline.shape(b);
+    const auto look = [&](const VertexReader& position, const Placement& place, const char* when) {
+        for (std::int64_t v = 0; v < shape.vertices.rows; ++v) {
+            const Vec3d given = position(v);
+            if (finite(place(given))) continue;
+            const std::string what = finite(given) ? " is posed to infinity" : " is not finite";
+            throw Error(ErrorCode::not_finite, WorldOutline::name(b) + "vertex " + std::to_string(v) + what + when,
+                        Element::vertex, v);
+        }
+    };
+    look(reader_of(shape), outline.placement(b), "");
+    look(end_reader_of(shape), outline.end_placement(b), " at the end");
     throw Error(ErrorCode::not_finite, WorldOutline::name(b) + "a vertex is not finite", Element::body, b);
 }
 
 WorldScene::WorldScene(MemoryMeter* meter)
-    : f_(meter),
-      d_(meter),
+    : start_(meter),
+      end_(meter),
       corner_(meter),
       groups_(meter),
       triangle_(meter),
@@ -39,13 +42,16 @@ WorldScene::WorldScene(MemoryMeter* meter)
       row_(meter),
       buffers_(meter) {}
 
-void WorldScene::begin(bool float32, BodyRules& rules) {
+void WorldScene::begin(bool float32, BodyRules& rules, bool moving) {
     float32_ = float32;
+    moving_ = moving;
     rules_ = &rules;
     classes_ = &rules.classes;
     classes_->clear();
-    f_.clear();
-    d_.clear();
+    for (auto* coordinates : {&start_, &end_}) {
+        coordinates->f.clear();
+        coordinates->d.clear();
+    }
     for (auto* list : {&corner_, &groups_, &triangle_}) list->clear();
     added_.clear();
 }
@@ -58,19 +64,32 @@ void WorldScene::grow_vertices(std::int64_t more) {
         coordinates.make_room_for(static_cast<std::size_t>(3 * more));
         coordinates.resize(static_cast<std::size_t>(3 * n));
     };
-    if (float32_)
-        grow(f_);
-    else
-        grow(d_);
+    for (auto* coordinates : {&start_, &end_}) {
+        if (coordinates == &end_ && !moving_) continue;
+        if (float32_)
+            grow(coordinates->f);
+        else
+            grow(coordinates->d);
+    }
 }
 
-void WorldScene::put(std::int64_t vertex, const Vec3d& p) {
+void WorldScene::put(Coordinates& coordinates, std::int64_t vertex, const Vec3d& p) {
     for (int axis = 0; axis < 3; ++axis) {
         if (float32_)
-            f_[3 * vertex + axis] = static_cast<float>(p[axis]);
+            coordinates.f[3 * vertex + axis] = static_cast<float>(p[axis]);
         else
-            d_[3 * vertex + axis] = p[axis];
+            coordinates.d[3 * vertex + axis] = p[axis];
     }
+}
+
+VertexView WorldScene::view(const Coordinates& coordinates) const {
+    return float32_ ? rows_of_three(coordinates.f.data(), vertices()) : rows_of_three(coordinates.d.data(), vertices());
+}
+
+std::size_t WorldScene::added_of(std::int32_t vertex) const {
+    const auto after = std::upper_bound(added_.begin(), added_.end(), std::int64_t{vertex},
+                                        [](std::int64_t v, const Added& added) { return v < added.first_vertex; });
+    return static_cast<std::size_t>(after - added_.begin()) - 1;
 }
 
 void WorldScene::begin_body(std::int32_t b) { added_.push_back({b, vertices()}); }
@@ -91,11 +110,14 @@ void WorldScene::add(const WorldOutline& outline, std::int32_t b, bool everywher
     const std::int64_t first = vertices(), n = shape.vertices.rows, m = shape.triangles.rows;
     begin_body(b);
     grow_vertices(n);
-    const VertexReader position = reader_of(shape);
-    const Placement place = outline.placement(b);
+    const VertexReader position = reader_of(shape), end_position = end_reader_of(shape);
+    const Placement place = outline.placement(b), end_place = outline.end_placement(b);
     workers.parallel_for(static_cast<std::size_t>((n + chunk - 1) / chunk), [&](std::size_t c) {
         const std::int64_t begin = static_cast<std::int64_t>(c) * chunk;
-        for (std::int64_t v = begin; v < std::min(n, begin + chunk); ++v) put(first + v, place(position(v)));
+        for (std::int64_t v = begin; v < std::min(n, begin + chunk); ++v) {
+            put(start_, first + v, place(position(v)));
+            if (moving_) put(end_, first + v, end_place(end_position(v)));
+        }
     });
     groups_.make_room_for(static_cast<std::size_t>(m));
     triangle_.make_room_for(static_cast<std::size_t>(m));
@@ -124,7 +146,8 @@ void WorldScene::add(const WorldOutline& outline, std::int32_t b, bool everywher
         const auto first = static_cast<std::int32_t>(vertices());
         grow_vertices(group.vertices);
         tree.pose(group, place, posed);
-        for (std::int32_t v = 0; v < group.vertices; ++v) put(first + v, {posed[0][v], posed[1][v], posed[2][v]});
+        for (std::int32_t v = 0; v < group.vertices; ++v)
+            put(start_, first + v, {posed[0][v], posed[1][v], posed[2][v]});
         for (std::size_t k = 0; k < static_cast<std::size_t>(group.count); ++k) {
             const auto& c = group.corner[k];
             row_.push_back({group.triangle[k], {first + c[0], first + c[1], first + c[2]}});
@@ -135,18 +158,15 @@ void WorldScene::add(const WorldOutline& outline, std::int32_t b, bool everywher
 }
 
 Scene WorldScene::scene(const WorldOutline& outline, bool weld, ParallelFor& workers) {
-    const VertexView vertex = float32_ ? rows_of_three(f_.data(), vertices()) : rows_of_three(d_.data(), vertices());
-    const MeshView mesh(vertex, rows_of_three(corner_.data(), triangles()), groups_.span());
+    const MeshView mesh(view(start_), rows_of_three(corner_.data(), triangles()), groups_.span());
     try {
         Scene scene = prepare_scene(mesh, nullptr, weld, workers, buffers_);
         scene.bodies = rules_;
+        if (moving_) add_motion(view(end_), workers, buffers_, scene);
         return scene;
     } catch (const Error& error) {
         if (error.element != Element::vertex) throw;
-        const auto after =
-            std::upper_bound(added_.begin(), added_.end(), error.index,
-                             [](std::int64_t vertex, const Added& added) { return vertex < added.first_vertex; });
-        fail_body_not_finite(outline, (after - 1)->body);
+        fail_body_not_finite(outline, added_[added_of(static_cast<std::int32_t>(error.index))].body);
     }
 }
 

@@ -20,8 +20,8 @@ class WorldScene {
    public:
     explicit WorldScene(MemoryMeter* meter);
 
-    /// Begins anew, with classes in `rules`. `float32`: whether all shapes are.
-    void begin(bool float32, BodyRules& rules);
+    /// Begins anew, with classes in `rules`. `float32`: whether all shapes are. `moving`: whole bodies have ends, too.
+    void begin(bool float32, BodyRules& rules, bool moving = false);
 
     /// All of body b. `everywhere`: see BodyClass. Throws Error with the body, and vertex or triangle.
     void add(const WorldOutline& outline, std::int32_t b, bool everywhere, ParallelFor& workers);
@@ -38,6 +38,12 @@ class WorldScene {
     std::int32_t group(std::int32_t t) const { return groups_[t]; }       ///< its class
     std::int32_t triangle(std::int32_t t) const { return triangle_[t]; }  ///< within its body
 
+    /// The body that a vertex belongs to, as its position among those that were added.
+    std::size_t added_of(std::int32_t vertex) const;
+    std::size_t added() const { return added_.size(); }
+    std::int32_t added_body(std::size_t i) const { return added_[i].body; }
+    std::int64_t first_vertex(std::size_t i) const { return added_[i].first_vertex; }
+
    private:
     struct Added {
         std::int32_t body;
@@ -47,24 +53,33 @@ class WorldScene {
         std::int32_t triangle, corner[3];
     };
 
-    std::int64_t vertices() const { return static_cast<std::int64_t>(float32_ ? f_.size() : d_.size()) / 3; }
-    void put(std::int64_t vertex, const Vec3d& p);
+    /// Where vertices are at one moment.
+    struct Coordinates {
+        explicit Coordinates(MemoryMeter* m) : f(m), d(m) {}
+        Array<float> f;
+        Array<double> d;
+    };
+    std::int64_t vertices() const {
+        return static_cast<std::int64_t>(float32_ ? start_.f.size() : start_.d.size()) / 3;
+    }
+    void put(Coordinates& coordinates, std::int64_t vertex, const Vec3d& p);
+    VertexView view(const Coordinates& coordinates) const;
     void grow_vertices(std::int64_t more);
     void begin_body(std::int32_t b);
     void add_triangle(const WorldOutline& outline, std::int32_t b, bool everywhere, const Row& row);
 
-    bool float32_ = true;
+    bool float32_ = true, moving_ = false;
     Array<BodyClass>* classes_ = nullptr;
     BodyRules* rules_ = nullptr;
-    Array<float> f_;
-    Array<double> d_;
+    Coordinates start_, end_;
     Array<std::int32_t> corner_, groups_, triangle_;
     Array<Added> added_;
     Array<Row> row_;  ///< scratch
     SceneBuffers buffers_;
 };
 
-/// Throws Error (not_finite) with the first vertex of the body that is not finite, or is posed to infinity.
+/// Throws Error (not_finite) with the first vertex of the body that is not finite, or is posed to infinity; at the
+/// start if there is one, else at the end.
 [[noreturn]] void fail_body_not_finite(const WorldOutline& outline, std::int32_t b);
 
 }  // namespace crumple

@@ -60,7 +60,7 @@ void WorldSearch::find(BackendBase& backend, const World& world, const Intersect
     ++calls_;
     question_ = question;
     blocks_ = blocks;
-    outline_.read(world, question);
+    outline_.read(world, question.rules);
     rules_.prepare(question.rules);
     clear(result, outline_, question);
     read_shapes();
@@ -329,10 +329,7 @@ void WorldSearch::search_scene(BackendBase& backend, std::int32_t pass, WorldCol
     } else {
         backend.find(scene, query, nullptr, found_);
     }
-    add(found_.statistics, result.statistics);
-    result.statistics.threads = found_.statistics.threads;
-    result.statistics.backend = found_.statistics.backend;
-    result.statistics.simd = found_.statistics.simd;
+    add_pass(found_.statistics, result.statistics);
     if (!blocks_) append(found_, pass, backend.heeds_bodies(), result);
 }
 

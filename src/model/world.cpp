@@ -22,6 +22,11 @@ void check_shapes(const World& world) {
         const Shape& shape = world.shapes[s];
         MeshView mesh(shape.vertices, shape.triangles, shape.groups);
         check_mesh_outline(mesh, "shape " + std::to_string(s), MemorySpace::host);
+        if (shape.end.data && (shape.end.rows != shape.vertices.rows || shape.end.type != shape.vertices.type))
+            refuse("shape " + std::to_string(s) + ": there are " + std::to_string(shape.end.rows) +
+                       " vertices at the end for " + std::to_string(shape.vertices.rows) +
+                       " at the start, or of another precision",
+                   Element::shape, static_cast<std::int64_t>(s));
     }
 }
 
@@ -42,9 +47,11 @@ void check_body(const World& world, std::size_t b) {
             refuse_body("its world " + std::to_string(body.world) + " comes after world " + std::to_string(before) +
                         "; world ids ascend over the bodies");
     }
-    if (world.poses.empty()) return;
-    for (const double value : world.poses[b].rows)
-        if (!std::isfinite(value)) refuse_body("its pose is not finite");
+    for (const auto& poses : {world.poses, world.end_poses}) {
+        if (poses.empty()) continue;
+        for (const double value : poses[b].rows)
+            if (!std::isfinite(value)) refuse_body("its pose is not finite");
+    }
 }
 
 void check_rules(const Rules& rules, std::int64_t bodies) {
@@ -60,13 +67,14 @@ void check_rules(const Rules& rules, std::int64_t bodies) {
 
 }  // namespace
 
-void WorldOutline::read(const World& world, const Intersect& question) {
+void WorldOutline::read(const World& world, const Rules& rules) {
     world_ = world;
     const auto n = static_cast<std::int64_t>(world.bodies.size());
     if (n > most) refuse("a world has at most 2147483647 bodies", Element::none, -1);
-    if (!world.poses.empty() && world.poses.size() != world.bodies.size())
-        refuse("there are " + std::to_string(world.poses.size()) + " poses for " + std::to_string(n) + " bodies",
-               Element::none, -1);
+    for (const auto& poses : {world.poses, world.end_poses})
+        if (!poses.empty() && poses.size() != world.bodies.size())
+            refuse("there are " + std::to_string(poses.size()) + " poses for " + std::to_string(n) + " bodies",
+                   Element::none, -1);
     check_shapes(world);
     first_triangle_.resize_discard(static_cast<std::size_t>(n) + 1);
     first_triangle_[0] = 0;
@@ -76,7 +84,7 @@ void WorldOutline::read(const World& world, const Intersect& question) {
         worlds = std::max(worlds, world.bodies[b].world + 1);
         first_triangle_[b + 1] = first_triangle_[b] + shape(static_cast<std::int32_t>(b)).triangles.rows;
     }
-    check_rules(question.rules, n);
+    check_rules(rules, n);
 
     first_body_.resize_discard(static_cast<std::size_t>(worlds) + 1);
     std::int32_t b = 0;
@@ -84,6 +92,11 @@ void WorldOutline::read(const World& world, const Intersect& question) {
         while (b < n && body(b).world != -1 && body(b).world < w) ++b;
         first_body_[w] = b;
     }
+}
+
+bool WorldOutline::moving() const {
+    const auto moves = [](const Shape& shape) { return shape.end.data != nullptr; };
+    return !world_.end_poses.empty() || std::any_of(world_.shapes.begin(), world_.shapes.end(), moves);
 }
 
 }  // namespace crumple

@@ -19,7 +19,7 @@ class WorldOutline {
     explicit WorldOutline(MemoryMeter* meter) : first_triangle_(meter), first_body_(meter) {}
 
     /// Throws Error (invalid_argument), with the body or shape it is about. Keeps a copy of the views in `world`.
-    void read(const World& world, const Intersect& question);
+    void read(const World& world, const Rules& rules);
 
     const World& world() const { return world_; }
     std::int32_t bodies() const { return static_cast<std::int32_t>(world_.bodies.size()); }
@@ -29,6 +29,15 @@ class WorldOutline {
         return {world_.poses.empty() ? nullptr : &world_.poses[static_cast<std::size_t>(b)],
                 shape(b).vertices.type == ScalarType::float32};
     }
+
+    /// The same at the end of a step.
+    Placement end_placement(std::int32_t b) const {
+        const auto& poses = world_.end_poses.empty() ? world_.poses : world_.end_poses;
+        return {poses.empty() ? nullptr : &poses[static_cast<std::size_t>(b)],
+                shape(b).vertices.type == ScalarType::float32};
+    }
+    /// Whether any body moves.
+    bool moving() const;
 
     /// Worlds are numbered from 0 to worlds() - 1, empty ones included; bodies of world w are [first_body(w),
     /// first_body(w + 1)), those in all worlds [first_body(worlds()), bodies()).
@@ -52,6 +61,13 @@ class WorldOutline {
 inline VertexReader reader_of(const Shape& shape) {
     return {static_cast<const std::byte*>(shape.vertices.data), shape.vertices.row_stride, shape.vertices.column_stride,
             shape.vertices.type == ScalarType::float32};
+}
+
+/// The same at the end of a step.
+inline VertexReader end_reader_of(const Shape& shape) {
+    if (!shape.end.data) return reader_of(shape);
+    return {static_cast<const std::byte*>(shape.end.data), shape.end.row_stride, shape.end.column_stride,
+            shape.end.type == ScalarType::float32};
 }
 
 /// Calls `function(read)`, where read(t, corner) is a triangle's index, int64.

@@ -8,6 +8,7 @@
 #include "engine/backend.h"
 #include "engine/output.h"
 #include "engine/pair_budget.h"
+#include "engine/reference/features.h"
 #include "model/levels.h"
 #include "model/rules.h"
 #include "questions/intersect/rational_intersection.h"
@@ -96,6 +97,15 @@ class Reference final : public BackendBase {
             return false;
         });
         return found;
+    }
+
+    void find(const Scene& scene, const FeatureQuery& query, FeatureAnswer& answer) override {
+        clear(answer);
+        answer.statistics.backend = "reference";
+        answer.statistics.simd = "scalar";
+        Stopwatch watch;
+        find_features_by_brute_force(scene, query, cancellation_, answer);
+        answer.statistics[Stage::narrow] = watch.lap();
     }
 
     void release() override {

@@ -89,7 +89,7 @@ void add_contact(const Triangle& a, const Triangle& b, WorldCollisions& result) 
 void find_by_brute_force(const World& world, const Intersect& question, MemoryMeter& meter, Cancellation& cancellation,
                          WorldCollisions& result, const WorldBlocks* blocks) {
     WorldOutline outline(&meter);
-    outline.read(world, question);
+    outline.read(world, question.rules);
     BodyRules rules(&meter);
     rules.prepare(question.rules);
     clear(result, outline, question);

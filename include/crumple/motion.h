@@ -1,0 +1,81 @@
+#pragma once
+
+#include <cstdint>
+
+#include "crumple/array.h"
+#include "crumple/collisions.h"
+#include "crumple/features.h"
+#include "crumple/world.h"
+
+namespace crumple {
+
+/// How much of the answer is wanted; each ends as soon as it may.
+enum class MotionWants : std::uint8_t {
+    any,           ///< whether anything touches on the way
+    any_by_world,  ///< the same for each world
+    earliest,      ///< the first impact of each world
+    impacts,       ///< all impacts
+};
+
+/// What touches what while every vertex goes straight from its start to its end (docs/motion.md). A value: it owns what
+/// it names.
+struct Motion {
+    MotionWants wants = MotionWants::impacts;
+    /// Features touch where their distance is at most this: Euclidean, finite, 0 or more; in the units of the
+    /// coordinates. Exact as given.
+    double separation = 0;
+    /// Or at most this share, in [0, 1), of the pair's own distance at the start, if that is more.
+    double separation_share = 0;
+    bool weld = false;  ///< vertices at equal positions at the start and at the end count as one, for neighbours
+    Rules rules = {};
+    bool index = false;  ///< also make the offsets of ImpactList, where impacts are wanted
+};
+
+/// Impacts of one kind: unique, by first feature, then second; of worlds by body before each.
+struct ImpactList {
+    Array<Pair> pairs;          ///< indices within their bodies; see FeatureKind
+    Array<BodyPair> bodies;     ///< for each pair its bodies; empty for a single mesh
+    Array<double> toi;          ///< first time of contact in [0, 1], rounded down: toi <= exact < next number
+    Array<std::uint8_t> start;  ///< 1: they touch at the start, toi = 0 exactly
+
+    // Where Motion::index asks for them; a single mesh only:
+    Array<std::int64_t> offsets;         ///< impacts of first feature i: [offsets[i], offsets[i + 1])
+    Array<std::int64_t> second_offsets;  ///< the same of second features, into `by_second`
+    Array<std::int64_t> by_second;       ///< positions in `pairs`, by second feature, then first
+};
+
+/// The first impact: least toi as rounded, then first in the order of the lists.
+struct FirstImpact {
+    bool found = false;
+    FeatureKind kind = FeatureKind::vertex_face;
+    Pair pair{};
+    BodyPair bodies{};
+    double toi = 0;  ///< where found
+    bool start = false;
+    friend bool operator==(const FirstImpact&, const FirstImpact&) = default;
+};
+
+/// The answer. A plain value: copy it to keep it beyond the detector's next call.
+struct Impacts {
+    bool any = false;        ///< whether anything touches; else the step is free
+    FirstImpact first;       ///< of all worlds (from MotionWants::earliest on)
+    std::int64_t count = 0;  ///< impacts, where they are listed; else 0
+
+    Array<std::uint8_t> world_hit;                ///< one a world: something touches (not for MotionWants::any)
+    Array<FirstImpact> world_first;               ///< one a world (from MotionWants::earliest on)
+    std::array<ImpactList, feature_kinds> lists;  ///< by FeatureKind
+
+    /// What edges are meant: those of body b are [first_edge[b], first_edge[b + 1]), each once, in lexicographic order,
+    /// and an edge's index counts within its body.
+    Array<Edge> edges;
+    Array<std::int64_t> first_edge;
+
+    Statistics statistics;
+
+    ImpactList& operator[](FeatureKind kind) { return lists[static_cast<std::size_t>(kind)]; }
+    const ImpactList& operator[](FeatureKind kind) const { return lists[static_cast<std::size_t>(kind)]; }
+    const ImpactList& vertex_faces() const { return (*this)[FeatureKind::vertex_face]; }
+    const ImpactList& edge_edges() const { return (*this)[FeatureKind::edge_edge]; }
+};
+
+}  // namespace crumple

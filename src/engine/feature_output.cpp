@@ -1,0 +1,96 @@
+#include "engine/feature_output.h"
+
+#include <tuple>
+#include <utility>
+
+namespace crumple {
+namespace {
+
+auto arrays(ImpactList& l) {
+    return std::tie(l.pairs, l.bodies, l.toi, l.start, l.offsets, l.second_offsets, l.by_second);
+}
+auto arrays(NearList& l) {
+    return std::tie(l.pairs, l.bodies, l.squared_distance, l.touching, l.offsets, l.second_offsets, l.by_second);
+}
+auto arrays(Impacts& a) {
+    return std::tuple_cat(std::tie(a.world_hit, a.world_first, a.edges, a.first_edge), arrays(a.lists[0]),
+                          arrays(a.lists[1]));
+}
+auto arrays(Nearby& a) {
+    return std::tuple_cat(std::tie(a.world_hit, a.edges, a.first_edge), arrays(a.lists[0]), arrays(a.lists[1]));
+}
+static_assert(feature_kinds == 2);
+
+template <class Answer, class Visit>
+void for_each_array(Answer& answer, Visit visit) {
+    std::apply([&](auto&... array) { (visit(array), ...); }, arrays(answer));
+}
+
+template <class Answer>
+Answer metered_answer(MemoryMeter* meter) {
+    Answer answer;
+    for_each_array(answer, [&](auto& array) { array = std::decay_t<decltype(array)>(meter); });
+    return answer;
+}
+
+template <class Answer>
+void clear_arrays(Answer& answer) {
+    for_each_array(answer, [](auto& array) { array.clear(); });
+    answer.any = false;
+    answer.count = 0;
+    answer.statistics = {};
+}
+
+template <class Answer>
+void swap_arrays(Answer& mine, Answer& theirs) {
+    auto to = arrays(theirs);
+    std::apply([&](auto&... from) { std::apply([&](auto&... other) { (from.swap_elements(other), ...); }, to); },
+               arrays(mine));
+    theirs.any = mine.any;
+    theirs.count = mine.count;
+    theirs.statistics = mine.statistics;
+}
+
+// Pairs are sorted by their first feature, so counting them gives the offsets; a stable counting sort the other order.
+template <class List>
+void index_list(List& list, std::int64_t firsts, std::int64_t seconds) {
+    list.offsets.assign(static_cast<std::size_t>(firsts) + 1, 0);
+    list.second_offsets.assign(static_cast<std::size_t>(seconds) + 2, 0);
+    list.by_second.resize_discard(list.pairs.size());
+    for (const Pair& pair : list.pairs) {
+        ++list.offsets[pair.a + 1];
+        ++list.second_offsets[pair.b + 2];
+    }
+    for (std::int64_t i = 0; i < firsts; ++i) list.offsets[i + 1] += list.offsets[i];
+    std::int64_t* next = list.second_offsets.data() + 1;
+    for (std::int64_t i = 0; i < seconds; ++i) next[i + 1] += next[i];
+    for (std::size_t i = 0; i < list.pairs.size(); ++i)
+        list.by_second[next[list.pairs[i].b]++] = static_cast<std::int64_t>(i);
+    list.second_offsets.resize(static_cast<std::size_t>(seconds) + 1);
+}
+
+}  // namespace
+
+Impacts metered_impacts(MemoryMeter* meter) { return metered_answer<Impacts>(meter); }
+Nearby metered_nearby(MemoryMeter* meter) { return metered_answer<Nearby>(meter); }
+
+void clear(Impacts& answer) {
+    clear_arrays(answer);
+    answer.first = {};
+}
+void clear(Nearby& answer) { clear_arrays(answer); }
+
+void hand_over(Impacts& mine, Impacts& theirs) {
+    swap_arrays(mine, theirs);
+    theirs.first = mine.first;
+    clear(mine);
+}
+void hand_over(Nearby& mine, Nearby& theirs) {
+    swap_arrays(mine, theirs);
+    clear(mine);
+}
+
+void make_index(ImpactList& list, std::int64_t firsts, std::int64_t seconds) { index_list(list, firsts, seconds); }
+void make_index(NearList& list, std::int64_t firsts, std::int64_t seconds) { index_list(list, firsts, seconds); }
+
+}  // namespace crumple

@@ -1,0 +1,33 @@
+#pragma once
+
+// From the rows of one scene to the public answers on motion and nearness: the same for both but for their names.
+
+#include "crumple/motion.h"
+#include "crumple/near.h"
+#include "engine/feature_query.h"
+
+namespace crumple {
+
+/// Empty answers whose arrays the meter counts.
+Impacts metered_impacts(MemoryMeter* meter);
+Nearby metered_nearby(MemoryMeter* meter);
+
+/// Swaps the contents of two answers, and clears `mine`.
+void hand_over(Impacts& mine, Impacts& theirs);
+void hand_over(Nearby& mine, Nearby& theirs);
+
+/// Forgets what an answer says, keeps its memory.
+void clear(Impacts& answer);
+void clear(Nearby& answer);
+
+// The arrays of a list, by what they are in both answers.
+inline Array<double>& values(ImpactList& list) { return list.toi; }
+inline Array<double>& values(NearList& list) { return list.squared_distance; }
+inline Array<std::uint8_t>& flags(ImpactList& list) { return list.start; }
+inline Array<std::uint8_t>& flags(NearList& list) { return list.touching; }
+
+/// Offsets by first and by second feature, of which there are so many.
+void make_index(ImpactList& list, std::int64_t firsts, std::int64_t seconds);
+void make_index(NearList& list, std::int64_t firsts, std::int64_t seconds);
+
+}  // namespace crumple

@@ -1,0 +1,61 @@
+#pragma once
+
+// What a backend is asked about the features of one scene, and what it answers. Motion and nearness are the same search
+// for pairs of features, with another decision.
+
+#include <array>
+#include <cstdint>
+
+#include "crumple/array.h"
+#include "crumple/collisions.h"
+#include "crumple/features.h"
+#include "crumple/motion.h"
+#include "crumple/near.h"
+#include "model/features.h"
+#include "model/rules.h"
+#include "model/scene.h"
+
+namespace crumple {
+
+/// How much of the answer is wanted.
+enum class Extent : std::uint8_t { any, first, all };
+
+struct FeatureQuery {
+    bool motion = false;  ///< which features touch on their way; else which are near each other
+    Extent extent = Extent::all;
+    double distance = 0;  ///< the separation, or the radius
+    double share = 0;     ///< Motion::separation_share
+    bool strict = false;  ///< Near::strict
+    const Features& features;
+    const GroupRule& rule;
+};
+
+/// Pairs of one kind: indices of the scene's vertices, edges, triangles. Sorted, unique.
+struct FeatureRows {
+    explicit FeatureRows(MemoryMeter* m) : pairs(m), value(m), flag(m) {}
+    Array<Pair> pairs;
+    Array<double> value;       ///< toi, or squared distance
+    Array<std::uint8_t> flag;  ///< start, or touching
+};
+
+struct FeatureAnswer {
+    explicit FeatureAnswer(MemoryMeter* m) : rows{FeatureRows(m), FeatureRows(m)} {}
+    bool any = false;
+    FirstImpact first;                            ///< for Extent::first; without bodies
+    std::array<FeatureRows, feature_kinds> rows;  ///< for Extent::all; by kind
+    Statistics statistics;
+};
+
+/// Forgets what an answer says, keeps its memory.
+inline void clear(FeatureAnswer& answer) {
+    answer.any = false;
+    answer.first = {};
+    for (FeatureRows& rows : answer.rows) {
+        rows.pairs.clear();
+        rows.value.clear();
+        rows.flag.clear();
+    }
+    answer.statistics = {};
+}
+
+}  // namespace crumple

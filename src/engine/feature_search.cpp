@@ -1,0 +1,234 @@
+#include "engine/feature_search.h"
+
+#include <algorithm>
+#include <type_traits>
+#include <utility>
+
+#include "engine/feature_output.h"
+#include "engine/output.h"
+
+namespace crumple {
+namespace {
+
+Extent extent(const Motion& question) {
+    if (question.wants == MotionWants::impacts) return Extent::all;
+    return question.wants == MotionWants::earliest ? Extent::first : Extent::any;
+}
+Extent extent(const Near& question) { return question.wants == NearWants::pairs ? Extent::all : Extent::any; }
+
+bool wants_worlds(const Motion& question) { return question.wants != MotionWants::any; }
+bool wants_worlds(const Near& question) { return question.wants != NearWants::any; }
+
+FeatureQuery query_of(const Motion& question, const Features& features, const GroupRule& rule) {
+    return {true, extent(question), question.separation, question.separation_share, false, features, rule};
+}
+FeatureQuery query_of(const Near& question, const Features& features, const GroupRule& rule) {
+    return {false, extent(question), question.radius, 0, question.strict, features, rule};
+}
+
+template <class Question>
+constexpr bool is_motion = std::is_same_v<Question, Motion>;
+
+// Whether every pair of the one body is wanted, as if there were no bodies.
+bool all_wanted(const Rules& rules) {
+    return rules.bodies != Wanted::between && rules.groups == Wanted::both && rules.excluded_bodies.empty() &&
+           rules.excluded_groups.empty();
+}
+
+}  // namespace
+
+FeatureSearch::FeatureSearch(MemoryMeter& meter, Cancellation& cancellation)
+    : meter_(meter),
+      cancellation_(cancellation),
+      outline_(&meter),
+      rules_(&meter),
+      rule_(&meter),
+      scene_(&meter),
+      buffers_(&meter),
+      features_(&meter),
+      found_(&meter),
+      first_edge_(&meter) {}
+
+void FeatureSearch::release() {
+    outline_ = WorldOutline(&meter_);
+    rules_ = BodyRules(&meter_);
+    rule_ = GroupRule(&meter_);
+    scene_ = WorldScene(&meter_);
+    buffers_ = SceneBuffers(&meter_);
+    features_.release();
+    found_ = FeatureAnswer(&meter_);
+    first_edge_.release();
+}
+
+void FeatureSearch::find(BackendBase& backend, const World& world, const Motion& question, bool bodies,
+                         Impacts& answer) {
+    search(backend, world, question, bodies, answer);
+}
+void FeatureSearch::find(BackendBase& backend, const World& world, const Near& question, bool bodies, Nearby& answer) {
+    search(backend, world, question, bodies, answer);
+}
+
+template <class Question, class Answer>
+void FeatureSearch::search(BackendBase& backend, const World& world, const Question& question, bool bodies,
+                           Answer& answer) {
+    outline_.read(world, question.rules);
+    rules_.prepare(question.rules);
+    clear(answer);
+    answer.statistics.triangles = outline_.triangles();
+    const auto worlds = static_cast<std::size_t>(outline_.worlds());
+    if (wants_worlds(question)) answer.world_hit.assign(worlds, 0);
+    if constexpr (is_motion<Question>)
+        if (extent(question) >= Extent::first) answer.world_first.assign(worlds, FirstImpact());
+    if (extent(question) != Extent::any) answer.first_edge.push_back(0);
+
+    const bool in_place = outline_.bodies() == 1 && outline_.placement(0).identity() &&
+                          outline_.end_placement(0).identity() && outline_.body(0).self && all_wanted(question.rules);
+    if (in_place) {
+        search_in_place(backend, question, bodies, answer);
+    } else {
+        for (std::int32_t pass = 0; pass <= outline_.worlds(); ++pass) {
+            cancellation_.check();
+            if (!wants_worlds(question) && answer.any) break;
+            search_world(backend, pass, question, answer);
+        }
+    }
+    for (auto& list : answer.lists) answer.count += static_cast<std::int64_t>(list.pairs.size());
+    answer.statistics.pairs = answer.count;
+}
+
+template <class Question, class Answer>
+void FeatureSearch::search_in_place(BackendBase& backend, const Question& question, bool bodies, Answer& answer) {
+    const Shape& shape = outline_.shape(0);
+    const MeshView mesh(shape.vertices, shape.triangles);
+    Scene scene = prepare_scene(mesh, nullptr, false, backend, buffers_);
+    if (is_motion<Question> && shape.end.data) add_motion(shape.end, backend, buffers_, scene);
+    rule_.prepare({});
+    features_.prepare(scene, question.weld, backend);
+    backend.find(scene, query_of(question, features_, rule_), found_);
+    add_pass(found_.statistics, answer.statistics);
+    answer.any = found_.any;
+    if (!answer.world_hit.empty() && outline_.body(0).world >= 0) answer.world_hit[outline_.body(0).world] = found_.any;
+    if (extent(question) == Extent::any) return;
+    if constexpr (is_motion<Question>) {
+        answer.first = found_.first;
+        if (outline_.body(0).world >= 0) answer.world_first[outline_.body(0).world] = found_.first;
+    }
+    answer.edges = features_.edges();
+    answer.first_edge.push_back(static_cast<std::int64_t>(answer.edges.size()));
+    if (extent(question) != Extent::all) return;
+    for (std::size_t kind = 0; kind < feature_kinds; ++kind) {
+        auto& list = answer.lists[kind];
+        FeatureRows& rows = found_.rows[kind];
+        list.pairs.swap_elements(rows.pairs);
+        values(list).swap_elements(rows.value);
+        flags(list).swap_elements(rows.flag);
+        if (bodies) list.bodies.assign(list.pairs.size(), BodyPair{0, 0});
+    }
+    if (!question.index) return;
+    const auto edges = static_cast<std::int64_t>(answer.edges.size());
+    make_index(answer[FeatureKind::vertex_face], scene.vertex_count(), scene.triangle_count());
+    make_index(answer[FeatureKind::edge_edge], edges, edges);
+}
+
+template <class Question, class Answer>
+void FeatureSearch::search_world(BackendBase& backend, std::int32_t pass, const Question& question, Answer& answer) {
+    const std::int32_t worlds = outline_.worlds(), everywhere = outline_.first_body(worlds);
+    const bool moving = is_motion<Question> && outline_.moving();
+    const auto float32 = [](const Shape& s) { return s.vertices.type == ScalarType::float32; };
+    const auto& shapes = outline_.world().shapes;
+    scene_.begin(std::all_of(shapes.begin(), shapes.end(), float32), rules_, moving);
+    const std::int32_t begin = outline_.first_body(pass),
+                       end = pass < worlds ? outline_.first_body(pass + 1) : outline_.bodies();
+    if (begin == end) return;
+    for (std::int32_t b = begin; b < end; ++b) scene_.add(outline_, b, false, backend);
+    if (pass < worlds)
+        for (std::int32_t b = everywhere; b < outline_.bodies(); ++b) scene_.add(outline_, b, true, backend);
+    const Scene scene = scene_.scene(outline_, false, backend);
+    rule_.prepare({}, &rules_);
+    features_.prepare(scene, question.weld, backend);
+    place_edges();
+    backend.find(scene, query_of(question, features_, rule_), found_);
+    add_pass(found_.statistics, answer.statistics);
+    answer.any = answer.any || found_.any;
+    if (!answer.world_hit.empty() && pass < worlds) answer.world_hit[pass] = found_.any;
+    if (extent(question) == Extent::any) return;
+    if constexpr (is_motion<Question>) add_first(pass, answer);
+    append_edges(static_cast<std::size_t>(end - begin), answer);
+    if (extent(question) == Extent::all) append_rows(answer);
+}
+
+// Edges are in the order of their lower vertices, so those of each body lie together.
+void FeatureSearch::place_edges() {
+    const Array<Edge>& edges = features_.edges();
+    first_edge_.resize_discard(scene_.added() + 1);
+    for (std::size_t i = 0; i < scene_.added(); ++i) {
+        const auto first = static_cast<std::int32_t>(scene_.first_vertex(i));
+        first_edge_[i] = std::partition_point(edges.begin(), edges.end(), [&](const Edge& e) { return e.a < first; }) -
+                         edges.begin();
+    }
+    first_edge_[scene_.added()] = static_cast<std::int64_t>(edges.size());
+}
+
+FeatureSearch::Place FeatureSearch::vertex(std::int32_t v) const {
+    const std::size_t i = scene_.added_of(v);
+    return {scene_.added_body(i), v - static_cast<std::int32_t>(scene_.first_vertex(i))};
+}
+FeatureSearch::Place FeatureSearch::edge(std::int32_t e) const {
+    const std::size_t i = scene_.added_of(features_.edges()[e].a);
+    return {scene_.added_body(i), e - static_cast<std::int32_t>(first_edge_[i])};
+}
+FeatureSearch::Place FeatureSearch::triangle(std::int32_t t) const { return {scene_.body(t), scene_.triangle(t)}; }
+
+void FeatureSearch::place(FeatureKind kind, const Pair& found, Pair& pair, BodyPair& bodies) const {
+    const bool edges = kind == FeatureKind::edge_edge;
+    const Place a = edges ? edge(found.a) : vertex(found.a), b = edges ? edge(found.b) : triangle(found.b);
+    pair = {a.index, b.index};
+    bodies = {a.body, b.body};
+}
+
+// Those of the bodies whose own world this is: the first so many that were added.
+template <class Answer>
+void FeatureSearch::append_edges(std::size_t bodies, Answer& answer) {
+    answer.edges.make_room_for(static_cast<std::size_t>(first_edge_[bodies]));
+    for (std::size_t i = 0; i < bodies; ++i) {
+        const auto first = static_cast<std::int32_t>(scene_.first_vertex(i));
+        for (std::int64_t e = first_edge_[i]; e < first_edge_[i + 1]; ++e) {
+            const Edge& edge = features_.edges()[e];
+            answer.edges.push_back({edge.a - first, edge.b - first});
+        }
+        answer.first_edge.push_back(static_cast<std::int64_t>(answer.edges.size()));
+    }
+}
+
+template <class Answer>
+void FeatureSearch::append_rows(Answer& answer) {
+    for (std::size_t k = 0; k < feature_kinds; ++k) {
+        auto& list = answer.lists[k];
+        const FeatureRows& rows = found_.rows[k];
+        const std::size_t more = rows.pairs.size();
+        list.pairs.make_room_for(more);
+        list.bodies.make_room_for(more);
+        values(list).make_room_for(more);
+        flags(list).make_room_for(more);
+        for (std::size_t i = 0; i < more; ++i) {
+            Pair pair;
+            BodyPair bodies;
+            place(static_cast<FeatureKind>(k), rows.pairs[i], pair, bodies);
+            list.pairs.push_back(pair);
+            list.bodies.push_back(bodies);
+            values(list).push_back(rows.value[i]);
+            flags(list).push_back(rows.flag[i]);
+        }
+    }
+}
+
+void FeatureSearch::add_first(std::int32_t pass, Impacts& answer) const {
+    FirstImpact first = found_.first;
+    if (!first.found) return;
+    place(first.kind, found_.first.pair, first.pair, first.bodies);
+    if (pass < outline_.worlds()) answer.world_first[pass] = first;
+    const auto key = [](const FirstImpact& f) { return std::pair(f.toi, f.kind); };
+    if (!answer.first.found || key(first) < key(answer.first)) answer.first = first;
+}
+
+}  // namespace crumple

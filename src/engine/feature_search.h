@@ -1,0 +1,65 @@
+#pragma once
+
+// How any backend answers questions about features of worlds: the bodies of each world become one scene, whose vertices
+// are posed at the start and at the end, and the backend searches it. A single body in place is searched where the
+// caller has it.
+
+#include "base/cancellation.h"
+#include "crumple/motion.h"
+#include "crumple/near.h"
+#include "engine/backend.h"
+#include "engine/world_scene.h"
+#include "model/body_rules.h"
+#include "model/features.h"
+#include "model/rules.h"
+#include "model/world.h"
+
+namespace crumple {
+
+class FeatureSearch {
+   public:
+    FeatureSearch(MemoryMeter& meter, Cancellation& cancellation);
+
+    /// `bodies`: whether the answer names bodies, else there is only one.
+    void find(BackendBase& backend, const World& world, const Motion& question, bool bodies, Impacts& answer);
+    void find(BackendBase& backend, const World& world, const Near& question, bool bodies, Nearby& answer);
+
+    /// Gives all memory back.
+    void release();
+
+   private:
+    template <class Question, class Answer>
+    void search(BackendBase& backend, const World& world, const Question& question, bool bodies, Answer& answer);
+    template <class Question, class Answer>
+    void search_in_place(BackendBase& backend, const Question& question, bool bodies, Answer& answer);
+    template <class Question, class Answer>
+    void search_world(BackendBase& backend, std::int32_t pass, const Question& question, Answer& answer);
+    template <class Answer>
+    void append_edges(std::size_t bodies, Answer& answer);
+    template <class Answer>
+    void append_rows(Answer& answer);
+    void add_first(std::int32_t pass, Impacts& answer) const;
+
+    /// What an element of the scene is within its body.
+    struct Place {
+        std::int32_t body, index;
+    };
+    void place_edges();
+    Place vertex(std::int32_t v) const;
+    Place edge(std::int32_t e) const;
+    Place triangle(std::int32_t t) const;
+    void place(FeatureKind kind, const Pair& found, Pair& pair, BodyPair& bodies) const;
+
+    MemoryMeter& meter_;
+    Cancellation& cancellation_;
+    WorldOutline outline_;
+    BodyRules rules_;
+    GroupRule rule_;
+    WorldScene scene_;
+    SceneBuffers buffers_;
+    Features features_;
+    FeatureAnswer found_;
+    Array<std::int64_t> first_edge_;  ///< of each body that was added to the scene; and the number of edges
+};
+
+}  // namespace crumple

@@ -1,0 +1,15 @@
+#pragma once
+
+// Motion and nearness by brute force: all pairs of features, decided in rational arithmetic. Features are listed here
+// anew, and no filter but their boxes is used. One thread, O(features²) box tests, some 10 to 40 us for each pair of
+// features whose boxes overlap.
+
+#include "base/cancellation.h"
+#include "engine/feature_query.h"
+
+namespace crumple {
+
+void find_features_by_brute_force(const Scene& scene, const FeatureQuery& query, Cancellation& cancellation,
+                                  FeatureAnswer& answer);
+
+}  // namespace crumple

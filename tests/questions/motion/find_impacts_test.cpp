@@ -1,0 +1,64 @@
+// Impacts of whole scenes, asked of a detector.
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <vector>
+
+#include "crumple/crumple.h"
+
+namespace crumple {
+namespace {
+
+using Vertices = std::vector<std::array<double, 3>>;
+using Triangles = std::vector<std::array<std::int32_t, 3>>;
+
+// A triangle that falls through another one.
+struct Falling {
+    Vertices start{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {1, 1, 1}, {2, 1, 2}, {1, 2, 2}};
+    Vertices end{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {1, 1, -1}, {2, 1, 0.5}, {1, 2, 0.5}};
+    Triangles triangles{{0, 1, 2}, {3, 4, 5}};
+};
+
+VertexView view(const Vertices& vertices) {
+    return {vertices.data(), static_cast<std::int64_t>(vertices.size()), 24, 8, ScalarType::float64};
+}
+
+class FindImpacts : public testing::TestWithParam<Backend> {
+   protected:
+    Detector detector{[] {
+        Options options;
+        options.backend = GetParam();
+        return options;
+    }()};
+};
+
+TEST_P(FindImpacts, NamesVertexFaceAndTime) {
+    const Falling scene;
+    const Impacts& impacts = detector.find_impacts(MeshView(scene.start, scene.triangles), view(scene.end));
+    ASSERT_EQ(impacts.vertex_faces().pairs.size(), 1);
+    EXPECT_EQ(impacts.vertex_faces().pairs[0], (Pair{3, 0}));
+    EXPECT_EQ(impacts.vertex_faces().toi[0], 0.5);
+    EXPECT_EQ(impacts.vertex_faces().start[0], 0);
+    EXPECT_EQ(impacts.edge_edges().pairs.size(), 0);
+    EXPECT_TRUE(impacts.any);
+    EXPECT_EQ(impacts.edges.size(), 6);
+}
+
+TEST_P(FindImpacts, TellsTheFirstAndWhetherTheStepIsFree) {
+    const Falling scene;
+    const MeshView mesh(scene.start, scene.triangles);
+    const FirstImpact first = detector.time_of_first_impact(mesh, view(scene.end));
+    EXPECT_TRUE(first.found);
+    EXPECT_EQ(first.toi, 0.5);
+    EXPECT_EQ(first.kind, FeatureKind::vertex_face);
+    EXPECT_FALSE(detector.is_free(mesh, view(scene.end)));
+    EXPECT_TRUE(detector.is_free(mesh, view(scene.start)));
+    EXPECT_FALSE(detector.time_of_first_impact(mesh, view(scene.start)).found);
+}
+
+INSTANTIATE_TEST_SUITE_P(, FindImpacts, testing::Values(Backend::reference, Backend::cpu),
+                         [](const auto& p) { return p.param == Backend::cpu ? "cpu" : "reference"; });
+
+}  // namespace
+}  // namespace crumple
