@@ -3,6 +3,7 @@
 // Balls around triangles and the rule by which they join clusters: stages `bounds` and `subdivide` for one of them
 // (docs/bounds.md, docs/subdivide.md). Compiled for host and device.
 
+#include "geometry/inflation.h"
 #include "geometry/vec.h"
 
 namespace crumple {
@@ -19,6 +20,19 @@ CRUMPLE_HD inline Ball ball_of(const Vec3f& p, const Vec3f& q, const Vec3f& r) {
     const Vec3f c = (1.0f / 3.0f) * (p + q + r);
     const float r2 = max(dot(p - c, p - c), max(dot(q - c, q - c), dot(r - c, r - c)));
     return {c.x, c.y, c.z, std::sqrt(r2) * ball_factor + ball_slack};
+}
+
+/// A ball that holds a triangle all the way from the start to the end of a step, widened by the inflation.
+CRUMPLE_HD inline Ball ball_of_way(const Vec3f (&start)[3], const Vec3f (&end)[3], const Inflation& inflation) {
+    const Vec3f c = (1.0f / 6.0f) * ((start[0] + start[1] + start[2]) + (end[0] + end[1] + end[2]));
+    float r2 = 0, way2 = 0;
+    for (int k = 0; k < 3; ++k) {
+        const Vec3f p = start[k] - c, q = end[k] - c, step = end[k] - start[k];
+        r2 = max(r2, max(dot(p, p), dot(q, q)));
+        way2 = max(way2, dot(step, step));
+    }
+    const float more = inflation(std::sqrt(way2) * ball_factor + ball_slack);
+    return {c.x, c.y, c.z, std::sqrt(r2) * ball_factor + ball_slack + more};
 }
 
 /// Twice the distance of two centres, widened.

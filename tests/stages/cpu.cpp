@@ -105,7 +105,7 @@ StageState run_stages(const Tables& tables, const Scene& scene, const Options& o
     StageState state;
     workers.run([&] {
         Run run{tables, scene, options};
-        compute_bounds(scene, tables.stages, workers, run.points, run.balls);
+        compute_bounds(scene, {}, tables.stages, workers, run.points, run.balls);
         const PointRows rows = run.rows();
         for (std::int32_t v = 0; v < scene.vertex_count(); ++v) state.point.push_back(rows[v]);
         state.ball.assign(run.balls.begin(), run.balls.begin() + scene.triangle_count());

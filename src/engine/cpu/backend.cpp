@@ -6,6 +6,7 @@
 #include <limits>
 #include <memory>
 
+#include "engine/cpu/features.h"
 #include "engine/cpu/intersections.h"
 #include "engine/cpu/limit.h"
 #include "engine/cpu/stream.h"
@@ -79,6 +80,20 @@ class CpuBackend final : public BackendBase {
         statistics = statistics_;
     }
 
+    void find(const Scene& scene, const FeatureQuery& query, FeatureAnswer& answer) override {
+        clear(answer);
+        statistics_ = {};
+        workers_.run([&] {
+            Kept& k = *kept_;
+            LeafQuestion& question = scene.moving ? static_cast<LeafQuestion&>(k.features.moving) : k.features.at_rest;
+            Call call{scene, query.rule,    Levels(nullptr), options_,  kernels_,    workers_,
+                      *this, cancellation_, meter_,          k.buffers, statistics_, question};
+            call.inflation = inflation_of(scene, query);
+            cpu::find(call, query, k.features, answer);
+        });
+        answer.statistics = statistics_;
+    }
+
     bool heeds_bodies() const override { return true; }
 
     void parallel_for(std::size_t n, Task task) override {
@@ -94,11 +109,12 @@ class CpuBackend final : public BackendBase {
     /// From call to call.
     struct Kept {
         Kept(MemoryMeter* m, int workers, const IntersectKernels& kernels)
-            : rule(m), buffers(m, workers), leaves(m, workers, kernels), output(m) {}
+            : rule(m), buffers(m, workers), leaves(m, workers, kernels), output(m), features(m, workers) {}
         GroupRule rule;
         Buffers buffers;
         IntersectLeaves leaves;
         OutputScratch output;
+        FeatureBuffers features;
     };
 
     IntersectCall make_call(const Scene& scene, const Query& query, const Part* part) {

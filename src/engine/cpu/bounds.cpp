@@ -15,22 +15,40 @@ std::size_t chunks(std::int64_t n) { return static_cast<std::size_t>((n + chunk 
 template <class T>
 void normalise(const Scene& scene, Workers& workers, Array<T>& points) {
     const Normaliser normaliser(scene.low, scene.high);
-    const std::int64_t n = scene.vertex_count();
-    points.resize_discard(static_cast<std::size_t>(4 * n + padding));
+    const std::int64_t n = scene.vertex_count(), moments = scene.moving ? 2 : 1;
+    points.resize_discard(static_cast<std::size_t>(4 * moments * n + padding));
     workers.parallel_for(chunks(n), [&](std::size_t part, std::size_t) {
         const std::int64_t begin = static_cast<std::int64_t>(part) * chunk, end = std::min(n, begin + chunk);
-        for (std::int64_t v = begin; v < end; ++v) {
-            const Vec3d p = normaliser(scene.position(v));
-            T* out = points.data() + 4 * v;
+        const auto write = [&](Vec3d at, std::int64_t row) {
+            const Vec3d p = normaliser(at);
+            T* out = points.data() + 4 * row;
             out[0] = static_cast<T>(p.x), out[1] = static_cast<T>(p.y), out[2] = static_cast<T>(p.z), out[3] = 0;
-        }
+        };
+        for (std::int64_t v = begin; v < end; ++v) write(scene.position(v), v);
+        if (scene.moving)
+            for (std::int64_t v = begin; v < end; ++v) write(scene.end(v), n + v);
     });
+}
+
+// Balls of triangles [begin, end) all the way, widened.
+void swept_balls(const Scene& scene, const PointRows& rows, const Inflation& inflation, std::int64_t begin,
+                 std::int64_t end, Ball* ball) {
+    const std::int64_t ends = scene.moving ? scene.vertex_count() : 0;
+    for (std::int64_t t = begin; t < end; ++t) {
+        Vec3f start[3], stop[3];
+        for (int k = 0; k < 3; ++k) {
+            const std::int32_t v = scene.corners[3 * t + k];
+            start[k] = to_float(rows[v]);
+            stop[k] = to_float(rows[static_cast<std::int32_t>(v + ends)]);
+        }
+        ball[t] = ball_of_way(start, stop, inflation);
+    }
 }
 
 }  // namespace
 
-bool compute_bounds(const Scene& scene, const StageKernels& kernels, Workers& workers, Points& points,
-                    Array<Ball>& balls) {
+bool compute_bounds(const Scene& scene, const Inflation& inflation, const StageKernels& kernels, Workers& workers,
+                    Points& points, Array<Ball>& balls) {
     PointRows rows;
     if (scene.float32) {
         normalise(scene, workers, points.f);
@@ -44,7 +62,10 @@ bool compute_bounds(const Scene& scene, const StageKernels& kernels, Workers& wo
     std::atomic<bool> repeats_corner{false};
     workers.parallel_for(chunks(n), [&](std::size_t part, std::size_t) {
         const std::int64_t begin = static_cast<std::int64_t>(part) * chunk, end = std::min(n, begin + chunk);
-        kernels.balls(rows, scene.corners, begin, end, balls.data());
+        if (scene.moving || !inflation.none())
+            swept_balls(scene, rows, inflation, begin, end, balls.data());
+        else
+            kernels.balls(rows, scene.corners, begin, end, balls.data());
         if (kernels.repeats_corner(scene.corners, begin, end)) repeats_corner.store(true, std::memory_order_relaxed);
     });
     return repeats_corner;

@@ -13,9 +13,9 @@
 
 namespace crumple::cpu {
 
-/// Returns whether a triangle names a vertex twice.
-bool compute_bounds(const Scene& scene, const StageKernels& kernels, Workers& workers, Points& points,
-                    Array<Ball>& balls);
+/// Of a scene that moves, balls hold the triangle all the way. Returns whether a triangle names a vertex twice.
+bool compute_bounds(const Scene& scene, const Inflation& inflation, const StageKernels& kernels, Workers& workers,
+                    Points& points, Array<Ball>& balls);
 
 /// Between two meshes: included[t] is whether the triangle's ball reaches the other mesh's box. Others cannot collide.
 void exclude_far(const Scene& scene, Workers& workers, const Array<Ball>& balls, Array<std::uint8_t>& included);

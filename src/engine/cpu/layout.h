@@ -18,6 +18,7 @@
 
 #include "crumple/array.h"
 #include "geometry/ball.h"
+#include "geometry/inflation.h"
 #include "geometry/leaf_frame.h"
 #include "geometry/point_rows.h"
 #include "model/fuzzy_c_means.h"
@@ -56,7 +57,8 @@ inline constexpr int block_members = block_stride - 1;
 
 inline std::int64_t physical(std::int64_t member) { return member + member / block_members; }
 
-/// Normalised vertices: float32 where that is exact, else float64. Rows of four, the last element 0.
+/// Normalised vertices, if they move those of the end behind those of the start: float32 where that is exact, else
+/// float64. Rows of four, the last element 0.
 struct Points {
     Array<float> f;
     Array<double> d;
@@ -71,6 +73,8 @@ struct BuildInput {
     const std::int32_t* triangle;  ///< the leaf's members; the last one is repeated `padding` times
     std::int64_t members;
     LeafFrame frame;
+    std::int64_t ends = 0;  ///< where a vertex's point at the end of a step lies behind that at the start
+    Inflation inflation;
 };
 
 /// What `build` leaves behind beside boxes and records. Of no members: a box with its bounds the wrong way round.

@@ -55,7 +55,9 @@ bool align_leaf(const Call& call, const Leaf& leaf, Ownership& ownership, std::s
                            scene.triangle_count(),
                            members.triangle.data(),
                            members.size(),
-                           leaf_frame(call.buffers.balls, points, scene.corners, members)};
+                           leaf_frame(call.buffers.balls, points, scene.corners, members),
+                           scene.moving ? scene.vertex_count() : 0,
+                           call.inflation};
     const FlushToZero mode;
     call.question.build(input, members, w);
     worker.statistics[Stage::align] += watch.lap();

@@ -62,7 +62,7 @@ void measure(const Call& call) {
     Buffers& b = call.buffers;
     Stopwatch watch;
     begin(call);
-    b.repeats_corner = compute_bounds(call.scene, call.kernels, call.workers, b.points, b.balls);
+    b.repeats_corner = compute_bounds(call.scene, call.inflation, call.kernels, call.workers, b.points, b.balls);
     call.statistics[Stage::bounds] += watch.lap();
 }
 

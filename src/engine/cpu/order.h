@@ -28,6 +28,7 @@ struct Call {
 
     bool frugal = false;               ///< one cluster after another, on one worker
     const PairRange* range = nullptr;  ///< only pairs of these ids; null: all
+    Inflation inflation = {};          ///< of every triangle
 
     /// The normalised vertices, once they are there.
     PointRows points() const {

@@ -4,7 +4,7 @@
 #include <set>
 #include <vector>
 
-#include "questions/feature_points.h"
+#include "questions/features/points.h"
 #include "questions/motion/rational_impact.h"
 
 namespace crumple {

@@ -19,13 +19,9 @@ inline MovingPoint moving_point(const Scene& scene, std::int32_t vertex) {
     return {start, scene.moving ? scene.end(vertex) : start};
 }
 
-inline FeaturePoints vertex_face_points(const Scene& scene, std::int32_t vertex, const std::int32_t* corners) {
-    return {moving_point(scene, vertex), moving_point(scene, corners[0]), moving_point(scene, corners[1]),
-            moving_point(scene, corners[2])};
-}
-
-inline FeaturePoints edge_edge_points(const Scene& scene, const Edge& e, const Edge& f) {
-    return {moving_point(scene, e.a), moving_point(scene, e.b), moving_point(scene, f.a), moving_point(scene, f.b)};
+inline FeaturePoints points_of(const Scene& scene, const std::int32_t (&vertex)[4]) {
+    return {moving_point(scene, vertex[0]), moving_point(scene, vertex[1]), moving_point(scene, vertex[2]),
+            moving_point(scene, vertex[3])};
 }
 
 }  // namespace crumple

@@ -1,0 +1,102 @@
+#include "engine/cpu/features.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/stopwatch.h"
+#include "geometry/normaliser.h"
+
+namespace crumple::cpu {
+namespace {
+
+constexpr std::int64_t chunk = 4096;
+
+// What no two points of normalised coordinates exceed.
+constexpr float everything = 4;
+
+// Rows in order: a counting sort by first feature, then those of each by the second.
+void write_rows(std::span<const Array<FeatureHit>* const> found, std::int64_t firsts, Workers& workers,
+                FeatureBuffers& buffers, FeatureRows& rows) {
+    Array<std::int64_t>& place = buffers.place;
+    place.assign(static_cast<std::size_t>(firsts) + 2, 0);
+    std::int64_t* next = place.data() + 1;
+    std::size_t all = 0;
+    for (const auto* list : found) {
+        all += list->size();
+        for (const FeatureHit& hit : *list) ++next[hit.pair.a + 1];
+    }
+    for (std::int64_t i = 0; i < firsts; ++i) next[i + 1] += next[i];
+    buffers.placed.resize_discard(all);
+    for (const auto* list : found)
+        for (const FeatureHit& hit : *list) buffers.placed[next[hit.pair.a]++] = hit;
+    rows.pairs.resize_discard(all);
+    rows.value.resize_discard(all);
+    rows.flag.resize_discard(all);
+    workers.parallel_for(static_cast<std::size_t>((firsts + chunk - 1) / chunk), [&](std::size_t c, std::size_t) {
+        const std::int64_t begin = static_cast<std::int64_t>(c) * chunk, end = std::min(firsts, begin + chunk);
+        FeatureHit* hits = buffers.placed.data();
+        for (std::int64_t i = begin; i < end; ++i)
+            std::sort(hits + place[i], hits + place[i + 1],
+                      [](const FeatureHit& a, const FeatureHit& b) { return a.pair.b < b.pair.b; });
+        for (std::int64_t i = place[begin]; i < place[end]; ++i) {
+            rows.pairs[i] = hits[i].pair;
+            rows.value[i] = hits[i].value;
+            rows.flag[i] = hits[i].flag;
+        }
+    });
+}
+
+FirstImpact first_of(std::span<const Array<FeatureHit>* const> found, FeatureKind kind, FirstImpact first) {
+    for (const auto* list : found)
+        for (const FeatureHit& hit : *list) {
+            const bool sooner =
+                hit.value < first.toi || (hit.value == first.toi && kind == first.kind && hit.pair < first.pair);
+            if (!first.found || sooner) first = {true, kind, hit.pair, {}, hit.value, hit.flag != 0};
+        }
+    return first;
+}
+
+template <int moments>
+void find(const Call& call, const FeatureQuery& query, FeatureLeaves<moments>& leaves, FeatureBuffers& buffers,
+          FeatureAnswer& answer) {
+    leaves.ask(query, 2 * call.inflation.half);
+    measure(call);
+    search(call);
+    Stopwatch watch;
+    answer.any = leaves.any();
+    const FeatureKind kinds[] = {FeatureKind::vertex_face, FeatureKind::edge_edge};
+    if (query.extent == Extent::first)
+        for (const FeatureKind kind : kinds) answer.first = first_of(leaves.found(kind), kind, answer.first);
+    if (query.extent == Extent::all)
+        for (const FeatureKind kind : kinds) {
+            const bool edges = kind == FeatureKind::edge_edge;
+            const auto firsts =
+                edges ? static_cast<std::int64_t>(query.features.edges().size()) : call.scene.vertex_count();
+            write_rows(leaves.found(kind), firsts, call.workers, buffers, answer.rows[static_cast<std::size_t>(kind)]);
+        }
+    call.statistics[Stage::output] += watch.lap();
+}
+
+}  // namespace
+
+Inflation inflation_of(const Scene& scene, const FeatureQuery& query) {
+    Inflation inflation;
+    if (query.distance > 0) {
+        const Normaliser normaliser(scene.low, scene.high);
+        const double distance = query.distance * normaliser.pre * normaliser.post;
+        inflation.half = static_cast<float>(std::min<double>(everything, distance)) * 0.500001f + 1e-30f;
+    }
+    if (query.share > 0)
+        inflation.of_way = static_cast<float>(std::min(1e30, query.share / (1 - query.share))) * 1.000001f;
+    return inflation;
+}
+
+void find(const Call& call, const FeatureQuery& query, FeatureBuffers& buffers, FeatureAnswer& answer) {
+    if (call.scene.moving)
+        find(call, query, buffers.moving, buffers, answer);
+    else
+        find(call, query, buffers.at_rest, buffers, answer);
+}
+
+}  // namespace crumple::cpu

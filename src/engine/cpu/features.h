@@ -1,0 +1,26 @@
+#pragma once
+
+// The stages in the service of questions about features: what touches what in a step, what is near what.
+
+#include "engine/cpu/order.h"
+#include "questions/features/cpu/leaves.h"
+
+namespace crumple::cpu {
+
+/// What is kept from call to call, beside the stages' buffers.
+struct FeatureBuffers {
+    FeatureBuffers(MemoryMeter* m, int workers) : at_rest(m, workers), moving(m, workers), place(m), placed(m) {}
+    FeatureLeaves<1> at_rest;
+    FeatureLeaves<2> moving;
+    // Of `output`:
+    Array<std::int64_t> place;  ///< of the rows of each first feature
+    Array<FeatureHit> placed;
+};
+
+/// How much `query` asks for in the normalised coordinates of the scene: rounded up, and at most what holds everything.
+Inflation inflation_of(const Scene& scene, const FeatureQuery& query);
+
+/// All stages; call.question is one of the buffers', as the scene moves.
+void find(const Call& call, const FeatureQuery& query, FeatureBuffers& buffers, FeatureAnswer& answer);
+
+}  // namespace crumple::cpu

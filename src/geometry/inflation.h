@@ -1,0 +1,21 @@
+#pragma once
+
+// By how much a primitive's ball and box are widened for a question that asks for less than contact, in normalised
+// coordinates: two primitives that may be an answer have balls, and boxes, that overlap. Compiled for host and device.
+
+#include "geometry/vec.h"
+
+namespace crumple {
+
+/// Half the distance that is asked for; and, for a share s of a pair's own distance at the start, s / (1 - s) times how
+/// far the primitive moves at most: features that come to s d from d have moved by (1 - s) d together
+/// (docs/motion.md).
+struct Inflation {
+    float half = 0, of_way = 0;
+
+    CRUMPLE_HD bool none() const { return half == 0 && of_way == 0; }
+    /// Of a primitive whose corners move by so much. Rounded up; coordinates are at most 1, so no more than 4 matters.
+    CRUMPLE_HD float operator()(float way) const { return min(4.0f, (half + of_way * way) * 1.000002f); }
+};
+
+}  // namespace crumple

@@ -1,0 +1,87 @@
+#pragma once
+
+// Questions about features in the order of the stages. A leaf's candidates are pairs of triangles; those that no
+// direction separates stand for tests of features, and each test is decided.
+
+#include <atomic>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "engine/cpu/question.h"
+#include "engine/cpu/sweep.h"
+#include "engine/feature_query.h"
+#include "questions/features/cpu/kernels.h"
+#include "questions/features/decide.h"
+
+namespace crumple::cpu {
+
+/// A pair of features that is an answer.
+struct FeatureHit {
+    Pair pair;
+    double value;
+    std::uint8_t flag;
+};
+
+/// `moments`: 1 at rest, 2 for a step.
+template <int moments>
+class FeatureLeaves final : public LeafQuestion {
+   public:
+    FeatureLeaves(MemoryMeter* meter, int workers);
+
+    /// What is asked, from begin() on. `distance`: what is asked for in normalised coordinates, rounded up.
+    void ask(const FeatureQuery& query, float distance);
+
+    void begin(const Call& call) override;
+    bool stop() const override;
+    void build(const BuildInput& input, LeafMembers& members, std::size_t worker) override;
+    void place(const SortedLeaf& leaf, std::size_t worker) override;
+    void sweep(const SortedLeaf& leaf, const Ownership& ownership, std::int64_t first, std::int64_t last,
+               std::size_t builder, std::size_t worker) override;
+    void finish(Statistics& statistics) override;
+
+    bool any() const { return any_; }
+    /// The answers of each worker, by kind.
+    std::span<const Array<FeatureHit>* const> found(FeatureKind kind) const {
+        return found_[static_cast<std::size_t>(kind)];
+    }
+
+   private:
+    using Record = FeatureRecord<moments>;
+
+    struct Worker {
+        explicit Worker(MemoryMeter* m)
+            : built(m),
+              sorted(m),
+              candidates(m),
+              left(m),
+              tests{Array<FeatureTest>(m), Array<FeatureTest>(m)},
+              hits{Array<FeatureHit>(m), Array<FeatureHit>(m)} {}
+        Array<Record> built;   ///< in the order of LeafMembers
+        Array<Record> sorted;  ///< by physical row
+        float reach = 0;       ///< the leaf's largest |coordinate|
+        Candidates candidates;
+        Array<std::uint32_t> left;  ///< candidates that no direction separates, packed
+        std::array<Array<FeatureTest>, feature_kinds> tests;
+        std::array<Array<FeatureHit>, feature_kinds> hits;
+        Statistics statistics;
+    };
+
+    void narrow(const SortedLeaf& leaf, const Ownership& ownership, const Worker& builder, Worker& worker);
+    void list_tests(const SortedLeaf& leaf, const Ownership& ownership, const Worker& builder, Worker& worker) const;
+    void decide_tests(FeatureKind kind, Worker& worker);
+
+    const FeatureKernels<moments>& kernels_;
+    std::vector<std::unique_ptr<Worker>> worker_;
+    std::array<std::vector<const Array<FeatureHit>*>, feature_kinds> found_;
+    // Of the call:
+    const Call* call_ = nullptr;
+    const FeatureQuery* query_ = nullptr;
+    float distance_ = 0;
+    std::atomic<bool> any_{false};
+};
+
+extern template class FeatureLeaves<1>;
+extern template class FeatureLeaves<2>;
+
+}  // namespace crumple::cpu

@@ -1,0 +1,56 @@
+#pragma once
+
+// What questions about features keep of a triangle in a leaf: corners at one moment, or at the start and at the end of
+// a step, and what its features are called. Compiled for host and device.
+//
+// Corners are relative to the leaf's origin, in rows of four, so that one load is a coordinate of three corners and of
+// the normal:
+//
+//     x0 x1 x2 nx [x0' x1' x2' nx'] | y ... | z ... | vertices | edges | triangle | owned
+//
+// Normals have length 1, about; that of a triangle without one is 0. Corners and normals of big members (leaf_frame.h)
+// are NaN, from which no filter concludes anything.
+
+#include <cstdint>
+#include <limits>
+
+#include "geometry/leaf_frame.h"
+
+namespace crumple {
+
+template <int moments>
+struct alignas(16) FeatureRecord {
+    float x[4 * moments], y[4 * moments], z[4 * moments];
+    std::int32_t vertex[3];
+    std::int32_t edge[3];  ///< -1 where a side's ends are equal
+    std::int32_t triangle;
+    std::uint32_t owned;  ///< see Features
+
+    CRUMPLE_HD Vec3f at(int i) const { return {x[i], y[i], z[i]}; }
+    CRUMPLE_HD void set(int i, const Vec3f& p) { x[i] = p.x, y[i] = p.y, z[i] = p.z; }
+};
+
+/// v divided by its length, or 0. The length errs by a few units in the last place.
+CRUMPLE_HD inline Vec3f direction(const Vec3f& v) {
+    const float size = largest(abs(v));
+    if (!(size > 1e-30f)) return {0, 0, 0};
+    const Vec3f w = (1 / size) * v;  // no overflow, and no underflow that matters
+    return (1 / std::sqrt(dot(w, w))) * w;
+}
+
+/// `p`: the normalised corners at the start, then those at the end.
+template <int moments>
+CRUMPLE_HD void write_geometry(const Vec3d p[3 * moments], const InFrame<3 * moments>& member,
+                               FeatureRecord<moments>& record) {
+    constexpr float nan = std::numeric_limits<float>::quiet_NaN();
+    for (int m = 0; m < moments; ++m) {
+        const Vec3d* corner = p + 3 * m;
+        const Vec3f normal = direction(cross(to_float(corner[1] - corner[0]), to_float(corner[2] - corner[0])));
+        for (int k = 0; k < 4; ++k) {
+            const Vec3f q = k < 3 ? member.corner[3 * m + k] : normal;
+            record.set(4 * m + k, member.big ? Vec3f{nan, nan, nan} : q);
+        }
+    }
+}
+
+}  // namespace crumple

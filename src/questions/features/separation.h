@@ -1,0 +1,52 @@
+#pragma once
+
+// Which pairs of triangles are further apart than a distance, at one moment or all along a step: those that one of a
+// few directions separates (docs/features.md). Projections on a direction that stays are linear in time, so what it
+// separates at the start and at the end, the same way round, it separates always. Compiled for host and device.
+
+#include "questions/features/record.h"
+
+namespace crumple {
+
+/// Values of which two are compared err by less than this share of a leaf's reach, both together (docs/features.md).
+inline constexpr float projection_error = 20 * unit_roundoff;
+
+/// What a gap along a direction of length 1 has to exceed; `reach`: the leaf's largest |coordinate|.
+CRUMPLE_HD inline float needed_gap(float distance, float reach) {
+    return distance * 1.000002f + (projection_error * reach + 1e-30f);
+}
+
+/// Whether d separates a from b by more than `gap`, at each moment and the same way round.
+template <int moments>
+CRUMPLE_HD bool separates(const Vec3f& d, const FeatureRecord<moments>& a, const FeatureRecord<moments>& b, float gap) {
+    bool above = true, below = true;
+    for (int m = 0; m < moments; ++m) {
+        float low_a = dot(d, a.at(4 * m)), high_a = low_a, low_b = dot(d, b.at(4 * m)), high_b = low_b;
+        for (int k = 1; k < 3; ++k) {
+            const float value_a = dot(d, a.at(4 * m + k)), value_b = dot(d, b.at(4 * m + k));
+            low_a = min(low_a, value_a), high_a = max(high_a, value_a);
+            low_b = min(low_b, value_b), high_b = max(high_b, value_b);
+        }
+        above = above && low_b - high_a > gap;
+        below = below && low_a - high_b > gap;
+    }
+    return above || below;
+}
+
+template <int moments>
+CRUMPLE_HD Vec3f between_centroids(const FeatureRecord<moments>& a, const FeatureRecord<moments>& b, int m) {
+    const int i = 4 * m;
+    return direction((b.at(i) + b.at(i + 1) + b.at(i + 2)) - (a.at(i) + a.at(i + 1) + a.at(i + 2)));
+}
+
+/// The normals of both and the difference of their centroids, at each moment.
+template <int moments>
+CRUMPLE_HD bool surely_apart(const FeatureRecord<moments>& a, const FeatureRecord<moments>& b, float gap) {
+    for (int m = 0; m < moments; ++m)
+        if (separates(a.at(4 * m + 3), a, b, gap) || separates(b.at(4 * m + 3), a, b, gap) ||
+            separates(between_centroids(a, b, m), a, b, gap))
+            return true;
+    return false;
+}
+
+}  // namespace crumple
