@@ -1,0 +1,38 @@
+#include "questions/motion/decide_impact.h"
+
+#include "questions/motion/quick_impact.h"
+#include "questions/motion/rational_impact.h"
+
+namespace crumple {
+namespace {
+
+template <FeaturePair pair>
+Impact decide(const FourPoints& points, ImpactCounts& counts) {
+    const Approach<pair> x(points);
+    if (x.in_range()) {
+        const Volume volume(x);
+        if (surely_apart(x, volume)) return {};
+        ++counts.roots;
+        const QuickImpact quick = first_impact(points, x, volume);
+        if (quick.verdict != Verdict::unknown) return {quick.verdict == Verdict::meets, quick.toi, quick.start};
+    } else {
+        ++counts.roots;
+    }
+    ++counts.exact;
+    const auto& [p, q, r, s] = points;
+    return pair == FeaturePair::vertex_face ? vertex_face(p, q, r, s) : edge_edge(p, q, r, s);
+}
+
+}  // namespace
+
+Impact vertex_face_impact(const MovingPoint& p, const MovingPoint& a, const MovingPoint& b, const MovingPoint& c,
+                          ImpactCounts& counts) {
+    return decide<FeaturePair::vertex_face>({p, a, b, c}, counts);
+}
+
+Impact edge_edge_impact(const MovingPoint& a, const MovingPoint& b, const MovingPoint& c, const MovingPoint& d,
+                        ImpactCounts& counts) {
+    return decide<FeaturePair::edge_edge>({a, b, c, d}, counts);
+}
+
+}  // namespace crumple

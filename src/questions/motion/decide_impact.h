@@ -1,0 +1,25 @@
+#pragma once
+
+// When two moving features first touch: float64 where that proves it, else rational arithmetic. Host only.
+
+#include <cstdint>
+
+#include "questions/motion/impact.h"
+
+namespace crumple {
+
+/// How many queries went how far.
+struct ImpactCounts {
+    std::int64_t roots = 0;  ///< were not surely apart
+    std::int64_t exact = 0;  ///< of those: took rational arithmetic
+};
+
+/// Vertex p against the face a b c.
+Impact vertex_face_impact(const MovingPoint& p, const MovingPoint& a, const MovingPoint& b, const MovingPoint& c,
+                          ImpactCounts& counts);
+
+/// Edge a b against edge c d.
+Impact edge_edge_impact(const MovingPoint& a, const MovingPoint& b, const MovingPoint& c, const MovingPoint& d,
+                        ImpactCounts& counts);
+
+}  // namespace crumple
