@@ -1,0 +1,209 @@
+// What float64 decides, against rational arithmetic, where it is hard: at the edge of its bounds.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "questions/motion/decided_moves.h"
+#include "questions/motion/random_moves.h"
+
+namespace crumple {
+namespace {
+
+constexpr std::array quick_features{Feature::vertex_face, Feature::edge_edge};
+
+/// How many moves were decided, and how.
+struct Tally {
+    int apart = 0, meets = 0, unknown = 0;
+    int decided() const { return apart + meets; }
+};
+
+/// Fails where float64 is certain of what is wrong.
+void check(const Move& move, Tally& tally) {
+    const QuickImpact quick = quickly(move);
+    if (quick.verdict == Verdict::unknown) {
+        ++tally.unknown;
+        ASSERT_FALSE(surely_apart(move)) << move;
+        return;
+    }
+    ++(quick.verdict == Verdict::meets ? tally.meets : tally.apart);
+    ASSERT_EQ((Impact{quick.verdict == Verdict::meets, quick.toi, quick.start}), move.impact()) << move;
+    ASSERT_FALSE(surely_apart(move) && quick.verdict != Verdict::apart) << move;
+}
+
+/// A number up or down to the n-th neighbour.
+double nudged(double x, int n) {
+    const double to = n < 0 ? -std::numeric_limits<double>::infinity() : std::numeric_limits<double>::infinity();
+    for (int i = std::abs(n); i > 0; --i) x = std::nextafter(x, to);
+    return x;
+}
+
+template <class Change>
+void change_coordinates(Move& move, Change change) {
+    for (MovingPoint& p : move.point) {
+        for (int axis = 0; axis < 3; ++axis) {
+            p.start[axis] = change(p.start[axis]);
+            p.end[axis] = change(p.end[axis]);
+        }
+    }
+}
+
+TEST(QuickImpact, IsRightForDegenerateMoves) {
+    for (const Feature feature : quick_features) {
+        for (const Lattice lattice : all_lattices) {
+            RandomMoves random(lattice, 23);
+            Tally tally;
+            for (int i = 0; i < 1500; ++i) check(random(feature), tally);
+            EXPECT_GT(tally.decided(), 0);
+            if (lattice == Lattice::wide) {
+                EXPECT_GT(tally.meets, 20);
+                EXPECT_LT(tally.unknown, 30);
+            }
+        }
+    }
+}
+
+TEST(QuickImpact, IsRightOneUnitBesideContact) {
+    // Most of the small integers' moves touch on a border, at the start or the end, twice at once, or nearly.
+    for (const Feature feature : quick_features) {
+        for (const Lattice lattice : all_lattices) {
+            RandomMoves random(lattice, 29);
+            Tally tally;
+            for (int i = 0; i < 400; ++i) {
+                Move move = random(feature);
+                // Some coordinates, or all of them, are off by a few units, in their place or far from the origin.
+                const int share = 1 + random.below(24), far = random.below(3);
+                change_coordinates(move, [&](double x) {
+                    if (far > 0) x += far == 1 ? 0x1p10 : -0x1p40;
+                    return random.below(24) < share ? nudged(x, random.below(5) - 2) : x;
+                });
+                check(move, tally);
+            }
+            EXPECT_GT(tally.decided(), 0);
+        }
+    }
+}
+
+TEST(QuickImpact, IsRightWhereItUnderOrOverflows) {
+    for (const Feature feature : quick_features) {
+        for (const Lattice lattice : all_lattices) {
+            for (const int exponent : {-1074, -1070, -1000, -520, -345, -340, -330, -320, -300, 290, 299, 301, 1015}) {
+                RandomMoves random(lattice, 31);
+                Tally tally;
+                for (int i = 0; i < 15; ++i) {
+                    Move move = random(feature);
+                    change_coordinates(move,
+                                       [&](double x) { return nudged(std::ldexp(x, exponent), random.below(2)); });
+                    check(move, tally);
+                }
+            }
+        }
+    }
+}
+
+TEST(QuickImpact, IsRightWhereMagnitudesDiffer) {
+    for (const Feature feature : quick_features) {
+        RandomMoves random(Lattice::wide, 37);
+        Tally tally;
+        for (int i = 0; i < 400; ++i) {
+            Move move = random(feature);
+            const int reach = 1 + random.below(80);
+            change_coordinates(move, [&](double x) { return std::ldexp(x, random.below(2 * reach) - reach); });
+            check(move, tally);
+        }
+        EXPECT_GT(tally.apart, 100);
+    }
+}
+
+TEST(QuickImpact, IsRightForVolumesThatAreNearlyZeroTwice) {
+    // A face that is a segment at some time, or nearly: the vertex, which is in its plane then, may be hit before,
+    // after, twice, or not at all.
+    RandomMoves random(Lattice::wide, 41);
+    Tally tally;
+    for (int i = 0; i < 2000; ++i) {
+        const double turn = (1 + random.below(999)) * 0x1p-10, gap = std::ldexp(random.below(9) - 4, -random.below(60));
+        const auto beside = [&](double x, double at) { return Vec3d{x, random.below(7) - 3., x * at}; };
+        Move move{Feature::vertex_face, {}};
+        // In the plane z = x s, s from -turn to 1 - turn, and the vertex at z = x s^2 or so.
+        const double x = random.below(5) - 2.;
+        move.point[0] = {{x, 0, gap - x * turn * turn}, {x, 0, gap + x * (1 - turn) * (1 - turn)}};
+        for (std::size_t corner = 1; corner < 4; ++corner) {
+            const double far = corner == 1 ? -3. : 1 + random.below(4);
+            move.point[corner] = {beside(far, -turn), beside(far, 1 - turn)};
+        }
+        check(move, tally);
+    }
+    EXPECT_GT(tally.meets, 50);
+    EXPECT_GT(tally.apart, 50);
+}
+
+TEST(QuickImpact, KnowsSomeContactsAtTheStart) {
+    Tally tally;
+    for (const Feature feature : quick_features) {
+        RandomMoves random(Lattice::wide, 43);
+        for (int i = 0; i < 300; ++i) {
+            Move move = random(feature);
+            auto& [p, q, r, s] = move.point;
+            if (i % 3 == 0) {
+                (i % 2 == 0 ? s : r).start = p.start;  // a common corner
+            } else if (feature == Feature::vertex_face) {
+                p.start = 0.25 * (i % 3 == 1 ? q.start + 2 * r.start + s.start : 3 * q.start + s.start);
+            } else {
+                const Vec3d middle = 0.5 * (r.start + s.start);
+                p.start = i % 3 == 1 ? 2 * middle - q.start : middle;  // crossing, or an end on the other edge
+            }
+            ASSERT_EQ(move.impact(), (Impact{true, 0, true})) << move;
+            check(move, tally);
+        }
+    }
+    EXPECT_GT(tally.meets, 550);
+}
+
+TEST(QuickImpact, KnowsThatWhatRestsInOnePlaneIsApart) {
+    // A point on a table, beside a face of it; all of it slides.
+    const auto slide = [](double x, double y) { return MovingPoint{{x, y, 0.3}, {x + 0.1, y - 0.7, 0.3}}; };
+    const Move beside{Feature::vertex_face, {slide(1.1, 1.2), slide(0, 0), slide(2, 0), slide(0.1, 2)}};
+    EXPECT_EQ(quickly(beside).verdict, Verdict::apart);
+    const Move inside{Feature::vertex_face, {slide(0.5, 0.5), slide(0, 0), slide(2, 0), slide(0.1, 2)}};
+    EXPECT_EQ(quickly(inside).verdict, Verdict::meets);
+    EXPECT_TRUE(quickly(inside).start);
+    const Move edges{Feature::edge_edge, {slide(0, 0), slide(2, 0), slide(1, 0.1), slide(1.5, 3)}};
+    EXPECT_EQ(quickly(edges).verdict, Verdict::apart);
+}
+
+TEST(QuickImpact, DoesNotKnowWhatIsNoNumber) {
+    RandomMoves random(Lattice::wide, 47);
+    for (const Feature feature : quick_features) {
+        for (const double odd : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(),
+                                 -std::numeric_limits<double>::infinity()}) {
+            for (std::size_t i = 0; i < 24; ++i) {
+                Move move = random(feature);
+                MovingPoint& p = move.point[i / 6];
+                (i % 2 == 0 ? p.start : p.end)[static_cast<int>(i / 2 % 3)] = odd;
+                EXPECT_EQ(quickly(move).verdict, Verdict::unknown) << move;
+                EXPECT_FALSE(surely_apart(move)) << move;
+            }
+        }
+    }
+}
+
+TEST(DecideImpact, IsWhatRationalArithmeticSays) {
+    for (const Feature feature : quick_features) {
+        for (const Lattice lattice : all_lattices) {
+            RandomMoves random(lattice, 53);
+            ImpactCounts counts;
+            for (int i = 0; i < 150; ++i) {
+                Move move = random(feature);
+                if (i % 10 == 0) change_coordinates(move, [](double x) { return std::ldexp(x, 700); });
+                ASSERT_EQ(decide(move, counts), move.impact()) << move;
+            }
+            EXPECT_GE(counts.exact, 15);
+            EXPECT_GE(counts.roots, counts.exact);
+            EXPECT_LE(counts.roots, 150);
+        }
+    }
+}
+
+}  // namespace
+}  // namespace crumple
