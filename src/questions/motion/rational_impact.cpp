@@ -2,34 +2,12 @@
 
 #include <array>
 #include <initializer_list>
-#include <vector>
 
-#include "questions/motion/polynomial.h"
+#include "questions/motion/paths.h"
 #include "questions/motion/roots.h"
 
 namespace crumple {
 namespace {
-
-/// A moving point: three polynomials in t of degree 1. Vectors between such points and their products are of the same
-/// type, of higher degree.
-using Path = Vec3<Polynomial>;
-
-/// In units of one power of two, in which all coordinates are integers.
-template <std::size_t N>
-std::array<Path, N> paths(const std::array<MovingPoint, N>& points) {
-    std::array<Vec3d, 2 * N> ends;
-    for (std::size_t i = 0; i < N; ++i) {
-        ends[2 * i] = points[i].start;
-        ends[2 * i + 1] = points[i].end;
-    }
-    const int exponent = common_exponent(ends);
-    std::array<Path, N> result;
-    for (std::size_t i = 0; i < N; ++i) {
-        const Vec3<Integer> start = scaled(points[i].start, exponent), end = scaled(points[i].end, exponent);
-        for (int axis = 0; axis < 3; ++axis) result[i][axis] = Polynomial({start[axis], end[axis] - start[axis]});
-    }
-    return result;
-}
 
 /// Twice the signed area of a b c, projected along an axis.
 Polynomial turn(const Path& a, const Path& b, const Path& c, int along) {
