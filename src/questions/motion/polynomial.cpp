@@ -8,8 +8,15 @@ namespace {
 
 /// p(u + k), by Horner's scheme repeated.
 void shift(std::vector<Integer>& coefficients, const Integer& k) {
+    const bool by_one = k == 1;  // most often, and then there is nothing to multiply
     for (std::size_t done = 0; done + 1 < coefficients.size(); ++done) {
-        for (std::size_t i = coefficients.size() - 1; i-- > done;) coefficients[i] += k * coefficients[i + 1];
+        for (std::size_t i = coefficients.size() - 1; i-- > done;) {
+            if (by_one) {
+                coefficients[i] += coefficients[i + 1];
+            } else {
+                coefficients[i] += k * coefficients[i + 1];
+            }
+        }
     }
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <climits>
 #include <cmath>
 #include <utility>
 
@@ -19,6 +20,47 @@ double round_down(const Dyadic& t) {
     const int unit = std::max(static_cast<int>(msb(t.k)) + 1 - precision - j, least_unit);
     const Integer places = unit > -j ? t.k >> (unit + j) : t.k;
     return std::ldexp(static_cast<double>(static_cast<std::int64_t>(places)), unit > -j ? unit : -j);
+}
+
+/// Appends the roots of p in [0, 1] in ascending order. False, with some of them appended, if parts shorter than
+/// 2^-deepest would have to be halved; not for a square-free p if there is no limit.
+bool isolate(const Polynomial& p, unsigned deepest, std::vector<Root>& roots) {
+    // Halve [0, 1] until each open interval has no root, or one and none at its ends. Where roots are simple,
+    // variations fall to 0 or 1 on short intervals. Those with none are forgotten at once, so the stack has at most an
+    // entry for each root, however deep it goes.
+    const Dyadic zero{0, 0}, one{1, 0};
+    struct Part {
+        Polynomial zoomed;  ///< the polynomial over the part, which is [0, 1] to it; 0 for a part that is one number
+        Dyadic from;
+        int variations = 0;
+    };
+    std::vector<Part> parts;
+    const auto push = [&](Part part) {
+        part.variations = sign_variations(part.zoomed);
+        if (part.variations > 0) parts.push_back(std::move(part));
+    };
+    if (p.sign_at(zero) == 0) roots.emplace_back(zero);
+    push({p, zero});
+    while (!parts.empty()) {
+        const Part part = std::move(parts.back());
+        parts.pop_back();
+        if (part.zoomed.zero()) {
+            roots.emplace_back(part.from);
+            continue;
+        }
+        if (part.variations == 1 && part.zoomed.sign_at(zero) != 0 && part.zoomed.sign_at(one) != 0) {
+            roots.emplace_back(p, part.from);
+            continue;
+        }
+        if (part.from.j >= deepest) return false;
+        const Dyadic half = middle(part.from);
+        // The last one in is the first one out: from right to left.
+        push({part.zoomed.zoomed({1, 1}), half});
+        if (part.zoomed.sign_at({1, 1}) == 0) parts.push_back({Polynomial(), half});
+        push({part.zoomed.zoomed({0, 1}), {2 * part.from.k, part.from.j + 1}});
+    }
+    if (p.sign_at(one) == 0) roots.emplace_back(one);
+    return true;
 }
 
 }  // namespace
@@ -62,43 +104,12 @@ double Root::rounded_down() {
 
 std::vector<Root> roots_in_unit_interval(const Polynomial& p) {
     std::vector<Root> roots;
-    const Dyadic zero{0, 0}, one{1, 0};
-    const bool at_zero = p.sign_at(zero) == 0, at_one = p.sign_at(one) == 0;
-    if (!at_zero && !at_one && sign_variations(p) == 0) return roots;  // as for most
-
-    // Halve [0, 1] until each open interval has no root, or one and none at its ends. As roots are simple, variations
-    // fall to 0 or 1 on short intervals. Those with none are forgotten at once, so the stack has at most an entry for
-    // each root, however deep it goes.
-    const Polynomial simple = square_free(p);
-    struct Part {
-        Polynomial zoomed;  ///< the polynomial over the part, which is [0, 1] to it; 0 for a part that is one number
-        Dyadic from;
-    };
-    std::vector<Part> parts;
-    const auto push = [&](Part part) {
-        if (sign_variations(part.zoomed) > 0) parts.push_back(std::move(part));
-    };
-    if (at_zero) roots.emplace_back(zero);
-    push({simple, zero});
-    while (!parts.empty()) {
-        const Part part = std::move(parts.back());
-        parts.pop_back();
-        if (part.zoomed.zero()) {
-            roots.emplace_back(part.from);
-            continue;
-        }
-        const bool clear_ends = part.zoomed.sign_at(zero) != 0 && part.zoomed.sign_at(one) != 0;
-        if (clear_ends && sign_variations(part.zoomed) == 1) {
-            roots.emplace_back(simple, part.from);
-            continue;
-        }
-        const Dyadic half = middle(part.from);
-        // The last one in is the first one out: from right to left.
-        push({part.zoomed.zoomed({1, 1}), half});
-        if (part.zoomed.sign_at({1, 1}) == 0) parts.push_back({Polynomial(), half});
-        push({part.zoomed.zoomed({0, 1}), {2 * part.from.k, part.from.j + 1}});
-    }
-    if (at_one) roots.emplace_back(one);
+    if (p.sign_at({0, 0}) != 0 && p.sign_at({1, 0}) != 0 && sign_variations(p) == 0) return roots;  // as for most
+    // Multiple roots are rare, and to divide by them costs as much as some hundred halvings.
+    constexpr unsigned deep = 32;
+    if (isolate(p, deep, roots)) return roots;
+    roots.clear();
+    isolate(square_free(p), UINT_MAX, roots);
     return roots;
 }
 

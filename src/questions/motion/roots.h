@@ -15,7 +15,7 @@ class Root {
    public:
     /// The number itself.
     explicit Root(Dyadic exact) : at_(std::move(exact)) {}
-    /// The one root of p, which is square-free, between `from` and (k + 1) / 2^j; it is at neither end.
+    /// The one root of p between `from` and (k + 1) / 2^j, a simple one; there is none at the ends.
     Root(const Polynomial& p, Dyadic from) : polynomial_(p), at_(std::move(from)), below_(p.sign_at(at_)) {}
 
     /// The sign of another polynomial there.
