@@ -11,9 +11,9 @@
 #include "crumple/features.h"
 #include "crumple/motion.h"
 #include "crumple/near.h"
-#include "model/features.h"
 #include "model/rules.h"
 #include "model/scene.h"
+#include "model/scene_features.h"
 
 namespace crumple {
 
@@ -26,7 +26,7 @@ struct FeatureQuery {
     double distance = 0;  ///< the separation, or the radius
     double share = 0;     ///< Motion::separation_share
     bool strict = false;  ///< Near::strict
-    const Features& features;
+    const SceneFeatures& features;
     const GroupRule& rule;
 };
 

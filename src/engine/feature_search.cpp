@@ -19,10 +19,10 @@ Extent extent(const Near& question) { return question.wants == NearWants::pairs 
 bool wants_worlds(const Motion& question) { return question.wants != MotionWants::any; }
 bool wants_worlds(const Near& question) { return question.wants != NearWants::any; }
 
-FeatureQuery query_of(const Motion& question, const Features& features, const GroupRule& rule) {
+FeatureQuery query_of(const Motion& question, const SceneFeatures& features, const GroupRule& rule) {
     return {true, extent(question), question.separation, question.separation_share, false, features, rule};
 }
-FeatureQuery query_of(const Near& question, const Features& features, const GroupRule& rule) {
+FeatureQuery query_of(const Near& question, const SceneFeatures& features, const GroupRule& rule) {
     return {false, extent(question), question.radius, 0, question.strict, features, rule};
 }
 

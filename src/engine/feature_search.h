@@ -10,8 +10,8 @@
 #include "engine/backend.h"
 #include "engine/world_scene.h"
 #include "model/body_rules.h"
-#include "model/features.h"
 #include "model/rules.h"
+#include "model/scene_features.h"
 #include "model/world.h"
 
 namespace crumple {
@@ -57,7 +57,7 @@ class FeatureSearch {
     GroupRule rule_;
     WorldScene scene_;
     SceneBuffers buffers_;
-    Features features_;
+    SceneFeatures features_;
     FeatureAnswer found_;
     Array<std::int64_t> first_edge_;  ///< of each body that was added to the scene; and the number of edges
 };

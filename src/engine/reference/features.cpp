@@ -6,6 +6,8 @@
 
 #include "questions/features/points.h"
 #include "questions/motion/rational_impact.h"
+#include "questions/motion/rational_separation.h"
+#include "questions/near/rational_distance.h"
 
 namespace crumple {
 namespace {
@@ -104,11 +106,20 @@ class Search {
         bool flag = false;
     };
     Row decide(FeatureKind kind, const Feature& a, const Feature& b) const {
-        std::vector<MovingPoint> p;
+        FeaturePoints p;
+        std::size_t n = 0;
         for (const Feature* f : {&a, &b})
-            for (const std::int32_t v : f->vertices) p.push_back(moving_point(scene_, v));
-        const bool face = kind == FeatureKind::vertex_face;
-        const Impact impact = face ? vertex_face(p[0], p[1], p[2], p[3]) : edge_edge(p[0], p[1], p[2], p[3]);
+            for (const std::int32_t v : f->vertices) p[n++] = moving_point(scene_, v);
+        if (!query_.motion) {
+            const RationalDistance distance(at_start(kind, p));
+            if (!distance.within({query_.distance, 0, query_.strict})) return {};
+            return {true, distance.squared(), distance.touching()};
+        }
+        const Separation separation{query_.distance, query_.share};
+        const bool plain = query_.distance == 0 && query_.share == 0, face = kind == FeatureKind::vertex_face;
+        const Impact impact = plain  ? (face ? vertex_face(p[0], p[1], p[2], p[3]) : edge_edge(p[0], p[1], p[2], p[3]))
+                              : face ? vertex_face(p[0], p[1], p[2], p[3], separation)
+                                     : edge_edge(p[0], p[1], p[2], p[3], separation);
         return {impact.meets, impact.toi, impact.start};
     }
 

@@ -1,15 +1,43 @@
 #include "questions/features/decide.h"
 
-#include "questions/motion/rational_impact.h"
+#include "questions/motion/decide_impact.h"
+#include "questions/motion/rational_separation.h"
+#include "questions/near/rational_distance.h"
 
 namespace crumple {
+namespace {
 
-FeatureDecision decide(FeatureKind kind, const FeaturePoints& p, const FeatureQuery&, FeatureCounts& counts) {
-    ++counts.tests;
-    ++counts.rational;
-    const Impact impact =
-        kind == FeatureKind::vertex_face ? vertex_face(p[0], p[1], p[2], p[3]) : edge_edge(p[0], p[1], p[2], p[3]);
+FeatureDecision impact(FeatureKind kind, const FeaturePoints& p, FeatureCounts& counts) {
+    ImpactCounts by;
+    const Impact impact = kind == FeatureKind::vertex_face ? vertex_face_impact(p[0], p[1], p[2], p[3], by)
+                                                           : edge_edge_impact(p[0], p[1], p[2], p[3], by);
+    counts.rational += by.exact;
     return {impact.meets, impact.toi, impact.start};
+}
+
+FeatureDecision separated_impact(FeatureKind kind, const FeaturePoints& p, const Separation& separation,
+                                 FeatureCounts& counts) {
+    ++counts.rational;
+    const Impact impact = kind == FeatureKind::vertex_face ? vertex_face(p[0], p[1], p[2], p[3], separation)
+                                                           : edge_edge(p[0], p[1], p[2], p[3], separation);
+    return {impact.meets, impact.toi, impact.start};
+}
+
+FeatureDecision nearness(FeatureKind kind, const FeaturePoints& p, const Reach& reach, FeatureCounts& counts) {
+    ++counts.rational;
+    const RationalDistance distance(at_start(kind, p));
+    if (!distance.within(reach)) return {};
+    return {true, distance.squared(), distance.touching()};
+}
+
+}  // namespace
+
+FeatureDecision decide(FeatureKind kind, const FeaturePoints& points, const FeatureQuery& query,
+                       FeatureCounts& counts) {
+    ++counts.tests;
+    if (!query.motion) return nearness(kind, points, {query.distance, 0, query.strict}, counts);
+    if (query.distance == 0 && query.share == 0) return impact(kind, points, counts);
+    return separated_impact(kind, points, {query.distance, query.share}, counts);
 }
 
 }  // namespace crumple

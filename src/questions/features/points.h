@@ -7,6 +7,7 @@
 #include "crumple/features.h"
 #include "model/scene.h"
 #include "questions/motion/impact.h"
+#include "questions/near/features.h"
 
 namespace crumple {
 
@@ -22,6 +23,12 @@ inline MovingPoint moving_point(const Scene& scene, std::int32_t vertex) {
 inline FeaturePoints points_of(const Scene& scene, const std::int32_t (&vertex)[4]) {
     return {moving_point(scene, vertex[0]), moving_point(scene, vertex[1]), moving_point(scene, vertex[2]),
             moving_point(scene, vertex[3])};
+}
+
+/// The points at rest, where they are at the start.
+inline Features at_start(FeatureKind kind, const FeaturePoints& p) {
+    return {kind == FeatureKind::vertex_face ? FeatureKinds::vertex_face : FeatureKinds::edge_edge,
+            {p[0].start, p[1].start, p[2].start, p[3].start}};
 }
 
 }  // namespace crumple

@@ -24,7 +24,7 @@ struct alignas(16) FeatureRecord {
     std::int32_t vertex[3];
     std::int32_t edge[3];  ///< -1 where a side's ends are equal
     std::int32_t triangle;
-    std::uint32_t owned;  ///< see Features
+    std::uint32_t owned;  ///< see SceneFeatures
 
     CRUMPLE_HD Vec3f at(int i) const { return {x[i], y[i], z[i]}; }
     CRUMPLE_HD void set(int i, const Vec3f& p) { x[i] = p.x, y[i] = p.y, z[i] = p.z; }

@@ -6,7 +6,7 @@
 #include <cstdint>
 
 #include "engine/cpu/layout.h"
-#include "model/features.h"
+#include "model/scene_features.h"
 #include "questions/features/tests_of_pair.h"
 
 namespace crumple::cpu {
@@ -16,7 +16,8 @@ struct FeatureKernels {
     using Record = FeatureRecord<moments>;
 
     /// Records and boxes of a leaf's members.
-    void (*build)(const BuildInput& input, const Features& features, Record* record, Boxes& boxes, LeafBounds& bounds);
+    void (*build)(const BuildInput& input, const SceneFeatures& features, Record* record, Boxes& boxes,
+                  LeafBounds& bounds);
 
     /// Copies record i to sorted[position[i]].
     void (*scatter)(const Record* record, std::int64_t n, const std::int32_t* position, Record* sorted);

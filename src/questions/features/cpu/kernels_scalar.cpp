@@ -10,7 +10,7 @@ namespace crumple::cpu {
 namespace {
 
 template <int moments>
-void build(const BuildInput& in, const Features& features, FeatureRecord<moments>* record, Boxes& boxes,
+void build(const BuildInput& in, const SceneFeatures& features, FeatureRecord<moments>* record, Boxes& boxes,
            LeafBounds& bounds) {
     bounds = {};
     for (std::int64_t i = 0; i < in.members; ++i) {

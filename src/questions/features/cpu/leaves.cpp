@@ -127,7 +127,7 @@ void FeatureLeaves<moments>::list_tests(const SortedLeaf& leaf, const Ownership&
         return rule.trivial() || rule(scene.group(a), scene.group(b));
     };
     const bool check = !ownership.complete() || !rule.trivial();
-    const Features& features = query_->features;
+    const SceneFeatures& features = query_->features;
     const auto name = [&](std::int32_t vertex) { return features.name(vertex); };
     auto& [vertex_faces, edge_edges] = worker.tests;
     vertex_faces.clear();

@@ -22,9 +22,9 @@ namespace crumple {
 /// The edges of a triangle, by side; -1 where a side's ends are equal.
 using TriangleEdges = std::array<std::int32_t, 3>;
 
-class Features {
+class SceneFeatures {
    public:
-    explicit Features(MemoryMeter* meter);
+    explicit SceneFeatures(MemoryMeter* meter);
 
     /// Of the scene's triangles. What is known is kept while their corners stay the same: then it costs a comparison;
     /// else O(triangles), on all threads. `weld`: vertices at equal positions, at the start and at the end, count as

@@ -1,4 +1,4 @@
-#include "model/features.h"
+#include "model/scene_features.h"
 
 #include <algorithm>
 #include <atomic>
@@ -18,7 +18,7 @@ std::size_t chunks(std::int64_t n) { return static_cast<std::size_t>((n + chunk 
 
 }  // namespace
 
-Features::Features(MemoryMeter* meter)
+SceneFeatures::SceneFeatures(MemoryMeter* meter)
     : edges_(meter),
       edges_of_(meter),
       owned_(meter),
@@ -29,7 +29,7 @@ Features::Features(MemoryMeter* meter)
       count_(meter),
       buffers_(meter) {}
 
-void Features::release() {
+void SceneFeatures::release() {
     edges_.release();
     edges_of_.release();
     owned_.release();
@@ -42,7 +42,7 @@ void Features::release() {
     vertices_ = -1;
 }
 
-void Features::prepare(const Scene& scene, bool weld, ParallelFor& workers) {
+void SceneFeatures::prepare(const Scene& scene, bool weld, ParallelFor& workers) {
     if (scene.triangle_count() > std::numeric_limits<std::int32_t>::max() / 3)
         throw Error(ErrorCode::invalid_argument, "there are " + std::to_string(scene.triangle_count()) +
                                                      " triangles; features are found of 715827882 at most");
@@ -58,14 +58,14 @@ void Features::prepare(const Scene& scene, bool weld, ParallelFor& workers) {
     if (weld) name_equal_positions(scene, buffers_.table, names_);
 }
 
-bool Features::known(const Scene& scene) const {
+bool SceneFeatures::known(const Scene& scene) const {
     const auto n = static_cast<std::size_t>(3 * scene.triangle_count());
     return vertices_ == scene.vertex_count() && corners_.size() == n &&
            (n == 0 || std::memcmp(corners_.data(), scene.corners, n * sizeof(std::int32_t)) == 0);
 }
 
 // A counting sort of all sides by their lower vertex; then those of each by the other.
-void Features::find_edges(const Scene& scene, ParallelFor& workers) {
+void SceneFeatures::find_edges(const Scene& scene, ParallelFor& workers) {
     const std::int64_t n = scene.triangle_count(), vertices = scene.vertex_count();
     const auto ends = [&](std::int64_t slot) {
         const std::int32_t *c = scene.corners + slot / 3 * 3, a = c[slot % 3], b = c[(slot + 1) % 3];
@@ -124,7 +124,7 @@ void Features::find_edges(const Scene& scene, ParallelFor& workers) {
     });
 }
 
-void Features::find_owned_vertices(const Scene& scene) {
+void SceneFeatures::find_owned_vertices(const Scene& scene) {
     Array<std::int64_t>& seen = first_;
     seen.assign(static_cast<std::size_t>(scene.vertex_count()), 0);
     for (std::int64_t t = 0; t < scene.triangle_count(); ++t)
