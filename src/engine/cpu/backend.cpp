@@ -22,6 +22,7 @@ class CpuBackend final : public BackendBase {
         : options_(options),
           kernels_(stage_kernels(options.simd)),
           intersect_(intersect_kernels(options.simd)),
+          features_(feature_kernels(options.simd)),
           cancellation_(cancellation),
           workers_(options, cancellation),
           meter_(meter) {
@@ -102,14 +103,14 @@ class CpuBackend final : public BackendBase {
 
     void release() override {
         kept_.reset();
-        kept_ = std::make_unique<Kept>(&meter_, workers_.workers(), intersect_);
+        kept_ = std::make_unique<Kept>(&meter_, workers_.workers(), intersect_, features_);
     }
 
    private:
     /// From call to call.
     struct Kept {
-        Kept(MemoryMeter* m, int workers, const IntersectKernels& kernels)
-            : rule(m), buffers(m, workers), leaves(m, workers, kernels), output(m), features(m, workers) {}
+        Kept(MemoryMeter* m, int workers, const IntersectKernels& kernels, const FeatureTables& features)
+            : rule(m), buffers(m, workers), leaves(m, workers, kernels), output(m), features(m, workers, features) {}
         GroupRule rule;
         Buffers buffers;
         IntersectLeaves leaves;
@@ -143,6 +144,7 @@ class CpuBackend final : public BackendBase {
     Options options_;
     const StageKernels& kernels_;
     const IntersectKernels& intersect_;
+    const FeatureTables& features_;
     Cancellation& cancellation_;
     Workers workers_;
     MemoryMeter& meter_;

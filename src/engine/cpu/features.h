@@ -9,7 +9,8 @@ namespace crumple::cpu {
 
 /// What is kept from call to call, beside the stages' buffers.
 struct FeatureBuffers {
-    FeatureBuffers(MemoryMeter* m, int workers) : at_rest(m, workers), moving(m, workers), place(m), placed(m) {}
+    FeatureBuffers(MemoryMeter* m, int workers, const FeatureTables& kernels)
+        : at_rest(m, workers, kernels), moving(m, workers, kernels), place(m), placed(m) {}
     FeatureLeaves<1> at_rest;
     FeatureLeaves<2> moving;
     // Of `output`:

@@ -1,30 +1,113 @@
 #pragma once
 
 // Which pairs of features are no answer for certain: what is tested between the pair of their triangles and the exact
-// decision (docs/features.md). Points are normalised, and exact. Compiled for host and device.
+// decision, in float32 with proven bounds (docs/features.md). Compiled for host and device.
+//
+// A pair is seen from its first point: three vectors to the others at each moment, each component off by one rounding.
+// Coordinates are at most 1, so nothing overflows; what underflows is covered by slacks.
 
 #include "crumple/features.h"
+#include "geometry/leaf_frame.h"
 #include "geometry/vec.h"
 
 namespace crumple {
 
-/// How many of the four points belong to the first feature.
-CRUMPLE_HD constexpr int first_points(FeatureKind kind) { return kind == FeatureKind::vertex_face ? 1 : 2; }
+/// How far values err for each unit of their monomials' magnitudes, with those of the comparison: places on a
+/// direction, volumes; and squared lengths of normals, and sums, on top of what their bound has.
+inline constexpr float place_error = 10 * unit_roundoff, volume_error = 14 * unit_roundoff,
+                       normal_error = 8 * unit_roundoff, up = 1.000002f;
+inline constexpr float place_slack = 1e-30f, volume_slack = 1e-32f;
 
-/// Whether the boxes of both features' ways are further apart than `distance`, along an axis. `p`: four points at the
-/// start, then at the end.
 template <int moments>
-CRUMPLE_HD bool boxes_apart(const Vec3d p[4 * moments], FeatureKind kind, double distance) {
-    const int first = first_points(kind);
-    Vec3d low[2] = {p[0], p[first]}, high[2] = {p[0], p[first]};
-    for (int i = 0; i < 4 * moments; ++i) {
-        const int of = i % 4 < first ? 0 : 1;
-        low[of] = min(low[of], p[i]);
-        high[of] = max(high[of], p[i]);
+struct SeenFeatures {
+    Vec3f to[moments][3];
+
+    /// Bounds on the components of a vector at any time.
+    CRUMPLE_HD Vec3f reach(int i) const {
+        return moments == 1 ? abs(to[0][i]) : max(abs(to[0][i]), abs(to[moments - 1][i]));
     }
-    // A difference errs by half a unit in the last place, which the factor covers.
-    const Vec3d out = max(low[0] - high[1], low[1] - high[0]);
-    return largest(out) * (1 - 0x1p-50) > distance;
+};
+
+/// The side on which the second feature is, seen from the first, where the points have these places on a direction; 0
+/// if there is no gap of more than `gap`.
+template <FeatureKind kind>
+CRUMPLE_HD int side(float place1, float place2, float place3, float gap) {
+    if constexpr (kind == FeatureKind::vertex_face) {
+        if (min(place1, min(place2, place3)) > gap) return 1;
+        return max(place1, max(place2, place3)) < -gap ? -1 : 0;
+    }
+    if (min(place2, place3) > max(place1, 0.0f) + gap) return 1;
+    return max(place2, place3) < min(place1, 0.0f) - gap ? -1 : 0;
+}
+
+/// Whether a direction separates the features by more than `distance` at each moment, the same way round. `reach`: of
+/// the three vectors, together.
+template <FeatureKind kind, int moments>
+CRUMPLE_HD bool separates(const Vec3f& direction, const SeenFeatures<moments>& seen, const Vec3f& reach,
+                          float distance) {
+    const float gap =
+        place_error * dot(abs(direction), reach) + place_slack + distance * up * std::sqrt(dot(direction, direction));
+    const auto side_at = [&](int m) {
+        const Vec3f(&to)[3] = seen.to[m];
+        return side<kind>(dot(direction, to[0]), dot(direction, to[1]), dot(direction, to[2]), gap);
+    };
+    const int start = side_at(0);
+    return start != 0 && start == side_at(moments - 1);
+}
+
+/// From the middle of the first feature to that of the second, three times or twice.
+template <FeatureKind kind>
+CRUMPLE_HD Vec3f between_middles(const Vec3f (&to)[3]) {
+    if constexpr (kind == FeatureKind::vertex_face) return to[0] + to[1] + to[2];
+    return to[1] + to[2] - to[0];
+}
+
+/// The products in a component of a x b, both added.
+CRUMPLE_HD inline Vec3f product_magnitudes(const Vec3f& a, const Vec3f& b) {
+    return {a.y * b.z + a.z * b.y, a.z * b.x + a.x * b.z, a.x * b.y + a.y * b.x};
+}
+
+/// Whether the four points are in one plane at no time: the Bernstein coefficients of six times their volume, a cubic,
+/// have one sign.
+CRUMPLE_HD inline bool never_in_a_plane(const SeenFeatures<2>& seen, float magnitude) {
+    const Vec3f(&p)[3] = seen.to[0], (&q)[3] = seen.to[1];
+    const Vec3f start = cross(p[0], p[1]), mixed = cross(p[0], q[1]) + cross(q[0], p[1]), end = cross(q[0], q[1]);
+    const float b0 = dot(start, p[2]), b3 = dot(end, q[2]);
+    const float b1 = dot(start, q[2]) + dot(mixed, p[2]), b2 = dot(end, p[2]) + dot(mixed, q[2]);  // three times
+    const float bound = volume_error * magnitude + volume_slack;
+    const float least = min(min(b0, b3), min(b1, b2) * (1.0f / 3)), most = max(max(b0, b3), max(b1, b2) * (1.0f / 3));
+    return least > bound || most < -bound;
+}
+
+/// The same at rest: whether the second feature's plane, or that of directions of both edges, is further than
+/// `distance` from the first one.
+template <FeatureKind kind>
+CRUMPLE_HD bool plane_is_far(const SeenFeatures<1>& seen, float magnitude, float distance) {
+    const Vec3f(&p)[3] = seen.to[0];
+    const Vec3f a = kind == FeatureKind::vertex_face ? p[1] - p[0] : p[0];
+    const Vec3f b = kind == FeatureKind::vertex_face ? p[2] - p[0] : p[2] - p[1];
+    const Vec3f reach_a = kind == FeatureKind::vertex_face ? abs(p[0]) + abs(p[1]) : abs(p[0]);
+    const Vec3f reach_b = kind == FeatureKind::vertex_face ? abs(p[0]) + abs(p[2]) : abs(p[1]) + abs(p[2]);
+    const Vec3f n = cross(a, b), off = product_magnitudes(reach_a, reach_b);
+    const float length = up * std::sqrt(dot(n, n)) + normal_error * (off.x + off.y + off.z) + volume_slack;
+    return std::abs(dot(cross(p[0], p[1]), p[2])) > distance * up * length + volume_error * magnitude + volume_slack;
+}
+
+/// Whether the features are further apart than `distance` at any time. False says nothing.
+template <FeatureKind kind, int moments>
+CRUMPLE_HD bool surely_far(const SeenFeatures<moments>& seen, float distance) {
+    const Vec3f reach[3] = {seen.reach(0), seen.reach(1), seen.reach(2)};
+    const Vec3f all = reach[0] + reach[1] + reach[2];
+    const float magnitude = dot(product_magnitudes(reach[0], reach[1]), reach[2]);
+    if constexpr (moments == 1) {
+        if (plane_is_far<kind>(seen, magnitude, distance)) return true;
+    } else {
+        if (distance == 0 && never_in_a_plane(seen, magnitude)) return true;
+    }
+    for (int m = 0; m < moments; ++m)
+        if (separates<kind>(between_middles<kind>(seen.to[m]), seen, all, distance)) return true;
+    return separates<kind>(Vec3f{1, 0, 0}, seen, all, distance) ||
+           separates<kind>(Vec3f{0, 1, 0}, seen, all, distance) || separates<kind>(Vec3f{0, 0, 1}, seen, all, distance);
 }
 
 }  // namespace crumple

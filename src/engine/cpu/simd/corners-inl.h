@@ -32,6 +32,22 @@ HWY_INLINE hn::Vec<D> gather_blocks(D d, F f) {
     }
 }
 
+template <class V>
+struct Point {
+    V x, y, z;
+};
+
+/// Rows of four, transposed in each block: lane r of block b comes from block b of row[r].
+template <class D, class V>
+HWY_INLINE void transpose_rows(D d, const V (&row)[4], V& x, V& y, V& z, V& w) {
+    const V low02 = hn::InterleaveLower(d, row[0], row[2]), low13 = hn::InterleaveLower(d, row[1], row[3]);
+    const V high02 = hn::InterleaveUpper(d, row[0], row[2]), high13 = hn::InterleaveUpper(d, row[1], row[3]);
+    x = hn::InterleaveLower(d, low02, low13);
+    y = hn::InterleaveUpper(d, low02, low13);
+    z = hn::InterleaveLower(d, high02, high13);
+    w = hn::InterleaveUpper(d, high02, high13);
+}
+
 /// (x, y, z, w) -> (y, z, x, w) in each block.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE V rotate_axes(D d, V v) {

@@ -1,9 +1,12 @@
 #pragma once
 
-// The inner loops of questions about features on the cpu, as a table of functions beside those of the stages
-// (engine/cpu/kernels.h). One table for each number of moments: nearness knows one, motion two.
+// The inner loops of questions about features on the cpu, as tables of functions beside those of the stages
+// (engine/cpu/kernels.h): one for each number of moments, nearness knows one, motion two. Plain C++
+// (kernels_scalar.cpp, from the per-pair sources that host and device share) and one pair of tables for each SIMD
+// instruction set, which overrides it (lanes.cpp). All tables leave what may be an answer.
 
 #include <cstdint>
+#include <vector>
 
 #include "engine/cpu/layout.h"
 #include "model/scene_features.h"
@@ -26,13 +29,32 @@ struct FeatureKernels {
     /// many. `record`: by physical row. Writes up to `padding` more.
     std::size_t (*separate)(const Record* record, const Candidates& candidates, float gap, std::uint32_t* left);
 
-    /// Keeps the tests that may be an answer: moves them to the front, in order, and returns how many. `ends` as in
-    /// BuildInput; `distance`: what is asked for, in normalised coordinates, rounded up. May read `padding` more.
-    std::size_t (*filter)(const PointRows& points, std::int64_t ends, float distance, FeatureKind kind,
-                          FeatureTest* test, std::size_t count);
+    /// By kind: keeps the tests that may be an answer: moves them to the front, in order, and returns how many. `ends`
+    /// as in BuildInput; `distance`: what is asked for, in normalised coordinates, rounded up.
+    std::size_t (*filter[feature_kinds])(const PointRows& points, std::int64_t ends, float distance, FeatureTest* test,
+                                         std::size_t count);
 };
 
-template <int moments>
-const FeatureKernels<moments>& scalar_features();
+/// For questions at rest, and for steps.
+struct FeatureTables {
+    FeatureKernels<1> at_rest;
+    FeatureKernels<2> moving;
+
+    template <int moments>
+    const FeatureKernels<moments>& of() const {
+        if constexpr (moments == 1)
+            return at_rest;
+        else
+            return moving;
+    }
+};
+
+/// The tables for an instruction set; throws backend_unavailable if the build or the machine lacks it.
+const FeatureTables& feature_kernels(Simd simd);
+
+/// All tables that build and machine have, the plain ones first, in the order of all_stage_kernels(): for tests.
+std::vector<const FeatureTables*> all_feature_kernels();
+
+extern const FeatureTables scalar_features;
 
 }  // namespace crumple::cpu

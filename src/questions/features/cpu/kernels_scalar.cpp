@@ -62,34 +62,29 @@ std::size_t separate(const FeatureRecord<moments>* record, const Candidates& can
     return count;
 }
 
-template <int moments>
-std::size_t filter(const PointRows& points, std::int64_t ends, float distance, FeatureKind kind, FeatureTest* test,
-                   std::size_t count) {
+template <FeatureKind kind, int moments>
+std::size_t filter(const PointRows& points, std::int64_t ends, float distance, FeatureTest* test, std::size_t count) {
     std::size_t left = 0;
     for (std::size_t i = 0; i < count; ++i) {
-        Vec3d p[4 * moments];
-        for (int k = 0; k < 4; ++k) {
-            p[k] = points[test[i].vertex[k]];
-            if constexpr (moments == 2) p[4 + k] = points[static_cast<std::int32_t>(test[i].vertex[k] + ends)];
+        SeenFeatures<moments> seen;
+        for (int m = 0; m < moments; ++m) {
+            const auto at = [&](int k) { return points[static_cast<std::int32_t>(test[i].vertex[k] + m * ends)]; };
+            for (int k = 0; k < 3; ++k) seen.to[m][k] = to_float(at(k + 1) - at(0));
         }
-        if (boxes_apart<moments>(p, kind, distance)) continue;
-        test[left++] = test[i];
+        if (!surely_far<kind>(seen, distance)) test[left++] = test[i];
     }
     return left;
 }
 
 template <int moments>
-constexpr FeatureKernels<moments> table{build<moments>, scatter<moments>, separate<moments>, filter<moments>};
+constexpr FeatureKernels<moments> table{
+    build<moments>,
+    scatter<moments>,
+    separate<moments>,
+    {filter<FeatureKind::vertex_face, moments>, filter<FeatureKind::edge_edge, moments>}};
 
 }  // namespace
 
-template <>
-const FeatureKernels<1>& scalar_features<1>() {
-    return table<1>;
-}
-template <>
-const FeatureKernels<2>& scalar_features<2>() {
-    return table<2>;
-}
+const FeatureTables scalar_features{table<1>, table<2>};
 
 }  // namespace crumple::cpu

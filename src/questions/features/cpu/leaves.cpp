@@ -25,7 +25,8 @@ FeatureRecord<moments> dummy_record() {
 }  // namespace
 
 template <int moments>
-FeatureLeaves<moments>::FeatureLeaves(MemoryMeter* meter, int workers) : kernels_(scalar_features<moments>()) {
+FeatureLeaves<moments>::FeatureLeaves(MemoryMeter* meter, int workers, const FeatureTables& kernels)
+    : kernels_(kernels.of<moments>()) {
     for (int w = 0; w < workers; ++w) {
         worker_.push_back(std::make_unique<Worker>(meter));
         for (std::size_t kind = 0; kind < feature_kinds; ++kind) found_[kind].push_back(&worker_.back()->hits[kind]);
@@ -100,7 +101,7 @@ void FeatureLeaves<moments>::narrow(const SortedLeaf& leaf, const Ownership& own
         worker.statistics.edge_tests += static_cast<std::int64_t>(tests.size());
         const std::int64_t ends = call_->scene.moving ? call_->scene.vertex_count() : 0;
         if (query_->share == 0)
-            tests.resize(kernels_.filter(call_->points(), ends, distance_, kind, tests.data(), tests.size()));
+            tests.resize(kernels_.filter[k](call_->points(), ends, distance_, tests.data(), tests.size()));
         worker.statistics.double_tests += static_cast<std::int64_t>(tests.size());
         decide_tests(kind, worker);
     }

@@ -27,7 +27,7 @@ struct FeatureHit {
 template <int moments>
 class FeatureLeaves final : public LeafQuestion {
    public:
-    FeatureLeaves(MemoryMeter* meter, int workers);
+    FeatureLeaves(MemoryMeter* meter, int workers, const FeatureTables& kernels);
 
     /// What is asked, from begin() on. `distance`: what is asked for in normalised coordinates, rounded up.
     void ask(const FeatureQuery& query, float distance);

@@ -35,11 +35,6 @@ HWY_INLINE void load_records(D d, RecordOf record, V& X, V& Y, V& Z, V& I) {
     }
 }
 
-template <class V>
-struct Point {
-    V x, y, z;
-};
-
 /// A vector of triangles, one a lane.
 template <class D>
 struct Triangles {
@@ -59,17 +54,6 @@ struct Triangles {
                 pick(corner[0].z, corner[1].z, corner[2].z)};
     }
 };
-
-/// Rows of four, transposed in each block: lane r of block b comes from block b of row[r].
-template <class D, class V>
-HWY_INLINE void transpose_rows(D d, const V (&row)[4], V& x, V& y, V& z, V& w) {
-    const V low02 = hn::InterleaveLower(d, row[0], row[2]), low13 = hn::InterleaveLower(d, row[1], row[3]);
-    const V high02 = hn::InterleaveUpper(d, row[0], row[2]), high13 = hn::InterleaveUpper(d, row[1], row[3]);
-    x = hn::InterleaveLower(d, low02, low13);
-    y = hn::InterleaveUpper(d, low02, low13);
-    z = hn::InterleaveLower(d, high02, high13);
-    w = hn::InterleaveUpper(d, high02, high13);
-}
 
 /// The triangle of *record(lane) in each lane: four loads of blocks, transposed. A gather would fetch each number by
 /// itself.

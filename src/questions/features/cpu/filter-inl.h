@@ -1,0 +1,168 @@
+// Tests of features that are no answer for certain, one a lane: lanes for questions/features/feature_filters.h.
+
+#if defined(CRUMPLE_FEATURES_CPU_FILTER_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef CRUMPLE_FEATURES_CPU_FILTER_INL_H_
+#undef CRUMPLE_FEATURES_CPU_FILTER_INL_H_
+#else
+#define CRUMPLE_FEATURES_CPU_FILTER_INL_H_
+#endif
+
+#include "questions/features/cpu/vectors-inl.h"
+#include "questions/features/feature_filters.h"
+#include "questions/features/tests_of_pair.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace crumple::cpu::features {
+namespace HWY_NAMESPACE {
+
+/// As SeenFeatures, one a lane.
+template <class V, int moments>
+struct Seen {
+    Point<V> to[moments][3];
+
+    HWY_INLINE Point<V> reach(int i) const {
+        if constexpr (moments == 1)
+            return abs(to[0][i]);
+        else
+            return max(abs(to[0][i]), abs(to[1][i]));
+    }
+};
+
+/// Differences of rows, rounded once: float64 ones are subtracted before they are.
+HWY_INLINE V4 row_difference(const Points32& points, std::int64_t to, std::int64_t from) {
+    return hn::Sub(hn::Load(Four(), points.rows + 4 * to), hn::Load(Four(), points.rows + 4 * from));
+}
+HWY_INLINE V4 row_difference(const Points64& points, std::int64_t to, std::int64_t from) {
+    return Points64::difference(points.rows + 4 * to, points.rows + 4 * from);
+}
+
+template <int moments, class D, class Points, class V = hn::Vec<D>>
+HWY_INLINE void load_seen(D d, const Points& points, std::int64_t ends, const FeatureTest* const* test,
+                          Seen<V, moments>& seen) {
+    for (int m = 0; m < moments; ++m)
+        for (int k = 0; k < 3; ++k) {
+            V row[4], unused;
+            for (int r = 0; r < 4; ++r)
+                row[r] = gather_blocks(d, [&](int b) HWY_ATTR {
+                    const std::int32_t* vertex = test[4 * b + r]->vertex;
+                    return row_difference(points, vertex[k + 1] + m * ends, vertex[0] + m * ends);
+                });
+            transpose_rows(d, row, seen.to[m][k].x, seen.to[m][k].y, seen.to[m][k].z, unused);
+        }
+}
+
+/// As separates() of one pair.
+template <FeatureKind kind, int moments, class V>
+HWY_INLINE auto separates(const Point<V>& n, const Seen<V, moments>& seen, const Point<V>& reach, V distance) {
+    const hn::DFromV<V> d;
+    const V gap = hn::Add(hn::MulAdd(hn::Set(d, place_error), dot(abs(n), reach), hn::Set(d, place_slack)),
+                          hn::Mul(distance, hn::Sqrt(dot(n, n))));
+    const auto at = [&](int m, auto& above, auto& below) HWY_ATTR {
+        const V p0 = dot(n, seen.to[m][0]), p1 = dot(n, seen.to[m][1]), p2 = dot(n, seen.to[m][2]);
+        if constexpr (kind == FeatureKind::vertex_face) {
+            above = hn::Gt(least(p0, p1, p2), gap);
+            below = hn::Lt(greatest(p0, p1, p2), hn::Neg(gap));
+        } else {
+            const V zero = hn::Zero(d);
+            above = hn::Gt(hn::Min(p1, p2), hn::Add(hn::Max(p0, zero), gap));
+            below = hn::Lt(hn::Max(p1, p2), hn::Sub(hn::Min(p0, zero), gap));
+        }
+    };
+    decltype(hn::Gt(gap, gap)) above, below;
+    at(0, above, below);
+    if constexpr (moments == 2) {
+        auto above_end = above, below_end = below;
+        at(1, above_end, below_end);
+        above = hn::And(above, above_end);
+        below = hn::And(below, below_end);
+    }
+    return hn::Or(above, below);
+}
+
+template <FeatureKind kind, class V>
+HWY_INLINE Point<V> between_middles(const Point<V> (&to)[3]) {
+    if constexpr (kind == FeatureKind::vertex_face)
+        return add(add(to[0], to[1]), to[2]);
+    else
+        return subtract(add(to[1], to[2]), to[0]);
+}
+
+template <class V>
+HWY_INLINE V volume_bound(V magnitude) {
+    const hn::DFromV<V> d;
+    return hn::MulAdd(hn::Set(d, volume_error), magnitude, hn::Set(d, volume_slack));
+}
+
+/// As never_in_a_plane() of one pair.
+template <class V>
+HWY_INLINE auto never_in_a_plane(const Seen<V, 2>& seen, V magnitude) {
+    const hn::DFromV<V> d;
+    const Point<V>(&p)[3] = seen.to[0], (&q)[3] = seen.to[1];
+    const Point<V> start = cross(p[0], p[1]), end = cross(q[0], q[1]);
+    const Point<V> mixed = add(cross(p[0], q[1]), cross(q[0], p[1]));
+    const V b0 = dot(start, p[2]), b3 = dot(end, q[2]), third = hn::Set(d, 1.0f / 3);
+    const V b1 = hn::Add(dot(start, q[2]), dot(mixed, p[2])), b2 = hn::Add(dot(end, p[2]), dot(mixed, q[2]));
+    const V bound = volume_bound(magnitude);
+    const V low = hn::Min(hn::Min(b0, b3), hn::Mul(hn::Min(b1, b2), third));
+    const V high = hn::Max(hn::Max(b0, b3), hn::Mul(hn::Max(b1, b2), third));
+    return hn::Or(hn::Gt(low, bound), hn::Lt(high, hn::Neg(bound)));
+}
+
+/// As plane_is_far() of one pair.
+template <FeatureKind kind, class V>
+HWY_INLINE auto plane_is_far(const Seen<V, 1>& seen, V magnitude, V distance) {
+    constexpr bool face = kind == FeatureKind::vertex_face;
+    const hn::DFromV<V> d;
+    const Point<V>(&p)[3] = seen.to[0];
+    const Point<V> a = face ? subtract(p[1], p[0]) : p[0], b = face ? subtract(p[2], p[0]) : subtract(p[2], p[1]);
+    const Point<V> reach_a = face ? add(abs(p[0]), abs(p[1])) : abs(p[0]);
+    const Point<V> reach_b = face ? add(abs(p[0]), abs(p[2])) : add(abs(p[1]), abs(p[2]));
+    const Point<V> n = cross(a, b), off = product_magnitudes(reach_a, reach_b);
+    const V length = hn::Add(hn::MulAdd(hn::Set(d, up), hn::Sqrt(dot(n, n)), hn::Set(d, volume_slack)),
+                             hn::Mul(hn::Set(d, normal_error), hn::Add(hn::Add(off.x, off.y), off.z)));
+    return hn::Gt(hn::Abs(dot(cross(p[0], p[1]), p[2])), hn::MulAdd(distance, length, volume_bound(magnitude)));
+}
+
+template <FeatureKind kind, int moments, class D, class Points>
+HWY_INLINE std::size_t filter_from(D d, const Points& points, std::int64_t ends, float distance, FeatureTest* test,
+                                   std::size_t count) {
+    using V = hn::Vec<D>;
+    constexpr std::size_t lanes = hn::MaxLanes(d);
+    const V zero = hn::Zero(d), one = hn::Set(d, 1.0f), asked = hn::Set(d, distance * up);
+    std::size_t left = 0;
+    for (std::size_t first = 0; first < count; first += lanes) {
+        const FeatureTest* of_lane[lanes];
+        for (std::size_t lane = 0; lane < lanes; ++lane) of_lane[lane] = test + std::min(first + lane, count - 1);
+        Seen<V, moments> seen;
+        load_seen<moments>(d, points, ends, of_lane, seen);
+        const Point<V> reach[3] = {seen.reach(0), seen.reach(1), seen.reach(2)};
+        const Point<V> all = add(add(reach[0], reach[1]), reach[2]);
+        const V magnitude = dot(product_magnitudes(reach[0], reach[1]), reach[2]);
+        auto far = hn::Gt(zero, zero);
+        if constexpr (moments == 1)
+            far = plane_is_far<kind>(seen, magnitude, asked);
+        else if (distance == 0)
+            far = never_in_a_plane(seen, magnitude);
+        for (int m = 0; m < moments; ++m)
+            far = hn::Or(far, separates<kind>(between_middles<kind>(seen.to[m]), seen, all, asked));
+        far = hn::Or(far, separates<kind>(Point<V>{one, zero, zero}, seen, all, asked));
+        far = hn::Or(far, separates<kind>(Point<V>{zero, one, zero}, seen, all, asked));
+        far = hn::Or(far, separates<kind>(Point<V>{zero, zero, one}, seen, all, asked));
+        std::uint64_t near = ~bits_of(d, far) & ((std::uint64_t{1} << std::min(lanes, count - first)) - 1);
+        for (; near; near &= near - 1) test[left++] = test[first + static_cast<std::size_t>(__builtin_ctzll(near))];
+    }
+    return left;
+}
+
+template <FeatureKind kind, int moments>
+std::size_t filter(const PointRows& points, std::int64_t ends, float distance, FeatureTest* test, std::size_t count) {
+    const hn::ScalableTag<float> d;
+    if (points.f) return filter_from<kind, moments>(d, Points32(points.f), ends, distance, test, count);
+    return filter_from<kind, moments>(d, Points64(points.d), ends, distance, test, count);
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace crumple::cpu::features
+HWY_AFTER_NAMESPACE();
+
+#endif

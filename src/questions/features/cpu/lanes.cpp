@@ -1,0 +1,60 @@
+// The kernels of questions about features, tables for each instruction set, from one source: Highway includes this file
+// once a target. Lanes override the per-pair sources of questions/features/, with the same bounds, and are tested
+// against them.
+
+#include "engine/cpu/simd/tables.h"
+#include "questions/features/cpu/kernels.h"
+
+#include "hwy/detect_targets.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "questions/features/cpu/lanes.cpp"
+#include "hwy/foreach_target.h"
+// foreach_target.h comes first.
+#include "hwy/highway.h"
+
+// One-lane vectors have no fixed tags: the plain kernels serve there.
+#if HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128
+#include "questions/features/cpu/filter-inl.h"
+#include "questions/features/cpu/separate-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace crumple::cpu::features {
+namespace HWY_NAMESPACE {
+
+template <int moments>
+FeatureKernels<moments> kernels() {
+    const FeatureKernels<moments>& plain = scalar_features.of<moments>();
+    return {plain.build,
+            plain.scatter,
+            separate<moments>,
+            {filter<FeatureKind::vertex_face, moments>, filter<FeatureKind::edge_edge, moments>}};
+}
+const FeatureTables table{kernels<1>(), kernels<2>()};
+
+}  // namespace HWY_NAMESPACE
+}  // namespace crumple::cpu::features
+HWY_AFTER_NAMESPACE();
+#endif
+
+#if HWY_ONCE
+namespace crumple::cpu {
+namespace features {
+namespace {
+
+using Kernels = FeatureTables;
+#include "engine/cpu/simd/tables-inl.h"
+
+}  // namespace
+}  // namespace features
+
+const FeatureTables& feature_kernels(Simd simd) {
+    return choose<FeatureTables>(features::tables, scalar_features, simd);
+}
+
+std::vector<const FeatureTables*> all_feature_kernels() {
+    return all_of<FeatureTables>(features::tables, scalar_features);
+}
+
+}  // namespace crumple::cpu
+#endif
