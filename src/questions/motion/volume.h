@@ -81,16 +81,22 @@ CRUMPLE_HD inline DoubleWord difference_at(double from_start, double from_end, d
 
 }  // namespace detail
 
-/// The volume at t, off by less than 2^-98 of the approach's magnitude, and its slack.
+/// How far off the next one may be.
 template <FeaturePair pair>
-CRUMPLE_HD inline double precise_volume(const FourPoints& points, double t) {
+CRUMPLE_HD inline double precise_volume_bound(const Approach<pair>& x) {
+    return 0x1p-98 * x.magnitude + x.slack;
+}
+
+/// The volume at t, in double words.
+template <FeaturePair pair>
+CRUMPLE_HD inline DoubleWord precise_volume(const FourPoints& points, double t) {
     const auto [u, v, w] = vectors<pair>(points, [t](const MovingPoint& to, const MovingPoint& from) {
         Vec3<DoubleWord> difference;
         for (int i = 0; i < 3; ++i)
             difference[i] = detail::difference_at(from.start[i], from.end[i], to.start[i], to.end[i], t);
         return difference;
     });
-    return dot(cross(u, v), w).high;
+    return dot(cross(u, v), w);
 }
 
 }  // namespace crumple

@@ -87,12 +87,12 @@ CRUMPLE_HD inline bool round_down(const FourPoints& points, const Approach<pair>
                                   RootEnclosure& place, double& rounded) {
     using detail::epsilon, detail::underflow;
     constexpr int enough = 4;
-    const double value_bound = 0x1p-98 * x.magnitude + x.slack, bend = volume.bend();
+    const double value_bound = precise_volume_bound(x), bend = volume.bend();
     for (int i = 0; i < enough; ++i) {
         const double t = place.middle, derivative = volume.slope(t).derivative, steepness = std::abs(derivative);
         const double derivative_bound = volume.derivative_bound() + bend * place.radius;
         if (!(derivative_bound <= 0.45 * steepness)) return false;
-        const double step = -precise_volume<pair>(points, t) / derivative;
+        const double step = -precise_volume<pair>(points, t).high / derivative;
         const double radius = 2.1 * (std::abs(step) * derivative_bound + value_bound) / steepness +
                               16 * epsilon * std::abs(step) + underflow;
         // The root is t + step, give or take the radius.

@@ -138,6 +138,76 @@ TEST(QuickImpact, IsRightForVolumesThatAreNearlyZeroTwice) {
     EXPECT_GT(tally.apart, 50);
 }
 
+/// Between -4 and 4, a multiple of 2^-bits.
+double with_bits(RandomMoves& random, int bits) {
+    return random.below(8) - 4 + std::ldexp(random.below(1 << 15), -15) + std::ldexp(random.below(1 << 15), -bits);
+}
+
+TEST(QuickImpact, IsRightWhereARootIsAFloat64Number) {
+    // At 1/2 the vertex is in the face, or on an edge of it. Products of three coordinates exceed double words.
+    RandomMoves random(Lattice::tiny, 61);
+    Tally tally;
+    for (int i = 0; i < 1000; ++i) {
+        const auto position = [&] {
+            return Vec3d{with_bits(random, 42), with_bits(random, 42), with_bits(random, 42)};
+        };
+        Move move{Feature::vertex_face, {}};
+        auto& [p, a, b, c] = move.point;
+        for (MovingPoint* x : {&a, &b, &c}) *x = {position(), position()};
+        const auto twice = [](const MovingPoint& x) { return x.start + x.end; };
+        p.start = position();
+        p.end = (i % 4 == 0 ? 0.5 * (twice(a) + twice(b)) : 0.25 * (twice(a) + twice(b) + 2 * twice(c))) - p.start;
+        check(move, tally);
+    }
+}
+
+TEST(QuickImpact, RoundsDownRootsNextToFloat64Numbers) {
+    // All of the face goes through the vertex's place at 1/2, but the vertex is a little above or below. The planes are
+    // steep, so that the volume is a small difference of large products.
+    RandomMoves random(Lattice::tiny, 67);
+    Tally tally;
+    for (int exponent = -40; exponent > -115; --exponent) {
+        for (const double side : {-1, 1}) {
+            for (int i = 0; i < 20; ++i) {
+                const auto corner = [&](double x, double y) {
+                    const auto sheared = [&](double z) {
+                        const Vec3d p{x + with_bits(random, 40), y + with_bits(random, 40), z};
+                        return Vec3d{p.x, p.y, p.z + 7 * p.x - 5 * p.y};
+                    };
+                    const double z = 1 + random.below(1 << 20) * 0x1p-20;
+                    return MovingPoint{sheared(z), sheared(-z)};
+                };
+                const Vec3d still{0, 0, side * std::ldexp(1, exponent)};
+                check({Feature::vertex_face, {MovingPoint{still, still}, corner(-9, -9), corner(9, -9), corner(0, 15)}},
+                      tally);
+            }
+        }
+        if (exponent == -85) {
+            EXPECT_EQ(tally.unknown, 0);
+        }
+    }
+    EXPECT_GT(tally.unknown, 0) << "not at the edge";
+}
+
+TEST(QuickImpact, IsRightForEdgesThatAreOnOneLine) {
+    // At 5/16 they are, and an end of one is at one of the other.
+    RandomMoves random(Lattice::tiny, 71);
+    Tally tally;
+    for (int i = 0; i < 1000; ++i) {
+        const auto position = [&](int bits) {
+            return Vec3d{with_bits(random, bits), with_bits(random, bits), with_bits(random, bits)};
+        };
+        const Vec3d along = position(30);
+        const std::array<int, 4> place{-1 - random.below(3), 0, 0, random.below(7) - 2};
+        Move move{Feature::edge_edge, {}};
+        for (std::size_t k = 0; k < 4; ++k) {
+            const Vec3d way = position(45), middle = static_cast<double>(place[k]) * along;
+            move.point[k] = {middle - 5. * way, middle + 11. * way};
+        }
+        check(move, tally);
+    }
+}
+
 TEST(QuickImpact, KnowsSomeContactsAtTheStart) {
     Tally tally;
     for (const Feature feature : quick_features) {
