@@ -18,6 +18,7 @@ Impact decide(const FourPoints& points, ImpactCounts& counts) {
     } else {
         ++counts.roots;
     }
+    if (surely_touch_at_start<pair>(points)) return {true, 0, true};
     ++counts.exact;
     const auto& [p, q, r, s] = points;
     return pair == FeaturePair::vertex_face ? vertex_face(p, q, r, s) : edge_edge(p, q, r, s);

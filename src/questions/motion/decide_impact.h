@@ -1,6 +1,7 @@
 #pragma once
 
-// When two moving features first touch: float64 where that proves it, else rational arithmetic. Host only.
+// When two moving features first touch: float64 where that proves it, exact predicates at the start,
+// else rational arithmetic. Host only.
 
 #include <cstdint>
 

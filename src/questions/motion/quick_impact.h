@@ -65,7 +65,7 @@ CRUMPLE_HD inline int touch(const Approach<pair>& x, double t, double radius) {
 template <FeaturePair pair>
 CRUMPLE_HD inline QuickImpact first_impact(const FourPoints& points, const Approach<pair>& x, const Volume& volume) {
     if (volume.sign_at_start() == 0) {
-        if (surely_touch_at_start<pair>(points)) return {Verdict::meets, 0, true};
+        if (vertices_touch_at_start<pair>(points)) return {Verdict::meets, 0, true};
         return {detail::separated_beside_an_edge(x) ? Verdict::apart : Verdict::unknown};
     }
     VolumeRoots roots(volume);

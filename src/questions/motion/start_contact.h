@@ -1,7 +1,7 @@
 #pragma once
 
-// Whether two features certainly touch at the start: a common vertex, or exact predicates. Compiled for host and
-// device.
+// Whether two features certainly touch at the start: as vertices are in one place, or by exact predicates. Compiled for
+// host and device; the latter need some kilobytes of stack.
 
 #include "questions/motion/approach.h"
 
@@ -18,11 +18,17 @@ CRUMPLE_HD inline int axis_of_plane(const Vec3d& a, const Vec3d& b, const Vec3d&
 
 }  // namespace detail
 
+/// A vertex of the one feature is where one of the other is.
+template <FeaturePair pair>
+CRUMPLE_HD inline bool vertices_touch_at_start(const FourPoints& points) {
+    const Vec3d a = points[0].start, b = points[1].start, c = points[2].start, d = points[3].start;
+    return a == c || a == d || (pair == FeaturePair::vertex_face ? a == b : b == c || b == d);
+}
+
+/// For coordinates in the range of expansions, and features that are not on one line.
 template <FeaturePair pair>
 CRUMPLE_HD_COLD inline bool surely_touch_at_start(const FourPoints& points) {
     const Vec3d a = points[0].start, b = points[1].start, c = points[2].start, d = points[3].start;
-    if (a == c || a == d) return true;
-    if (pair == FeaturePair::vertex_face ? a == b : b == c || b == d) return true;
     if (!in_expansion_range(a) || !in_expansion_range(b) || !in_expansion_range(c) || !in_expansion_range(d))
         return false;
     if (orient3d(a, b, c, d) != 0) return false;
