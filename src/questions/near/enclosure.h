@@ -40,6 +40,18 @@ CRUMPLE_HD inline Corner corner_of(FeatureKinds kinds, std::uint8_t type) {
                                                 : vertex;
 }
 
+/// The type of the first vertices of both that are at one place; there are some.
+CRUMPLE_HD inline std::uint8_t first_common_vertex(const Features& features) {
+    const auto& point = features.point;
+    std::uint8_t type = 0;
+    if (features.kinds == FeatureKinds::edge_edge) {
+        while (!(point[type / 2U] == point[2 + type % 2U])) ++type;
+    } else {
+        while (!(point[0] == point[1U + type])) ++type;
+    }
+    return type;
+}
+
 /// Half a derivative of f, known up to an error.
 struct Slope {
     double value = 0, error = 0;
@@ -51,6 +63,7 @@ struct Slope {
 
 class Enclosure {
    public:
+    /// Any guess will do whose parameters are in the domain.
     CRUMPLE_HD Enclosure(const Features& features, const Guess& guess) {
         const Corner corner = corner_of(features.kinds, guess.type);
         const auto point = [&](std::size_t i) { return features.point[corner.point[i]]; };
@@ -70,18 +83,25 @@ class Enclosure {
 
         const Vec3d u = high(u_), v = high(v_);
         u_length_ = length_1(u), v_length_ = length_1(v);
+        if (!(length_1(high(w_)) + u_length_ + v_length_ <= largest_size)) return;
         uu_ = dot(u, u), uv_ = dot(u, v), vv_ = dot(v, v);
         area_ = (uu_ * vv_ - uv_ * uv_) - 32 * epsilon * (uu_ * vv_);
         g_ = free_ == 0 ? w_ : free_ == 1 ? combine(w_, s_, u_) : combine(w_, s_, u_, t_, v_);
         if (free_ > 0) error_ = 17 * epsilon * epsilon * (length_1(high(w_)) + s_ * u_length_ + t_ * v_length_);
         along_u_ = rounded_slope(u, u_length_), along_v_ = rounded_slope(v, v_length_);
         enclose();
+        if (touching()) type_ = first_common_vertex(features);
         for (int step = 0; step < 2 && !touching() && !(below_ <= 0x1p-80 * squared_.high); ++step) refine();
     }
 
+    /// squared - below ≤ squared distance ≤ squared + above, in real numbers; infinite where nothing is known.
+    CRUMPLE_HD DoubleWord squared() const { return squared_; }
+    CRUMPLE_HD double below() const { return below_; }
+    CRUMPLE_HD double above() const { return above_; }
+
     /// Whether the features certainly have a point in common, or certainly none.
     CRUMPLE_HD bool touching() const { return above_ == 0; }
-    CRUMPLE_HD bool apart() const { return squared_.high > below_; }
+    CRUMPLE_HD bool apart() const { return below_ < 0.5 * squared_.high; }
 
     CRUMPLE_HD Proximity compare(const Reach& reach) const {
         if (touching()) return !reach.strict || reach.a > 0 || reach.b > 0 ? Proximity::within : Proximity::beyond;
@@ -90,7 +110,7 @@ class Enclosure {
     }
 
     /// Whether the squared distance rounds to one number for certain; if so, that is it.
-    CRUMPLE_HD bool squared(double& rounded) const {
+    CRUMPLE_HD bool squared_rounded(double& rounded) const {
         rounded = squared_.high + (squared_.low + above_);
         return squared_.high + (squared_.low - below_) == rounded;
     }
@@ -98,7 +118,7 @@ class Enclosure {
     /// Whether it is certain which float64 is the largest that is not above the distance; if so, that is it.
     CRUMPLE_HD bool rounded_down(double& rounded) const {
         if (touching()) return rounded = 0, true;
-        if (!(below_ < squared_.high)) return false;
+        if (!apart()) return false;
         const auto not_above = [&](double x) { return compare_with_square({x, 0}) == Proximity::beyond; };
         const auto above = [&](double x) { return compare_with_square({x, 0}) == Proximity::within; };
         const double root = std::sqrt(squared_.high), next = std::nextafter(root, largest_size);
@@ -108,9 +128,11 @@ class Enclosure {
 
     /// Whether it is certain where the features are closest; if so, that is it.
     CRUMPLE_HD bool closest(ClosestPoints& points) const {
+        points.type = type_;
+        if (touching()) return parameters(points.at);
+        if (!apart()) return false;
         Enclosure precise = *this;
         if (!refined_) precise.refine();
-        points.type = type_;
         return precise.type_certain() && precise.parameters(points.at);
     }
 
@@ -274,8 +296,8 @@ class Enclosure {
     Vec3dw g_{};                                    ///< w + s u + t v
     double error_ = 0;                              ///< how far it is off, in all
     Slope along_u_, along_v_;
-    double u_length_, v_length_, uu_, uv_, vv_;
-    double area_;  ///< a bound below of uu vv - uv²
+    double u_length_ = 0, v_length_ = 0, uu_ = 0, uv_ = 0, vv_ = 0;
+    double area_ = 0;  ///< a bound below of uu vv - uv²
     DoubleWord squared_{};
     double below_ = std::numeric_limits<double>::infinity(), above_ = below_;
     FeatureKinds kinds_;

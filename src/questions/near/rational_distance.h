@@ -27,6 +27,10 @@ class RationalDistance {
     double rounded_down() const;
     ClosestPoints closest() const;
 
+    /// The squared distance in units of 2^(2 exponent()).
+    const Quotient& quotient() const { return squared_; }
+    int exponent() const { return exponent_; }
+
    private:
     Quotient squared_;            ///< in units of 2^(2 exponent_)
     std::array<Quotient, 2> at_;  ///< see ClosestPoints

@@ -9,8 +9,7 @@
 #include <optional>
 #include <vector>
 
-#include <boost/multiprecision/cpp_int.hpp>
-
+#include "geometry/exact.h"
 #include "questions/intersect/rational_intersection.h"
 #include "questions/near/random_features.h"
 
@@ -93,7 +92,6 @@ TEST(Distance, FollowsTheUnit) {
 // Agreement with a search over all pairs of vertex sets: of the points of their affine hulls that are closest, the
 // closest that are in the features. By Lagrange's multipliers, without products of vectors.
 
-using Rational = boost::multiprecision::cpp_rational;
 using Matrix = std::vector<std::vector<Rational>>;
 
 /// The solution of a system with its right hand side as last column; none if there is not one alone.

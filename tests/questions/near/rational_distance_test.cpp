@@ -13,8 +13,8 @@
 namespace crumple {
 namespace {
 
-constexpr double least = std::numeric_limits<double>::denorm_min(), largest = std::numeric_limits<double>::max(),
-                 infinity = std::numeric_limits<double>::infinity();
+constexpr double least_float = std::numeric_limits<double>::denorm_min(),
+                 largest_float = std::numeric_limits<double>::max(), infinity = std::numeric_limits<double>::infinity();
 
 template <class Type>
 ClosestPoints closest(Type type, double first, double second) {
@@ -37,7 +37,7 @@ TEST(VertexFaceDistance, IsToTheInside) {
     expect(to_face({1, 2, 3}), 9, P_T, 0.25, 0.5);
     expect(to_face({1, 2, -3}), 9, P_T, 0.25, 0.5);
     expect(to_face({1, 2, 0}), 0, P_T, 0.25, 0.5);
-    expect(to_face({least, 1, 0}), 0, P_T, 0, 0.25);  // its u rounds to 0, and yet it is inside
+    expect(to_face({least_float, 1, 0}), 0, P_T, 0, 0.25);  // its u rounds to 0, and yet it is inside
 }
 
 TEST(VertexFaceDistance, IsToTheEdges) {
@@ -161,15 +161,15 @@ TEST(Distance, IsComparedWithAnExactSumOfRadii) {
     EXPECT_TRUE(five.within({5, 0, false}));
     EXPECT_FALSE(five.within({5, 0, true}));
     EXPECT_TRUE(five.within({2, 3, false}));
-    EXPECT_TRUE(five.within({5, least, true}));
+    EXPECT_TRUE(five.within({5, least_float, true}));
     EXPECT_FALSE(five.within({std::nextafter(5, 0), 0, false}));
     EXPECT_TRUE(five.within({std::nextafter(5, 0), 0x1p-50, false}));
-    EXPECT_TRUE(five.within({largest, largest, true}));
+    EXPECT_TRUE(five.within({largest_float, largest_float, true}));
 
     const RationalDistance zero(vertex_vertex({3, 4, 0}, {3, 4, 0}));
     EXPECT_TRUE(zero.within({0, 0, false}));
     EXPECT_FALSE(zero.within({0, 0, true}));
-    EXPECT_TRUE(zero.within({0, least, true}));
+    EXPECT_TRUE(zero.within({0, least_float, true}));
 
     // The square root of 2 is in no sum of two float64 numbers, but between two of them.
     const RationalDistance root(vertex_vertex({0, 0, 0}, {1, 1, 0}));
@@ -180,25 +180,25 @@ TEST(Distance, IsComparedWithAnExactSumOfRadii) {
 }
 
 TEST(Distance, OfFloatsBeyondEachOther) {
-    const RationalDistance widest(vertex_vertex({-largest, 0, 0}, {largest, 0, 0}));
+    const RationalDistance widest(vertex_vertex({-largest_float, 0, 0}, {largest_float, 0, 0}));
     EXPECT_EQ(widest.squared(), infinity);
-    EXPECT_EQ(widest.rounded_down(), largest);
-    EXPECT_TRUE(widest.within({largest, largest, false}));
-    EXPECT_FALSE(widest.within({largest, largest, true}));
+    EXPECT_EQ(widest.rounded_down(), largest_float);
+    EXPECT_TRUE(widest.within({largest_float, largest_float, false}));
+    EXPECT_FALSE(widest.within({largest_float, largest_float, true}));
 
-    const RationalDistance shortest(vertex_vertex({0, 0, 0}, {least, 0, 0}));
+    const RationalDistance shortest(vertex_vertex({0, 0, 0}, {least_float, 0, 0}));
     EXPECT_FALSE(shortest.touching());
     EXPECT_EQ(shortest.squared(), 0);
-    EXPECT_EQ(shortest.rounded_down(), least);
-    EXPECT_TRUE(shortest.within({least, 0, false}));
-    EXPECT_FALSE(shortest.within({least, 0, true}));
+    EXPECT_EQ(shortest.rounded_down(), least_float);
+    EXPECT_TRUE(shortest.within({least_float, 0, false}));
+    EXPECT_FALSE(shortest.within({least_float, 0, true}));
 
     // Nearer than any float64 number: the point (1, 0) to the line through (0, 0) and (2^52, 2^-1074).
-    const RationalDistance nearer(vertex_edge({1, 0, 0}, {0, 0, 0}, {0x1p52, least, 0}));
+    const RationalDistance nearer(vertex_edge({1, 0, 0}, {0, 0, 0}, {0x1p52, least_float, 0}));
     EXPECT_FALSE(nearer.touching());
     EXPECT_EQ(nearer.rounded_down(), 0);
     EXPECT_FALSE(nearer.within({0, 0, false}));
-    EXPECT_TRUE(nearer.within({0, least, true}));
+    EXPECT_TRUE(nearer.within({0, least_float, true}));
     EXPECT_EQ(nearer.closest(), closest(VertexEdgeType::P_E, 0x1p-52, 0));
 }
 
@@ -214,22 +214,22 @@ TEST(Distance, SquaredIsRoundedToNearestEven) {
     EXPECT_EQ(squared(0x1p-27, 0x1p-27), 1);
     EXPECT_EQ(squared(std::nextafter(0x1p-27, 1), 0x1p-27), 1 + 0x1p-52);
     EXPECT_EQ(squared(std::nextafter(0x1p-27, 0), 0x1p-27), 1);
-    // The largest number that still rounds to a finite one: 2^1024 - 2^970 is the first that does not.
+    // The largest_float number that still rounds to a finite one: 2^1024 - 2^970 is the first that does not.
     const auto limit = [](double x, double y, double z) {
         return RationalDistance(vertex_vertex({0, 0, 0}, {x, y, z})).squared();
     };
     EXPECT_EQ(limit(0x1p512, 0, 0), infinity);
     // (2^512 - 2^459)² is 2^1024 - 4 · 2^970 and little more.
     const double x = std::nextafter(0x1p512, 0);
-    EXPECT_EQ(limit(x, 0, 0), std::nextafter(largest, 0));
-    EXPECT_EQ(limit(x, 0x1p485, 0x1p485), largest);
+    EXPECT_EQ(limit(x, 0, 0), std::nextafter(largest_float, 0));
+    EXPECT_EQ(limit(x, 0x1p485, 0x1p485), largest_float);
     EXPECT_EQ(limit(x, 0x1.8p485, 0x1p485), infinity);
 }
 
 TEST(Distance, SquaredMayBeSubnormal) {
-    EXPECT_EQ(RationalDistance(vertex_vertex({0, 0, 0}, {0x1p-537, 0, 0})).squared(), least);
+    EXPECT_EQ(RationalDistance(vertex_vertex({0, 0, 0}, {0x1p-537, 0, 0})).squared(), least_float);
     EXPECT_EQ(RationalDistance(vertex_vertex({0, 0, 0}, {0x1p-538, 0x1p-538, 0})).squared(), 0);  // a tie
-    EXPECT_EQ(RationalDistance(vertex_vertex({0, 0, 0}, {0x1p-538, 0x1p-538, least})).squared(), least);
+    EXPECT_EQ(RationalDistance(vertex_vertex({0, 0, 0}, {0x1p-538, 0x1p-538, least_float})).squared(), least_float);
 }
 
 }  // namespace

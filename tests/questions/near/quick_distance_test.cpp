@@ -1,0 +1,210 @@
+// What floating-point arithmetic says of a distance is what rational arithmetic says, wherever it says anything; and it
+// nearly always does.
+
+#include "questions/near/quick_distance.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <string>
+
+#include "geometry/exact.h"
+#include "questions/near/decide_distance.h"
+#include "questions/near/random_features.h"
+
+namespace crumple {
+namespace {
+
+/// How often something was asked, and how often there was no answer.
+struct Share {
+    int asked = 0, open = 0;
+    void count(bool answered) { ++asked, open += !answered; }
+    double value() const { return static_cast<double>(open) / asked; }
+};
+
+struct Shares {
+    Share within, squared, down, closest;
+};
+
+Rational exact_square(const RationalDistance& distance) {
+    using boost::multiprecision::cpp_int;
+    const auto integer = [](const Integer& x) { return cpp_int(x.str()); };
+    const Rational quotient(integer(distance.quotient().numerator), integer(distance.quotient().denominator));
+    const int power = 2 * distance.exponent();
+    const Rational unit = Rational(cpp_int(1) << std::abs(power));
+    return power < 0 ? Rational(quotient / unit) : Rational(quotient * unit);
+}
+
+void expect_no_contradiction(Proximity proximity, const RationalDistance& exact, const Reach& reach,
+                             const Features& features) {
+    if (proximity == Proximity::unknown) return;
+    ASSERT_EQ(proximity == Proximity::within, exact.within(reach))
+        << features << " at " << reach.a << " + " << reach.b << (reach.strict ? ", strict" : "");
+}
+
+/// Radii at the distance and beside it, by units in the last place and less, and by more.
+template <class Check>
+void for_reaches(double distance, Check check) {
+    for (const bool strict : {false, true}) {
+        for (const int steps : {-40, -10, -3, -1, 0, 1, 2, 4, 10, 40}) {
+            const double a = distance + steps * distance * 0x1p-52;
+            check(Reach{a, 0, strict});
+            check(Reach{a, a * 0x1p-60, strict});
+            check(Reach{0.25 * a, 0.75 * a, strict});
+        }
+        for (const double factor : {0.0, 0.5, 0.999999, 1.000001, 2.0}) check(Reach{factor * distance, 0, strict});
+    }
+}
+
+void expect_same_answers(const Features& features, Shares& shares) {
+    const RationalDistance exact(features);
+    const double down = exact.rounded_down();
+    const QuickDistance quick(features);
+    const detail::Differences differences(features);
+    const detail::Guess guess = detail::guess_closest(differences);
+    const Vec3d g = differences.w + guess.s * differences.u + guess.t * differences.v;
+    const detail::Enclosure enclosure = quick.enclosure();
+    for_reaches(down, [&](const Reach& reach) {
+        const double radius = reach.a + reach.b;
+        // Each stage on its own: the later ones hide the earlier.
+        if (differences.within(g, radius)) {
+            ASSERT_TRUE(exact.within(reach)) << features << " at " << radius;
+        }
+        if (differences.beyond(g, radius) || surely_beyond(features, reach)) {
+            ASSERT_FALSE(exact.within(reach)) << features << " at " << radius;
+        }
+        const Proximity proximity = quick.compare(reach);
+        expect_no_contradiction(proximity, exact, reach, features);
+        expect_no_contradiction(enclosure.compare(reach), exact, reach, features);
+        shares.within.count(proximity != Proximity::unknown);
+    });
+
+    double rounded;
+    const bool squared = enclosure.squared_rounded(rounded);
+    shares.squared.count(squared);
+    if (squared) {
+        ASSERT_EQ(rounded, exact.squared()) << features;
+    }
+    const bool known_down = enclosure.rounded_down(rounded);
+    shares.down.count(known_down);
+    if (known_down) {
+        ASSERT_EQ(rounded, down) << features;
+    }
+    ClosestPoints points;
+    const bool closest = enclosure.closest(points);
+    shares.closest.count(closest);
+    if (closest) {
+        ASSERT_EQ(points, exact.closest()) << features;
+    }
+    ASSERT_TRUE(!enclosure.touching() || exact.touching()) << features;
+    ASSERT_TRUE(!enclosure.apart() || !exact.touching()) << features;
+
+    if (enclosure.above() < std::numeric_limits<double>::infinity()) {
+        const Rational square = exact_square(exact), f = value(enclosure.squared());
+        ASSERT_LE(square, f + Rational(enclosure.above())) << features;
+        if (enclosure.below() < std::numeric_limits<double>::infinity()) {
+            ASSERT_GE(square, f - Rational(enclosure.below())) << features;
+        }
+    }
+
+    DistanceCounts counts;
+    Distance decided(features, counts);
+    ASSERT_EQ(decided.squared(), exact.squared()) << features;
+    ASSERT_EQ(decided.rounded_down(), down) << features;
+    ASSERT_EQ(decided.touching(), exact.touching()) << features;
+    ASSERT_EQ(decided.closest(), exact.closest()) << features;
+    ASSERT_TRUE(decided.within({down, std::max(down * 0x1p-40, 0x1p-1074), true})) << features;
+    ASSERT_EQ(decided.within({down, 0, false}), exact.within({down, 0, false})) << features;
+    ASSERT_TRUE(squared || counts.rational == 1) << features;
+    ASSERT_LE(counts.rational, 1) << features;
+}
+
+/// Points that are as hard as possible, and how: a change of a lattice's.
+struct Disturbance {
+    std::string name;
+    std::function<Vec3d(Vec3d, RandomFeatures&)> change;
+    double most_open;  ///< share of squared distances that may be left to rationals
+    friend std::ostream& operator<<(std::ostream& out, const Disturbance& disturbance) {
+        return out << disturbance.name;
+    }
+};
+
+Vec3d each(Vec3d p, const std::function<double(double)>& change) {
+    for (int axis = 0; axis < 3; ++axis) p[axis] = change(p[axis]);
+    return p;
+}
+
+const Disturbance disturbances[] = {
+    {"AsTheyAre", [](Vec3d p, auto&) { return p; }, 0.9},
+    {"MovedByUnitsInTheLastPlace",
+     [](Vec3d p, RandomFeatures& random) {
+         return each(p, [&](double x) { return x + (random.below(5) - 2) * 0x1p-52; });
+     },
+     0.9},
+    {"MovedByFloats",
+     [](Vec3d p, RandomFeatures& random) {
+         return each(
+             p, [&](double x) { return static_cast<double>(static_cast<float>(x * 0.1 + random.below(100) * 1e-6)); });
+     },
+     0.2},
+    {"MovedALittle",
+     [](Vec3d p, RandomFeatures& random) {
+         return each(p, [&](double x) { return x + 1e-9 * std::sin(random.below(1 << 30)); });
+     },
+     0.2},
+    {"Anywhere",
+     [](Vec3d p, RandomFeatures& random) {
+         return each(p, [&](double x) { return x + std::sin(random.below(1 << 30)); });
+     },
+     0.01},
+    {"FarFromTheOrigin",
+     [](Vec3d p, RandomFeatures& random) {
+         return each(p, [&](double x) { return 1e6 / 3 + 0.1 * x + 1e-3 * std::sin(random.below(1 << 30)); });
+     },
+     0.01},
+    {"Slivers",
+     [](Vec3d p, RandomFeatures& random) {
+         return Vec3d{p.x + std::sin(random.below(1 << 30)), 1e-7 * (p.y + std::sin(random.below(1 << 30))),
+                      p.z * 1e-3};
+     },
+     0.2},
+    {"Tiny", [](Vec3d p, auto&) { return 0x1p-1060 * p; }, 1},
+    {"Huge", [](Vec3d p, auto&) { return 0x1p1000 * p; }, 1},
+    {"Around1e150", [](Vec3d p, auto&) { return 1e150 * p; }, 1},
+    {"Around1e-150", [](Vec3d p, auto&) { return 1e-150 * p; }, 1},
+    {"AtTheBorderOfLargeNumbers", [](Vec3d p, auto&) { return 0x1.3p236 * p; }, 1},
+    {"AtTheBorderOfSmallNumbers", [](Vec3d p, auto&) { return 0x1.3p-200 * p; }, 1},
+    {"OfMixedMagnitudes",
+     [](Vec3d p, RandomFeatures& random) {
+         return each(p, [&](double x) { return std::ldexp(x, random.below(600) - 300); });
+     },
+     1},
+};
+
+class QuickAnswers : public testing::TestWithParam<Disturbance> {};
+
+TEST_P(QuickAnswers, AreTheExactOnes) {
+    Shares shares;
+    for_features(23, 60, [&](Features features, RandomFeatures& random) {
+        for (Vec3d& p : features.point) p = GetParam().change(p, random);
+        expect_same_answers(features, shares);
+    });
+    RecordProperty("open_within", std::to_string(shares.within.value()));
+    RecordProperty("open_squared", std::to_string(shares.squared.value()));
+    RecordProperty("open_down", std::to_string(shares.down.value()));
+    RecordProperty("open_closest", std::to_string(shares.closest.value()));
+    std::printf("open: within %.4f squared %.4f down %.4f closest %.4f\n", shares.within.value(),
+                shares.squared.value(), shares.down.value(), shares.closest.value());
+    EXPECT_LE(shares.squared.value(), GetParam().most_open);
+}
+
+INSTANTIATE_TEST_SUITE_P(Of, QuickAnswers, testing::ValuesIn(disturbances), [](const auto& info) {
+    std::string name = info.param.name;
+    for (char& c : name) c = c == '-' ? '_' : c;
+    return name;
+});
+
+}  // namespace
+}  // namespace crumple
