@@ -29,7 +29,7 @@ bool starts_obj(std::string_view word);
 /// What the writers colour: one soup of one or two meshes, with polygons if these are coloured instead of triangles.
 struct ColouredMesh {
     TriangleMesh mesh;
-    std::vector<std::uint8_t> hit;  ///< which triangles collide, or whose polygons do
+    std::vector<std::uint8_t> hit;  ///< which triangles collide, or whose polygons do: 1, or a shade
 
     bool has_polygons() const { return !mesh.polygons.empty(); }
 };
@@ -74,6 +74,8 @@ void write_coloured_obj(std::ostream& out, const ColouredMesh& coloured, const s
 void write_materials(std::ostream& out);
 inline constexpr std::string_view title_of_materials = "# Crumple: materials of free and of colliding triangles";
 void write_coloured_glb(std::ostream& out, const ColouredMesh& coloured);
+/// `hit` counts in the shades.
+void write_shaded_glb(std::ostream& out, const ColouredMesh& coloured, std::span<const Colour> shades);
 /// A node for each body. `hit`: for each triangle of each body.
 void write_coloured_glb(std::ostream& out, const WorldMesh& world, std::span<const std::uint8_t> hit);
 /// A page of its own, or for a height in pixels a piece of one. The collisions are those of the meshes.

@@ -108,21 +108,23 @@ int add_positions(tinygltf::Model& model, const std::vector<float>& positions) {
     return index;
 }
 
-/// Adds a mesh over positions that are there already, and returns its index.
+/// Adds a mesh over positions that are there already, and returns its index. `hit`: each triangle's material.
 int add_mesh(tinygltf::Model& model, const std::vector<std::int32_t>& triangles, std::span<const std::uint8_t> hit,
              int position_accessor) {
     tinygltf::Mesh mesh;
-    for (const bool colliding : {false, true}) {
+    const std::size_t materials = model.materials.size();
+    for (std::size_t shade = 0; shade < materials; ++shade) {
         std::vector<std::uint32_t> indices;
         for (std::size_t i = 0; i < triangles.size(); ++i) {
-            if ((hit[i / 3] != 0) == colliding) indices.push_back(static_cast<std::uint32_t>(triangles[i]));
+            if (std::min<std::size_t>(hit[i / 3], materials - 1) == shade)
+                indices.push_back(static_cast<std::uint32_t>(triangles[i]));
         }
         if (indices.empty()) continue;  // glTF knows no empty accessor
         tinygltf::Primitive primitive;
         primitive.attributes["POSITION"] = position_accessor;
         primitive.indices = add_accessor(model, indices, TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT, TINYGLTF_TYPE_SCALAR,
                                          TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER);
-        primitive.material = colliding;
+        primitive.material = static_cast<int>(shade);
         primitive.mode = TINYGLTF_MODE_TRIANGLES;
         mesh.primitives.push_back(primitive);
     }
@@ -244,6 +246,15 @@ void write_coloured_glb(std::ostream& out, const WorldMesh& world, std::span<con
         if (body.pose != Pose{} || written[s].origin != Point{}) node.matrix = matrix_of(body.pose, written[s].origin);
         add_to_scene(model, std::move(node));
     }
+    write_glb(out, model);
+}
+
+void write_shaded_glb(std::ostream& out, const ColouredMesh& coloured, std::span<const Colour> shades) {
+    tinygltf::Model model = empty_glb();
+    model.materials.clear();
+    for (std::size_t i = 0; i < shades.size(); ++i)
+        model.materials.push_back(material(i ? ("shade " + std::to_string(i)).c_str() : "free", shades[i]));
+    add_node(model, coloured);
     write_glb(out, model);
 }
 

@@ -60,16 +60,6 @@ class Poses {
     std::vector<Pose> poses_;
 };
 
-/// A number, as from_chars reads it, "nan" and "inf" included; nothing if it is none.
-std::optional<double> number_of(std::string_view word) {
-    if (word.starts_with('+')) word.remove_prefix(1);
-    double value = 0;
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-    if (end != word.data() + word.size() || error == std::errc::invalid_argument) return std::nullopt;
-    if (error == std::errc::result_out_of_range) value = underflows(word) ? 0 : HUGE_VAL;
-    return value;
-}
-
 /// Numbers of a line, with commas or blanks between.
 std::vector<Pose> read_text(const Source& source, std::span<const std::string> bodies) {
     Poses poses(source, bodies);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string_view>
 
 #include "io/source.h"
@@ -38,6 +39,16 @@ inline bool underflows(std::string_view decimal) {
         return written <= -exponent;
     }
     return exponent <= 0;
+}
+
+/// A number, as from_chars reads it, "nan" and "inf" included; nothing if it is none.
+inline std::optional<double> number_of(std::string_view word) {
+    if (word.starts_with('+')) word.remove_prefix(1);
+    double value = 0;
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+    if (end != word.data() + word.size() || error == std::errc::invalid_argument) return std::nullopt;
+    if (error == std::errc::result_out_of_range) value = underflows(word) ? 0 : HUGE_VAL;
+    return value;
 }
 
 class Scanner {

@@ -1,0 +1,91 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <iosfwd>
+#include <string>
+#include <vector>
+
+#include "crumple/features.h"
+#include "crumple/io.h"
+#include "crumple/motion.h"
+#include "crumple/near.h"
+
+namespace crumple::io {
+
+/// A row of a list of impacts, or of near pairs. Edges are named by their vertices, so that lists can be compared
+/// whoever has numbered the edges.
+struct FeatureRow {
+    FeatureKind kind = FeatureKind::vertex_face;
+    BodyPair bodies{0, 0};              ///< of the first and of the second feature
+    std::array<std::int32_t, 4> ids{};  ///< vertex, face, 0, 0; or both edges, each with its lower vertex first
+    double value = 0;                   ///< time of contact; squared distance
+    bool flag = false;                  ///< they touch at the start; they touch
+    friend bool operator==(const FeatureRow&, const FeatureRow&) = default;
+};
+
+struct FeatureList {
+    std::vector<FeatureRow> rows;
+    bool has_bodies = false;  ///< features have numbers of bodies, too; else there is one mesh
+};
+
+/// The answer as a list, in its order.
+FeatureList list_of(const Impacts& impacts);
+FeatureList list_of(const Nearby& nearby);
+
+/// Writes impacts in the order of the answer, as txt, csv, json or npz.
+///
+///     txt   vf V F TOI START, ee A B C D TOI START: a line each, edges by their vertices, START 0 or 1
+///     csv   the same in the columns kind,vertex,face,a,b,c,d,toi,start, of which those of the other kind stay empty
+///     json  vertex_faces, vertex_face_toi, vertex_face_start; edges, edge_edges (by index into edges), edge_edge_toi,
+///           edge_edge_start; earliest, an object or null; statistics
+///     npz   the same arrays, without earliest and statistics
+///
+/// An answer of several bodies has ids `body:id` in txt and csv; json and npz have also vertex_face_bodies,
+/// edge_edge_bodies and first_edge. Numbers are the shortest decimals that give the same float64 back. Throws
+/// crumple::Error (file, invalid_argument); the file then stays as it was.
+void write_impacts(const std::filesystem::path& path, const Impacts& impacts,
+                   PairFormat format = PairFormat::automatic);
+
+/// The same to a stream; `automatic` is txt.
+void write_impacts(std::ostream& out, const Impacts& impacts, PairFormat format = PairFormat::automatic);
+
+/// The same of near pairs: a squared distance in place of the time, and `touching` in place of `start`, which txt does
+/// without. A squared distance beyond float64 is `inf`, in json null.
+void write_near(const std::filesystem::path& path, const Nearby& nearby, PairFormat format = PairFormat::automatic);
+
+/// The same to a stream; `automatic` is txt.
+void write_near(std::ostream& out, const Nearby& nearby, PairFormat format = PairFormat::automatic);
+
+/// Reads a list of impacts, in the file's order: .csv, .json and .npz as write_impacts has them, by extension; any
+/// other is text, where blank lines and comments (#) are skipped. START may be missing: then a time of 0 is one. Which
+/// of two edges, and which of an edge's vertices, comes first does not matter. Throws crumple::Error (file, format)
+/// that names the place: ids that are none, an edge that names a vertex twice, times that do not lie in [0, 1].
+FeatureList read_impacts(const std::filesystem::path& path);
+
+/// The same of a stream, to its end. `name` stands in messages, and its extension for the file's.
+FeatureList read_impacts(std::istream& in, const std::string& name);
+
+/// The same of near pairs; squared distances are 0 or more.
+FeatureList read_near(const std::filesystem::path& path);
+
+/// The same of a stream, to its end.
+FeatureList read_near(std::istream& in, const std::string& name);
+
+/// Writes the mesh at the start as .glb. Triangles that are hit, or whose vertex or edge is, are coloured by their
+/// first time of contact, from dark red at the start to pale yellow at the end; the others are grey. Throws as
+/// write_coloured does for collisions.
+void write_coloured(const std::filesystem::path& path, const TriangleMesh& start, const Impacts& impacts);
+
+/// The same to a stream.
+void write_coloured(std::ostream& out, const TriangleMesh& start, const Impacts& impacts);
+
+/// The same by the least distance, from 0 to the largest one listed. `second`, which may be null, is body 1.
+void write_coloured(const std::filesystem::path& path, const TriangleMesh& mesh, const TriangleMesh* second,
+                    const Nearby& nearby);
+
+/// The same to a stream.
+void write_coloured(std::ostream& out, const TriangleMesh& mesh, const TriangleMesh* second, const Nearby& nearby);
+
+}  // namespace crumple::io

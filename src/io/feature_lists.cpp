@@ -1,0 +1,95 @@
+// Impacts and near pairs as text and CSV; the format by extension.
+
+#include "base/float_environment.h"
+#include "io/atomic_file.h"
+#include "io/feature_answer.h"
+#include "io/formats.h"
+#include "io/sink.h"
+
+namespace crumple::io {
+
+namespace {
+
+template <class Use>
+void for_each_row(const FeatureAnswer& answer, Use use) {
+    for (const FeatureKind kind : all_feature_kinds)
+        for (std::size_t i = 0; i < answer.lists[static_cast<std::size_t>(kind)].pairs.size(); ++i)
+            use(answer.row(kind, i));
+}
+
+/// Ids of a row, with `before` before each of them.
+void add_ids(Sink& sink, const FeatureRow& row, bool has_bodies, char before) {
+    const std::size_t ids = id_count(row.kind);
+    for (std::size_t k = 0; k < ids; ++k) {
+        sink << before;
+        if (has_bodies) sink << (2 * k < ids ? row.bodies.first : row.bodies.second) << ':';
+        sink << row.ids[k];
+    }
+}
+
+void write_txt(Sink& sink, const FeatureAnswer& answer) {
+    const bool has_bodies = answer.has_bodies();
+    for_each_row(answer, [&](const FeatureRow& row) {
+        sink << short_name(row.kind);
+        add_ids(sink, row, has_bodies, ' ');
+        sink << ' ' << row.value;
+        if (answer.words.text_has_flag) sink << ' ' << (row.flag ? '1' : '0');
+        sink << '\n';
+    });
+}
+
+void write_csv(Sink& sink, const FeatureAnswer& answer) {
+    const bool has_bodies = answer.has_bodies();
+    sink << "kind,vertex,face,a,b,c,d," << answer.words.value << ',' << answer.words.flag << '\n';
+    for_each_row(answer, [&](const FeatureRow& row) {
+        const bool face = row.kind == FeatureKind::vertex_face;
+        sink << short_name(row.kind) << (face ? "" : ",,");
+        add_ids(sink, row, has_bodies, ',');
+        sink << (face ? ",,,," : "") << ',' << row.value << ',' << (row.flag ? '1' : '0') << '\n';
+    });
+}
+
+void write(std::ostream& out, const FeatureAnswer& answer, PairFormat format) {
+    if (format == PairFormat::json) return write_features_json(out, answer);
+    if (format == PairFormat::npz) return write_features_npz(out, answer);
+    Sink sink(out);
+    format == PairFormat::csv ? write_csv(sink, answer) : write_txt(sink, answer);
+}
+
+void write_list(std::ostream& out, const FeatureAnswer& answer, PairFormat format) {
+    write(out, answer, format);
+    if (!out.flush()) throw Error(ErrorCode::file, "cannot write " + std::string(answer.words.what) + " to the stream");
+}
+
+void write_list(const std::filesystem::path& path, const FeatureAnswer& answer, PairFormat format) {
+    if (format == PairFormat::automatic) format = pair_format_of(extension_of(path));
+    if (format == PairFormat::automatic)
+        throw Error(ErrorCode::invalid_argument, "cannot write " + path.string() + ": " +
+                                                     std::string(answer.words.what) +
+                                                     " are written as .txt, .csv, .json or .npz");
+    AtomicFile file(path);
+    write(file.stream(), answer, format);
+    file.commit();
+}
+
+}  // namespace
+
+void write_impacts(std::ostream& out, const Impacts& impacts, PairFormat format) {
+    const FloatEnvironment environment;
+    write_list(out, view(impacts), format);
+}
+void write_impacts(const std::filesystem::path& path, const Impacts& impacts, PairFormat format) {
+    const FloatEnvironment environment;
+    write_list(path, view(impacts), format);
+}
+
+void write_near(std::ostream& out, const Nearby& nearby, PairFormat format) {
+    const FloatEnvironment environment;
+    write_list(out, view(nearby), format);
+}
+void write_near(const std::filesystem::path& path, const Nearby& nearby, PairFormat format) {
+    const FloatEnvironment environment;
+    write_list(path, view(nearby), format);
+}
+
+}  // namespace crumple::io

@@ -1,0 +1,73 @@
+// Impacts and near pairs as one JSON object, an array for each column.
+
+#include <cmath>
+
+#include "io/feature_answer.h"
+#include "io/json.h"
+
+namespace crumple::io {
+
+namespace {
+
+/// Writes the members of an object.
+class Members {
+   public:
+    explicit Members(Sink& sink) : sink_(sink) {}
+
+    Sink& member(std::string_view name) {
+        sink_ << (first_ ? "{\n\"" : ",\n\"") << name << "\": ";
+        first_ = false;
+        return sink_;
+    }
+    template <class T, class Write>
+    void array(std::string_view name, std::span<const T> values, Write write) {
+        member(name);
+        write_json_array(sink_, values.size(), [&](std::size_t i) { write(values[i]); });
+    }
+
+   private:
+    Sink& sink_;
+    bool first_ = true;
+};
+
+void add_list(Members& members, Sink& sink, const FeatureAnswer& answer, FeatureKind kind) {
+    const auto pair = [&](std::int32_t a, std::int32_t b) { sink << '[' << a << ',' << b << ']'; };
+    const FeatureListView& list = answer.lists[static_cast<std::size_t>(kind)];
+    members.array(array_of(kind), list.pairs, [&](const Pair& p) { pair(p.a, p.b); });
+    if (answer.has_bodies())
+        members.array(array_of(kind, "bodies"), list.bodies, [&](const BodyPair& p) { pair(p.first, p.second); });
+    members.array(array_of(kind, answer.words.value), list.values, [&](double value) {
+        std::isfinite(value) ? sink << value : sink << "null";  // JSON has no infinity
+    });
+    members.array(array_of(kind, answer.words.flag), list.flags, [&](std::uint8_t flag) { sink << int{flag}; });
+}
+
+void add_earliest(Sink& sink, const FeatureAnswer& answer) {
+    const FirstImpact& first = *answer.first;
+    if (!first.found) {
+        sink << "null";
+        return;
+    }
+    sink << R"({"kind":")" << feature_kind_name(first.kind) << R"(","pair":[)" << first.pair.a << ',' << first.pair.b
+         << ']';
+    if (answer.has_bodies()) sink << R"(,"bodies":[)" << first.bodies.first << ',' << first.bodies.second << ']';
+    sink << R"(,"toi":)" << first.toi << R"(,"start":)" << int{first.start} << '}';
+}
+
+}  // namespace
+
+void write_features_json(std::ostream& out, const FeatureAnswer& answer) {
+    Sink sink(out);
+    Members members(sink);
+    add_list(members, sink, answer, FeatureKind::vertex_face);
+    members.array("edges", answer.edges, [&](const Edge& e) { sink << '[' << e.a << ',' << e.b << ']'; });
+    if (answer.has_bodies()) members.array("first_edge", answer.first_edge, [&](std::int64_t i) { sink << i; });
+    add_list(members, sink, answer, FeatureKind::edge_edge);
+    if (answer.first) {
+        members.member("earliest");
+        add_earliest(sink, answer);
+    }
+    members.member("statistics") << json_of(answer.statistics) << "\n}\n";
+}
+
+}  // namespace crumple::io

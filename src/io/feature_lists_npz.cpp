@@ -1,0 +1,31 @@
+// Impacts and near pairs as NumPy arrays.
+
+#include "io/feature_answer.h"
+#include "io/npz.h"
+
+namespace crumple::io {
+
+namespace {
+
+void add_list(NpzWriter& archive, const FeatureAnswer& answer, FeatureKind kind) {
+    const FeatureListView& list = answer.lists[static_cast<std::size_t>(kind)];
+    archive.add<std::int32_t>(array_of(kind).c_str(), list.pairs.data(), list.pairs.size(), 2);
+    if (answer.has_bodies())
+        archive.add<std::int32_t>(array_of(kind, "bodies").c_str(), list.bodies.data(), list.bodies.size(), 2);
+    archive.add<double>(array_of(kind, answer.words.value).c_str(), list.values.data(), list.values.size());
+    archive.add<std::uint8_t>(array_of(kind, answer.words.flag).c_str(), list.flags.data(), list.flags.size());
+}
+
+}  // namespace
+
+void write_features_npz(std::ostream& out, const FeatureAnswer& answer) {
+    NpzWriter archive;
+    add_list(archive, answer, FeatureKind::vertex_face);
+    archive.add<std::int32_t>("edges", answer.edges.data(), answer.edges.size(), 2);
+    if (answer.has_bodies())
+        archive.add<std::int64_t>("first_edge", answer.first_edge.data(), answer.first_edge.size());
+    add_list(archive, answer, FeatureKind::edge_edge);
+    archive.write(out);
+}
+
+}  // namespace crumple::io

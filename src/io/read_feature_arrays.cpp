@@ -1,0 +1,164 @@
+// Rows from the arrays of a .json or .npz, whatever order they came in; and .npz.
+
+#include <cmath>
+
+#include "io/npy.h"
+#include "io/npz.h"
+#include "io/pairs.h"
+#include "io/read_features.h"
+
+namespace crumple::io {
+
+namespace {
+
+// The arrays of one kind, then those of edges.
+enum Of { pairs, bodies, values, flags, arrays_of_a_kind, edges = 2 * arrays_of_a_kind, first_edge };
+
+std::optional<std::int32_t> index_of(double value) {
+    if (!(value >= 0 && value <= INT32_MAX) || value != std::floor(value)) return std::nullopt;
+    return static_cast<std::int32_t>(value);
+}
+
+class Lists {
+   public:
+    Lists(const Source& source, const FeatureWords& words, const NumberArrays& arrays)
+        : source_(source), names_(arrays_of(words)), arrays_(arrays), rows_(words) {}
+
+    FeatureList take() {
+        for (const FeatureKind kind : all_feature_kinds) add(kind);
+        return rows_.take();
+    }
+
+   private:
+    [[noreturn]] void fail(const std::string& what) const {
+        throw Error(ErrorCode::format, source_.name() + ": " + what);
+    }
+    /// An array that the file must have.
+    const std::vector<double>& need(std::size_t array) const {
+        if (!arrays_[array]) fail("there is no array \"" + names_[array].name + "\"");
+        return *arrays_[array];
+    }
+    [[noreturn]] void fail_at(std::size_t array, std::size_t row, const std::string& what) const {
+        fail("row " + std::to_string(row) + " of \"" + names_[array].name + "\": " + what);
+    }
+    std::int32_t index(std::size_t array, std::size_t row, std::size_t column, const char* what) const {
+        const std::vector<double>& numbers = *arrays_[array];
+        const std::size_t place = static_cast<std::size_t>(names_[array].columns) * row + column;
+        const auto index = place < numbers.size() ? index_of(numbers[place]) : std::nullopt;
+        if (!index) fail_at(array, row, std::string("this is no ") + what);
+        return *index;
+    }
+
+    void add(FeatureKind kind) {
+        const std::size_t base = arrays_of_a_kind * static_cast<std::size_t>(kind);
+        const std::size_t count = need(base + pairs).size() / 2;
+        if (kind == FeatureKind::edge_edge && count > 0) need(edges);
+        const bool has_bodies = arrays_[base + bodies].has_value();
+        for (const std::size_t array : {base + bodies, base + values, base + flags}) {
+            const bool optional = array == base + bodies || array == base + flags;
+            if (optional && !arrays_[array]) continue;
+            if (need(array).size() != count * static_cast<std::size_t>(names_[array].columns))
+                fail("\"" + names_[array].name + "\" is not as long as \"" + names_[base + pairs].name + "\"");
+        }
+        for (std::size_t i = 0; i < count; ++i) {
+            FeatureRow row;
+            row.kind = kind;
+            if (has_bodies) row.bodies = {index(base + bodies, i, 0, "body"), index(base + bodies, i, 1, "body")};
+            for (std::size_t side = 0; side < 2; ++side) take_ids(base, i, side, row);
+            row.value = (*arrays_[base + values])[i];
+            row.flag = arrays_[base + flags] ? (*arrays_[base + flags])[i] != 0 : row.value == 0;
+            const std::string mistake = rows_.add(row, has_bodies);
+            if (!mistake.empty()) fail_at(base + pairs, i, mistake);
+        }
+    }
+
+    void take_ids(std::size_t base, std::size_t i, std::size_t side, FeatureRow& row) const {
+        if (row.kind == FeatureKind::vertex_face) {
+            row.ids[side] = index(base + pairs, i, side, side ? "face" : "vertex");
+            return;
+        }
+        std::int64_t edge = index(base + pairs, i, side, "edge");
+        if (arrays_[first_edge]) {
+            const auto& first = *arrays_[first_edge];
+            const auto body = static_cast<std::size_t>(side ? row.bodies.second : row.bodies.first);
+            if (body + 1 >= first.size()) fail_at(base + bodies, i, "there is no such body");
+            edge += index(first_edge, body, 0, "edge");
+        }
+        if (static_cast<std::size_t>(edge) >= arrays_[edges]->size() / 2)
+            fail_at(base + pairs, i, "there is no such edge");
+        for (std::size_t end = 0; end < 2; ++end)
+            row.ids[2 * side + end] = index(edges, static_cast<std::size_t>(edge), end, "vertex");
+    }
+
+    const Source& source_;
+    std::vector<ArrayName> names_;
+    const NumberArrays& arrays_;
+    FeatureRows rows_;
+};
+
+template <class T>
+std::vector<double> numbers_from(const std::string& bytes, const NpyHeader& header, std::size_t columns) {
+    const std::size_t count = bytes.size() / sizeof(T), rows = count / columns;
+    std::vector<double> numbers(count);
+    for (std::size_t i = 0; i < count; ++i) {
+        const std::size_t place = header.by_column ? i % columns * rows + i / columns : i;
+        numbers[i] = static_cast<double>(load<T>(bytes.data() + place * sizeof(T), header.order));
+    }
+    return numbers;
+}
+
+std::vector<double> read_array(NpzReader::Entry& entry, int columns) {
+    const std::optional<NpyHeader> header = read_npy_header(entry);
+    if (!header) entry.fail("is no array of NumPy");
+    const auto& shape = header->shape;
+    const bool fits = columns == 1 ? shape.size() == 1 : shape.size() == 2 && shape[1] == columns;
+    if (!fits || shape[0] > INT64_MAX / 16)
+        entry.fail(columns == 1 ? "is not of shape (n,)" : "is not of shape (n, " + std::to_string(columns) + ")");
+    const auto take = [&](auto number) {
+        using Number = decltype(number);
+        const std::size_t count = static_cast<std::size_t>(shape[0]) * static_cast<std::size_t>(columns);
+        const std::string bytes = entry.read(count * sizeof(Number));
+        if (!entry.at_end()) entry.fail("is longer than its header says");
+        return numbers_from<Number>(bytes, *header, static_cast<std::size_t>(columns));
+    };
+    const std::string& kind = header->kind;
+    if (kind == "i4") return take(std::int32_t{});
+    if (kind == "u4") return take(std::uint32_t{});
+    if (kind == "i8") return take(std::int64_t{});
+    if (kind == "u8") return take(std::uint64_t{});
+    if (kind == "f4") return take(float{});
+    if (kind == "f8") return take(double{});
+    if (kind == "u1" || kind == "b1") return take(std::uint8_t{});
+    entry.fail("does not hold plain numbers");
+}
+
+}  // namespace
+
+std::vector<ArrayName> arrays_of(const FeatureWords& words) {
+    std::vector<ArrayName> names;
+    for (const FeatureKind kind : all_feature_kinds) {
+        names.push_back({array_of(kind), 2});
+        names.push_back({array_of(kind, "bodies"), 2});
+        names.push_back({array_of(kind, words.value), 1});
+        names.push_back({array_of(kind, words.flag), 1});
+    }
+    names.push_back({"edges", 2});
+    names.push_back({"first_edge", 1});
+    return names;
+}
+
+FeatureList list_from(const Source& source, const FeatureWords& words, const NumberArrays& arrays) {
+    return Lists(source, words, arrays).take();
+}
+
+FeatureList read_features_npz(const Source& source, const FeatureWords& words) {
+    const NpzReader archive(source);
+    NumberArrays arrays;
+    for (const auto& [name, columns] : arrays_of(words)) {
+        NpzReader::Entry entry(archive, name);
+        arrays.push_back(entry ? std::optional(read_array(entry, columns)) : std::nullopt);
+    }
+    return list_from(source, words, arrays);
+}
+
+}  // namespace crumple::io
