@@ -44,6 +44,7 @@ def refuse_masked(array: Any, kind: str, which: str) -> None:
     """For arrays that are read in place. A mask that hides nothing does not count."""
     name, element = {
         "vertices": ("vertices are", "vertex"),
+        "end_vertices": ("end vertices are", "vertex"),
         "faces": ("faces are", "triangle"),
         "groups": ("groups are", "group"),
         "group_pairs": ("excluded_groups are", "group"),
@@ -160,10 +161,9 @@ def _integers(array: Any, name: str, in_place: str = "") -> np.ndarray:
     return result
 
 
-def vertices(array: Any, which: str) -> np.ndarray:
+def _positions(array: Any, name: str, in_place: str = "") -> np.ndarray:
     """(n, 3) of float32 or float64, in native byte order and without odd strides."""
-    name = which + "vertices"
-    result = _rows(host_array(array, name, "(n, 3) of float32 or float64"), 3, name)
+    result = _rows(host_array(array, name, in_place), 3, name)
     if _is_sequence(array) and result.dtype.kind in "iu":
         result = result.astype(np.float64)
     if result.dtype.kind != "f" or result.dtype.itemsize not in (4, 8):
@@ -171,6 +171,16 @@ def vertices(array: Any, which: str) -> np.ndarray:
             f"{name} must be float32 or float64, not {result.dtype}; convert them, for instance by .astype('float64')"
         )
     return _native(result, result.dtype)
+
+
+def vertices(array: Any, which: str) -> np.ndarray:
+    """(n, 3) of float32 or float64."""
+    return _positions(array, which + "vertices", "(n, 3) of float32 or float64")
+
+
+def end_vertices(array: Any, which: str) -> np.ndarray:
+    """The same, and on the host."""
+    return _positions(array, which + "end vertices")
 
 
 def faces(array: Any, which: str) -> np.ndarray:

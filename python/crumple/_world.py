@@ -54,21 +54,26 @@ class Shape(_core.Shape):
             that is clear of all others costs less than a microsecond. Pairs within a body are searched anew. Names
             count for a whole process; another size or precision under a known name is an InvalidInput. A shape whose
             vertices move gets no name, or a new one with each change.
+        end: (n, 3), of the vertices' precision: where they are at the end of a step, for Detector.find_impacts; None:
+            they stay. What a name promises says nothing of it.
 
     Raises InvalidInput, which names the argument. Whether coordinates are finite and indices in range is looked at when
     a search first reads the shape.
     """
 
-    __slots__ = ("__weakref__", "_mesh", "_name")
+    __slots__ = ("__weakref__", "_end", "_mesh", "_name")
 
     @suggesting
-    def __init__(self, vertices: Any, faces: Any = None, groups: Any = None, name: int | str | None = None) -> None:
-        self._make(soup_of(vertices, faces, groups), name, "")
+    def __init__(
+        self, vertices: Any, faces: Any = None, groups: Any = None, name: int | str | None = None, end: Any = None
+    ) -> None:
+        self._make(soup_of(vertices, faces, groups), name, "", end)
 
-    def _make(self, mesh: Mesh, name: Any, which: str) -> None:
-        super().__init__(mesh, which, _number_of(name))
+    def _make(self, mesh: Mesh, name: Any, which: str, end: Any = None) -> None:
+        super().__init__(mesh, which, _number_of(name), end)
         self._mesh = mesh
         self._name = name
+        self._end = end
 
     @property
     def mesh(self) -> Mesh:
@@ -79,6 +84,11 @@ class Shape(_core.Shape):
     def name(self) -> int | str | None:
         """What the shape is remembered by, if anything; None also for one that a file gave, whose name is its own."""
         return None if isinstance(self._name, OwnName) else self._name
+
+    @property
+    def end(self) -> Any:
+        """Where the vertices are at the end of a step, as given; None: they stay."""
+        return self._end
 
     def __reduce__(self) -> Any:
         from ._world_pickling import restore_shape, state_of_shape
@@ -113,6 +123,7 @@ class Body(NamedTuple):
         world: which world it is in; -1: in all.
         self_collisions: whether pairs within the body are wanted.
         name: for exclusions and messages; "": none.
+        end_pose: as `pose`, at the end of a step; None: as at its start.
     """
 
     shape: Any
@@ -121,6 +132,7 @@ class Body(NamedTuple):
     world: int = 0
     self_collisions: bool = True
     name: str = ""
+    end_pose: Any = None
 
 
 class World(_core.World):
@@ -138,9 +150,12 @@ class World(_core.World):
             worlds; such bodies come last. None: all in world 0.
         self_collisions: True or False, or (n,) of bool: whether pairs within each body are wanted.
         names: n of str, each once unless empty: for exclusions and messages.
+        end_poses: as `poses`, at the end of a step, for Detector.find_impacts: each vertex goes straight from where it
+            is posed at the start to where it is posed at the end. None: as `poses`.
 
-    `world.poses = poses` costs next to nothing; all else stays as it is. `len(world)` is the number of bodies. Raises
-    InvalidInput, which names the argument; what only the whole tells, such as world ids out of order, a search refuses.
+    `world.poses = poses` and `world.end_poses = poses` cost next to nothing; all else stays as it is.
+    `len(world)` is the number of bodies. Raises InvalidInput, which names the argument; what only the whole tells, such
+    as world ids out of order, a search refuses.
 
     What is answered, and what a posed vertex is to the bit: docs/worlds.md.
     """
@@ -156,6 +171,7 @@ class World(_core.World):
         worlds: Any = None,
         self_collisions: Any = True,
         names: Iterable[str] | None = None,
+        end_poses: Any = None,
     ) -> None:
         import numpy as np
 
@@ -165,9 +181,10 @@ class World(_core.World):
             raise InvalidType(f"shapes must be a sequence of crumple.Shape or of meshes, not {type(shapes).__name__}")
         made = tuple(shape_of(shape, f"shape {i}: ") for i, shape in enumerate(shapes))
         if isinstance(bodies, Sequence) and len(bodies) and all(isinstance(body, Body) for body in bodies):
-            if not all(given is None for given in (poses, groups, worlds, names)) or self_collisions is not True:
+            given = (poses, groups, worlds, names, end_poses)
+            if any(column is not None for column in given) or self_collisions is not True:
                 raise InvalidInput("poses, groups, worlds, self_collisions and names are those of each crumple.Body")
-            poses, groups, worlds, self_collisions, names = columns.of_bodies(bodies)
+            poses, groups, worlds, self_collisions, names, end_poses = columns.of_bodies(bodies)
             bodies = columns.shapes_of(made, bodies)
         of = columns.ids(np.arange(len(made)) if bodies is None else bodies, "bodies")
         n = len(of)
@@ -175,7 +192,7 @@ class World(_core.World):
         worlds = columns.ids(0 if worlds is None else worlds, "worlds", n)
         self_collisions = columns.flags(self_collisions, "self_collisions", n)
         all_names = columns.names(names, n)
-        super().__init__(list(made), of, groups, worlds, self_collisions, poses)
+        super().__init__(list(made), of, groups, worlds, self_collisions, poses, end_poses)
         self._shapes, self._names = made, all_names
         self._base: World | None = None
         self._columns = {
@@ -197,12 +214,13 @@ class World(_core.World):
 
         return from_trimesh(scene)
 
-    def configurations(self, poses: Any) -> World:
+    def configurations(self, poses: Any, end_poses: Any = None) -> World:
         """A world of many configurations of this one's bodies, each in a world of its own, against those at rest.
 
         Args:
             poses: (k, m, 3, 4) or (k, m, 4, 4): k configurations of the m bodies that are in world 0 here. Bodies that
                 are in all worlds (-1) stay where they are now.
+            end_poses: the same at the end of a step, for Detector.find_impacts; None: as `poses`.
 
         Body b of configuration c has index c * m + b; those at rest follow. Names and indices in `excluded` are those
         of this world, and hold in each configuration. `world.poses = poses` gives others, as many. Raises
@@ -235,7 +253,7 @@ class World(_core.World):
                 f"{moving}, 4, 4), not {tuple(shape)}"
             )
         made = World.__new__(World)
-        made._configure(self, int(shape[0]), poses)
+        made._configure(self, int(shape[0]), poses, end_poses)
         made._shapes, made._columns, made._base = self._shapes, {}, self
         return made
 
@@ -255,6 +273,15 @@ class World(_core.World):
     @poses.setter
     def poses(self, poses: Any) -> None:
         self._place(poses)
+
+    @property
+    def end_poses(self) -> Any:
+        """The same at the end of a step, as given and as it may be set; None: as `poses`."""
+        return super().end_poses
+
+    @end_poses.setter
+    def end_poses(self, poses: Any) -> None:
+        self._place_end(poses)
 
     def _column(self, name: str) -> Any:
         """A column of the world; of configurations, that of the bodies that move repeated, and the rest of it."""
@@ -351,10 +378,11 @@ class World(_core.World):
             # Those at rest stay where they were when the configurations were made.
             base, moving = self._base.__reduce__(), np.tile(np.eye(3, 4), (self._moving, 1, 1))
             poses = np.concatenate([moving, self._poses_at_rest])
-            return restore_configurations, (restore_world(*base[1][:-1], poses), poses_of(self.poses))
+            base_world = restore_world(*base[1][:-2], poses)
+            return restore_configurations, (base_world, poses_of(self.poses), poses_of(self.end_poses))
         names = ("bodies", "groups", "worlds", "self_collisions")
         columns = (self._columns[name] for name in names)
-        return restore_world, (self._shapes, *columns, self._names, poses_of(self.poses))
+        return restore_world, (self._shapes, *columns, self._names, poses_of(self.poses), poses_of(self.end_poses))
 
     def __repr__(self) -> str:
         if self._base is None:

@@ -80,37 +80,45 @@ def names(given: Any, bodies: int) -> tuple[str, ...]:
     return result
 
 
-def pose_of(pose: Any, body: int) -> np.ndarray:
+def pose_of(pose: Any, body: int, name: str = "pose") -> np.ndarray:
     """The pose of one crumple.Body as (3, 4); None: as given."""
     if pose is None:
         return np.eye(3, 4)
-    result = host_array(pose, f"body {body}: its pose")
+    result = host_array(pose, f"body {body}: its {name}")
     if result.shape not in ((3, 4), (4, 4)) or result.dtype.kind not in "iuf":
         what = f"{result.shape}" if result.dtype.kind in "iuf" else f"{result.dtype}"
         raise InvalidInput(
-            f"body {body}: its pose must have shape (3, 4) or (4, 4) and hold numbers, not {what}",
+            f"body {body}: its {name} must have shape (3, 4) or (4, 4) and hold numbers, not {what}",
             element="body",
             index=body,
         )
     if len(result) == 4 and result[3].tolist() != [0, 0, 0, 1]:
         last = " ".join(repr(float(value)) for value in result[3])
         raise InvalidInput(
-            f"body {body}: the last row of its pose must be 0 0 0 1, not {last}", element="body", index=body
+            f"body {body}: the last row of its {name} must be 0 0 0 1, not {last}", element="body", index=body
         )
     return result[:3].astype(np.float64)
 
 
-def of_bodies(bodies: Sequence[Body]) -> tuple[Any, list[int], list[int], list[bool], list[str]]:
-    """Poses, groups, worlds, self_collisions and names; no poses where no body has one."""
-    poses = None
+def of_bodies(bodies: Sequence[Body]) -> tuple[Any, list[int], list[int], list[bool], list[str], Any]:
+    """Poses, groups, worlds, self_collisions, names and end poses; no poses where no body has one."""
+    poses = end_poses = None
     if any(body.pose is not None for body in bodies):
         poses = np.stack([pose_of(body.pose, i) for i, body in enumerate(bodies)])
+    if any(body.end_pose is not None for body in bodies):
+        end_poses = np.stack(
+            [
+                pose_of(body.pose, i) if body.end_pose is None else pose_of(body.end_pose, i, "end pose")
+                for i, body in enumerate(bodies)
+            ]
+        )
     return (
         poses,
         [body.group for body in bodies],
         [body.world for body in bodies],
         [body.self_collisions for body in bodies],
         [body.name for body in bodies],
+        end_poses,
     )
 
 

@@ -118,16 +118,18 @@ def _check_fit(answer: StoredAnswer, world: World) -> None:
 
 
 def state_of_shape(shape: Shape, name: Any) -> tuple[Any, ...]:
-    """Vertices, faces, groups and name; arrays are NumPy's."""
+    """Vertices, faces, groups, name and the vertices at the end; arrays are NumPy's."""
     vertices, faces, groups = shape.mesh
     faces = _arrays.faces(faces, "") if len(_arrays.host_array(faces, "faces")) else np.empty((0, 3), np.int32)
-    return _arrays.vertices(vertices, ""), faces, None if groups is None else _arrays.groups(groups, ""), name
+    groups = None if groups is None else _arrays.groups(groups, "")
+    end = None if shape.end is None else _arrays.end_vertices(shape.end, "")
+    return _arrays.vertices(vertices, ""), faces, groups, name, end
 
 
-def restore_shape(vertices: Any, faces: Any, groups: Any, name: Any) -> Shape:
+def restore_shape(vertices: Any, faces: Any, groups: Any, name: Any, end: Any = None) -> Shape:
     """A shape whose own name is nobody else's has another number here."""
     shape = Shape.__new__(Shape)
-    shape._make(Mesh(vertices, faces, groups), OwnName() if isinstance(name, OwnName) else name, "")
+    shape._make(Mesh(vertices, faces, groups), OwnName() if isinstance(name, OwnName) else name, "", end)
     return shape
 
 
@@ -137,16 +139,22 @@ def poses_of(poses: Any) -> Any:
 
 
 def restore_world(
-    shapes: Any, bodies: Any, groups: Any, worlds: Any, self_collisions: Any, names: Any, poses: Any
+    shapes: Any,
+    bodies: Any,
+    groups: Any,
+    worlds: Any,
+    self_collisions: Any,
+    names: Any,
+    poses: Any,
+    end_poses: Any = None,
 ) -> World:
     """The world of these columns."""
-    return World(
-        shapes, bodies, poses=poses, groups=groups, worlds=worlds, self_collisions=self_collisions, names=names
-    )
+    columns = {"groups": groups, "worlds": worlds, "self_collisions": self_collisions, "names": names}
+    return World(shapes, bodies, poses=poses, end_poses=end_poses, **columns)
 
 
-def restore_configurations(base: Any, poses: Any) -> World:
+def restore_configurations(base: Any, poses: Any, end_poses: Any = None) -> World:
     """The world of these configurations."""
     if not isinstance(base, World):
         raise InvalidType("the state of a world of configurations needs a World")
-    return base.configurations(poses)
+    return base.configurations(poses, end_poses)

@@ -61,6 +61,8 @@ bool are_vertices(const BorrowedArray& a) {
     return has_rows_of(3, a) && (a.number == Number::float32 || a.number == Number::float64);
 }
 
+bool are_host_vertices(const BorrowedArray& a) { return are_vertices(a) && a.device == BorrowedArray::on_host; }
+
 // Flat cells with their sizes before them: (3, a, b, c, 3, d, e, f, ...). In host memory alone one can look.
 bool may_be_cells(const BorrowedArray& a) {
     if (a.device != BorrowedArray::on_host || a.shape[0] == 0 || a.shape[0] % 4 != 0) return false;
@@ -193,6 +195,11 @@ IndexType index_type(const BorrowedArray& array) {
     return array.number == Number::uint32 ? IndexType::uint32 : IndexType::int64;
 }
 
+std::string told(const VertexView& vertices) {
+    return "(" + std::to_string(vertices.rows) + ", 3) of " +
+           (vertices.type == ScalarType::float32 ? "float32" : "float64");
+}
+
 }  // namespace
 
 void import_numpy() {
@@ -221,14 +228,23 @@ BorrowedMesh::BorrowedMesh(const nb::tuple& mesh, const char* which)
     view_.groups = {static_cast<const std::int32_t*>(groups_.data), static_cast<std::size_t>(groups_.shape[0])};
 }
 
+BorrowedEnd::BorrowedEnd(nb::handle end, const BorrowedMesh& mesh, const char* which) : kept_{nb::borrow(end)} {
+    const BorrowedArray array = borrow_array(end, are_host_vertices, "end_vertices", which, kept_);
+    view_ = rows_of_three(array, scalar_type(array));
+    const VertexView& start = mesh.view().vertices;
+    if (view_.rows != start.rows || view_.type != start.type)
+        refuse(std::string(which) + "end vertices must be like those at the start, " + told(start) + ", not " +
+               told(view_));
+}
+
 BorrowedMeshes::BorrowedMeshes(const nb::tuple& one, const std::optional<nb::tuple>& other)
     : first(one, other ? "first mesh: " : "") {
     if (other) second.emplace(*other, "second mesh: ");
 }
 
-BorrowedArray borrow_poses(nb::handle poses, Kept& kept) {
+BorrowedArray borrow_poses(nb::handle poses, const char* which, Kept& kept) {
     kept.push_back(nb::borrow(poses));
-    return borrow_array(poses, are_poses, "poses", "", kept);
+    return borrow_array(poses, are_poses, "poses", which, kept);
 }
 
 bool is_contiguous(const BorrowedArray& array) {

@@ -61,6 +61,18 @@ class BorrowedMesh {
     MeshView view_;
 };
 
+/// Where a mesh's vertices are at the end of a step, in place, in host memory.
+class BorrowedEnd {
+   public:
+    /// Throws where they are not as many as those of the mesh, or of another precision.
+    BorrowedEnd(nanobind::handle end, const BorrowedMesh& mesh, const char* which = "");
+    const VertexView& view() const { return view_; }
+
+   private:
+    Kept kept_;
+    VertexView view_;
+};
+
 /// The meshes of one call, in place; without a second one, one soup.
 struct BorrowedMeshes {
     BorrowedMeshes(const nanobind::tuple& first, const std::optional<nanobind::tuple>& second);
@@ -70,8 +82,8 @@ struct BorrowedMeshes {
     std::optional<BorrowedMesh> second;
 };
 
-/// Poses: (n, 3, 4) or (n, 4, 4), or (k, n, ...), of float32 or float64 on the host.
-BorrowedArray borrow_poses(nanobind::handle poses, Kept& kept);
+/// Poses: (n, 3, 4) or (n, 4, 4), or (k, n, ...), of float32 or float64 on the host. `which` leads every message.
+BorrowedArray borrow_poses(nanobind::handle poses, const char* which, Kept& kept);
 
 /// Whether the elements lie one after the other, the last index fastest.
 bool is_contiguous(const BorrowedArray& array);

@@ -36,14 +36,14 @@ void construct(nb::handle self, const char* type, Arguments&&... arguments) {
     nb::inst_mark_ready(self);
 }
 
-void make_shape(nb::handle self, const nb::tuple& mesh, const char* which, std::uint64_t name) {
+void make_shape(nb::handle self, const nb::tuple& mesh, const char* which, std::uint64_t name, nb::handle end) {
     if (!nb::isinstance<BorrowedShape>(self)) refuse_type("self", "a crumple.Shape", self);
-    construct<BorrowedShape>(self, "crumple.Shape", mesh, which, name);
+    construct<BorrowedShape>(self, "crumple.Shape", mesh, which, name, end);
 }
 
 void make_world(nb::handle self, const nb::list& shapes, const Column<std::int32_t>& shape_of,
                 const Column<std::int32_t>& groups, const Column<std::int32_t>& worlds, const Column<bool>& wanted_self,
-                nb::handle poses) {
+                nb::handle poses, nb::handle end_poses) {
     if (!nb::isinstance<BorrowedWorld>(self)) refuse_type("self", "a crumple.World", self);
     const auto made = std::make_shared<Bodies>();
     made->shapes.reserve(shapes.size());
@@ -57,12 +57,12 @@ void make_world(nb::handle self, const nb::list& shapes, const Column<std::int32
     made->moving = static_cast<std::int64_t>(n);
     made->bodies.reserve(n);
     for (std::size_t b = 0; b < n; ++b) made->bodies.push_back({shape_of(b), groups(b), worlds(b), wanted_self(b)});
-    BorrowedPoses given(poses, *made);
-    construct<BorrowedWorld>(self, "crumple.World", made, std::move(given));
+    BorrowedPoses given(poses, *made), at_end(end_poses, *made, BorrowedPoses::When::end);
+    construct<BorrowedWorld>(self, "crumple.World", made, std::move(given), std::move(at_end));
 }
 
 // The bodies of `of` that are in world 0 once for each configuration, and the others after them, in all worlds.
-void make_configurations(nb::handle self, nb::handle of, std::int64_t count, nb::handle poses) {
+void make_configurations(nb::handle self, nb::handle of, std::int64_t count, nb::handle poses, nb::handle end_poses) {
     if (!nb::isinstance<BorrowedWorld>(self)) refuse_type("self", "a crumple.World", self);
     const BorrowedWorld& world = given_world(of);
     const Bodies& base = *world.bodies;
@@ -89,8 +89,8 @@ void make_configurations(nb::handle self, nb::handle of, std::int64_t count, nb:
         made->poses_at_rest.resize(static_cast<std::size_t>(rest));
     else
         made->poses_at_rest.assign(known.begin() + made->moving, known.end());
-    BorrowedPoses given(poses, *made);
-    construct<BorrowedWorld>(self, "crumple.World", made, std::move(given));
+    BorrowedPoses given(poses, *made), at_end(end_poses, *made, BorrowedPoses::When::end);
+    construct<BorrowedWorld>(self, "crumple.World", made, std::move(given), std::move(at_end));
 }
 
 double number(const std::byte* at, BorrowedArray::Number type) {
@@ -104,30 +104,35 @@ double number(const std::byte* at, BorrowedArray::Number type) {
     return value;
 }
 
-[[noreturn]] void refuse_last_row(std::int64_t body, const double (&row)[4]) {
+[[noreturn]] void refuse_last_row(std::int64_t body, BorrowedPoses::When when, const double (&row)[4]) {
     std::string numbers;
     for (const double value : row)
         numbers += (numbers.empty() ? "" : " ") + std::string(nb::repr(nb::float_(value)).c_str());
     throw Error(ErrorCode::invalid_argument,
-                "body " + std::to_string(body) + ": the last row of its pose must be 0 0 0 1, not " + numbers,
+                "body " + std::to_string(body) + ": the last row of its " +
+                    (when == BorrowedPoses::When::end ? "end pose" : "pose") + " must be 0 0 0 1, not " + numbers,
                 Element::body, body);
 }
 
 }  // namespace
 
-BorrowedShape::BorrowedShape(const nb::tuple& given, const char* which, std::uint64_t name)
+BorrowedShape::BorrowedShape(const nb::tuple& given, const char* which, std::uint64_t name, nb::handle at_end)
     : mesh(given, which), shape(mesh.view(), name) {
     if (mesh.device() != BorrowedArray::on_host)
         refuse(std::string(which) +
                "vertices lie in CUDA memory, but those of a world are wanted in the host's: " + copy_to_host);
+    if (at_end.is_none()) return;
+    end.emplace(at_end, mesh, which);
+    shape.end = end->view();
 }
 
 BorrowedWorld& given_world(nb::handle world) { return instance<BorrowedWorld>(world, "world", "crumple.World"); }
 
-BorrowedPoses::BorrowedPoses(nb::handle poses, const Bodies& bodies) {
+BorrowedPoses::BorrowedPoses(nb::handle poses, const Bodies& bodies, When when) : when_(when) {
     if (poses.is_none()) return;
     object_ = nb::borrow(poses);
-    array_ = borrow_poses(poses, kept_);
+    const char* const which = when == When::end ? "end_" : "";
+    array_ = borrow_poses(poses, which, kept_);
     const int front = array_.dimensions - 2;
     std::int64_t given = 1;
     for (int i = 0; i < front; ++i) given *= array_.shape[static_cast<std::size_t>(i)];
@@ -140,7 +145,7 @@ BorrowedPoses::BorrowedPoses(nb::handle poses, const Bodies& bodies) {
     for (int i = 0; i < array_.dimensions; ++i)
         shape += (i ? ", " : "(") + std::to_string(array_.shape[static_cast<std::size_t>(i)]);
     const bool configured = bodies.configurations != 1 || bodies.at_rest() > 0;
-    refuse("poses must have shape (" + (configured ? k + ", " + n : n) + ", 3, 4) or (" +
+    refuse(std::string(which) + "poses must have shape (" + (configured ? k + ", " + n : n) + ", 3, 4) or (" +
            (configured ? k + ", " + n : n) + ", 4, 4), one for each body, not " + shape + ")");
 }
 
@@ -184,7 +189,7 @@ void BorrowedPoses::copy(std::int64_t count, std::vector<Pose>& buffer) const {
             pose[k] = at(static_cast<std::int64_t>(k / 4), static_cast<std::int64_t>(k % 4));
         if (array_.shape[rows] == 3) continue;
         const double last[4]{at(3, 0), at(3, 1), at(3, 2), at(3, 3)};
-        if (last[0] != 0 || last[1] != 0 || last[2] != 0 || last[3] != 1) refuse_last_row(i, last);
+        if (last[0] != 0 || last[1] != 0 || last[2] != 0 || last[3] != 1) refuse_last_row(i, when_, last);
     }
 }
 
@@ -219,14 +224,14 @@ std::vector<BodyPair> excluded_bodies(const Bodies& bodies, nb::handle pairs) {
 
 void bind_world(nb::module_& module) {
     nb::class_<BorrowedShape>(module, "Shape", "Triangles that bodies are made of; crumple.Shape is one.")
-        .def("__init__", make_shape, "mesh"_a, "which"_a, "name"_a)
+        .def("__init__", make_shape, "mesh"_a, "which"_a, "name"_a, "end"_a.none())
         .def_prop_ro("triangles", [](nb::handle self) {
             return instance<BorrowedShape>(self, "self", "crumple.Shape").shape.triangles.rows;
         });
     nb::class_<BorrowedWorld>(module, "World", "Bodies, and where they are; crumple.World is one.")
         .def("__init__", make_world, "shapes"_a, "bodies"_a, "groups"_a, "worlds"_a, "self_collisions"_a,
-             "poses"_a.none())
-        .def("_configure", make_configurations, "of"_a, "count"_a, "poses"_a.none())
+             "poses"_a.none(), "end_poses"_a.none())
+        .def("_configure", make_configurations, "of"_a, "count"_a, "poses"_a.none(), "end_poses"_a.none())
         .def_prop_ro("_poses_at_rest",
                      [](nb::handle self) {
                          import_numpy();
@@ -243,6 +248,15 @@ void bind_world(nb::module_& module) {
                 BorrowedWorld& world = given_world(self);
                 BorrowedPoses given(poses, *world.bodies);
                 std::swap(world.poses, given);  // what was there is dropped last: that may run code of Python
+            },
+            "poses"_a.none())
+        .def_prop_ro("end_poses", [](nb::handle self) { return given_world(self).end_poses.object(); })
+        .def(
+            "_place_end",
+            [](nb::handle self, nb::handle poses) {
+                BorrowedWorld& world = given_world(self);
+                BorrowedPoses given(poses, *world.bodies, BorrowedPoses::When::end);
+                std::swap(world.end_poses, given);
             },
             "poses"_a.none());
 }

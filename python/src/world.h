@@ -3,6 +3,7 @@
 // Worlds on their way in: shapes and poses in place, where the library can read them so.
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -13,12 +14,13 @@
 
 namespace crumple::python {
 
-/// crumple.Shape: a mesh in place, and the number that names it.
+/// crumple.Shape: a mesh in place, the number that names it, and where its vertices are at the end of a step.
 struct BorrowedShape {
-    /// `mesh` is (vertices, faces, groups or None). `which` leads every message.
-    BorrowedShape(const nanobind::tuple& mesh, const char* which, std::uint64_t name);
+    /// `mesh` is (vertices, faces, groups or None); `end` may be None. `which` leads every message.
+    BorrowedShape(const nanobind::tuple& mesh, const char* which, std::uint64_t name, nanobind::handle end);
 
     BorrowedMesh mesh;
+    std::optional<BorrowedEnd> end;
     Shape shape;
 };
 
@@ -42,12 +44,14 @@ struct Bodies {
 class BorrowedPoses {
    public:
     BorrowedPoses() = default;
+    enum class When : std::uint8_t { start, end };
     /// None: all as given. Throws where there is not one for each body that is posed.
-    BorrowedPoses(nanobind::handle poses, const Bodies& bodies);
+    BorrowedPoses(nanobind::handle poses, const Bodies& bodies, When when = When::start);
 
     /// One a body: in place where that can be, else in `buffer`. Reads the numbers as they are now; those of matrices
     /// of four rows must end in 0 0 0 1.
     std::span<const Pose> read(const Bodies& bodies, std::vector<Pose>& buffer) const;
+    bool given() const { return object_.is_valid(); }
     /// As they were given.
     nanobind::object object() const { return object_ ? object_ : nanobind::none(); }
 
@@ -57,12 +61,14 @@ class BorrowedPoses {
     nanobind::object object_;
     Kept kept_;
     BorrowedArray array_;
+    When when_ = When::start;
 };
 
 /// crumple.World.
 struct BorrowedWorld {
     std::shared_ptr<const Bodies> bodies;
     BorrowedPoses poses;
+    BorrowedPoses end_poses;  ///< none: as `poses`
 };
 
 /// The world that a method is given or called on. A class of Python may leave it without what __init__ makes.
