@@ -11,6 +11,9 @@
     world = crumple.World([arm, table], worlds=[0, -1])               # bodies, poses, many configurations at once
     detector.find(world, wants="any").any
 
+    crumple.time_of_first_impact(vertices, next_vertices, faces)      # on the straight way there: in [0, 1], or None
+    detector.find_near(vertices, faces, radius=0.01)                  # features within a distance, and how near
+
 Vertices are (n, 3) float32 or float64, faces (m, 3) integers or flat: NumPy arrays, or anything that speaks DLPack.
 Any triangle soup will do. What counts as a collision: docs/contract.md.
 """
@@ -21,12 +24,18 @@ from ._devices import DeviceInfo, DeviceList, list_devices
 from ._errors import BackendUnavailable, Error, FileError, FileWarning, InvalidInput, InvalidType, MemoryLimit
 from ._files import Scene, make_scene, read_mesh, read_pairs, scenes, write_mesh
 from ._mesh import FileMesh, Mesh, Polygons, as_mesh
+from ._motion import FirstImpact, Impacts
+from ._near import Nearby
 from ._result import Block, ContactKind, Contacts, Result
 from ._short_forms import (
+    find_impacts,
     find_intersections_between,
+    find_near,
     find_self_intersections,
     has_intersections,
     has_intersections_between,
+    is_free,
+    time_of_first_impact,
 )
 from ._world import Body, Shape, World
 from ._world_files import read_poses, read_world
@@ -45,10 +54,13 @@ __all__ = [
     "FileError",
     "FileMesh",
     "FileWarning",
+    "FirstImpact",
+    "Impacts",
     "InvalidInput",
     "InvalidType",
     "MemoryLimit",
     "Mesh",
+    "Nearby",
     "Part",
     "Polygons",
     "Result",
@@ -59,10 +71,13 @@ __all__ = [
     "WorldResult",
     "__version__",
     "as_mesh",
+    "find_impacts",
     "find_intersections_between",
+    "find_near",
     "find_self_intersections",
     "has_intersections",
     "has_intersections_between",
+    "is_free",
     "list_devices",
     "make_scene",
     "read_mesh",
@@ -70,5 +85,6 @@ __all__ = [
     "read_poses",
     "read_world",
     "scenes",
+    "time_of_first_impact",
     "write_mesh",
 ]

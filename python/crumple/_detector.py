@@ -9,7 +9,9 @@ from . import _core
 from ._core import Statistics
 from ._errors import InvalidInput, InvalidType
 from ._mesh import Mesh, as_mesh, soup_of
+from ._motion import find_impacts, is_free, time_of_first_impact
 from ._names import suggesting
+from ._near import find_near
 from ._result import Block, Result
 from ._world import World
 from ._world_result import WorldResult
@@ -383,6 +385,11 @@ class Detector(_core.Detector):
             name = f"{kind.__module__}.{kind.__qualname__}".removeprefix("builtins.")
             raise InvalidType(f"find takes a crumple.World or a crumple.Part, not {name}")
         return _find_in_part(self, part_or_world, **question)
+
+    find_impacts = find_impacts
+    time_of_first_impact = time_of_first_impact
+    is_free = is_free
+    find_near = find_near
 
 
 def _find_in_part(

@@ -10,6 +10,9 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from ._motion import Impacts
+    from ._near import Nearby
+
 
 def find_self_intersections(vertices: Any, faces: Any = None, *, copy: bool = False, **query: Any) -> NDArray[np.int32]:
     """(k, 2) int32: all colliding pairs within one soup, sorted, from a detector that lives for this call.
@@ -36,3 +39,23 @@ def has_intersections(vertices: Any, faces: Any = None, **query: Any) -> bool:
 def has_intersections_between(a: Any, b: Any, **query: Any) -> bool:
     """Whether two meshes collide. All else, cost and source included: Detector.has_intersections_between."""
     return Detector().has_intersections_between(a, b, **query)
+
+
+def find_impacts(*scene: Any, **question: Any) -> Impacts:
+    """What touches what on the way of (vertices, end, faces) or of a world. All else: Detector.find_impacts."""
+    return Detector().find_impacts(*scene, **question)
+
+
+def time_of_first_impact(*scene: Any, **question: Any) -> float | None:
+    """When anything first touches on that way; None: never. All else: Detector.time_of_first_impact."""
+    return Detector().time_of_first_impact(*scene, **question)
+
+
+def is_free(*scene: Any, **question: Any) -> bool:
+    """Whether nothing touches on that way. All else: Detector.is_free."""
+    return Detector().is_free(*scene, **question)
+
+
+def find_near(*scene: Any, radius: float, **question: Any) -> Nearby:
+    """What is near what in (vertices, faces) or in a world, and how near. All else: Detector.find_near."""
+    return Detector().find_near(*scene, radius=radius, **question)

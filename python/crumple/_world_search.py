@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Literal
 
 from . import _core
@@ -34,14 +35,25 @@ def find_in_world(
     copy: bool = False,
 ) -> WorldResult:
     question = _core.Question(wants, neighbours, intersections, weld, bodies, groups, excluded_groups, index)
-    if excluded is not None:
-        from ._world_arrays import excluded_pairs
-
-        excluded = excluded_pairs(world, excluded)
+    excluded = excluded_in(world, excluded)
     if poses is None:
         poses = world.poses
+    return WorldResult(with_names(world, self._find_world, world, poses, question, excluded, copy), world, poses)
+
+
+def excluded_in(world: World, excluded: Any) -> Any:
+    """Pairs of bodies by their indices, or None."""
+    if excluded is None:
+        return None
+    from ._world_arrays import excluded_pairs
+
+    return excluded_pairs(world, excluded)
+
+
+def with_names(world: World, find: Callable[..., Any], *given: Any) -> Any:
+    """What find(*given) gives, whose errors then name the body."""
     try:
-        return WorldResult(self._find_world(world, poses, question, excluded, copy), world, poses)
+        return find(*given)
     except InvalidInput as error:
         named = _named(world, str(error))
         if named == str(error):

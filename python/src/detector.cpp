@@ -15,6 +15,7 @@
 #include "arguments.h"
 #include "arrays.h"
 #include "crumple/device.h"
+#include "feature_search.h"
 #include "gil.h"
 #include "names.h"
 #include "part.h"
@@ -72,26 +73,37 @@ void SharedDetector::wait_for_another_turn() {
     handle_signals();
 }
 
-// Storage moves in and comes back as the result, which outlives the detector and its next call.
 void SharedDetector::find(const MeshView& first, const MeshView* second, const Query& query, Collisions& answer) {
-    detector_.swap_result(answer);
-    if (second)
-        detector_.find_between(first, *second, query, stop_->get_token());
-    else
-        detector_.find_self(first, query, stop_->get_token());
-    detector_.swap_result(answer);
+    answer_into(answer, [&](std::stop_token stop) {
+        if (second)
+            detector_.find_between(first, *second, query, std::move(stop));
+        else
+            detector_.find_self(first, query, std::move(stop));
+    });
 }
 
 void SharedDetector::find(const Part& part, const Query& query, Collisions& answer) {
-    detector_.swap_result(answer);
-    detector_.find(part, query, stop_->get_token());
-    detector_.swap_result(answer);
+    answer_into(answer, [&](std::stop_token stop) { detector_.find(part, query, std::move(stop)); });
 }
 
 void SharedDetector::find(const World& world, const Intersect& question, WorldCollisions& answer) {
-    detector_.swap_result(answer);
-    detector_.find(world, question, stop_->get_token());
-    detector_.swap_result(answer);
+    answer_into(answer, [&](std::stop_token stop) { detector_.find(world, question, std::move(stop)); });
+}
+
+void SharedDetector::find(const World& world, const Motion& question, Impacts& answer) {
+    answer_into(answer, [&](std::stop_token stop) { detector_.find(world, question, std::move(stop)); });
+}
+
+void SharedDetector::find(const World& world, const Near& question, Nearby& answer) {
+    answer_into(answer, [&](std::stop_token stop) { detector_.find(world, question, std::move(stop)); });
+}
+
+void SharedDetector::find(const MeshView& mesh, const VertexView& end, const Motion& question, Impacts& answer) {
+    answer_into(answer, [&](std::stop_token stop) { detector_.find_impacts(mesh, end, question, std::move(stop)); });
+}
+
+void SharedDetector::find(const MeshView& mesh, const Near& question, Nearby& answer) {
+    answer_into(answer, [&](std::stop_token stop) { detector_.find_near(mesh, question, std::move(stop)); });
 }
 
 bool SharedDetector::any(const MeshView& first, const MeshView* second, const Query& query) {
@@ -208,7 +220,7 @@ Answer find(nb::handle self, const nb::tuple& first, const std::optional<nb::tup
     const Query& query = given.query;
     const bool copied = flag("copy", copy);
     const SharedDetector::Turn turn(detector);
-    Answer answer{detector.storage(), query.contacts, copied};
+    Answer answer{detector.storage<Collisions>(), query.contacts, copied};
     without_gil([&] { detector.find(meshes.first.view(), meshes.second_or_null(), query, *answer.storage); },
                 detector.stop());
     return answer;
@@ -219,7 +231,7 @@ Answer find_part(nb::handle self, nb::handle part, const OwningQuery& given, nb:
     const Part& of = given_part(part);
     const bool copied = flag("copy", copy);
     const SharedDetector::Turn turn(detector);
-    Answer answer{detector.storage(), given.query.contacts, copied};
+    Answer answer{detector.storage<Collisions>(), given.query.contacts, copied};
     without_gil([&] { detector.find(of, given.query, *answer.storage); }, detector.stop());
     return answer;
 }
@@ -281,6 +293,7 @@ void bind_detector(nb::module_& module) {
              "intersections"_a.none(), "weld"_a.none(), "contacts"_a.none(), "wanted"_a.none(),
              "excluded_groups"_a.none());
     bind_question(module);
+    bind_feature_questions(module);
     nb::class_<SharedDetector>(module, "Detector", "The library's detector; crumple.Detector is one.")
         .def("__init__", make, "options"_a)
         .def_prop_ro("backend", [](nb::handle self) { return name_of(backend_names, detector_of(self).backend()); })
@@ -289,6 +302,12 @@ void bind_detector(nb::module_& module) {
         .def("_find", find, "first"_a, "second"_a.none(), "query"_a, "copy"_a.none())
         .def("_find_part", find_part, "part"_a.none(), "query"_a, "copy"_a.none())
         .def("_find_world", find_world, "world"_a.none(), "poses"_a.none(), "question"_a, "excluded"_a.none(),
+             "copy"_a.none())
+        .def("_find_impacts", find_impacts, "mesh"_a, "end"_a.none(), "question"_a, "copy"_a.none())
+        .def("_find_impacts_in_world", find_impacts_in_world, "world"_a, "poses"_a.none(), "end_poses"_a.none(),
+             "question"_a, "excluded"_a.none(), "copy"_a.none())
+        .def("_find_near", find_near, "mesh"_a, "question"_a, "copy"_a.none())
+        .def("_find_near_in_world", find_near_in_world, "world"_a, "poses"_a.none(), "question"_a, "excluded"_a.none(),
              "copy"_a.none())
         .def("_stream", stream, "take"_a, "first"_a, "second"_a.none(), "query"_a, "block_pairs"_a.none(),
              "ordered"_a.none())

@@ -11,6 +11,7 @@
 #include <stop_token>
 #include <string_view>
 #include <thread>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -46,6 +47,10 @@ class SharedDetector {
     void find(const MeshView& first, const MeshView* second, const Query& query, Collisions& answer);
     void find(const Part& part, const Query& query, Collisions& answer);
     void find(const World& world, const Intersect& question, WorldCollisions& answer);
+    void find(const World& world, const Motion& question, Impacts& answer);
+    void find(const World& world, const Near& question, Nearby& answer);
+    void find(const MeshView& mesh, const VertexView& end, const Motion& question, Impacts& answer);
+    void find(const MeshView& mesh, const Near& question, Nearby& answer);
     bool any(const MeshView& first, const MeshView* second, const Query& query);
     /// `take` is called with the GIL, in any thread of the library.
     Statistics stream(const MeshView& first, const MeshView* second, Detector::TakeBlock take, const Query& query,
@@ -54,10 +59,13 @@ class SharedDetector {
     /// Storage for an answer: that of one of the last two, if nobody holds it any more. So frames of a simulation go
     /// back and forth between two and allocate nothing. Under a memory limit none is kept. Call with the GIL, under
     /// which results come and go.
-    std::shared_ptr<Collisions> storage() { return answers_.get(options().memory_limit > 0); }
-    std::shared_ptr<WorldCollisions> world_storage() { return world_answers_.get(options().memory_limit > 0); }
+    template <class Answer>
+    std::shared_ptr<Answer> storage() {
+        return std::get<Two<Answer>>(answers_).get(options().memory_limit > 0);
+    }
     /// For poses that cannot be read in place. In a turn of one's own.
     std::vector<Pose>& poses() { return poses_; }
+    std::vector<Pose>& end_poses() { return end_poses_; }
     const Options& options() const { return detector_.options(); }
     Backend backend() const { return detector_.backend(); }
     std::string_view fallback() const { return detector_.fallback(); }
@@ -84,12 +92,18 @@ class SharedDetector {
         std::shared_ptr<Answer> last_, before_;
     };
 
+    // Storage moves in and comes back as the result, which outlives the detector and its next call.
+    template <class Answer, class Search>
+    void answer_into(Answer& answer, Search search) {
+        detector_.swap_result(answer);
+        search(stop_->get_token());
+        detector_.swap_result(answer);
+    }
     void wait_for_another_turn();
 
     Detector detector_;
-    Two<Collisions> answers_;
-    Two<WorldCollisions> world_answers_;
-    std::vector<Pose> poses_;
+    std::tuple<Two<Collisions>, Two<WorldCollisions>, Two<Impacts>, Two<Nearby>> answers_;
+    std::vector<Pose> poses_, end_poses_;
     std::optional<std::stop_source> stop_;  ///< of the turn; each has its own
     std::thread::id caller_;                ///< whose turn it is; guarded by the GIL, as `stop_` and `waiting_` are
     int waiting_ = 0;

@@ -6,6 +6,7 @@
 #include "crumple/version.h"
 #include "detector.h"
 #include "errors.h"
+#include "feature_answer.h"
 #include "files.h"
 #include "gil.h"
 #include "part.h"
@@ -25,6 +26,7 @@ NB_MODULE(_core, module) {
     crumple::python::bind_part(module);
     crumple::python::bind_world(module);
     crumple::python::bind_world_answer(module);
+    crumple::python::bind_feature_answers(module);
     crumple::python::bind_detector(module);
     crumple::python::bind_files(module);
     crumple::python::bind_world_files(module);

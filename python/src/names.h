@@ -9,6 +9,8 @@
 
 #include "arguments.h"
 #include "crumple/io.h"
+#include "crumple/motion.h"
+#include "crumple/near.h"
 #include "crumple/options.h"
 #include "crumple/world.h"
 
@@ -39,6 +41,12 @@ inline constexpr Names<Wants, 6> wants_names{{{"any", Wants::any},
                                               {"count", Wants::count},
                                               {"pairs", Wants::pairs},
                                               {"contacts", Wants::contacts}}};
+inline constexpr Names<MotionWants, 4> motion_wants_names{{{"any", MotionWants::any},
+                                                           {"any_by_world", MotionWants::any_by_world},
+                                                           {"earliest", MotionWants::earliest},
+                                                           {"impacts", MotionWants::impacts}}};
+inline constexpr Names<NearWants, 3> near_wants_names{
+    {{"any", NearWants::any}, {"any_by_world", NearWants::any_by_world}, {"pairs", NearWants::pairs}}};
 inline constexpr Names<io::Precision, 3> precision_names{{{"automatic", io::Precision::automatic},
                                                           {"float32", io::Precision::float32},
                                                           {"float64", io::Precision::float64}}};

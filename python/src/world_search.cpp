@@ -42,7 +42,8 @@ WorldAnswer find_world(nb::handle self, nb::handle world, nb::handle poses, cons
     asked.rules.excluded_bodies = excluded_bodies(*bodies, excluded);
     const SharedDetector::Turn turn(detector);
     const World view{bodies->shapes, bodies->bodies, at.read(*bodies, detector.poses())};
-    WorldAnswer answer{detector.world_storage(), asked.wants, asked.index && asked.wants >= Wants::pairs, copied};
+    WorldAnswer answer{detector.storage<WorldCollisions>(), asked.wants, asked.index && asked.wants >= Wants::pairs,
+                       copied};
     without_gil([&] { detector.find(view, asked, *answer.storage); }, detector.stop());
     return answer;
 }

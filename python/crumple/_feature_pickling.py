@@ -1,0 +1,167 @@
+"""Takes Impacts and Nearby apart for pickle, and puts them together again, with all that is read checked."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ._core import Statistics
+from ._errors import InvalidInput, InvalidType
+from ._feature_result import FeatureResult
+from ._motion import FirstImpact, Impacts
+from ._near import Nearby
+
+_TYPES = {"Impacts": Impacts, "Nearby": Nearby}
+_VALUES = {"Impacts": ("toi", "start"), "Nearby": ("squared_distance", "touching")}
+
+# Type and columns of each array that both have; what was not asked for is empty.
+_ARRAYS = {
+    "world_hit": (np.bool_, ()),
+    "edges": (np.int32, (2,)),
+    "first_edge": (np.int64, ()),
+    "vertex_faces": (np.int32, (2,)),
+    "vertex_face_bodies": (np.int32, (2,)),
+    "edge_edges": (np.int32, (2,)),
+    "edge_edge_bodies": (np.int32, (2,)),
+    "vertex_offsets": (np.int64, ()),
+    "face_offsets": (np.int64, ()),
+    "by_face": (np.int64, ()),
+    "edge_offsets": (np.int64, ()),
+    "second_edge_offsets": (np.int64, ()),
+    "by_second_edge": (np.int64, ()),
+}
+_FLAGS = ("any", "of_world", "has_index", "copy")
+
+
+def _arrays_of(kind: str) -> dict[str, tuple[Any, tuple[int, ...]]]:
+    value, flag = _VALUES[kind]
+    lists = ("vertex_face", "edge_edge")
+    values = {f"{name}_{value}": (np.float64, ()) for name in lists}
+    return {**_ARRAYS, **values, **{f"{name}_{flag}": (np.bool_, ()) for name in lists}}
+
+
+class StoredAnswer:
+    """An answer in arrays of its own, where _core.ImpactsAnswer and _core.NearbyAnswer have the library's."""
+
+    def __init__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+
+
+def stored(answer: Any) -> dict[str, Any]:
+    """A copy that shares nothing."""
+    kind = "Impacts" if hasattr(answer, "world_first") else "Nearby"
+    state = {name: getattr(answer, name) for name in (*_FLAGS, "count", "wants", "statistics")}
+    if kind == "Impacts":
+        state.update(first=answer.first, world_first=list(answer.world_first))
+    for name in _arrays_of(kind):
+        state[name] = getattr(answer, name).copy()
+        state[name].flags.writeable = False
+    return state
+
+
+def restore(kind: Any, state: Any) -> FeatureResult:
+    """Raises InvalidType and InvalidInput for what neither an Impacts nor a Nearby can have given."""
+    if kind not in _TYPES or not isinstance(state, dict):
+        raise InvalidType("the state of an answer about features must be its name and a dict")
+    arrays = _arrays_of(kind)
+    needed = {**dict.fromkeys(_FLAGS, bool), "count": int, "wants": str, "statistics": Statistics}
+    if kind == "Impacts":
+        needed["world_first"] = list
+    expected = {*arrays, *needed, *(["first"] if kind == "Impacts" else [])}
+    if state.keys() != expected:
+        raise InvalidType(f"the state of {kind} must have {', '.join(sorted(expected))}")
+    for name, wanted in needed.items():
+        if not isinstance(state[name], wanted):
+            raise InvalidType(f"the state of {kind} needs {name} as {wanted.__name__}")
+    made = {name: _array(state[name], name, *arrays[name], kind) for name in arrays}
+    answer = StoredAnswer({**state, **made})
+    _Check(kind, answer).all()
+    return _TYPES[kind](answer)
+
+
+def _array(array: Any, name: str, dtype: Any, columns: tuple[int, ...], kind: str) -> np.ndarray:
+    if not isinstance(array, np.ndarray) or array.dtype.newbyteorder("=") != dtype or array.shape[1:] != columns:
+        shape = ", ".join(["n", *map(str, columns)])
+        raise InvalidType(f"the state of {kind} needs {name} as an array ({shape}) of {np.dtype(dtype)}")
+    array = np.array(array, dtype, order="C")
+    array.flags.writeable = False
+    return array
+
+
+class _Check:
+    """Whether all of an answer fits together."""
+
+    def __init__(self, kind: str, answer: Any) -> None:
+        self._kind, self._answer = kind, answer
+
+    def _that(self, holds: Any, what: str) -> None:
+        if not holds:
+            raise InvalidInput(f"the state of {self._kind} does not fit together: {what}")
+
+    def all(self) -> None:
+        answer, wants = self._answer, _TYPES[self._kind]._wants
+        self._that(answer.wants in wants, "wants")
+        self._listed = answer.wants == wants[-1]
+        rows = len(answer.vertex_faces) + len(answer.edge_edges)
+        self._that(answer.count == rows and (self._listed or not rows), "count")
+        self._that(not self._listed or answer.any == (rows > 0), "any")
+        self._that(answer.wants != "any" or not len(answer.world_hit), "world_hit")
+        self._that(not answer.has_index or (self._listed and not answer.of_world), "has_index")
+        self._edges()
+        for name in ("vertex_face", "edge_edge"):
+            self._list(name, getattr(answer, f"{name}s"))
+        for offsets, second, by_second, pairs in (
+            ("vertex_offsets", "face_offsets", "by_face", "vertex_faces"),
+            ("edge_offsets", "second_edge_offsets", "by_second_edge", "edge_edges"),
+        ):
+            self._index(offsets, second, by_second, getattr(answer, pairs))
+        if self._kind == "Impacts":
+            self._first()
+
+    def _edges(self) -> None:
+        first, edges = self._answer.first_edge, self._answer.edges
+        self._that(len(first) or not (len(edges) or self._listed), "first_edge")
+        if len(first):
+            self._that(first[0] == 0 and first[-1] == len(edges) and (np.diff(first) >= 0).all(), "first_edge")
+            self._that(self._answer.of_world or len(first) == 2, "first_edge")
+        self._that(((edges[:, 0] >= 0) & (edges[:, 0] < edges[:, 1])).all(), "edges")
+
+    def _list(self, name: str, pairs: np.ndarray) -> None:
+        answer, rows = self._answer, len(pairs)
+        value, flag = (getattr(answer, f"{name}_{word}") for word in _VALUES[self._kind])
+        bodies = getattr(answer, f"{name}_bodies")
+        self._that(len(value) == len(flag) == rows, f"the lengths of {name}s")
+        self._that((value >= 0).all() and (self._kind == "Nearby" or (value <= 1).all()), f"the values of {name}s")
+        self._that((value[flag] == 0).all(), f"the flags of {name}s")
+        self._that((pairs >= 0).all(), f"{name}s")
+        self._that(len(bodies) == (rows if answer.of_world else 0), f"{name}_bodies")
+        if not answer.of_world:
+            bodies = np.zeros((rows, 2), np.int32)
+        self._that(((bodies >= 0) & (bodies < max(len(answer.first_edge) - 1, 0))).all(), f"{name}_bodies")
+        if name == "edge_edge" and rows:
+            self._that((pairs < np.diff(answer.first_edge)[bodies]).all(), "edge_edges and edges")
+
+    def _index(self, offsets: str, second: str, by_second: str, pairs: np.ndarray) -> None:
+        first, last, order = (getattr(self._answer, name) for name in (offsets, second, by_second))
+        if not self._answer.has_index:
+            return self._that(not (len(first) or len(last) or len(order)), offsets)
+        for column, of, name in ((0, first, offsets), (1, last, second)):
+            self._that(len(of) and of[0] == 0 and (np.diff(of) >= 0).all(), name)
+            self._that((pairs[:, column] < len(of) - 1).all(), name)
+            counts = np.bincount(pairs[:, column], minlength=len(of) - 1)
+            self._that(np.array_equal(np.diff(of), counts), name)
+        self._that(np.array_equal(order, np.lexsort((pairs[:, 0], pairs[:, 1]))), by_second)
+
+    def _first(self) -> None:
+        answer = self._answer
+        firsts = [first for first in (answer.first, *answer.world_first) if first is not None]
+        told = answer.wants in ("earliest", "impacts")
+        self._that(told or not (firsts or answer.world_first), "first")
+        for first in firsts:
+            self._that(isinstance(first, tuple) and len(first) == len(FirstImpact._fields), "first")
+            impact = FirstImpact(*first)
+            self._that(impact.kind in ("vertex_face", "edge_edge"), "the kind of the first impact")
+            self._that((impact.bodies is not None) == answer.of_world, "the bodies of the first impact")
+            self._that(0 <= impact.toi <= 1 and isinstance(impact.start, bool), "the time of the first impact")
+        self._that(answer.any or not firsts, "first")

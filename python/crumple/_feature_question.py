@@ -1,0 +1,33 @@
+"""How a search for pairs of features is asked of one mesh, or of a world, by one name."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+from ._names import suggesting
+from ._world import World
+
+if TYPE_CHECKING:
+    from ._detector import Detector
+
+
+def or_of_world(of_world: Callable[..., Any]) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """The search of a mesh, which is `of_world` where its first argument is a World. Signature: that of meshes."""
+
+    def with_worlds(of_mesh: Callable[..., Any]) -> Callable[..., Any]:
+        for search in (of_world, of_mesh):
+            search.__qualname__ = f"Detector.{of_mesh.__name__}"
+        of_world.__name__ = of_mesh.__name__
+        in_world, in_mesh = suggesting(of_world), suggesting(of_mesh)
+
+        @functools.wraps(of_mesh)
+        def search(self: Detector, *given: Any, **question: Any) -> Any:
+            if given and isinstance(given[0], World):
+                return in_world(self, *given, **question)
+            return in_mesh(self, *given, **question)
+
+        return search
+
+    return with_worlds

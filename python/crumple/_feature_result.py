@@ -1,0 +1,159 @@
+"""What the answers about motion and nearness have in common: pairs of features, as NumPy views."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from ._errors import InvalidInput
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+    from typing_extensions import Self
+
+    from ._core import Statistics
+
+_INDEX = ("vertex_offsets", "face_offsets", "by_face", "edge_offsets", "second_edge_offsets", "by_second_edge")
+_BODIES = ("vertex_face_bodies", "edge_edge_bodies")
+
+
+class FeatureResult:
+    """Base of Impacts and Nearby."""
+
+    _find: ClassVar[str]  # the search
+    _wants: ClassVar[tuple[str, ...]]
+    _from: ClassVar[dict[str, int]]  # what is made from which of `_wants` on; all else is made for the last
+
+    def __init__(self, answer: Any) -> None:
+        self._answer = answer
+
+    def _check_wanted(self, name: str) -> None:
+        least = self._from.get(name, len(self._wants) - 1)
+        if self._wants.index(self._answer.wants) < least:
+            raise InvalidInput(f'{name} was not asked for: {self._find}(..., wants="{self._wants[least]}")')
+
+    def _array(self, name: str) -> Any:
+        answer = self._answer
+        if name in _BODIES and not answer.of_world:
+            raise InvalidInput(f"{name} are those of a world, but this was asked of one mesh")
+        if name in _INDEX and answer.of_world:
+            raise InvalidInput(f"{name} is made for one mesh alone, but this was asked of a world")
+        self._check_wanted(name)
+        if name in _INDEX and not answer.has_index:
+            raise InvalidInput(f"{name} was not asked for: {self._find}(..., index=True)")
+        array = getattr(answer, name)
+        return array.copy() if answer.copy else array
+
+    @cached_property
+    def vertex_faces(self) -> NDArray[np.int32]:
+        """(k, 2) int32: each a vertex and a face that does not name it, sorted; of worlds within their bodies."""
+        return self._array("vertex_faces")
+
+    @cached_property
+    def vertex_face_bodies(self) -> NDArray[np.int32]:
+        """(k, 2) int32, of a world: the vertex's body and the face's."""
+        return self._array("vertex_face_bodies")
+
+    @cached_property
+    def edge_edges(self) -> NDArray[np.int32]:
+        """(k, 2) int32: each two of `edges` without a common vertex, sorted; of worlds within their bodies."""
+        return self._array("edge_edges")
+
+    @cached_property
+    def edge_edge_bodies(self) -> NDArray[np.int32]:
+        """(k, 2) int32, of a world: the body of each of the two edges."""
+        return self._array("edge_edge_bodies")
+
+    @cached_property
+    def edges(self) -> NDArray[np.int32]:
+        """(n, 2) int32: the vertices of each edge, the lower first; each edge once, in lexicographic order.
+
+        Of a world those of body b are edges[first_edge[b]:first_edge[b + 1]], and an edge counts within its body.
+        """
+        return self._array("edges")
+
+    @cached_property
+    def first_edge(self) -> NDArray[np.int64]:
+        """(bodies + 1,) int64: where each body's edges begin in `edges`; one mesh is one body."""
+        return self._array("first_edge")
+
+    @cached_property
+    def vertex_offsets(self) -> NDArray[np.int64]:
+        """(vertices + 1,), with `index`: rows of vertex v: vertex_faces[vertex_offsets[v]:vertex_offsets[v + 1]]."""
+        return self._array("vertex_offsets")
+
+    @cached_property
+    def face_offsets(self) -> NDArray[np.int64]:
+        """(faces + 1,), with `index`: rows of face f: vertex_faces[by_face[face_offsets[f]:face_offsets[f + 1]]]."""
+        return self._array("face_offsets")
+
+    @cached_property
+    def by_face(self) -> NDArray[np.int64]:
+        """(k,) int64, with `index`: positions in `vertex_faces`, sorted by face, then by vertex."""
+        return self._array("by_face")
+
+    @cached_property
+    def edge_offsets(self) -> NDArray[np.int64]:
+        """(n + 1,), with `index`: rows whose lower edge is e: edge_edges[edge_offsets[e]:edge_offsets[e + 1]]."""
+        return self._array("edge_offsets")
+
+    @cached_property
+    def second_edge_offsets(self) -> NDArray[np.int64]:
+        """(n + 1,), with `index`: the same for the higher edge, as ranges of `by_second_edge`."""
+        return self._array("second_edge_offsets")
+
+    @cached_property
+    def by_second_edge(self) -> NDArray[np.int64]:
+        """(k,) int64, with `index`: positions in `edge_edges`, sorted by the higher edge, then by the lower."""
+        return self._array("by_second_edge")
+
+    @cached_property
+    def world_hit(self) -> NDArray[np.bool_]:
+        """(worlds,) bool: in which worlds there is anything. From wants="any_by_world" on."""
+        return self._array("world_hit")
+
+    @property
+    def any(self) -> bool:
+        """Whether there is anything at all."""
+        return self._answer.any
+
+    @property
+    def count(self) -> int:
+        """How many pairs of features are listed, of both kinds."""
+        self._check_wanted("count")
+        return self._answer.count
+
+    @property
+    def statistics(self) -> Statistics:
+        """Counts and times of the stages."""
+        return self._answer.statistics
+
+    def __bool__(self) -> bool:
+        """Whether there is anything at all."""
+        return self._answer.any
+
+    def __len__(self) -> int:
+        """How many pairs of features are listed; 0 where they were not asked for."""
+        return self._answer.count
+
+    def _told(self, found: str) -> str:
+        """What __repr__ says."""
+        answer = self._answer
+        if answer.wants == self._wants[-1]:
+            faces, edges = len(answer.vertex_faces), len(answer.edge_edges)
+            found = f"{answer.count} {found}, {faces} of vertex and face, {edges} of edge and edge"
+        return f"<crumple.{type(self).__name__}: {found}, {self.statistics.milliseconds:.3g} ms>"
+
+    def __reduce__(self) -> Any:
+        from ._feature_pickling import restore, stored
+
+        return restore, (type(self).__name__, stored(self._answer))
+
+    def __copy__(self) -> Self:
+        return type(self)(self._answer)
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Self:
+        from ._feature_pickling import StoredAnswer, stored
+
+        return type(self)(StoredAnswer(stored(self._answer)))

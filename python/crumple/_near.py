@@ -1,0 +1,164 @@
+"""Detector.find_near, of one mesh and of worlds, and its answer."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, overload
+
+from . import _core
+from ._feature_question import or_of_world
+from ._feature_result import FeatureResult
+from ._mesh import soup_of
+from ._world_search import excluded_in, with_names
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from ._detector import Detector, GroupPairs, Wanted
+    from ._world import World
+
+NearWants = Literal["any", "any_by_world", "pairs"]
+
+
+class Nearby(FeatureResult):
+    """What is near what, and how near, as much as `wants` asked for: the same bytes wherever it is computed.
+
+    Two lists, of vertices with faces and of edges with edges, sorted and unique; of worlds by body before vertex, face
+    or edge. A squared distance is the exact one, rounded to the nearest float64: infinite beyond the largest.
+
+    An answer is true if anything is near; `len(nearby)` is the number of pairs. All else, lifetimes, copies and pickles
+    included, as of Impacts.
+    """
+
+    _find = "find_near"
+    _wants = ("any", "any_by_world", "pairs")
+    _from: ClassVar = {"world_hit": 1}
+
+    @cached_property
+    def vertex_face_squared_distance(self) -> NDArray[np.float64]:
+        """(k,) float64: the squared distance of vertex and face."""
+        return self._array("vertex_face_squared_distance")
+
+    @cached_property
+    def vertex_face_touching(self) -> NDArray[np.bool_]:
+        """(k,) bool: whether their distance is 0 exactly. A squared distance may also be rounded to 0."""
+        return self._array("vertex_face_touching")
+
+    @cached_property
+    def edge_edge_squared_distance(self) -> NDArray[np.float64]:
+        """(k,) float64: the squared distance of the two edges."""
+        return self._array("edge_edge_squared_distance")
+
+    @cached_property
+    def edge_edge_touching(self) -> NDArray[np.bool_]:
+        """(k,) bool: whether their distance is 0 exactly."""
+        return self._array("edge_edge_touching")
+
+    def __repr__(self) -> str:
+        found = "pairs" if self._answer.count != 1 else "pair"
+        if self._answer.wants != "pairs":
+            found = "something is near" if self._answer.any else "nothing is near"
+        return self._told(found)
+
+
+def _near_in_world(
+    self: Detector,
+    world: World,
+    *,
+    radius: float,
+    wants: NearWants = "pairs",
+    strict: bool = False,
+    weld: bool = False,
+    bodies: Wanted = "both",
+    groups: Wanted = "both",
+    excluded: Any = None,
+    excluded_groups: GroupPairs | None = None,
+    poses: Any = None,
+    copy: bool = False,
+) -> Nearby:
+    rules = _core.rules_of_world(bodies, groups, excluded_groups)
+    question = _core.Near(wants, radius, strict, weld, rules, False)
+    poses = world.poses if poses is None else poses
+    excluded = excluded_in(world, excluded)
+    return Nearby(with_names(world, self._find_near_in_world, world, poses, question, excluded, copy))
+
+
+@overload
+def find_near(
+    self: Detector,
+    vertices: Any,
+    faces: Any = None,
+    *,
+    radius: float,
+    wants: NearWants = "pairs",
+    strict: bool = False,
+    weld: bool = False,
+    groups: Any = None,
+    wanted: Wanted = "both",
+    excluded_groups: GroupPairs | None = None,
+    index: bool = False,
+    copy: bool = False,
+) -> Nearby: ...
+
+
+@overload
+def find_near(
+    self: Detector,
+    world: World,
+    /,
+    *,
+    radius: float,
+    wants: NearWants = "pairs",
+    strict: bool = False,
+    weld: bool = False,
+    bodies: Wanted = "both",
+    groups: Wanted = "both",
+    excluded: Any = None,
+    excluded_groups: GroupPairs | None = None,
+    poses: Any = None,
+    copy: bool = False,
+) -> Nearby: ...
+
+
+@or_of_world(_near_in_world)
+def find_near(
+    self: Detector,
+    vertices: Any,
+    faces: Any = None,
+    *,
+    radius: float,
+    wants: NearWants = "pairs",
+    strict: bool = False,
+    weld: bool = False,
+    groups: Any = None,
+    wanted: Wanted = "both",
+    excluded_groups: GroupPairs | None = None,
+    index: bool = False,
+    copy: bool = False,
+) -> Nearby:
+    """What is near what: all pairs of features whose distance is at most `radius`, and their distances, exactly.
+
+    Of one mesh: find_near(vertices, faces, radius=r), or find_near(mesh, radius=r). Features are a vertex and a face
+    that does not name it, or two edges without a common vertex. Two triangles that run through each other need not have
+    features that are near.
+
+    Args:
+        vertices: (n, 3) float32 or float64; or a mesh, and then no `faces`. On the host.
+        faces: (m, 3) integers, or flat: three a triangle.
+        radius: Euclidean, 0 or more, in the units of the coordinates.
+        wants: how much is made; the first two end as soon as they may. "any": whether anything is near;
+            "any_by_world": in which worlds; "pairs": all pairs.
+        strict: distances less than `radius`, not equal to it.
+        weld: vertices at equal positions count as one: their features are neighbours.
+        groups, wanted, excluded_groups, index, copy: as find_impacts has them.
+
+    Of a world (crumple.World): find_near(world, radius=r), as it is at the start of a step.
+        bodies, groups, excluded, excluded_groups, poses: as find_impacts has them.
+
+    Raises InvalidInput, which names the argument and the place; MemoryLimit; BackendUnavailable on a detector of the
+    cuda backend. What nearness is: docs/nearness.md.
+    """
+    rules = _core.rules_of_mesh(wanted, excluded_groups)
+    question = _core.Near(wants, radius, strict, weld, rules, index)
+    return Nearby(self._find_near(soup_of(vertices, faces, groups), question, copy))

@@ -1,0 +1,31 @@
+#pragma once
+
+// Answers about motion and nearness on their way out: Impacts and Nearby that Python owns, shown as NumPy arrays
+// without a copy.
+
+#include <memory>
+
+#include <nanobind/nanobind.h>
+
+#include "crumple/motion.h"
+#include "crumple/near.h"
+
+namespace crumple::python {
+
+/// What a crumple.Impacts or crumple.Nearby shows. Its arrays hold it, but not the result, which holds them.
+template <class Storage, class Wants>
+struct FeatureAnswer {
+    std::shared_ptr<Storage> storage;
+    Wants wants{};
+    bool of_world = false;  ///< else of one mesh, which has no bodies
+    bool has_index = false;
+    bool copy = false;  ///< the result shows writable copies
+
+    const Storage& found() const { return *storage; }
+};
+using ImpactsAnswer = FeatureAnswer<Impacts, MotionWants>;
+using NearbyAnswer = FeatureAnswer<Nearby, NearWants>;
+
+void bind_feature_answers(nanobind::module_& module);
+
+}  // namespace crumple::python

@@ -1,0 +1,144 @@
+#include "feature_search.h"
+
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "arguments.h"
+#include "arrays.h"
+#include "detector.h"
+#include "gil.h"
+#include "names.h"
+#include "world.h"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+
+namespace crumple::python {
+namespace {
+
+// Of one mesh, where pairs may be told apart by groups alone.
+Rules rules_of_mesh(nb::handle wanted, nb::handle excluded_groups) {
+    Rules rules;
+    rules.groups = named(wanted_names, "wanted", wanted);
+    rules.excluded_groups = group_pairs(excluded_groups);
+    return rules;
+}
+
+// Without bodies that are excluded, which the call itself is given.
+Rules rules_of_world(nb::handle bodies, nb::handle groups, nb::handle excluded_groups) {
+    Rules rules;
+    rules.bodies = named(wanted_names, "bodies", bodies);
+    rules.groups = named(wanted_names, "groups", groups);
+    rules.excluded_groups = group_pairs(excluded_groups);
+    return rules;
+}
+
+void make_motion(Motion* place, nb::handle wants, nb::handle separation, nb::handle separation_share, nb::handle weld,
+                 const Rules& rules, nb::handle index) {
+    Motion question;
+    question.wants = named(motion_wants_names, "wants", wants);
+    question.separation = real("separation", separation);
+    question.separation_share = real("separation_share", separation_share);
+    question.weld = flag("weld", weld);
+    question.rules = rules;
+    question.index = flag("index", index);
+    new (place) Motion(std::move(question));
+}
+
+void make_near(Near* place, nb::handle wants, nb::handle radius, nb::handle strict, nb::handle weld, const Rules& rules,
+               nb::handle index) {
+    Near question;
+    question.wants = named(near_wants_names, "wants", wants);
+    question.radius = real("radius", radius);
+    question.strict = flag("strict", strict);
+    question.weld = flag("weld", weld);
+    question.rules = rules;
+    question.index = flag("index", index);
+    new (place) Near(std::move(question));
+}
+
+void check_on_host(const BorrowedMesh& mesh) {
+    if (mesh.device() != BorrowedArray::on_host)
+        refuse(std::string("vertices lie in CUDA memory, but those of motion and nearness are wanted in the host's: ") +
+               copy_to_host);
+}
+
+// The bodies and exclusions of one call on a world, which may get other poses while the call runs without the GIL.
+template <class Question>
+struct Asked {
+    Asked(nb::handle world, const Question& given, nb::handle excluded)
+        : bodies(given_world(world).bodies), question(given) {
+        question.rules.excluded_bodies = excluded_bodies(*bodies, excluded);
+    }
+    std::shared_ptr<const Bodies> bodies;
+    Question question;
+};
+
+}  // namespace
+
+ImpactsAnswer find_impacts(nb::handle self, const nb::tuple& mesh, nb::handle end, const Motion& question,
+                           nb::handle copy) {
+    SharedDetector& detector = detector_of(self);
+    const BorrowedMesh start(mesh);
+    check_on_host(start);
+    const BorrowedEnd at_end(end, start);
+    const bool copied = flag("copy", copy), index = question.index && question.wants == MotionWants::impacts;
+    const SharedDetector::Turn turn(detector);
+    ImpactsAnswer answer{detector.storage<Impacts>(), question.wants, false, index, copied};
+    without_gil([&] { detector.find(start.view(), at_end.view(), question, *answer.storage); }, detector.stop());
+    return answer;
+}
+
+ImpactsAnswer find_impacts_in_world(nb::handle self, nb::handle world, nb::handle poses, nb::handle end_poses,
+                                    const Motion& question, nb::handle excluded, nb::handle copy) {
+    SharedDetector& detector = detector_of(self);
+    const Asked<Motion> asked(world, question, excluded);
+    const Bodies& bodies = *asked.bodies;
+    const BorrowedPoses start(poses, bodies), end(end_poses, bodies, BorrowedPoses::When::end);
+    const bool copied = flag("copy", copy);
+    const SharedDetector::Turn turn(detector);
+    World view{bodies.shapes, bodies.bodies, start.read(bodies, detector.poses())};
+    if (end.given()) view.end_poses = end.read(bodies, detector.end_poses());
+    ImpactsAnswer answer{detector.storage<Impacts>(), question.wants, true, false, copied};
+    without_gil([&] { detector.find(view, asked.question, *answer.storage); }, detector.stop());
+    return answer;
+}
+
+NearbyAnswer find_near(nb::handle self, const nb::tuple& mesh, const Near& question, nb::handle copy) {
+    SharedDetector& detector = detector_of(self);
+    const BorrowedMesh borrowed(mesh);
+    check_on_host(borrowed);
+    const bool copied = flag("copy", copy), index = question.index && question.wants == NearWants::pairs;
+    const SharedDetector::Turn turn(detector);
+    NearbyAnswer answer{detector.storage<Nearby>(), question.wants, false, index, copied};
+    without_gil([&] { detector.find(borrowed.view(), question, *answer.storage); }, detector.stop());
+    return answer;
+}
+
+NearbyAnswer find_near_in_world(nb::handle self, nb::handle world, nb::handle poses, const Near& question,
+                                nb::handle excluded, nb::handle copy) {
+    SharedDetector& detector = detector_of(self);
+    const Asked<Near> asked(world, question, excluded);
+    const BorrowedPoses at(poses, *asked.bodies);
+    const bool copied = flag("copy", copy);
+    const SharedDetector::Turn turn(detector);
+    const World view{asked.bodies->shapes, asked.bodies->bodies, at.read(*asked.bodies, detector.poses())};
+    NearbyAnswer answer{detector.storage<Nearby>(), question.wants, true, false, copied};
+    without_gil([&] { detector.find(view, asked.question, *answer.storage); }, detector.stop());
+    return answer;
+}
+
+void bind_feature_questions(nb::module_& module) {
+    nb::class_<Rules>(module, "Rules", "Which pairs are wanted.");
+    module.def("rules_of_mesh", rules_of_mesh, "wanted"_a.none(), "excluded_groups"_a.none());
+    module.def("rules_of_world", rules_of_world, "bodies"_a.none(), "groups"_a.none(), "excluded_groups"_a.none());
+    nb::class_<Motion>(module, "Motion", "What is asked about motion.")
+        .def("__init__", make_motion, "wants"_a.none(), "separation"_a.none(), "separation_share"_a.none(),
+             "weld"_a.none(), "rules"_a, "index"_a.none());
+    nb::class_<Near>(module, "Near", "What is asked about nearness.")
+        .def("__init__", make_near, "wants"_a.none(), "radius"_a.none(), "strict"_a.none(), "weld"_a.none(), "rules"_a,
+             "index"_a.none());
+}
+
+}  // namespace crumple::python

@@ -1,0 +1,22 @@
+#pragma once
+
+// What is asked about the features of a mesh or a world, on their way or near each other, and the calls that answer it.
+
+#include <nanobind/nanobind.h>
+
+#include "feature_answer.h"
+
+namespace crumple::python {
+
+ImpactsAnswer find_impacts(nanobind::handle self, const nanobind::tuple& mesh, nanobind::handle end,
+                           const Motion& question, nanobind::handle copy);
+ImpactsAnswer find_impacts_in_world(nanobind::handle self, nanobind::handle world, nanobind::handle poses,
+                                    nanobind::handle end_poses, const Motion& question, nanobind::handle excluded,
+                                    nanobind::handle copy);
+NearbyAnswer find_near(nanobind::handle self, const nanobind::tuple& mesh, const Near& question, nanobind::handle copy);
+NearbyAnswer find_near_in_world(nanobind::handle self, nanobind::handle world, nanobind::handle poses,
+                                const Near& question, nanobind::handle excluded, nanobind::handle copy);
+
+void bind_feature_questions(nanobind::module_& module);
+
+}  // namespace crumple::python
