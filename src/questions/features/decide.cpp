@@ -2,7 +2,7 @@
 
 #include "questions/motion/decide_impact.h"
 #include "questions/motion/rational_separation.h"
-#include "questions/near/rational_distance.h"
+#include "questions/near/decide_distance.h"
 
 namespace crumple {
 namespace {
@@ -24,10 +24,12 @@ FeatureDecision separated_impact(FeatureKind kind, const FeaturePoints& p, const
 }
 
 FeatureDecision nearness(FeatureKind kind, const FeaturePoints& p, const Reach& reach, FeatureCounts& counts) {
-    ++counts.rational;
-    const RationalDistance distance(at_start(kind, p));
-    if (!distance.within(reach)) return {};
-    return {true, distance.squared(), distance.touching()};
+    DistanceCounts by;
+    Distance distance(at_start(kind, p), by);
+    FeatureDecision decision;
+    if (distance.within(reach)) decision = {true, distance.squared(), distance.touching()};
+    counts.rational += by.rational;
+    return decision;
 }
 
 }  // namespace

@@ -11,7 +11,8 @@ namespace crumple {
 /// Values of which two are compared err by less than this share of a leaf's reach, both together (docs/features.md).
 inline constexpr float projection_error = 20 * unit_roundoff;
 
-/// What a gap along a direction of length 1 has to exceed; `reach`: the leaf's largest |coordinate|.
+/// What a gap along a direction of length 1 has to exceed; `reach`: the leaf's largest |coordinate|. Along others, what
+/// it is times their length: errors of projections grow with that as well.
 CRUMPLE_HD inline float needed_gap(float distance, float reach) {
     return distance * 1.000002f + (projection_error * reach + 1e-30f);
 }
@@ -36,16 +37,18 @@ CRUMPLE_HD bool separates(const Vec3f& d, const FeatureRecord<moments>& a, const
 template <int moments>
 CRUMPLE_HD Vec3f between_centroids(const FeatureRecord<moments>& a, const FeatureRecord<moments>& b, int m) {
     const int i = 4 * m;
-    return direction((b.at(i) + b.at(i + 1) + b.at(i + 2)) - (a.at(i) + a.at(i + 1) + a.at(i + 2)));
+    return (b.at(i) + b.at(i + 1) + b.at(i + 2)) - (a.at(i) + a.at(i + 1) + a.at(i + 2));
 }
 
 /// The normals of both and the difference of their centroids, at each moment.
 template <int moments>
 CRUMPLE_HD bool surely_apart(const FeatureRecord<moments>& a, const FeatureRecord<moments>& b, float gap) {
-    for (int m = 0; m < moments; ++m)
+    for (int m = 0; m < moments; ++m) {
+        const Vec3f between = between_centroids(a, b, m);
         if (separates(a.at(4 * m + 3), a, b, gap) || separates(b.at(4 * m + 3), a, b, gap) ||
-            separates(between_centroids(a, b, m), a, b, gap))
+            separates(between, a, b, gap * std::sqrt(dot(between, between))))
             return true;
+    }
     return false;
 }
 

@@ -14,24 +14,29 @@ struct FeatureTest {
     std::int32_t vertex[4];
 };
 
-/// Calls vertex_face(test) and edge_edge(test). `name(vertex)`: what it is called where two are compared.
-template <int moments, class Name, class VertexFace, class EdgeEdge>
-CRUMPLE_HD void for_each_test(const FeatureRecord<moments>& a, const FeatureRecord<moments>& b, Name name,
-                              VertexFace vertex_face, EdgeEdge edge_edge) {
-    std::int32_t name_a[3], name_b[3];
+/// Writes the tests of a pair of triangles, and moves behind them: at most 6 of a vertex and a face, 9 of two edges.
+/// `name(vertex)`: what it is called where two are compared.
+template <int moments, class Name>
+CRUMPLE_HD void list_tests_of_pair(const FeatureRecord<moments>& a, const FeatureRecord<moments>& b, Name name,
+                                   FeatureTest*& vertex_face, FeatureTest*& edge_edge) {
     unsigned shared_a = 0, shared_b = 0;  // corners that the other triangle has as well
-    unsigned same[3] = {0, 0, 0};         // of each corner of a: which of b's it is
-    for (int k = 0; k < 3; ++k) name_a[k] = name(a.vertex[k]), name_b[k] = name(b.vertex[k]);
-    for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j)
-            if (name_a[i] == name_b[j]) same[i] |= 1u << j, shared_a |= 1u << i, shared_b |= 1u << j;
-    const auto against = [&](std::int32_t v, const FeatureRecord<moments>& face) {
-        vertex_face(FeatureTest{{v, face.triangle}, {v, face.vertex[0], face.vertex[1], face.vertex[2]}});
-    };
-    for (int k = 0; k < 3; ++k) {
-        if ((a.owned & ~shared_a) >> k & 1) against(a.vertex[k], b);
-        if ((b.owned & ~shared_b) >> k & 1) against(b.vertex[k], a);
+    unsigned same[3];                     // of each corner of a: which of b's it is
+    const std::int32_t name_b[3] = {name(b.vertex[0]), name(b.vertex[1]), name(b.vertex[2])};
+    for (int i = 0; i < 3; ++i) {
+        const std::int32_t v = name(a.vertex[i]);
+        same[i] = unsigned{v == name_b[0]} | unsigned{v == name_b[1]} << 1 | unsigned{v == name_b[2]} << 2;
+        shared_b |= same[i];
+        shared_a |= unsigned{same[i] != 0} << i;
     }
+    const auto against = [&](unsigned vertices, const FeatureRecord<moments>& of, const FeatureRecord<moments>& face) {
+        for (int k = 0; k < 3; ++k) {
+            *vertex_face = {{of.vertex[k], face.triangle},
+                            {of.vertex[k], face.vertex[0], face.vertex[1], face.vertex[2]}};
+            vertex_face += vertices >> k & 1;
+        }
+    };
+    against(a.owned & ~shared_a, a, b);
+    against(b.owned & ~shared_b, b, a);
     for (int i = 0; i < 3; ++i) {
         if (!(a.owned >> (3 + i) & 1)) continue;
         const unsigned of_edge = same[i] | same[(i + 1) % 3];
@@ -42,9 +47,9 @@ CRUMPLE_HD void for_each_test(const FeatureRecord<moments>& a, const FeatureReco
             // The lesser edge first, and of an edge the lesser vertex.
             const bool in_order = a.edge[i] < b.edge[j];
             const std::int32_t(&first)[2] = in_order ? e : f, (&second)[2] = in_order ? f : e;
-            edge_edge(FeatureTest{{min(a.edge[i], b.edge[j]), max(a.edge[i], b.edge[j])},
-                                  {min(first[0], first[1]), max(first[0], first[1]), min(second[0], second[1]),
-                                   max(second[0], second[1])}});
+            *edge_edge++ = {{min(a.edge[i], b.edge[j]), max(a.edge[i], b.edge[j])},
+                            {min(first[0], first[1]), max(first[0], first[1]), min(second[0], second[1]),
+                             max(second[0], second[1])}};
         }
     }
 }

@@ -13,6 +13,9 @@
 namespace crumple::cpu {
 namespace {
 
+// Pairs of triangles whose tests are listed at once.
+constexpr std::size_t batch = 256;
+
 // What stands at rows without a member: it owns nothing, so that no pair with it is a test.
 template <int moments>
 FeatureRecord<moments> dummy_record() {
@@ -91,63 +94,86 @@ void FeatureLeaves<moments>::sweep(const SortedLeaf& leaf, const Ownership& owne
     });
 }
 
+// Batch by batch, so that tests stay in the cache.
 template <int moments>
 void FeatureLeaves<moments>::narrow(const SortedLeaf& leaf, const Ownership& ownership, const Worker& builder,
                                     Worker& worker) {
-    list_tests(leaf, ownership, builder, worker);
-    for (std::size_t k = 0; k < feature_kinds; ++k) {
-        const auto kind = static_cast<FeatureKind>(k);
-        Array<FeatureTest>& tests = worker.tests[k];
-        worker.statistics.edge_tests += static_cast<std::int64_t>(tests.size());
-        const std::int64_t ends = call_->scene.moving ? call_->scene.vertex_count() : 0;
-        if (query_->share == 0)
-            tests.resize(kernels_.filter[k](call_->points(), ends, distance_, tests.data(), tests.size()));
-        worker.statistics.double_tests += static_cast<std::int64_t>(tests.size());
-        decide_tests(kind, worker);
+    const std::size_t left = separate(builder, worker);
+    if (!ownership.complete() || !call_->rule.trivial())
+        return narrow(own_pairs(leaf, ownership, left, worker), builder, worker);
+    narrow(left, builder, worker);
+}
+
+template <int moments>
+void FeatureLeaves<moments>::narrow(std::size_t pairs, const Worker& builder, Worker& worker) {
+    for (std::size_t first = 0; first < pairs; first += batch) {
+        list_tests({worker.left.data() + first, std::min(batch, pairs - first)}, builder, worker);
+        for (std::size_t k = 0; k < feature_kinds; ++k) decide_tests(static_cast<FeatureKind>(k), worker);
     }
 }
 
-// The tests of all candidates that no direction separates.
+// Lists the candidates that no direction separates; returns how many. A share of the distance at the start is the
+// business of the decision.
 template <int moments>
-void FeatureLeaves<moments>::list_tests(const SortedLeaf& leaf, const Ownership& ownership, const Worker& builder,
-                                        Worker& worker) const {
-    const Candidates& candidates = worker.candidates;
+std::size_t FeatureLeaves<moments>::separate(const Worker& builder, Worker& worker) const {
+    worker.left.resize_discard(static_cast<std::size_t>(worker.candidates.count + padding));
+    const FlushToZero mode;
+    const float gap = query_->share == 0 ? needed_gap(distance_, builder.reach) : std::numeric_limits<float>::max();
+    return kernels_.separate(builder.sorted.data(), worker.candidates, gap, worker.left.data());
+}
+
+// Leaves those that are this leaf's, and wanted.
+template <int moments>
+std::size_t FeatureLeaves<moments>::own_pairs(const SortedLeaf& leaf, const Ownership& ownership, std::size_t left,
+                                              Worker& worker) const {
     const Scene& scene = call_->scene;
     const GroupRule& rule = call_->rule;
-    worker.left.resize_discard(static_cast<std::size_t>(candidates.count + padding));
-    std::size_t left = 0;
-    {
-        const FlushToZero mode;
-        // A share of the distance at the start is the business of the decision.
-        const float gap = query_->share == 0 ? needed_gap(distance_, builder.reach) : std::numeric_limits<float>::max();
-        left = kernels_.separate(builder.sorted.data(), candidates, gap, worker.left.data());
-    }
-    const auto ours = [&](std::int64_t row, std::int64_t column) {
+    const auto foreign = [&](std::uint32_t packed) {
+        const std::int64_t row = worker.candidates.rows + (packed & 0xffff),
+                           column = worker.candidates.columns + (packed >> 16);
         const std::int32_t a = leaf.link[row].triangle, b = leaf.link[column].triangle;
-        if (!ownership.complete() && !ownership.owns(a, leaf.member[row], b, leaf.member[column])) return false;
-        return rule.trivial() || rule(scene.group(a), scene.group(b));
+        if (!ownership.complete() && !ownership.owns(a, leaf.member[row], b, leaf.member[column])) return true;
+        return !rule.trivial() && !rule(scene.group(a), scene.group(b));
     };
-    const bool check = !ownership.complete() || !rule.trivial();
+    const auto begin = worker.left.begin();
+    return static_cast<std::size_t>(std::remove_if(begin, begin + left, foreign) - begin);
+}
+
+template <int moments>
+void FeatureLeaves<moments>::list_tests(std::span<const std::uint32_t> pairs, const Worker& builder,
+                                        Worker& worker) const {
+    const Record* rows = builder.sorted.data() + worker.candidates.rows;
+    const Record* columns = builder.sorted.data() + worker.candidates.columns;
     const SceneFeatures& features = query_->features;
-    const auto name = [&](std::int32_t vertex) { return features.name(vertex); };
     auto& [vertex_faces, edge_edges] = worker.tests;
-    vertex_faces.clear();
-    edge_edges.clear();
-    for (std::size_t i = 0; i < left; ++i) {
-        const std::int64_t row = candidates.rows + (worker.left[i] & 0xffff),
-                           column = candidates.columns + (worker.left[i] >> 16);
-        if (check && !ours(row, column)) continue;
-        for_each_test(
-            builder.sorted[row], builder.sorted[column], name, [&](const FeatureTest& t) { vertex_faces.push_back(t); },
-            [&](const FeatureTest& t) { edge_edges.push_back(t); });
-    }
+    vertex_faces.resize_discard(6 * batch);
+    edge_edges.resize_discard(9 * batch);
+    FeatureTest *next_face = vertex_faces.data(), *next_edge = edge_edges.data();
+    const auto list = [&](auto name) {
+        for (const std::uint32_t packed : pairs)
+            list_tests_of_pair(rows[packed & 0xffff], columns[packed >> 16], name, next_face, next_edge);
+    };
+    if (features.names())
+        list([names = features.names()](std::int32_t vertex) { return names[vertex]; });
+    else
+        list([](std::int32_t vertex) { return vertex; });
+    vertex_faces.resize(static_cast<std::size_t>(next_face - vertex_faces.data()));
+    edge_edges.resize(static_cast<std::size_t>(next_edge - edge_edges.data()));
 }
 
 template <int moments>
 void FeatureLeaves<moments>::decide_tests(FeatureKind kind, Worker& worker) {
     const auto k = static_cast<std::size_t>(kind);
+    Array<FeatureTest>& tests = worker.tests[k];
+    worker.statistics.edge_tests += static_cast<std::int64_t>(tests.size());
+    if (query_->share == 0) {
+        const FlushToZero mode;
+        const std::int64_t ends = call_->scene.moving ? call_->scene.vertex_count() : 0;
+        tests.resize(kernels_.filter[k](call_->points(), ends, distance_, tests.data(), tests.size()));
+    }
+    worker.statistics.double_tests += static_cast<std::int64_t>(tests.size());
     FeatureCounts counts;
-    for (const FeatureTest& test : worker.tests[k]) {
+    for (const FeatureTest& test : tests) {
         const FeatureDecision decision = decide(kind, points_of(call_->scene, test.vertex), *query_, counts);
         if (!decision.hit) continue;
         any_.store(true, std::memory_order_relaxed);

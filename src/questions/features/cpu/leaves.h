@@ -68,7 +68,10 @@ class FeatureLeaves final : public LeafQuestion {
     };
 
     void narrow(const SortedLeaf& leaf, const Ownership& ownership, const Worker& builder, Worker& worker);
-    void list_tests(const SortedLeaf& leaf, const Ownership& ownership, const Worker& builder, Worker& worker) const;
+    void narrow(std::size_t pairs, const Worker& builder, Worker& worker);
+    std::size_t separate(const Worker& builder, Worker& worker) const;
+    std::size_t own_pairs(const SortedLeaf& leaf, const Ownership& ownership, std::size_t left, Worker& worker) const;
+    void list_tests(std::span<const std::uint32_t> pairs, const Worker& builder, Worker& worker) const;
     void decide_tests(FeatureKind kind, Worker& worker);
 
     const FeatureKernels<moments>& kernels_;

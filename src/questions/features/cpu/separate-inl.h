@@ -75,6 +75,13 @@ HWY_INLINE auto separates(const Point<V>& n, const Records<V, moments>& a, const
     return hn::Or(above, below);
 }
 
+/// The same of the difference of centroids, in whose length the gap is measured.
+template <int moments, class V>
+HWY_INLINE auto separates_centroids(int m, const Records<V, moments>& a, const Records<V, moments>& b, V gap) {
+    const Point<V> n = between_centroids(a.at + 4 * m, b.at + 4 * m);
+    return separates(n, a, b, hn::Mul(gap, hn::Sqrt(dot(n, n))));
+}
+
 template <int moments>
 std::size_t separate(const FeatureRecord<moments>* record, const Candidates& candidates, float gap,
                      std::uint32_t* left) {
@@ -99,8 +106,7 @@ std::size_t separate(const FeatureRecord<moments>* record, const Candidates& can
         auto apart = hn::Or(separates(a.at[3], a, b, needed), separates(b.at[3], a, b, needed));
         if constexpr (moments == 2)
             apart = hn::Or(apart, hn::Or(separates(a.at[7], a, b, needed), separates(b.at[7], a, b, needed)));
-        for (int m = 0; m < moments; ++m)
-            apart = hn::Or(apart, separates(direction(between_centroids(a.at + 4 * m, b.at + 4 * m)), a, b, needed));
+        for (int m = 0; m < moments; ++m) apart = hn::Or(apart, separates_centroids(m, a, b, needed));
         const auto columns_of = hn::PromoteTo(du, hn::LoadU(d16, column + pair));
         const auto rows_of = hn::PromoteTo(du, hn::LoadU(d16, row + pair));
         const auto keep = hn::AndNot(hn::RebindMask(du, apart), hn::Ne(columns_of, dummy));

@@ -54,18 +54,6 @@ HWY_INLINE V greatest(V a, V b, V c) {
     return hn::Max(a, hn::Max(b, c));
 }
 
-/// v divided by its length, about, or 0; of a vector with NaN, NaN.
-template <class V>
-HWY_INLINE Point<V> direction(const Point<V>& v) {
-    const hn::DFromV<V> d;
-    const V size = hn::Add(hn::Add(hn::Abs(v.x), hn::Abs(v.y)), hn::Abs(v.z));
-    const V inverse = hn::Div(hn::Set(d, 1.0f), hn::Max(size, hn::Set(d, 1e-30f)));
-    const Point<V> w{hn::Mul(v.x, inverse), hn::Mul(v.y, inverse), hn::Mul(v.z, inverse)};
-    const V length = hn::Max(hn::Sqrt(dot(w, w)), hn::Set(d, 1e-30f));
-    const V scale = hn::Div(hn::Set(d, 1.0f), length);
-    return {hn::Mul(w.x, scale), hn::Mul(w.y, scale), hn::Mul(w.z, scale)};
-}
-
 /// From the sum of three points to that of three others.
 template <class V>
 HWY_INLINE Point<V> between_centroids(const Point<V>* a, const Point<V>* b) {
