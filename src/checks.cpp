@@ -29,12 +29,15 @@ void check_blocks(const Streaming& how) {
     check(how.block_pairs >= 1 && how.block_pairs <= std::int64_t{1} << 40, "block_pairs must be 1 to 2^40");
 }
 
-void check_question(const Motion& q) {
+void check_question(const Motion& q, bool world) {
+    check(!world || !q.index, "offsets by feature are made of a single mesh");
     check(q.separation >= 0 && std::isfinite(q.separation), "separation must be finite and 0 or more");
     check(q.separation_share >= 0 && q.separation_share < 1, "separation_share must be 0 or more, and below 1");
 }
 
-void check_question(const Near& q) {
+void check_question(const Near& q, bool world) {
+    check(!world || !q.index, "offsets by feature are made of a single mesh");
+    check(!world || !q.least, "least distances are told of a single mesh");
     check(q.radius >= 0 && std::isfinite(q.radius), "radius must be finite and 0 or more");
 }
 

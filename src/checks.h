@@ -15,8 +15,9 @@ void check(bool holds, const char* message);
 void check_options(const Options& options);
 /// `b`: null for one mesh.
 void check_query(const MeshView& a, const MeshView* b, const Query& query);
-void check_question(const Motion& question);
-void check_question(const Near& question);
+/// `world`: asked of a world, else of a single mesh.
+void check_question(const Motion& question, bool world);
+void check_question(const Near& question, bool world);
 void check_blocks(const Streaming& how);
 
 }  // namespace crumple

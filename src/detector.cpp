@@ -232,7 +232,7 @@ struct Detector::Implementation {
                        std::stop_token stop) {
         Stopwatch watch;
         const auto attempt = [&] {
-            check_question(question);
+            check_question(question, bodies);
             features.find(*backend, world, question, bodies, answer);
         };
         within_limit(

@@ -86,6 +86,14 @@ class Detector {
     /// Whether nothing touches from the start to the end, both included; Motion::wants does not matter.
     bool is_free(const MeshView& mesh, const VertexView& end, const Motion& question = {}, std::stop_token stop = {});
 
+    /// A share of the step with positions for which is_free() holds, as they are rounded: start + toi (end - start),
+    /// computed in floating point, is another motion than the one whose toi that is. The share is somewhat less than
+    /// the first time of contact, by 2^-16 of it if that does and by more if rounding needs it; 0, and the start, where
+    /// contact is there, or too near for any share above 2^-40. With Motion::separation features keep that distance.
+    /// Cost: two or three questions.
+    FreeStep find_free_step(const MeshView& mesh, const VertexView& end, const Motion& question = {},
+                            std::stop_token stop = {});
+
     /// What is near what: all pairs of vertices and faces, and of edges and edges, within a distance, exactly
     /// (docs/nearness.md). Not with the cuda backend.
     const Nearby& find(const World& world, const Near& question, std::stop_token stop = {});

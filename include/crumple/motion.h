@@ -55,6 +55,12 @@ struct FirstImpact {
     friend bool operator==(const FirstImpact&, const FirstImpact&) = default;
 };
 
+/// A share of a step that can be gone.
+struct FreeStep {
+    double share = 0;         ///< 0 to 1; 1: the whole step is free
+    Array<double> positions;  ///< 3 a vertex: start + share (end - start), rounded to the precision of the mesh
+};
+
 /// The answer. A plain value: copy it to keep it beyond the detector's next call.
 struct Impacts {
     bool any = false;        ///< whether anything touches; else the step is free

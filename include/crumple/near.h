@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -23,11 +24,19 @@ struct Near {
     /// Features are near whose distance is at most this: Euclidean, finite, 0 or more; in the units of the coordinates.
     /// Exact as given.
     double radius = 0;
-    bool strict = false;  ///< less, not equal
-    bool weld = false;    ///< vertices at equal positions count as one, for neighbours
+    bool strict = false;   ///< less, not equal
+    bool closest = false;  ///< also tell where they are closest: NearList::type and at
+    bool least = false;    ///< also tell each feature's least distance: Nearby::vertex_distance and so on; single mesh
+    bool weld = false;     ///< vertices at equal positions count as one, for neighbours
     Rules rules = {};
     bool index = false;  ///< also make the offsets of NearList, where pairs are wanted
 };
+
+/// Which parts of a vertex and a face, or of two edges, are closest: of lowest dimension, then first in this order.
+/// Names and order are IPC Toolkit's: E0 is the side from the face's first corner to the second, E1 from there to the
+/// third, E2 back; EA and EB are the edges, EA0 is the lesser vertex of EA.
+enum class VertexFaceType : std::uint8_t { P_T0, P_T1, P_T2, P_E0, P_E1, P_E2, P_T };
+enum class EdgeEdgeType : std::uint8_t { EA0_EB0, EA0_EB1, EA1_EB0, EA1_EB1, EA_EB0, EA_EB1, EA0_EB, EA1_EB, EA_EB };
 
 /// Near pairs of one kind: unique, by first feature, then second; of worlds by body before each.
 struct NearList {
@@ -35,6 +44,12 @@ struct NearList {
     Array<BodyPair> bodies;          ///< for each pair its bodies; empty for a single mesh
     Array<double> squared_distance;  ///< exact, then rounded to the nearest number; infinite beyond the largest
     Array<std::uint8_t> touching;    ///< 1: the distance is 0 exactly
+
+    // Where Near::closest asks for them:
+    Array<std::uint8_t> type;  ///< a VertexFaceType or an EdgeEdgeType
+    /// The point of the face a + u (b - a) + v (c - a) as (u, v), or of the edges a + s (b - a) and c + t (d - c) as
+    /// (s, t): exact, then rounded to the nearest numbers.
+    Array<std::array<double, 2>> at;
 
     // Where Near::index asks for them; a single mesh only:
     Array<std::int64_t> offsets;         ///< pairs of first feature i: [offsets[i], offsets[i + 1])
@@ -53,6 +68,10 @@ struct Nearby {
     /// What edges are meant: as in Impacts.
     Array<Edge> edges;
     Array<std::int64_t> first_edge;
+
+    /// Where Near::least asks for them, of a single mesh: the least distance of each vertex from a face, of each face
+    /// from a vertex, of each edge from an edge, over the pairs that are listed; rounded down. Infinite without one.
+    Array<double> vertex_distance, face_distance, edge_distance;
 
     Statistics statistics;
 

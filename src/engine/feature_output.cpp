@@ -10,14 +10,17 @@ auto arrays(ImpactList& l) {
     return std::tie(l.pairs, l.bodies, l.toi, l.start, l.offsets, l.second_offsets, l.by_second);
 }
 auto arrays(NearList& l) {
-    return std::tie(l.pairs, l.bodies, l.squared_distance, l.touching, l.offsets, l.second_offsets, l.by_second);
+    return std::tie(l.pairs, l.bodies, l.squared_distance, l.touching, l.type, l.at, l.offsets, l.second_offsets,
+                    l.by_second);
 }
 auto arrays(Impacts& a) {
     return std::tuple_cat(std::tie(a.world_hit, a.world_first, a.edges, a.first_edge), arrays(a.lists[0]),
                           arrays(a.lists[1]));
 }
 auto arrays(Nearby& a) {
-    return std::tuple_cat(std::tie(a.world_hit, a.edges, a.first_edge), arrays(a.lists[0]), arrays(a.lists[1]));
+    return std::tuple_cat(
+        std::tie(a.world_hit, a.edges, a.first_edge, a.vertex_distance, a.face_distance, a.edge_distance),
+        arrays(a.lists[0]), arrays(a.lists[1]));
 }
 static_assert(feature_kinds == 2);
 

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "engine/feature_output.h"
+#include "engine/near_details.h"
 #include "engine/output.h"
 
 namespace crumple {
@@ -123,7 +124,12 @@ void FeatureSearch::search_in_place(BackendBase& backend, const Question& questi
         values(list).swap_elements(rows.value);
         flags(list).swap_elements(rows.flag);
         if (bodies) list.bodies.assign(list.pairs.size(), BodyPair{0, 0});
+        if constexpr (!is_motion<Question>)
+            if (question.closest)
+                tell_closest(scene, features_, static_cast<FeatureKind>(kind), list.pairs, 0, backend, list);
     }
+    if constexpr (!is_motion<Question>)
+        if (question.least) tell_least(scene, features_, backend, answer);
     if (!question.index) return;
     const auto edges = static_cast<std::int64_t>(answer.edges.size());
     make_index(answer[FeatureKind::vertex_face], scene.vertex_count(), scene.triangle_count());
@@ -134,7 +140,9 @@ template <class Question, class Answer>
 void FeatureSearch::search_world(BackendBase& backend, std::int32_t pass, const Question& question, Answer& answer) {
     const std::int32_t worlds = outline_.worlds(), everywhere = outline_.first_body(worlds);
     const bool moving = is_motion<Question> && outline_.moving();
-    const auto float32 = [](const Shape& s) { return s.vertices.type == ScalarType::float32; };
+    const auto float32 = [](const Shape& s) {
+        return s.vertices.type == ScalarType::float32 && (!s.end.data || s.end.type == ScalarType::float32);
+    };
     const auto& shapes = outline_.world().shapes;
     scene_.begin(std::all_of(shapes.begin(), shapes.end(), float32), rules_, moving);
     const std::int32_t begin = outline_.first_body(pass),
@@ -154,7 +162,13 @@ void FeatureSearch::search_world(BackendBase& backend, std::int32_t pass, const 
     if (extent(question) == Extent::any) return;
     if constexpr (is_motion<Question>) add_first(pass, answer);
     append_edges(static_cast<std::size_t>(end - begin), answer);
-    if (extent(question) == Extent::all) append_rows(answer);
+    if (extent(question) != Extent::all) return;
+    if constexpr (!is_motion<Question>)
+        if (question.closest)
+            for (std::size_t k = 0; k < feature_kinds; ++k)
+                tell_closest(scene, features_, static_cast<FeatureKind>(k), found_.rows[k].pairs,
+                             answer.lists[k].pairs.size(), backend, answer.lists[k]);
+    append_rows(answer);
 }
 
 // Edges are in the order of their lower vertices, so those of each body lie together.

@@ -22,10 +22,9 @@ void check_shapes(const World& world) {
         const Shape& shape = world.shapes[s];
         MeshView mesh(shape.vertices, shape.triangles, shape.groups);
         check_mesh_outline(mesh, "shape " + std::to_string(s), MemorySpace::host);
-        if (shape.end.data && (shape.end.rows != shape.vertices.rows || shape.end.type != shape.vertices.type))
+        if (shape.end.data && shape.end.rows != shape.vertices.rows)
             refuse("shape " + std::to_string(s) + ": there are " + std::to_string(shape.end.rows) +
-                       " vertices at the end for " + std::to_string(shape.vertices.rows) +
-                       " at the start, or of another precision",
+                       " vertices at the end for " + std::to_string(shape.vertices.rows) + " at the start",
                    Element::shape, static_cast<std::int64_t>(s));
     }
 }

@@ -33,8 +33,8 @@ class WorldOutline {
     /// The same at the end of a step.
     Placement end_placement(std::int32_t b) const {
         const auto& poses = world_.end_poses.empty() ? world_.poses : world_.end_poses;
-        return {poses.empty() ? nullptr : &poses[static_cast<std::size_t>(b)],
-                shape(b).vertices.type == ScalarType::float32};
+        const VertexView& vertices = shape(b).end.data ? shape(b).end : shape(b).vertices;
+        return {poses.empty() ? nullptr : &poses[static_cast<std::size_t>(b)], vertices.type == ScalarType::float32};
     }
     /// Whether any body moves.
     bool moving() const;

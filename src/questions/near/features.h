@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "crumple/near.h"
 #include "geometry/vec.h"
 
 namespace crumple {
@@ -33,8 +34,6 @@ struct Reach {
 
 // Which parts of two features are closest, with the names and the order of IPC Toolkit. E0 is the edge from a to b, E1
 // that from b to c, E2 that from c to a; EA is a b, EB is c d, and EA0 is a.
-enum class VertexFaceType : std::uint8_t { P_T0, P_T1, P_T2, P_E0, P_E1, P_E2, P_T };
-enum class EdgeEdgeType : std::uint8_t { EA0_EB0, EA0_EB1, EA1_EB0, EA1_EB1, EA_EB0, EA_EB1, EA0_EB, EA1_EB, EA_EB };
 enum class VertexEdgeType : std::uint8_t { P_E0, P_E1, P_E };
 
 /// Where two features are closest.

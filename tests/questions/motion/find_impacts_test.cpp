@@ -57,6 +57,37 @@ TEST_P(FindImpacts, TellsTheFirstAndWhetherTheStepIsFree) {
     EXPECT_FALSE(detector.time_of_first_impact(mesh, view(scene.start)).found);
 }
 
+TEST_P(FindImpacts, CutsAStepShortOfTheFirstContact) {
+    const Falling scene;
+    const MeshView mesh(scene.start, scene.triangles);
+    const FreeStep step = detector.find_free_step(mesh, view(scene.end));
+    EXPECT_EQ(step.share, 0.5 * (1 - 0x1p-16));
+    EXPECT_EQ(step.positions[3 * 3 + 2], 0x1p-16);
+    EXPECT_TRUE(detector.is_free(mesh, {step.positions.data(), 6, 24, 8, ScalarType::float64}));
+
+    const FreeStep whole = detector.find_free_step(mesh, view(scene.start));
+    EXPECT_EQ(whole.share, 1);
+    EXPECT_EQ(whole.positions[3 * 3 + 2], 1);
+}
+
+TEST_P(FindImpacts, StaysWhereTheStartTouches) {
+    Falling scene;
+    scene.start[3] = {1, 1, 0};
+    const FreeStep step = detector.find_free_step(MeshView(scene.start, scene.triangles), view(scene.end));
+    EXPECT_EQ(step.share, 0);
+    EXPECT_EQ(step.positions[3 * 3 + 2], 0);
+    EXPECT_TRUE(detector.time_of_first_impact(MeshView(scene.start, scene.triangles), view(scene.end)).start);
+}
+
+TEST_P(FindImpacts, KeepsTheSeparationThatIsAskedFor) {
+    const Falling scene;
+    const MeshView mesh(scene.start, scene.triangles);
+    EXPECT_EQ(detector.time_of_first_impact(mesh, view(scene.end), {.separation = 0.5}).toi, 0.25);
+    EXPECT_EQ(detector.time_of_first_impact(mesh, view(scene.end), {.separation_share = 0.25}).toi, 0.375);
+    const FreeStep step = detector.find_free_step(mesh, view(scene.end), {.separation = 0.5});
+    EXPECT_EQ(step.share, 0.25 * (1 - 0x1p-16));
+}
+
 INSTANTIATE_TEST_SUITE_P(, FindImpacts, testing::Values(Backend::reference, Backend::cpu),
                          [](const auto& p) { return p.param == Backend::cpu ? "cpu" : "reference"; });
 

@@ -1,0 +1,80 @@
+#include "engine/near_details.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "questions/features/points.h"
+#include "questions/near/decide_distance.h"
+
+namespace crumple {
+namespace {
+
+constexpr std::size_t chunk = 1024;
+
+template <class Task>
+void for_each_chunk(std::size_t n, ParallelFor& workers, Task task) {
+    workers.parallel_for((n + chunk - 1) / chunk,
+                         [&](std::size_t c) { task(c * chunk, std::min(n, (c + 1) * chunk)); });
+}
+
+Features at_rest(const Scene& scene, const SceneFeatures& features, FeatureKind kind, const Pair& pair) {
+    if (kind == FeatureKind::vertex_face) {
+        const std::int32_t* c = scene.corners + 3 * std::int64_t{pair.b};
+        return at_start(kind, points_of(scene, {pair.a, c[0], c[1], c[2]}));
+    }
+    const Edge e = features.edges()[pair.a], f = features.edges()[pair.b];
+    return at_start(kind, points_of(scene, {e.a, e.b, f.a, f.b}));
+}
+
+// The least of the values of each feature's pairs.
+void lower(const Array<Pair>& pairs, const Array<double>& value, Array<double>& of_first, Array<double>& of_second) {
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+        of_first[pairs[i].a] = std::min(of_first[pairs[i].a], value[i]);
+        of_second[pairs[i].b] = std::min(of_second[pairs[i].b], value[i]);
+    }
+}
+
+}  // namespace
+
+void tell_closest(const Scene& scene, const SceneFeatures& features, FeatureKind kind, const Array<Pair>& pairs,
+                  std::size_t first, ParallelFor& workers, NearList& list) {
+    list.type.resize(first + pairs.size());
+    list.at.resize(first + pairs.size());
+    for_each_chunk(pairs.size(), workers, [&](std::size_t begin, std::size_t end) {
+        DistanceCounts counts;
+        for (std::size_t i = begin; i < end; ++i) {
+            const ClosestPoints closest = Distance(at_rest(scene, features, kind, pairs[i]), counts).closest();
+            list.type[first + i] = closest.type;
+            list.at[first + i] = closest.at;
+        }
+    });
+}
+
+// Rounding keeps the order: the least distance of a feature is that of a pair whose rounded square is least, and only
+// such pairs are asked for their distance.
+void tell_least(const Scene& scene, const SceneFeatures& features, ParallelFor& workers, Nearby& answer) {
+    constexpr double none = std::numeric_limits<double>::infinity();
+    const auto of = [&](FeatureKind kind, Array<double>& firsts, Array<double>& seconds) {
+        const NearList& list = answer[kind];
+        Array<double> first_square = firsts, second_square = seconds, distance;
+        lower(list.pairs, list.squared_distance, first_square, second_square);
+        distance.assign(list.pairs.size(), none);
+        for_each_chunk(list.pairs.size(), workers, [&](std::size_t begin, std::size_t end) {
+            DistanceCounts counts;
+            for (std::size_t i = begin; i < end; ++i) {
+                const Pair pair = list.pairs[i];
+                const double square = list.squared_distance[i];
+                if (square > first_square[pair.a] && square > second_square[pair.b]) continue;
+                distance[i] = Distance(at_rest(scene, features, kind, pair), counts).rounded_down();
+            }
+        });
+        lower(list.pairs, distance, firsts, seconds);
+    };
+    answer.vertex_distance.assign(static_cast<std::size_t>(scene.vertex_count()), none);
+    answer.face_distance.assign(static_cast<std::size_t>(scene.triangle_count()), none);
+    answer.edge_distance.assign(features.edges().size(), none);
+    of(FeatureKind::vertex_face, answer.vertex_distance, answer.face_distance);
+    of(FeatureKind::edge_edge, answer.edge_distance, answer.edge_distance);
+}
+
+}  // namespace crumple

@@ -1,0 +1,20 @@
+#pragma once
+
+// What is told of near pairs on request, once the list is there: where they are closest, and how close each feature
+// comes to any other.
+
+#include "base/parallel_for.h"
+#include "crumple/near.h"
+#include "model/scene.h"
+#include "model/scene_features.h"
+
+namespace crumple {
+
+/// Type and parameters of `pairs`, which are the scene's, into those of the list from `first` on.
+void tell_closest(const Scene& scene, const SceneFeatures& features, FeatureKind kind, const Array<Pair>& pairs,
+                  std::size_t first, ParallelFor& workers, NearList& list);
+
+/// Least distances of the features of a single mesh, from its complete lists.
+void tell_least(const Scene& scene, const SceneFeatures& features, ParallelFor& workers, Nearby& answer);
+
+}  // namespace crumple

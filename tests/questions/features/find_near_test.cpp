@@ -1,0 +1,96 @@
+// Near pairs of small scenes, asked of a detector.
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <limits>
+#include <vector>
+
+#include "crumple/crumple.h"
+
+namespace crumple {
+namespace {
+
+using Vertices = std::vector<std::array<double, 3>>;
+using Triangles = std::vector<std::array<std::int32_t, 3>>;
+
+constexpr double none = std::numeric_limits<double>::infinity();
+
+// A small triangle a half above a large one, off its middle.
+struct Two {
+    Vertices vertices{{0, 0, 0}, {8, 0, 0}, {0, 8, 0}, {1, 2, 0.5}, {3, 2, 1}, {1, 4, 1}};
+    Triangles triangles{{0, 1, 2}, {3, 4, 5}};
+    MeshView mesh{vertices, triangles};
+};
+
+class FindNear : public testing::TestWithParam<Backend> {
+   protected:
+    Detector detector{[] {
+        Options options;
+        options.backend = GetParam();
+        return options;
+    }()};
+};
+
+TEST_P(FindNear, ListsPairsAndSquaredDistances) {
+    const Two two;
+    const Nearby& nearby = detector.find_near(two.mesh, {.radius = 0.5});
+    ASSERT_EQ(nearby.vertex_faces().pairs.size(), 1);
+    EXPECT_EQ(nearby.vertex_faces().pairs[0], (Pair{3, 0}));
+    EXPECT_EQ(nearby.vertex_faces().squared_distance[0], 0.25);
+    EXPECT_EQ(nearby.vertex_faces().touching[0], 0);
+    EXPECT_EQ(nearby.edge_edges().pairs.size(), 0);
+    EXPECT_EQ(nearby.count, 1);
+    EXPECT_FALSE(detector.find_near(two.mesh, {.radius = 0.5, .strict = true}).any);
+    EXPECT_TRUE(detector.find_near(two.mesh, {.wants = NearWants::any, .radius = 0.5}).any);
+}
+
+TEST_P(FindNear, TellsWhereTheyAreClosest) {
+    const Two two;
+    const Nearby& nearby = detector.find_near(two.mesh, {.radius = 1.1, .closest = true});
+    const NearList& faces = nearby.vertex_faces();
+    ASSERT_EQ(faces.pairs.size(), 3);
+    ASSERT_EQ(faces.type.size(), 3);
+    for (std::size_t i = 0; i < 3; ++i) {
+        EXPECT_EQ(faces.pairs[i], (Pair{static_cast<std::int32_t>(3 + i), 0}));
+        EXPECT_EQ(faces.type[i], static_cast<std::uint8_t>(VertexFaceType::P_T));
+        EXPECT_EQ(faces.at[i], (std::array{two.vertices[3 + i][0] / 8, two.vertices[3 + i][1] / 8}));
+    }
+    // The edge from (1, 2, 0.5) to (1, 4, 1), and that along the y axis: their ends have distances 1.118 and 1.414.
+    const NearList& edges = detector.find_near(two.mesh, {.radius = 1.12, .closest = true}).edge_edges();
+    ASSERT_EQ(edges.pairs.size(), 2);  // with the two edges that end there
+    for (std::size_t i = 0; i < 2; ++i) {
+        EXPECT_EQ(edges.squared_distance[i], 1.25);
+        EXPECT_EQ(edges.type[i], static_cast<std::uint8_t>(EdgeEdgeType::EA_EB0));
+        EXPECT_EQ(edges.at[i], (std::array{0.25, 0.0}));
+    }
+}
+
+TEST_P(FindNear, TellsTheLeastDistanceOfEachFeature) {
+    const Two two;
+    const Nearby& nearby = detector.find_near(two.mesh, {.radius = 1.12, .least = true});
+    const auto list = [](const Array<double>& values) { return std::vector<double>(values.begin(), values.end()); };
+    EXPECT_EQ(list(nearby.vertex_distance), (std::vector{none, none, none, 0.5, 1.0, 1.0}));
+    EXPECT_EQ(list(nearby.face_distance), (std::vector{0.5, none}));
+    ASSERT_EQ(nearby.edge_distance.size(), 6);
+    const double root = 0x1.1e3779b97f4a7p+0;  // of 1.25, rounded down
+    EXPECT_EQ(list(nearby.edge_distance), (std::vector{none, root, none, root, root, none}));
+    EXPECT_TRUE(detector.find_near(two.mesh, {.radius = 1}).vertex_distance.empty());
+}
+
+TEST_P(FindNear, FindsByFeature) {
+    const Two two;
+    const NearList& faces = detector.find_near(two.mesh, {.radius = 1.1, .index = true}).vertex_faces();
+    const auto list = [](const Array<std::int64_t>& values) {
+        return std::vector<std::int64_t>(values.begin(), values.end());
+    };
+    EXPECT_EQ(list(faces.offsets), (std::vector<std::int64_t>{0, 0, 0, 0, 1, 2, 3}));
+    EXPECT_EQ(list(faces.second_offsets), (std::vector<std::int64_t>{0, 3, 3}));
+    EXPECT_EQ(list(faces.by_second), (std::vector<std::int64_t>{0, 1, 2}));
+}
+
+INSTANTIATE_TEST_SUITE_P(, FindNear, testing::Values(Backend::reference, Backend::cpu),
+                         [](const auto& p) { return p.param == Backend::cpu ? "cpu" : "reference"; });
+
+}  // namespace
+}  // namespace crumple
