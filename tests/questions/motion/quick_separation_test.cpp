@@ -127,6 +127,11 @@ TEST(QuickSeparation, IsRightOneUnitBesideTheDistance) {
                     const double start = distance_at(asked.move, 0);
                     if (start > distance) asked.separation = {0, neighbour(distance / start, random.below(7) - 3)};
                 }
+                // Also at the edge of the range of double words, and beyond it.
+                constexpr int exponents[] = {0, 0, -98, 98, -480, -505};
+                const int exponent = exponents[random.below(6)];
+                change_positions(asked, [&](double x) { return std::ldexp(x, exponent); });
+                asked.separation.distance = std::ldexp(asked.separation.distance, exponent);
                 check(asked, tally);
             }
             EXPECT_GT(tally.decided(), 0);
