@@ -64,7 +64,7 @@ struct Approach {
           })) {}
 
     /// Nothing overflows, and all are numbers.
-    CRUMPLE_HD bool in_range() const { return reach < 0x1p300; }
+    CRUMPLE_HD bool in_range() const { return reach < 0x1p200; }
 
    private:
     CRUMPLE_HD explicit Approach(const std::array<MovingVector, 3>& x)

@@ -26,9 +26,22 @@ struct QuickImpact {
 
 namespace detail {
 
+/// Whether three of the points, all but one, stay in a plane across an axis at all times, and that one certainly is not
+/// in it near t. Then the volume is 0 only when the three are on one line.
+CRUMPLE_HD inline bool on_one_line(const FourPoints& points, std::size_t other, double t, double share, double slack) {
+    const MovingPoint &p = points[(other + 1) % 4], &q = points[(other + 2) % 4], &r = points[(other + 3) % 4];
+    for (int i = 0; i < 3; ++i) {
+        if (p.start[i] != q.start[i] || p.start[i] != r.start[i] || p.end[i] != q.end[i] || p.end[i] != r.end[i])
+            continue;
+        const double start = points[other].start[i] - p.start[i], end = points[other].end[i] - p.end[i];
+        if (std::abs(lerp(start, end, t)) > share * max(std::abs(start), std::abs(end)) + slack) return true;
+    }
+    return false;
+}
+
 /// 1 if the features touch wherever the volume is 0 within `radius` of t, −1 if they do not, 0 if neither is certain.
 template <FeaturePair pair>
-CRUMPLE_HD inline int touch(const Approach<pair>& x, double t, double radius) {
+CRUMPLE_HD inline int touch(const FourPoints& points, const Approach<pair>& x, double t, double radius) {
     // Components of u, v and w are off by this share of their reach.
     const double share = 5 * epsilon + 2 * radius;
     const Vec3d u = x.u.at(t), v = x.v.at(t), w = x.w.at(t), n = cross(u, v), size = abs(n);
@@ -38,8 +51,6 @@ CRUMPLE_HD inline int touch(const Approach<pair>& x, double t, double radius) {
     const auto bound = [&](const Vec3d& p, const Vec3d& q) {
         return 4 * share * (p[i] * q[j] + p[j] * q[i]) + x.slack;
     };
-    const auto sign = [](double value, double off) { return value > off ? 1 : value < -off ? -1 : 0; };
-
     const double whole = size[k], whole_bound = bound(x.reach_u, x.reach_v);
     if (!(whole > whole_bound)) {
         // Parallel edges, or a face like a needle.
@@ -47,16 +58,25 @@ CRUMPLE_HD inline int touch(const Approach<pair>& x, double t, double radius) {
         const double off = 3 * share * dot(abs(way), x.reach_u + x.reach_v + x.reach_w) + x.slack;
         return side<pair>(dot(way, u), dot(way, v), dot(way, w), off) != 0 ? -1 : 0;
     }
+
     // The vertex is at (alpha u + beta v) / whole; or alpha / whole and beta / whole say where on the edges they meet.
     const double forwards = n[k] > 0 ? 1 : -1;
     const double alpha = forwards * product(w, v), alpha_bound = bound(x.reach_w, x.reach_v);
     const double beta = (pair == FeaturePair::vertex_face ? forwards : -forwards) * product(u, w);
     const double beta_bound = bound(x.reach_u, x.reach_w);
-    const int least = min(sign(alpha, alpha_bound), sign(beta, beta_bound));
-    if constexpr (pair == FeaturePair::vertex_face)
-        return min(least, sign(whole - alpha - beta, whole_bound + alpha_bound + beta_bound));
-    return min(least,
-               min(sign(whole - alpha, whole_bound + alpha_bound), sign(whole - beta, whole_bound + beta_bound)));
+    // What is 0 puts three of the points on one line.
+    const auto inside = [&](double value, double off, std::size_t other) {
+        if (value > off) return 1;
+        if (value < -off) return -1;
+        return on_one_line(points, other, t, share, x.slack) ? 1 : 0;
+    };
+    if constexpr (pair == FeaturePair::vertex_face) {
+        return min(min(inside(alpha, alpha_bound, 2), inside(beta, beta_bound, 3)),
+                   inside(whole - alpha - beta, whole_bound + alpha_bound + beta_bound, 1));
+    } else {
+        return min(min(inside(alpha, alpha_bound, 1), inside(whole - alpha, whole_bound + alpha_bound, 0)),
+                   min(inside(beta, beta_bound, 3), inside(whole - beta, whole_bound + beta_bound, 2)));
+    }
 }
 
 }  // namespace detail
@@ -75,11 +95,11 @@ CRUMPLE_HD inline QuickImpact first_impact(const FourPoints& points, const Appro
         if (next == VolumeRoots::Next::none) return {Verdict::apart};
         RootEnclosure root;
         if (next == VolumeRoots::Next::unknown || !enclose(volume, bracket, root)) return {};
-        int touching = detail::touch(x, root.middle, root.radius);
+        int touching = detail::touch(points, x, root.middle, root.radius);
         if (touching < 0) continue;
         double toi = 0;
         const bool rounded = round_down(points, x, volume, root, toi);
-        if (rounded && touching == 0) touching = detail::touch(x, root.middle, root.radius);
+        if (rounded && touching == 0) touching = detail::touch(points, x, root.middle, root.radius);
         if (touching < 0) continue;
         if (!rounded || touching == 0) return {};
         return {Verdict::meets, toi};

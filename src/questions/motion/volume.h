@@ -48,7 +48,7 @@ class Volume {
 
     /// How fast the derivative changes at most.
     CRUMPLE_HD double bend() const {
-        return 6 * max(std::abs(b0_ - 2 * b1_ + b2_), std::abs(b1_ - 2 * b2_ + b3_)) + 26 * bound_;
+        return 6 * max(std::abs(b0_ - 2 * b1_ + b2_), std::abs(b1_ - 2 * b2_ + b3_)) + 16 * bound_;
     }
 
     /// The Bernstein coefficients over [low, high].

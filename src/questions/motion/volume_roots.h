@@ -63,21 +63,24 @@ class VolumeRoots {
     int waiting_ = 1;
 };
 
-/// Newton's method within the bracket, and a radius that it proves. False where float64 cannot say.
+/// Newton's method within the bracket, and the radius that it proves in the end. False where float64 cannot say.
 CRUMPLE_HD inline bool enclose(const Volume& volume, const RootBracket& root, RootEnclosure& place) {
+    constexpr int enough = 50;
     double low = root.low, high = root.high;
     double t = lerp(low, high, root.at_low / (root.at_low - root.at_high));
-    Volume::Slope f = volume.slope(t);
-    for (int i = 0; i < 50 && volume.sign(f.value) != 0; ++i) {
+    for (int i = 0; i < enough; ++i) {
+        if (!(t > low && t < high)) t = 0.5 * (low + high);
+        const Volume::Slope f = volume.slope(t);
+        if (volume.sign(f.value) == 0) {
+            const double steepness = std::abs(f.derivative);
+            place = {t, 4.2 * volume.bound() / steepness + detail::underflow};
+            return place.radius <= 0.25 && (f.derivative > 0) == (root.at_high > 0) &&
+                   volume.derivative_bound() + volume.bend() * place.radius <= 0.45 * steepness;
+        }
         ((f.value > 0) == (root.at_low > 0) ? low : high) = t;
         t -= f.value / f.derivative;
-        if (!(t > low && t < high)) t = 0.5 * (low + high);
-        f = volume.slope(t);
     }
-    const double steepness = std::abs(f.derivative);
-    place = {t, 2.1 * (std::abs(f.value) + volume.bound()) / steepness + detail::underflow};
-    return place.radius <= 0.25 && (f.derivative > 0) == (root.at_high > 0) &&
-           volume.derivative_bound() + volume.bend() * place.radius <= 0.45 * steepness;
+    return false;
 }
 
 /// Goes on with the volume in double words, until one float64 number is left that is the largest not above the root.

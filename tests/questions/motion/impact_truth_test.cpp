@@ -36,8 +36,8 @@ TEST_P(ImpactTruth, IsFoundToTheLastBitWhereFloat64Decides) {
         ASSERT_EQ(decide(move, counts), impact) << "line " << i << ": " << move;
     }
     EXPECT_EQ(counts.roots, static_cast<std::int64_t>(impacts_.size()));
-    // In the funnel, most of the few impacts are on the very border of a feature.
-    EXPECT_LE(counts.exact, std::max<std::int64_t>(100, counts.roots / 1000));
+    // In the funnel, some of the few impacts are of edges that stay in one plane.
+    EXPECT_LE(counts.exact, std::max<std::int64_t>(20, counts.roots / 1000));
 }
 
 /// Impacts are rare, near misses are not: each feature against that of the next line.
@@ -58,7 +58,7 @@ TEST_P(ImpactTruth, IsNotFoundWhereThereIsNone) {
         }
     }
     EXPECT_GT(counts.roots, hits) << "no near misses";
-    EXPECT_LE(counts.exact, std::max<std::int64_t>(100, asked / 1000));
+    EXPECT_LE(counts.exact, std::max<std::int64_t>(20, asked / 1000));
 }
 
 INSTANTIATE_TEST_SUITE_P(GroundTruth, ImpactTruth, testing::ValuesIn(scene_steps),

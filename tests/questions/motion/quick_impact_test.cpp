@@ -208,6 +208,37 @@ TEST(QuickImpact, IsRightForEdgesThatAreOnOneLine) {
     }
 }
 
+TEST(QuickImpact, KnowsImpactsOnABorderInAPlaneAcrossAnAxis) {
+    // Three points stay in such a plane, so that they can only meet on one line, or all but do.
+    for (const bool exact : {true, false}) {
+        for (const Feature feature : quick_features) {
+            RandomMoves random(Lattice::wide, 79);
+            Tally tally, joined;
+            for (int i = 0; i < 3000; ++i) {
+                Move move = random(feature);
+                const std::size_t other = static_cast<std::size_t>(random.below(4));
+                const int axis = random.below(3);
+                const MovingPoint& leader = move.point[(other + 1) % 4];
+                for (std::size_t k = 0; k < 4; ++k) {
+                    if (k == other) continue;
+                    move.point[k].start[axis] = leader.start[axis];
+                    move.point[k].end[axis] = leader.end[axis];
+                }
+                // The other point may join the plane.
+                if (i % 5 == 0) move.point[other].end[axis] = leader.end[axis];
+                if (i % 10 == 0) move.point[other].start[axis] = leader.start[axis];
+                if (!exact) {
+                    double& x = move.point[static_cast<std::size_t>(random.below(4))].end[random.below(3)];
+                    x = nudged(x, 2 * random.below(2) - 1);
+                }
+                check(move, i % 5 == 0 ? joined : tally);
+            }
+            EXPECT_GT(tally.meets, 40);
+            EXPECT_LT(tally.unknown, exact ? 100 : 250);
+        }
+    }
+}
+
 TEST(QuickImpact, KnowsThatVerticesAreInOnePlaceAtTheStart) {
     for (const Feature feature : quick_features) {
         RandomMoves random(Lattice::wide, 43);
