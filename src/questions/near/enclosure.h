@@ -214,7 +214,7 @@ class Enclosure {
     CRUMPLE_HD void keep_inside(double& s_step, double& t_step) const {
         const double s = s_ + s_low_, t = t_ + t_low_;
         constexpr double largest_step = 0x1p-10;
-        if (free_ == 1) s_step = max(-s, min(1 - s, s_step));
+        if (free_ == 1) s_step = max(-s, min((1 - s_) - s_low_, s_step));
         const bool small = std::abs(s_step) <= largest_step && std::abs(t_step) <= largest_step;
         const double margin = 16 * epsilon;
         const bool inside =
