@@ -14,43 +14,9 @@
 
 #include <limits>
 
-#include "questions/near/closest_guess.h"
-#include "questions/near/double_word_vec.h"
+#include "questions/near/seen_from_guess.h"
 
 namespace crumple::detail {
-
-/// Which points make w = x0 - y0, u = x1 - x0, and v = x2 - x0 for a face, y0 - y1 for two edges, so that the guess is
-/// s = t = 0, or t = 0, or inside. A parameter is then free, or it is 0 and can only grow.
-struct Corner {
-    std::array<std::uint8_t, 4> point;  ///< x0, x1, y0, and x2 or y1
-    std::uint8_t free;                  ///< how many parameters are
-};
-
-CRUMPLE_HD inline Corner corner_of(FeatureKinds kinds, std::uint8_t type) {
-    constexpr Corner face[] = {{{1, 2, 0, 3}, 0}, {{2, 3, 0, 1}, 0}, {{3, 1, 0, 2}, 0}, {{1, 2, 0, 3}, 1},
-                               {{2, 3, 0, 1}, 1}, {{1, 3, 0, 2}, 1}, {{1, 2, 0, 3}, 2}};
-    constexpr Corner edges[] = {{{0, 1, 2, 3}, 0}, {{0, 1, 3, 2}, 0}, {{1, 0, 2, 3}, 0},
-                                {{1, 0, 3, 2}, 0}, {{0, 1, 2, 3}, 1}, {{0, 1, 3, 2}, 1},
-                                {{2, 3, 0, 1}, 1}, {{2, 3, 1, 0}, 1}, {{0, 1, 2, 3}, 2}};
-    constexpr Corner edge[] = {{{1, 2, 0, 0}, 0}, {{2, 1, 0, 0}, 0}, {{1, 2, 0, 0}, 1}};
-    constexpr Corner vertex = {{0, 0, 1, 0}, 0};
-    return kinds == FeatureKinds::vertex_face   ? face[type]
-           : kinds == FeatureKinds::edge_edge   ? edges[type]
-           : kinds == FeatureKinds::vertex_edge ? edge[type]
-                                                : vertex;
-}
-
-/// The type of the first vertices of both that are at one place; there are some.
-CRUMPLE_HD inline std::uint8_t first_common_vertex(const Features& features) {
-    const auto& point = features.point;
-    std::uint8_t type = 0;
-    if (features.kinds == FeatureKinds::edge_edge) {
-        while (!(point[type / 2U] == point[2 + type % 2U])) ++type;
-    } else {
-        while (!(point[0] == point[1U + type])) ++type;
-    }
-    return type;
-}
 
 /// Half a derivative of f, known up to an error.
 struct Slope {
@@ -64,30 +30,16 @@ struct Slope {
 class Enclosure {
    public:
     /// Any guess will do whose parameters are in the domain.
-    CRUMPLE_HD Enclosure(const Features& features, const Guess& guess) {
-        const Corner corner = corner_of(features.kinds, guess.type);
-        const auto point = [&](std::size_t i) { return features.point[corner.point[i]]; };
-        const bool face = features.kinds == FeatureKinds::vertex_face;
-        kinds_ = features.kinds;
-        type_ = guess.type;
-        free_ = corner.free;
-        w_ = exact_difference(point(0), point(2));
-        if (kinds_ != FeatureKinds::vertex_vertex) u_ = exact_difference(point(1), point(0));
-        if (face) v_ = exact_difference(point(3), point(0));
-        if (kinds_ == FeatureKinds::edge_edge) v_ = exact_difference(point(2), point(3));
-        // The free parameter of a corner that has one is that of the guess that is not 0 or 1.
-        const bool second = face ? type_ > number(VertexFaceType::P_E0)
-                                 : kinds_ == FeatureKinds::edge_edge && type_ > number(EdgeEdgeType::EA_EB1);
-        if (free_ == 1) s_ = second ? guess.t : guess.s;
-        if (free_ == 2) s_ = guess.s, t_ = guess.t;
-
-        const Vec3d u = high(u_), v = high(v_);
+    CRUMPLE_HD Enclosure(const Features& features, const Guess& guess)
+        : seen_(features, guess), kinds_(features.kinds), type_(guess.type) {
+        const auto& [w, exact_u, exact_v, s, t, free] = seen_;
+        const Vec3d u = high(exact_u), v = high(exact_v);
         u_length_ = length_1(u), v_length_ = length_1(v);
-        if (!(length_1(high(w_)) + u_length_ + v_length_ <= largest_size)) return;
+        if (!(length_1(high(w)) + u_length_ + v_length_ <= largest_size)) return;
         uu_ = dot(u, u), uv_ = dot(u, v), vv_ = dot(v, v);
         area_ = (uu_ * vv_ - uv_ * uv_) - 32 * epsilon * (uu_ * vv_);
-        g_ = free_ == 0 ? w_ : free_ == 1 ? combine(w_, s_, u_) : combine(w_, s_, u_, t_, v_);
-        if (free_ > 0) error_ = 17 * epsilon * epsilon * (length_1(high(w_)) + s_ * u_length_ + t_ * v_length_);
+        g_ = free == 0 ? w : free == 1 ? combine(w, s, exact_u) : combine(w, s, exact_u, t, exact_v);
+        if (free > 0) error_ = 17 * epsilon * epsilon * (length_1(high(w)) + s * u_length_ + t * v_length_);
         along_u_ = rounded_slope(u, u_length_), along_v_ = rounded_slope(v, v_length_);
         enclose();
         if (touching()) type_ = first_common_vertex(features);
@@ -157,8 +109,8 @@ class Enclosure {
     }
 
     CRUMPLE_HD bool curved() const { return uu_ > least_squared && vv_ > least_squared && area_ > 0; }
-    CRUMPLE_HD double pull_u() const { return u_length_ == 0 ? 0 : along_u_.pull(free_ > 0); }
-    CRUMPLE_HD double pull_v() const { return v_length_ == 0 ? 0 : along_v_.pull(free_ > 1); }
+    CRUMPLE_HD double pull_u() const { return u_length_ == 0 ? 0 : along_u_.pull(seen_.free > 0); }
+    CRUMPLE_HD double pull_v() const { return v_length_ == 0 ? 0 : along_v_.pull(seen_.free > 1); }
 
     /// How much less than at (s, t) f may be in the domain.
     CRUMPLE_HD double loss() const {
@@ -171,7 +123,7 @@ class Enclosure {
 
     CRUMPLE_HD void enclose() {
         squared_ = product(g_, g_);
-        if (free_ == 0 && length_1(high(g_)) == 0) {
+        if (seen_.free == 0 && length_1(high(g_)) == 0) {
             below_ = above_ = 0;
         } else if (squared_.high >= least_squared && squared_.high <= largest_size * largest_size) {
             above_ = 32 * epsilon * epsilon * squared_.high + (2.1 * length_1(high(g_)) + error_) * error_;
@@ -181,16 +133,16 @@ class Enclosure {
 
     /// A step of Newton's method, with slopes in pairs of numbers.
     CRUMPLE_HD_COLD void refine() {
-        const Slope along_u = slope(u_, u_length_), along_v = slope(v_, v_length_);
+        const Slope along_u = slope(seen_.u, u_length_), along_v = slope(seen_.v, v_length_);
         double s_step = 0, t_step = 0;
-        if (free_ == 1 && uu_ > least_squared) s_step = -along_u.value / uu_;
-        if (free_ == 2 && curved()) {
+        if (seen_.free == 1 && uu_ > least_squared) s_step = -along_u.value / uu_;
+        if (seen_.free == 2 && curved()) {
             s_step = (uv_ * along_v.value - vv_ * along_u.value) / area_;
             t_step = (uv_ * along_u.value - uu_ * along_v.value) / area_;
         }
         keep_inside(s_step, t_step);
         s_low_ += s_step, t_low_ += t_step;
-        const Vec3d step = s_step * high(u_) + t_step * high(v_);
+        const Vec3d step = s_step * high(seen_.u) + t_step * high(seen_.v);
         g_ = {added(g_.x, step.x), added(g_.y, step.y), added(g_.z, step.z)};
         const double moved =
             (std::abs(s_step) + std::abs(s_low_)) * u_length_ + (std::abs(t_step) + std::abs(t_low_)) * v_length_;
@@ -212,13 +164,13 @@ class Enclosure {
 
     /// Steps are small, or none, and lead to no parameters out of the domain.
     CRUMPLE_HD void keep_inside(double& s_step, double& t_step) const {
-        const double s = s_ + s_low_, t = t_ + t_low_;
+        const double s = seen_.s + s_low_, t = seen_.t + t_low_;
         constexpr double largest_step = 0x1p-10;
-        if (free_ == 1) s_step = max(-s, min((1 - s_) - s_low_, s_step));
+        if (seen_.free == 1) s_step = max(-s, min((1 - seen_.s) - s_low_, s_step));
         const bool small = std::abs(s_step) <= largest_step && std::abs(t_step) <= largest_step;
         const double margin = 16 * epsilon;
         const bool inside =
-            free_ < 2 ||
+            seen_.free < 2 ||
             (s + s_step > margin && t + t_step > margin && s + s_step < 1 - margin && t + t_step < 1 - margin &&
              (kinds_ == FeatureKinds::edge_edge || (s + t) + (s_step + t_step) < 1 - margin));
         if (!small || !inside) s_step = t_step = 0;
@@ -226,8 +178,8 @@ class Enclosure {
 
     /// How far the true parameters may be from these, if they are inside.
     CRUMPLE_HD double s_error() const {
-        return free_ == 2 ? 1.1 * (along_u_.magnitude() * vv_ + along_v_.magnitude() * std::abs(uv_)) / area_
-                          : 1.1 * along_u_.magnitude() / uu_;
+        return seen_.free == 2 ? 1.1 * (along_u_.magnitude() * vv_ + along_v_.magnitude() * std::abs(uv_)) / area_
+                               : 1.1 * along_u_.magnitude() / uu_;
     }
     CRUMPLE_HD double t_error() const {
         return 1.1 * (along_v_.magnitude() * uu_ + along_u_.magnitude() * std::abs(uv_)) / area_;
@@ -236,17 +188,17 @@ class Enclosure {
     /// The closest points are unique, not on a smaller part, and in that one.
     CRUMPLE_HD bool type_certain() const {
         const bool two = kinds_ == FeatureKinds::vertex_face || kinds_ == FeatureKinds::edge_edge;
-        if (free_ == 2) {
+        if (seen_.free == 2) {
             if (!curved()) return false;
-            const double s = s_ + s_low_, t = t_ + t_low_, s_off = s_error() + 4 * epsilon,
+            const double s = seen_.s + s_low_, t = seen_.t + t_low_, s_off = s_error() + 4 * epsilon,
                          t_off = t_error() + 4 * epsilon;
             return s > s_off && t > t_off &&
                    (kinds_ == FeatureKinds::vertex_face ? s + t + s_off + t_off < 1 - 4 * epsilon
                                                         : s + s_off < 1 && t + t_off < 1);
         }
-        if (free_ == 1) {
+        if (seen_.free == 1) {
             if (!(uu_ > least_squared)) return false;
-            const double s = s_ + s_low_, off = s_error() + 4 * epsilon;
+            const double s = seen_.s + s_low_, off = s_error() + 4 * epsilon;
             return s > off && s + off < 1 &&
                    (!two || along_v_.value > along_v_.error + 1.1 * off * u_length_ * v_length_);
         }
@@ -270,7 +222,7 @@ class Enclosure {
                 at[i] = name == '0' ? 0 : 1;
                 continue;
             }
-            const DoubleWord x = name == 't' ? two_sum(t_, t_low_) : two_sum(s_, s_low_);
+            const DoubleWord x = name == 't' ? two_sum(seen_.t, t_low_) : two_sum(seen_.s, s_low_);
             const double slack = 1.1 * (name == 't' ? t_error() : s_error()) + 8 * epsilon * epsilon;
             const TwoTerms high = name == 'c' ? two_sum(1, -x.high) : TwoTerms{x.high, 0};
             const double low = high.low + (name == 'c' ? -x.low : x.low);
@@ -291,17 +243,17 @@ class Enclosure {
         return Proximity::unknown;
     }
 
-    Vec3dw w_{}, u_{}, v_{};
-    double s_ = 0, t_ = 0, s_low_ = 0, t_low_ = 0;  ///< the parameters, as pairs of numbers
-    Vec3dw g_{};                                    ///< w + s u + t v
-    double error_ = 0;                              ///< how far it is off, in all
+    SeenFromGuess seen_;
+    double s_low_ = 0, t_low_ = 0;  ///< what is to be added to the guess
+    Vec3dw g_{};                    ///< w + s u + t v
+    double error_ = 0;              ///< how far it is off, in all
     Slope along_u_, along_v_;
     double u_length_ = 0, v_length_ = 0, uu_ = 0, uv_ = 0, vv_ = 0;
     double area_ = 0;  ///< a bound below of uu vv - uv²
     DoubleWord squared_{};
     double below_ = std::numeric_limits<double>::infinity(), above_ = below_;
     FeatureKinds kinds_;
-    std::uint8_t type_, free_;
+    std::uint8_t type_;
     bool refined_ = false;
 };
 
