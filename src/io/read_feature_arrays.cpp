@@ -43,7 +43,7 @@ class Lists {
     }
     std::int32_t index(std::size_t array, std::size_t row, std::size_t column, const char* what) const {
         const std::vector<double>& numbers = *arrays_[array];
-        const std::size_t place = static_cast<std::size_t>(names_[array].columns) * row + column;
+        const std::size_t place = names_[array].columns * row + column;
         const auto index = place < numbers.size() ? index_of(numbers[place]) : std::nullopt;
         if (!index) fail_at(array, row, std::string("this is no ") + what);
         return *index;
@@ -57,7 +57,7 @@ class Lists {
         for (const std::size_t array : {base + bodies, base + values, base + flags}) {
             const bool optional = array == base + bodies || array == base + flags;
             if (optional && !arrays_[array]) continue;
-            if (need(array).size() != count * static_cast<std::size_t>(names_[array].columns))
+            if (need(array).size() != count * names_[array].columns)
                 fail("\"" + names_[array].name + "\" is not as long as \"" + names_[base + pairs].name + "\"");
         }
         for (std::size_t i = 0; i < count; ++i) {
@@ -107,19 +107,20 @@ std::vector<double> numbers_from(const std::string& bytes, const NpyHeader& head
     return numbers;
 }
 
-std::vector<double> read_array(NpzReader::Entry& entry, int columns) {
+std::vector<double> read_array(NpzReader::Entry& entry, std::size_t columns) {
     const std::optional<NpyHeader> header = read_npy_header(entry);
     if (!header) entry.fail("is no array of NumPy");
     const auto& shape = header->shape;
-    const bool fits = columns == 1 ? shape.size() == 1 : shape.size() == 2 && shape[1] == columns;
+    const bool fits =
+        columns == 1 ? shape.size() == 1 : shape.size() == 2 && shape[1] == static_cast<std::int64_t>(columns);
     if (!fits || shape[0] > INT64_MAX / 16)
         entry.fail(columns == 1 ? "is not of shape (n,)" : "is not of shape (n, " + std::to_string(columns) + ")");
     const auto take = [&](auto number) {
         using Number = decltype(number);
-        const std::size_t count = static_cast<std::size_t>(shape[0]) * static_cast<std::size_t>(columns);
+        const std::size_t count = static_cast<std::size_t>(shape[0]) * columns;
         const std::string bytes = entry.read(count * sizeof(Number));
         if (!entry.at_end()) entry.fail("is longer than its header says");
-        return numbers_from<Number>(bytes, *header, static_cast<std::size_t>(columns));
+        return numbers_from<Number>(bytes, *header, columns);
     };
     const std::string& kind = header->kind;
     if (kind == "i4") return take(std::int32_t{});

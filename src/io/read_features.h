@@ -29,7 +29,7 @@ class FeatureRows {
 /// Which arrays the readers of .json and .npz look for, and how many numbers a row of each has.
 struct ArrayName {
     std::string name;
-    int columns;
+    std::size_t columns;
 };
 std::vector<ArrayName> arrays_of(const FeatureWords& words);
 

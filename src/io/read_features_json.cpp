@@ -53,6 +53,7 @@ class ArraysHandler : public nlohmann::json_sax<nlohmann::json> {
     bool end_array() override {
         --depth_;
         if (inside_ != none && depth_ == 2 && count_ != names_[inside_].columns) fail();
+        count_ = 0;
         if (depth_ == 1) inside_ = none;
         return true;
     }
@@ -66,8 +67,8 @@ class ArraysHandler : public nlohmann::json_sax<nlohmann::json> {
 
     bool number(double value) {
         if (inside_ == none) return other();
-        const int columns = names_[inside_].columns;
-        if (depth_ != (columns == 1 ? 2u : 3u)) fail();
+        const std::size_t columns = names_[inside_].columns;
+        if (columns == 1 ? depth_ != 2 : depth_ != 3 || count_ == columns) fail();
         arrays_[inside_]->push_back(value);
         ++count_;
         return true;
@@ -80,7 +81,8 @@ class ArraysHandler : public nlohmann::json_sax<nlohmann::json> {
     }
     [[noreturn]] void fail() const {
         const auto& [name, columns] = names_[inside_];
-        const std::size_t row = arrays_[inside_]->size() / static_cast<std::size_t>(columns);
+        const std::size_t begun = columns == 1 ? 0 : count_;
+        const std::size_t row = (arrays_[inside_]->size() - begun) / columns;
         throw Error(ErrorCode::format, source_.name() + ": row " + std::to_string(row) + " of \"" + name + "\" is no " +
                                            (columns == 1 ? "number" : "array of two numbers"));
     }
@@ -89,7 +91,7 @@ class ArraysHandler : public nlohmann::json_sax<nlohmann::json> {
     std::vector<ArrayName> names_;
     NumberArrays arrays_;
     std::size_t depth_ = 0;
-    int count_ = 0;              ///< numbers of the row
+    std::size_t count_ = 0;      ///< numbers of the row
     std::size_t named_ = none;   ///< the next value is that array's
     std::size_t inside_ = none;  ///< of that array
 };

@@ -6,6 +6,7 @@
 
 #include "collisions.h"
 #include "files.h"
+#include "numpy.h"
 
 namespace crumple::io::test {
 namespace {
@@ -110,13 +111,6 @@ std::string archive_of(const std::string& name, const std::string& bytes, bool c
     zip_set_file_compression(archive, static_cast<zip_uint64_t>(entry), compressed ? ZIP_CM_DEFLATE : ZIP_CM_STORE, 0);
     EXPECT_EQ(zip_close(archive), 0);
     return bytes_of(folder / "a.npz");
-}
-
-std::string npy(const std::string& type, const std::string& shape, const std::string& data, bool by_column = false) {
-    const std::string header = "{'descr': '" + type + "', 'fortran_order': " + (by_column ? "True" : "False") +
-                               ", 'shape': " + shape + ", }\n";
-    return std::string("\x93NUMPY\x01\0", 8) + packed(std::endian::little, static_cast<std::uint16_t>(header.size())) +
-           header + data;
 }
 
 TEST(ReadPairs, NpzMayHoldIntegersOfAnyOrderAndSize) {

@@ -1,0 +1,180 @@
+// Lists of impacts and of near pairs as they are written, and as they come back.
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "features.h"
+#include "files.h"
+
+namespace crumple::io::test {
+namespace {
+
+std::string written(const Impacts& impacts, PairFormat format) {
+    std::ostringstream out;
+    write_impacts(out, impacts, format);
+    return out.str();
+}
+std::string written(const Nearby& nearby, PairFormat format) {
+    std::ostringstream out;
+    write_near(out, nearby, format);
+    return out.str();
+}
+
+TEST(FeatureLists, TextHasALineForEach) {
+    EXPECT_EQ(written(example_impacts(), PairFormat::txt), "vf 7 1 0.1 0\nvf 9 0 1 0\nee 0 7 2 9 0 1\n");
+    EXPECT_EQ(written(example_impacts(), PairFormat::automatic), written(example_impacts(), PairFormat::txt));
+    EXPECT_EQ(written(example_near(), PairFormat::txt), "vf 7 1 5e-324\nvf 9 0 inf\nee 0 7 2 9 0\n");
+    EXPECT_EQ(written(Impacts(), PairFormat::txt), "");
+}
+
+TEST(FeatureLists, OfSeveralBodiesHaveTheirNumbers) {
+    EXPECT_EQ(written(example_impacts(true), PairFormat::txt),
+              "vf 0:7 1:1 0.1 0\nvf 1:9 0:0 1 0\nee 0:0 0:7 1:2 1:9 0 1\n");
+    EXPECT_EQ(written(example_near(true), PairFormat::csv),
+              "kind,vertex,face,a,b,c,d,squared_distance,touching\nvf,0:7,1:1,,,,,5e-324,0\nvf,1:9,0:0,,,,,inf,0\n"
+              "ee,,,0:0,0:7,1:2,1:9,0,1\n");
+}
+
+TEST(FeatureLists, CsvHasNamedColumns) {
+    EXPECT_EQ(written(example_impacts(), PairFormat::csv),
+              "kind,vertex,face,a,b,c,d,toi,start\nvf,7,1,,,,,0.1,0\nvf,9,0,,,,,1,0\nee,,,0,7,2,9,0,1\n");
+}
+
+TEST(FeatureLists, JsonHasNamedArrays) {
+    using nlohmann::json;
+    const auto impacts = json::parse(written(example_impacts(), PairFormat::json));
+    EXPECT_EQ(impacts["vertex_faces"], json::parse("[[7,1],[9,0]]"));
+    EXPECT_EQ(impacts["vertex_face_toi"], json::parse("[0.1,1]"));
+    EXPECT_EQ(impacts["vertex_face_start"], json::parse("[0,0]"));
+    EXPECT_EQ(impacts["edges"], json::parse("[[0,1],[0,7],[2,9]]"));
+    EXPECT_EQ(impacts["edge_edges"], json::parse("[[1,2]]"));
+    EXPECT_EQ(impacts["edge_edge_toi"], json::parse("[0]"));
+    EXPECT_EQ(impacts["edge_edge_start"], json::parse("[1]"));
+    EXPECT_EQ(impacts["earliest"], json::parse(R"({"kind":"edge_edge","pair":[1,2],"toi":0,"start":1})"));
+    EXPECT_EQ(impacts["statistics"]["pairs"], 3);
+    EXPECT_FALSE(impacts.contains("first_edge"));
+    EXPECT_TRUE(json::parse(written(Impacts(), PairFormat::json))["earliest"].is_null());
+
+    const auto near = json::parse(written(example_near(true), PairFormat::json));
+    EXPECT_EQ(near["vertex_face_bodies"], json::parse("[[0,1],[1,0]]"));
+    EXPECT_EQ(near["edge_edge_bodies"], json::parse("[[0,1]]"));
+    EXPECT_EQ(near["first_edge"], json::parse("[0,2,5]"));
+    EXPECT_EQ(near["vertex_face_squared_distance"], json::parse("[5e-324,null]"));
+    EXPECT_EQ(near["edge_edge_touching"], json::parse("[1]"));
+    EXPECT_FALSE(near.contains("earliest"));
+}
+
+TEST(FeatureLists, EveryFormatComesBackAsItWasWritten) {
+    const Folder folder;
+    for (const char* const name : {"a.txt", "a.csv", "a.json", "a.npz", "A.CSV"}) {
+        for (const bool has_bodies : {false, true}) {
+            write_impacts(folder / name, example_impacts(has_bodies));
+            const FeatureList impacts = read_impacts(folder / name);
+            EXPECT_EQ(impacts.rows, list_of(example_impacts(has_bodies)).rows) << name;
+            EXPECT_EQ(impacts.has_bodies, has_bodies) << name;
+            write_near(folder / name, example_near(has_bodies));
+            EXPECT_EQ(read_near(folder / name).rows, list_of(example_near(has_bodies)).rows) << name;
+        }
+        write_impacts(folder / name, {});
+        EXPECT_TRUE(read_impacts(folder / name).rows.empty()) << name;
+    }
+}
+
+TEST(FeatureLists, ThatDoNotFitTogetherAreRefused) {
+    const Folder folder;
+    const auto refused = [&](const Impacts& impacts) {
+        EXPECT_EQ(error_of([&] { write_impacts(folder / "a.txt", impacts); }).code, ErrorCode::invalid_argument);
+        EXPECT_FALSE(fs::exists(folder / "a.txt"));
+    };
+    Impacts impacts = example_impacts();
+    impacts[FeatureKind::vertex_face].toi.push_back(1);
+    refused(impacts);
+    impacts = example_impacts();
+    impacts[FeatureKind::edge_edge].start = {};
+    refused(impacts);
+    for (const std::int32_t edge : {-1, 3}) {
+        impacts = example_impacts();
+        impacts[FeatureKind::edge_edge].pairs[0].b = edge;
+        refused(impacts);
+    }
+    for (const std::int32_t body : {-1, 2}) {
+        impacts = example_impacts(true);
+        impacts[FeatureKind::edge_edge].bodies[0].second = body;
+        refused(impacts);
+    }
+    EXPECT_EQ(error_of([&] { write_near(folder / "a.ply", example_near()); }).code, ErrorCode::invalid_argument);
+}
+
+TEST(FeatureLists, AStreamThatFailsIsAnError) {
+    for (const PairFormat format : {PairFormat::txt, PairFormat::csv, PairFormat::json, PairFormat::npz}) {
+        std::ofstream closed;
+        EXPECT_EQ(error_of([&] { write_impacts(closed, example_impacts(), format); }).code, ErrorCode::file);
+        EXPECT_EQ(error_of([&] { write_near(closed, example_near(), format); }).code, ErrorCode::file);
+    }
+}
+
+// A square of two triangles, 0 and 1, with a third one, 2, on its own.
+TriangleMesh three_triangles() {
+    return {std::vector<float>{0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 9, 9, 9, 9, 8, 9, 8, 9, 9},
+            {0, 1, 2, 0, 2, 3, 4, 5, 6}};
+}
+
+/// Triangles by material, of the one mesh.
+std::map<std::string, std::int64_t> triangles_of(const std::string& glb) {
+    const auto length = load<std::uint32_t>(glb.data() + 12, std::endian::little);
+    const auto description = nlohmann::json::parse(glb.substr(20, length));
+    std::map<std::string, std::int64_t> result;
+    for (const auto& primitive : description["meshes"][0]["primitives"]) {
+        const auto& indices = description["accessors"][primitive["indices"].get<std::size_t>()];
+        const auto& material = description["materials"][primitive["material"].get<std::size_t>()];
+        result[material["name"]] = indices["count"].get<std::int64_t>() / 3;
+    }
+    return result;
+}
+
+TEST(FeatureLists, ImpactsColourWhatTheyHit) {
+    Impacts impacts;
+    impacts[FeatureKind::vertex_face].pairs = array<Pair>({{3, 2}});  // vertex 3 is of triangle 1
+    impacts[FeatureKind::vertex_face].toi = array({0.5});
+    impacts[FeatureKind::vertex_face].start = array<std::uint8_t>({0});
+    const auto colours = [&] {
+        std::ostringstream out;
+        write_coloured(out, three_triangles(), impacts);
+        return triangles_of(out.str());
+    };
+    EXPECT_EQ(colours(), (std::map<std::string, std::int64_t>{{"free", 1}, {"shade 5", 2}}));
+
+    impacts[FeatureKind::edge_edge].pairs = array<Pair>({{0, 1}});  // the first edge is of triangle 0
+    impacts[FeatureKind::edge_edge].toi = array({0.0});
+    impacts[FeatureKind::edge_edge].start = array<std::uint8_t>({1});
+    impacts.edges = array<Edge>({{0, 1}, {4, 5}});
+    impacts.first_edge = array<std::int64_t>({0, 2});
+    EXPECT_EQ(colours(), (std::map<std::string, std::int64_t>{{"shade 1", 2}, {"shade 5", 1}}));
+
+    impacts[FeatureKind::vertex_face].toi[0] = 1;
+    EXPECT_EQ(colours(), (std::map<std::string, std::int64_t>{{"shade 1", 2}, {"shade 8", 1}}));
+    impacts[FeatureKind::vertex_face].pairs[0].b = 3;
+    EXPECT_EQ(error_of(colours).code, ErrorCode::invalid_argument) << "there is no such face";
+}
+
+TEST(FeatureLists, NearPairsColourTwoMeshes) {
+    Nearby nearby;
+    nearby[FeatureKind::vertex_face].pairs = array<Pair>({{3, 2}, {4, 0}});
+    nearby[FeatureKind::vertex_face].bodies = array<BodyPair>({{0, 1}, {1, 0}});
+    nearby[FeatureKind::vertex_face].squared_distance = array({1.0, 16.0});
+    nearby[FeatureKind::vertex_face].touching = array<std::uint8_t>({0, 0});
+    const TriangleMesh mesh = three_triangles();
+    std::ostringstream out;
+    write_coloured(out, mesh, &mesh, nearby);
+    // In the first mesh triangle 1 at distance 1 and 0 at 4, in the second one triangle 2 at 1.
+    EXPECT_EQ(triangles_of(out.str()),
+              (std::map<std::string, std::int64_t>{{"free", 3}, {"shade 3", 2}, {"shade 8", 1}}));
+    EXPECT_EQ(error_of([&] { write_coloured(out, mesh, nullptr, nearby); }).code, ErrorCode::invalid_argument);
+    const Folder folder;
+    EXPECT_EQ(error_of([&] { write_coloured(folder / "a.ply", mesh, &mesh, nearby); }).code,
+              ErrorCode::invalid_argument);
+}
+
+}  // namespace
+}  // namespace crumple::io::test

@@ -1,0 +1,234 @@
+// Lists of impacts and of near pairs that others have written, and what is no list.
+
+#include <zip.h>
+
+#include "features.h"
+#include "files.h"
+#include "numpy.h"
+
+namespace crumple::io::test {
+namespace {
+
+FeatureRow face(std::int32_t vertex, std::int32_t triangle, double value, bool flag) {
+    return {FeatureKind::vertex_face, {0, 0}, {vertex, triangle, 0, 0}, value, flag};
+}
+
+void expect_bad_rows(const std::string& bytes, const std::string& name, const std::string& what) {
+    const Folder folder;
+    const Error error = error_of([&] { read_impacts(folder.write(name, bytes)); });
+    EXPECT_EQ(error.code, ErrorCode::format) << bytes << ": " << error.what();
+    EXPECT_TRUE(contains(error.what(), name)) << error.what();
+    EXPECT_TRUE(contains(error.what(), what)) << bytes << ": " << error.what();
+}
+
+TEST(ReadFeatures, TextMayHaveCommentsAndNoFlag) {
+    const Folder folder;
+    const FeatureList list = read_impacts(folder.write(
+        "a.txt", "# theirs\r\nvf 3 4 0.50000000000000000 0\r\n\r\n  vf\t5 6 0 # at the start\nvf 1 2 0 0"));
+    EXPECT_EQ(list.rows, (std::vector<FeatureRow>{face(3, 4, 0.5, false), face(5, 6, 0, true), face(1, 2, 0, false)}));
+    EXPECT_FALSE(list.has_bodies);
+    EXPECT_TRUE(read_impacts(folder.write("empty.txt", "")).rows.empty());
+}
+
+TEST(ReadFeatures, EdgesMayComeInAnyOrder) {
+    const Folder folder;
+    const FeatureRow row{FeatureKind::edge_edge, {0, 0}, {1, 8, 3, 5}, 0.5, false};
+    for (const char* const text : {"ee 1 8 3 5 0.5 0", "ee 8 1 5 3 0.5", "ee 3 5 1 8 0.5", "ee 5 3 8 1 0.5"})
+        EXPECT_EQ(read_impacts(folder.write("a.txt", text)).rows, std::vector{row}) << text;
+    const FeatureRow between{FeatureKind::edge_edge, {0, 1}, {4, 5, 1, 2}, 0.5, false};
+    for (const char* const text : {"ee 0:4 0:5 1:1 1:2 0.5", "ee 1:2 1:1 0:5 0:4 0.5"}) {
+        const FeatureList list = read_impacts(folder.write("a.txt", text));
+        EXPECT_EQ(list.rows, std::vector{between}) << text;
+        EXPECT_TRUE(list.has_bodies);
+    }
+}
+
+TEST(ReadFeatures, MistakesInTextAreErrorsThatNameTheLine) {
+    const Folder folder;
+    for (const char* const bad : {"v 1 2 0.5",
+                                  "1 2 0.5",
+                                  "vf",
+                                  "vf 1",
+                                  "vf 1 2",
+                                  "vf 1 2 x",
+                                  "vf a 2 0.5",
+                                  "vf 1 -2 0.5",
+                                  "vf 1 2.5 0.5",
+                                  "vf 1 2147483648 0.5",
+                                  "vf 99999999999999999999 2 0.5",
+                                  "vf 1 2 1.5",
+                                  "vf 1 2 -0.5",
+                                  "vf 1 2 nan",
+                                  "vf 1 2 inf",
+                                  "vf 1 2 0.5 2",
+                                  "vf 1 2 0.5 1",
+                                  "vf 1 2 0.5 0 0",
+                                  "vf 0: 2 0.5",
+                                  "vf :1 2 0.5",
+                                  "vf 0:1: 0:2 0.5",
+                                  "vf 0:1 2 0.5",
+                                  "vf 0:1 1:2 0.5",
+                                  "ee 1 2 3 0.5",
+                                  "ee 1 2 3 4",
+                                  "ee 1 1 2 3 0.5",
+                                  "ee 1 2 3 3 0.5",
+                                  "ee 0:1 1:2 0:3 0:4 0.5",
+                                  "vf,1,2,0.5"}) {
+        const Error error = error_of(
+            [&] { read_impacts(folder.write("a.txt", std::string("vf 0 1 0.5 0\n\n") + bad + "\nvf 4 5 1\n")); });
+        EXPECT_EQ(error.code, ErrorCode::format) << bad;
+        EXPECT_EQ(error.element, Element::line) << bad << ": " << error.what();
+        EXPECT_EQ(error.index, 3) << error.what();
+    }
+    EXPECT_EQ(error_of([&] { read_impacts(folder / "missing.txt"); }).code, ErrorCode::file);
+}
+
+TEST(ReadFeatures, SquaredDistancesMayBeLarge) {
+    const Folder folder;
+    const auto near = [&](const char* text) { return read_near(folder.write("a.txt", text)).rows; };
+    EXPECT_EQ(near("vf 1 2 1e300\nvf 1 2 inf\nvf 1 2 0\n"),
+              (std::vector{face(1, 2, 1e300, false), face(1, 2, HUGE_VAL, false), face(1, 2, 0, true)}));
+    for (const char* const bad : {"vf 1 2 -1", "vf 1 2 nan", "vf 1 2 1 1"})
+        EXPECT_EQ(error_of([&] { near(bad); }).code, ErrorCode::format) << bad;
+}
+
+TEST(ReadFeatures, CsvMayLackItsHeaderAndItsLastColumn) {
+    const Folder folder;
+    for (const char* const text : {"vf,3,4,,,,,0.5,0\n", "kind,vertex,face,a,b,c,d,toi\r\nvf, 3 ,4,,,,,0.5\r\n\r\n"})
+        EXPECT_EQ(read_impacts(folder.write("a.csv", text)).rows, std::vector{face(3, 4, 0.5, false)}) << text;
+}
+
+TEST(ReadFeatures, MistakesInCsvAreErrorsThatNameTheLine) {
+    for (const char* const bad :
+         {"vf", "vf,1,2", "vf,1,2,,,,,", "vf,1,2,,,,,0.5,0,0", "vf,1,2,3,,,,0.5", "vf,1,,,,,,0.5", "ee,,,1,2,3,,0.5",
+          "ee,1,,1,2,3,4,0.5", "xx,1,2,,,,,0.5", "kind,1,2,,,,,0.5", "vf,1,2,,,,,0.5,yes", "vf 1 2 0.5"})
+        expect_bad_rows(std::string("kind,vertex,face,a,b,c,d,toi,start\nvf,0,1,,,,,0.5,0\n") + bad + "\n", "a.csv",
+                        "line 3");
+}
+
+/// A list with one impact of each kind; `with` is put in the place of the member of its name.
+std::string json_with(const std::string& name, const std::string& value) {
+    std::string text = "{\"more\": {\"edges\": [[[1]]]}";
+    for (const auto& [member, usual] :
+         std::vector<std::pair<std::string, std::string>>{{"vertex_faces", "[[0,1]]"},
+                                                          {"vertex_face_toi", "[0.5]"},
+                                                          {"vertex_face_start", "[0]"},
+                                                          {"edges", "[[0,1],[2,3]]"},
+                                                          {"edge_edges", "[[0,1]]"},
+                                                          {"edge_edge_toi", "[0]"},
+                                                          {"edge_edge_start", "[true]"}}) {
+        const std::string& written = member == name ? value : usual;
+        if (!written.empty()) text += ", \"" + member + "\": " + written;
+    }
+    return text + "}";
+}
+
+TEST(ReadFeatures, JsonMayHoldMore) {
+    const Folder folder;
+    const FeatureRow edges{FeatureKind::edge_edge, {0, 0}, {0, 1, 2, 3}, 0, true};
+    EXPECT_EQ(read_impacts(folder.write("a.json", json_with("", ""))).rows,
+              (std::vector{face(0, 1, 0.5, false), edges}));
+    EXPECT_EQ(read_impacts(folder.write("a.json", json_with("edge_edge_start", ""))).rows.back(), edges)
+        << "a time of 0 is one at the start";
+}
+
+TEST(ReadFeatures, MistakesInJsonAreErrors) {
+    const auto bad = [](const char* name, const char* value, const std::string& what) {
+        expect_bad_rows(json_with(name, value), "a.json", what);
+    };
+    for (const char* const value : {"[[0]]", "[[0,1,2]]", "[0,1]", "[[0,[1]]]", "[{}]", "[null]", "[[0,\"1\"]]"})
+        bad("vertex_faces", value, "row 0 of \"vertex_faces\"");
+    for (const char* const value : {"[[0,-1]]", "[[0,1.5]]", "[[0,2147483648]]", "[[0,null]]", "[[0,1e300]]"})
+        bad("vertex_faces", value, "this is no face");
+    for (const char* const name : {"vertex_faces", "vertex_face_toi", "edges", "edge_edges", "edge_edge_toi"})
+        for (const char* const value : {"", "1", "{}", "null", "\"x\""}) bad(name, value, "there is no array");
+    bad("edges", "[[0,1],{}]", "row 1 of \"edges\"");
+    bad("edges", "[[0,1],[2]]", "row 1 of \"edges\"");
+    bad("vertex_face_toi", "[0.5,0.5]", "is not as long");
+    bad("vertex_face_start", "[]", "is not as long");
+    bad("vertex_face_toi", "[2]", "[0, 1]");
+    bad("vertex_face_toi", "[[0.5]]", "row 0");
+    bad("edge_edges", "[[0,2]]", "no such edge");
+    bad("edges", "[[0,1],[2,2]]", "twice");
+    expect_bad_rows("", "a.json", "byte 0");
+    expect_bad_rows("[]", "a.json", "there is no array");
+    expect_bad_rows(json_with("edges", "[[0,"), "a.json", "byte ");
+    expect_bad_rows(std::string(100'000, '['), "a.json", "byte ");
+}
+
+TEST(ReadFeatures, BodiesOfArraysAreChecked) {
+    const auto list = [](const char* bodies, const char* first_edge) {
+        return std::string(
+                   R"({"vertex_faces": [], "vertex_face_toi": [], "edges": [[0,1],[2,3]], "edge_edges": [[0,0]],)") +
+               R"("edge_edge_toi": [0.5], "edge_edge_bodies": )" + bodies + R"(, "first_edge": )" + first_edge + "}";
+    };
+    const Folder folder;
+    const FeatureRow row{FeatureKind::edge_edge, {0, 1}, {0, 1, 2, 3}, 0.5, false};
+    EXPECT_EQ(read_impacts(folder.write("a.json", list("[[0,1]]", "[0,1,2]"))).rows, std::vector{row});
+    expect_bad_rows(list("[[0,2]]", "[0,1,2]"), "a.json", "no such body");
+    expect_bad_rows(list("[[0,-1]]", "[0,1,2]"), "a.json", "this is no body");
+    expect_bad_rows(list("[[0,1]]", "[0,-1,2]"), "a.json", "this is no edge");
+    expect_bad_rows(list("[[0,1]]", "[0,2147483647,2]"), "a.json", "no such edge");
+    expect_bad_rows(list("[[0,1],[0,1]]", "[0,1,2]"), "a.json", "is not as long");
+}
+
+/// A .npz with the list above; `array` is put in the place of that of its name.
+std::string npz_with(const std::string& name, const std::string& array) {
+    using std::endian;
+    std::vector<std::pair<std::string, std::string>> files{
+        {"vertex_faces", npy("<i4", "(1, 2)", packed(endian::little, 0, 1))},
+        {"vertex_face_toi", npy(">f8", "(1,)", packed(endian::big, 0.5))},
+        {"edges", npy("<i8", "(2, 2)", packed(endian::little, 0l, 2l, 1l, 3l), true)},
+        {"edge_edges", npy("<u4", "(1, 2)", packed(endian::little, 0u, 1u))},
+        {"edge_edge_toi", npy("<f4", "(1,)", packed(endian::little, 0.0f))},
+        {"edge_edge_start", npy("|b1", "(1,)", "\1")}};
+    const Folder folder;
+    int error = 0;
+    zip_t* const archive = zip_open((folder / "a.npz").c_str(), ZIP_CREATE, &error);
+    for (auto& [file, bytes] : files) {
+        if (file == name) bytes = array;
+        if (!bytes.empty())
+            zip_file_add(archive, (file + ".npy").c_str(), zip_source_buffer(archive, bytes.data(), bytes.size(), 0),
+                         0);
+    }
+    EXPECT_EQ(zip_close(archive), 0);
+    return bytes_of(folder / "a.npz");
+}
+
+TEST(ReadFeatures, NpzMayHoldNumbersOfAnyOrderAndSize) {
+    const Folder folder;
+    const FeatureRow edges{FeatureKind::edge_edge, {0, 0}, {0, 1, 2, 3}, 0, true};
+    EXPECT_EQ(read_impacts(folder.write("a.npz", npz_with("", ""))).rows, (std::vector{face(0, 1, 0.5, false), edges}));
+}
+
+TEST(ReadFeatures, MistakesInNpzAreErrors) {
+    using std::endian;
+    const auto bad = [](const char* name, const std::string& array, const std::string& what) {
+        expect_bad_rows(npz_with(name, array), "a.npz", what);
+    };
+    expect_bad_rows("PK", "a.npz", "this is not a .npz archive");
+    bad("edges", "", "there is no array \"edges\"");
+    bad("edges", "hello, world", "no array of NumPy");
+    bad("edges", npy("<i4", "(4,)", packed(endian::little, 0, 1, 2, 3)), "is not of shape (n, 2)");
+    bad("edges", npy("<i4", "(1, 3)", packed(endian::little, 0, 1, 2)), "is not of shape (n, 2)");
+    bad("edges", npy("<i4", "(2, 2)", packed(endian::little, 0, 1, 2)), "truncated");
+    bad("edges", npy("<i4", "(1, 2)", packed(endian::little, 0, 1, 2)), "longer");
+    bad("edges", npy("<i4", "(576460752303423487, 2)", ""), "truncated");
+    bad("edges", npy("<i4", "(9223372036854775807, 2)", ""), "is not of shape");
+    bad("edges", npy("<U4", "(2, 2)", ""), "plain numbers");
+    bad("edges", npy("<i4", "(2, 2)", packed(endian::little, 0, 1, 2, -3)), "this is no vertex");
+    bad("vertex_face_toi", npy("<f8", "(1, 1)", packed(endian::little, 0.5)), "is not of shape (n,)");
+    bad("vertex_face_toi", npy("<f8", "(2,)", packed(endian::little, 0.5, 0.5)), "is not as long");
+}
+
+TEST(ReadFeatures, ExactListsAreRead) {
+    const auto data = data_folder();
+    if (!data || !fs::exists(*data / "gt-motion")) GTEST_SKIP() << "no exact lists";
+    const FeatureList list = read_impacts(*data / "gt-motion/motion_cloth-funnel_227_228.txt");
+    ASSERT_EQ(list.rows.size(), 134u);
+    EXPECT_EQ(list.rows[0], face(8481, 17305, 0.04523222037614761, false));
+    EXPECT_EQ(read_near(*data / "gt-motion/prox_cloth-funnel_227.txt").rows.size(), 6270u + 17213u);
+}
+
+}  // namespace
+}  // namespace crumple::io::test
