@@ -19,15 +19,18 @@ namespace {
 using namespace crumple::cli;
 
 int run(int argc, char** argv) {
-    CLI::App app("Crumple finds every pair of colliding triangles, exactly.", "crumple");
+    CLI::App app(
+        "Crumple finds every pair of colliding triangles, every impact of a step, and all that is near, exactly.",
+        "crumple");
     app.formatter(std::make_shared<Help>());
     app.set_version_flag("--version", "crumple " CRUMPLE_VERSION, "Print the version and exit");
     app.require_subcommand(0, 1);  // so that a file may be called like a command
     app.footer(
-        "Exit status: 0 done; 1 something collides (with --check) or a list is wrong (verify); 2 wrong use or bad\n"
-        "input; 3 out of memory, with the bytes that are needed; 130 interrupted.\n\n"
+        "Exit status: 0 done; 1 something collides, touches or is near (with --check) or a list is wrong (verify);\n"
+        "2 wrong use or bad input; 3 out of memory, with the bytes that are needed; 130 interrupted.\n\n"
         "Example: crumple detect bunny.ply -o pairs.txt --stats");
-    const std::array commands{add_detect(app), add_sequence(app), add_info(app), add_verify(app), add_make(app)};
+    const std::array commands{add_detect(app), add_impacts(app), add_near(app), add_sequence(app),
+                              add_info(app),   add_verify(app),  add_make(app)};
     try {
         app.parse(argc, argv);
     } catch (const CLI::Success& success) {
@@ -41,7 +44,7 @@ int run(int argc, char** argv) {
     for (const Command& command : commands) {
         if (*command.app) return command.run();
     }
-    print_error("a subcommand is required: detect, sequence, info, verify or make");
+    print_error("a subcommand is required: detect, impacts, near, sequence, info, verify or make");
     return failed;
 }
 

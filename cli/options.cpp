@@ -12,6 +12,7 @@
 #include <system_error>
 
 #include "crumple/error.h"
+#include "io/text.h"
 
 namespace crumple::cli {
 namespace {
@@ -80,6 +81,17 @@ CLI::Validator integer(std::int64_t low, std::int64_t high) {
         "");
 }
 
+CLI::Option* add_number_option(CLI::App& app, const char* name, std::function<void(double)> set, NumberRange range,
+                               const char* help) {
+    const auto read = [set, range, name](const std::string& text) {
+        const auto value = io::number_of(text);
+        if (!value || !(*value >= 0 && *value < range.end))
+            throw CLI::ValidationError(name, fmt::format("{} is no {}", text, range.words));
+        set(*value);
+    };
+    return app.add_option_function<std::string>(name, read, help);
+}
+
 void add_reading_options(CLI::App& app, ReadingOptions& options) {
     CLI::Option* const weld = app.add_flag_callback(
         "--weld", [&options] { options.weld = true; }, "Vertices at equal positions are one");
@@ -122,6 +134,14 @@ void add_answer_options(CLI::App& app, AnswerOptions& options) {
         "have "
         "no proper intersection");
     add_reading_options(app, options);
+    add_group_options(app, options);
+    app.add_option_function<std::string>(
+           "--part", [&options](const std::string& text) { options.part = parse_part(text); },
+           "Only part K of N (1/N to N/N) of the answer: the parts are independent, together they are the whole answer")
+        ->type_name("K/N");
+}
+
+void add_group_options(CLI::App& app, AnswerOptions& options) {
     app.add_option(
            "--groups", options.groups,
            "What the groups of --wanted are: the connected components, the integers in a file (one a line for "
@@ -133,10 +153,6 @@ void add_answer_options(CLI::App& app, AnswerOptions& options) {
         app, "--wanted", options.wanted,
         {{"between", Wanted::between}, {"within", Wanted::within}, {"both", Wanted::both}},
         "Pairs between different groups, within one group, or both");
-    app.add_option_function<std::string>(
-           "--part", [&options](const std::string& text) { options.part = parse_part(text); },
-           "Only part K of N (1/N to N/N) of the answer: the parts are independent, together they are the whole answer")
-        ->type_name("K/N");
 }
 
 void AnswerOptions::check() const {

@@ -3,6 +3,8 @@
 // Options that several subcommands have, declared once.
 
 #include <cstdint>
+#include <functional>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -47,7 +49,19 @@ struct AnswerOptions : ReadingOptions {
 /// Lets an integer from `low` to `high` pass; help does not show it.
 CLI::Validator integer(std::int64_t low, std::int64_t high);
 
+/// Numbers from 0 to below `end`.
+struct NumberRange {
+    double end;
+    const char* words;  ///< "distance of 0 or more"
+};
+inline constexpr NumberRange any_distance{std::numeric_limits<double>::infinity(), "distance of 0 or more"};
+/// An option whose value is rounded once, to the nearest float64, and given to `set`.
+CLI::Option* add_number_option(CLI::App& app, const char* name, std::function<void(double)> set, NumberRange range,
+                               const char* help);
+
 void add_reading_options(CLI::App& app, ReadingOptions& options);
+/// `--groups` and `--wanted`.
+void add_group_options(CLI::App& app, AnswerOptions& options);
 void add_answer_options(CLI::App& app, AnswerOptions& options);
 /// What changes only the cost.
 void add_cost_options(CLI::App& app, Options& options);

@@ -1,5 +1,6 @@
 #include "cli/search.h"
 
+#include <algorithm>
 #include <charconv>
 #include <filesystem>
 #include <iostream>
@@ -126,6 +127,34 @@ Input made_input(const std::string& name, io::TriangleMesh mesh, const AnswerOpt
     return input;
 }
 
+void check_same_faces(const Input& start, const std::string& end_name, const io::TriangleMesh& end) {
+    const io::TriangleMesh& mesh = start.first;
+    const auto refuse = [&](const std::string& what) {
+        throw Error(ErrorCode::invalid_argument,
+                    start.name + " and " + end_name + " are to be one mesh at two times, but " + what);
+    };
+    const auto differ = [&](const char* what, std::int64_t a, std::int64_t b) {
+        if (a != b) refuse("have " + std::to_string(a) + " and " + std::to_string(b) + ' ' + what);
+    };
+    differ("vertices", mesh.vertex_count(), end.vertex_count());
+    differ("triangles", mesh.triangle_count(), end.triangle_count());
+    const io::Polygons &a = mesh.polygons, &b = end.polygons;
+    if (!a.empty() && a.offsets == b.offsets && a.corners == b.corners) return;
+    const auto other = std::mismatch(mesh.triangles.begin(), mesh.triangles.end(), end.triangles.begin()).first;
+    if (other != mesh.triangles.end())
+        refuse("triangle " + std::to_string((other - mesh.triangles.begin()) / 3) + " has other vertices");
+}
+
+MovingInput read_moving_input(const std::string& start, const std::string& end, const AnswerOptions& options) {
+    check_standard_input({start, end});
+    AnswerOptions as_they_are = options;
+    if (options.weld) as_they_are.weld = false;
+    MovingInput input{read_input({start}, as_they_are), read_mesh(end, as_they_are)};
+    check_same_faces(input.start, end, input.end);
+    input.start.name += " to " + end;
+    return input;
+}
+
 // The library never raises the number of threads that oneTBB allows in the process; that is for its user to do.
 struct Search::Threads {
 #ifdef CRUMPLE_WITH_TBB
@@ -207,6 +236,21 @@ Statistics Search::stream(const Input& input, Detector::TakeBlock take) {
     return named(input.name, [&] {
         return input.second ? detector_.stream_between(a, input.second->view(), take, query())
                             : detector_.stream_self(a, take, query());
+    });
+}
+
+const Impacts& Search::find(const Input& start, const io::TriangleMesh& end, const Motion& question) {
+    return named(start.name, [&]() -> const Impacts& {
+        return detector_.find_impacts(start.first.view(), end.view().vertices, question);
+    });
+}
+
+const Nearby& Search::find(const Input& input, const Near& question) {
+    return named(input.name, [&]() -> const Nearby& {
+        if (!input.second) return detector_.find_near(input.first.view(), question);
+        const Shape shapes[] = {Shape(input.first.view()), Shape(input.second->view())};
+        const Body bodies[] = {{.shape = 0, .self = false}, {.shape = 1, .self = false}};
+        return detector_.find(World{shapes, bodies, {}}, question);
     });
 }
 

@@ -34,6 +34,19 @@ Input read_input(const std::vector<std::string>& files, const AnswerOptions& opt
 /// property `group`. Throws as read_input does.
 Input made_input(const std::string& name, io::TriangleMesh mesh, const AnswerOptions& options);
 
+/// A mesh, and the same one at the end of a step.
+struct MovingInput {
+    Input start;
+    io::TriangleMesh end;
+};
+
+/// Throws Error (invalid_argument) unless both have the same faces. How the end's polygons were cut does not matter.
+void check_same_faces(const Input& start, const std::string& end_name, const io::TriangleMesh& end);
+
+/// Reads both; the groups are those of the start. With --weld vertices stay as they are in the files, for those that
+/// coincide in one file need not in the other. Throws Error that names the file and the place.
+MovingInput read_moving_input(const std::string& start, const std::string& end, const AnswerOptions& options);
+
 /// A detector that stays warm from one input to the next.
 class Search {
    public:
@@ -47,6 +60,11 @@ class Search {
     Statistics stream(const Input& input, Detector::TakeBlock take);
     /// Whether there is any pair. Ends at the first that is found, unless only a part is wanted. Throws as find does.
     bool any(const Input& input);
+    /// What touches between a start and an end that check_same_faces has seen. Valid until the next call. Throws Error
+    /// that names the input.
+    const Impacts& find(const Input& start, const io::TriangleMesh& end, const Motion& question);
+    /// What is near in one mesh, or between two: then these are bodies 0 and 1.
+    const Nearby& find(const Input& input, const Near& question);
     /// The answer for bodies that have these names, again and again in each of several configurations, whose first one
     /// has this number; -1: there is but one. Valid until the next call. Throws Error that names `files`, and the
     /// configuration and body it is about.

@@ -27,6 +27,10 @@ std::int64_t count_hits(const Collisions& collisions) {
 }
 
 void print_statistics(const Statistics& s, std::int64_t hits) {
+    print_statistics(s, fmt::format("{} triangles collide", grouped(hits)));
+}
+
+void print_statistics(const Statistics& s, const std::string& remark) {
     const double sum = std::accumulate(s.stage_milliseconds.begin(), s.stage_milliseconds.end(), 0.0);
     say(on_terminal(2, fmt::emphasis::bold), "{:<15}{:>12}{:>9}\n", "stage", "time", "share");
     for (int i = 0; i < stage_count; ++i) {
@@ -49,7 +53,7 @@ void print_statistics(const Statistics& s, std::int64_t hits) {
     row("edge tests", s.edge_tests);
     row("double tests", s.double_tests);
     row("exact tests", s.exact_tests, fmt::format("{} in rational numbers", grouped(s.rational_tests)));
-    row("pairs", s.pairs, fmt::format("{} triangles collide", grouped(hits)));
+    row("pairs", s.pairs, remark);
     if (s.rational_contacts > 0)
         row("contacts", s.pairs, fmt::format("{} in rational numbers", grouped(s.rational_contacts)));
     say("{:<15}{:>15}\n", "peak memory", readable_bytes(s.peak_memory_bytes));

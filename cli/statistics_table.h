@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
 #include "crumple/collisions.h"
 
@@ -11,6 +12,8 @@ std::int64_t count_hits(const Collisions& collisions);
 
 /// What --stats prints, to standard error. `hits`: colliding triangles.
 void print_statistics(const Statistics& statistics, std::int64_t hits);
+/// The same with this remark on the pairs.
+void print_statistics(const Statistics& statistics, const std::string& remark);
 
 /// Adds one call's counts and times to a sum; the peak memory is the larger one.
 void add(Statistics& sum, const Statistics& more);

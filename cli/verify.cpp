@@ -8,8 +8,10 @@
 #include <fmt/format.h>
 
 #include "cli/commands.h"
+#include "cli/print_some.h"
 #include "cli/search.h"
 #include "cli/terminal.h"
+#include "cli/verify_features.h"
 #include "crumple/error.h"
 
 namespace crumple::cli {
@@ -38,21 +40,15 @@ Comparison compare(std::vector<Pair> list, const Array<Pair>& answer, bool one_m
     return result;
 }
 
-void print_some(std::ostream& out, std::string_view what, const std::vector<Pair>& pairs) {
-    constexpr std::size_t most = 10;
-    for (std::size_t i = 0; i < std::min(pairs.size(), most); ++i) {
-        out << fmt::format("{} {} {}\n", what, pairs[i].a, pairs[i].b);
-    }
-    if (pairs.size() > most) out << fmt::format("and {} more {}\n", pairs.size() - most, what);
-}
-
 struct Verify {
     std::vector<std::string> files;  // meshes, then the list
     std::string format;
     AnswerOptions answer;
     Options options;
+    FeatureCheck features;
 
     int run() const {
+        if (features.wanted(answer)) return verify_features(features, files, format, answer, options);
         if (!format.empty() && !is_standard(files.back()))
             throw Error(ErrorCode::invalid_argument, "--format is for a list from standard input, -", Element::option);
         Search search(answer, options);
@@ -73,9 +69,10 @@ struct Verify {
         to_standard_output([&](std::ostream& out) {
             out << fmt::format("{}: {} pairs, {} missing, {} extra, {} repeated\n", verdict, pairs.size(),
                                comparison.missing.size(), comparison.extra.size(), comparison.repeated.size());
-            print_some(out, "missing", comparison.missing);
-            print_some(out, "extra", comparison.extra);
-            print_some(out, "repeated", comparison.repeated);
+            const auto text = [](const Pair& pair) { return fmt::format("{} {}", pair.a, pair.b); };
+            print_some(out, "missing", comparison.missing, text);
+            print_some(out, "extra", comparison.extra, text);
+            print_some(out, "repeated", comparison.repeated, text);
         });
         return right ? done : collided;
     }
@@ -91,19 +88,23 @@ Command add_verify(CLI::App& app) {
         .add_option("FILE", verify->files,
                     "One mesh or two, then a list of pairs in any order: a .csv, .json or .npz as detect -o writes it, "
                     "a .npy, or "
-                    "text, the first two integers of each line. One of them may be -, standard input")
+                    "text, the first two integers of each line. One of them may be -, standard input. With --impacts "
+                    "START, END "
+                    "and a list of impacts; with --near one mesh or two and a list of near pairs")
         ->type_name("FILE [FILE_B] PAIRS")
         ->required()
         ->expected(2, 3);
     command
         .add_option("--format", verify->format, "What the list holds that comes from standard input; text without it")
         ->type_name("txt|csv|json|npz|npy");
+    add_feature_check_options(command, verify->features);
     add_answer_options(command, verify->answer);
     add_polygons_option(command, verify->answer);
     add_cost_options(command, verify->options);
     command.footer(
         "Prints the counts and the first few of what is missing, extra or repeated; exits with status 1 if anything "
-        "is.\nExample: crumple verify bunny.ply theirs.txt --neighbours skip");
+        "is.\nExample: crumple verify bunny.ply theirs.txt --neighbours skip\n"
+        "         crumple verify --impacts cloth_092.ply cloth_093.ply theirs.txt");
     return {&command, [verify] { return verify->run(); }};
 }
 

@@ -1,0 +1,82 @@
+#include "cli/features.h"
+
+#include <algorithm>
+
+#include "cli/bodies.h"
+
+namespace crumple::cli {
+
+Motion MotionOptions::question(const AnswerOptions& answer, MotionWants wants) const {
+    Motion question;
+    question.wants = wants;
+    question.separation = separation;
+    question.separation_share = share;
+    question.weld = answer.weld.value_or(false);
+    question.rules.groups = answer.wanted.value_or(Wanted::both);
+    return question;
+}
+
+void add_motion_options(CLI::App& app, MotionOptions& options) {
+    add_number_option(
+        app, "--separation", [&options](double value) { options.separation = value; }, any_distance,
+        "What comes as near as this touches, in the units of the coordinates")
+        ->type_name("D");
+    add_number_option(
+        app, "--separation-share", [&options](double value) { options.share = value; },
+        {1, "share of 0 or more and below 1"},
+        "What comes as near as this share of its own distance at the start touches; of both the larger one counts")
+        ->type_name("S");
+}
+
+Near NearOptions::question(const AnswerOptions& answer, NearWants wants) const {
+    Near question;
+    question.wants = wants;
+    question.radius = radius.value_or(0);
+    question.strict = below;
+    question.weld = answer.weld.value_or(false);
+    question.rules.groups = answer.wanted.value_or(Wanted::both);
+    return question;
+}
+
+void add_below_option(CLI::App& app, NearOptions& options) {
+    app.add_flag("--below", options.below, "Near is below the radius; what is at the radius exactly is not");
+}
+
+Options feature_options(Options options) {
+    if (options.backend == Backend::automatic) options.backend = Backend::cpu;
+    return options;
+}
+
+void FeatureOutputs::check(const std::string& what) const {
+    check_format(paths, format);
+    for (const std::string& path : paths) {
+        const std::string extension = extension_of(path, format);
+        if (extension == ".glb" || io::pair_format_of(extension) != io::PairFormat::automatic) continue;
+        refuse("-o " + (path.empty() ? "''" : path) + (is_standard(path) ? " --format " + format : "") + ": " + what +
+               " are written as .txt, .csv, .json or .npz, coloured as .glb");
+    }
+}
+
+bool FeatureOutputs::have_files() const { return !std::all_of(paths.begin(), paths.end(), is_standard); }
+
+void add_output_options(CLI::App& app, FeatureOutputs& outputs, const std::string& what, const std::string& coloured) {
+    app.add_option("-o,--output", outputs.paths,
+                   what + " as .txt, .csv, .json or .npz, or " + coloured +
+                       ", as .glb; may be repeated. - is standard output, see --format. Without it the text goes there")
+        ->type_name("OUT")
+        ->allow_extra_args(false);
+    add_format_option(app, outputs.format, "txt|csv|json|npz|glb");
+}
+
+std::string text_of(const io::FeatureRow& row, bool has_bodies) {
+    const bool face = row.kind == FeatureKind::vertex_face;
+    std::string text = face ? "vf" : "ee";
+    const std::size_t ids = face ? 2 : 4;
+    for (std::size_t k = 0; k < ids; ++k) {
+        const std::int32_t body = 2 * k < ids ? row.bodies.first : row.bodies.second;
+        text += ' ' + (has_bodies ? fmt::format("{}:", body) : "") + std::to_string(row.ids[k]);
+    }
+    return text + fmt::format(" {}", row.value);
+}
+
+}  // namespace crumple::cli

@@ -1,0 +1,77 @@
+#pragma once
+
+// Options, outputs and words that the commands on impacts and on near pairs share.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cli/options.h"
+#include "cli/terminal.h"
+#include "crumple/io_features.h"
+#include "io/formats.h"
+
+namespace crumple::cli {
+
+struct MotionOptions {
+    double separation = 0, share = 0;
+
+    bool any() const { return separation > 0 || share > 0; }
+    Motion question(const AnswerOptions& answer, MotionWants wants) const;
+};
+void add_motion_options(CLI::App& app, MotionOptions& options);
+
+struct NearOptions {
+    std::optional<double> radius;
+    bool below = false;  ///< the radius itself is too far
+
+    Near question(const AnswerOptions& answer, NearWants wants) const;
+};
+/// `--below`.
+void add_below_option(CLI::App& app, NearOptions& options);
+
+/// `--backend auto` is the cpu backend here: no other one that is fast answers these questions.
+Options feature_options(Options options);
+
+/// Where an answer goes: lists, and one mesh coloured.
+struct FeatureOutputs {
+    std::vector<std::string> paths;
+    std::string format;
+
+    /// Throws Error (invalid_argument) where a file is none of these. `what`: "impacts".
+    void check(const std::string& what) const;
+    /// Whether one of them is a file.
+    bool have_files() const;
+
+    /// list(to, format) and picture(to) write to a path or to a stream. Without outputs the list is printed.
+    template <class List, class Picture>
+    void write(List list, Picture picture) const {
+        const auto write_to = [&](const auto& path, auto&& to) {
+            const io::PairFormat list_format = io::pair_format_of(extension_of(path, format));
+            list_format == io::PairFormat::automatic ? picture(to) : list(to, list_format);
+        };
+        for (const std::string& path : paths) {
+            if (!is_standard(path)) {
+                write_to(path, path);
+                continue;
+            }
+            to_standard_output([&](std::ostream& out) { write_to(path, out); });
+        }
+        if (paths.empty()) to_standard_output([&](std::ostream& out) { list(out, io::PairFormat::txt); });
+    }
+};
+/// `-o` and `--format`. `what`: "Impacts", `coloured`: "the start, coloured by time".
+void add_output_options(CLI::App& app, FeatureOutputs& outputs, const std::string& what, const std::string& coloured);
+
+/// "27 vertex-face, 107 edge-edge"
+template <class Answer>
+std::string kinds_of(const Answer& answer) {
+    return fmt::format("{} vertex-face, {} edge-edge",
+                       grouped(static_cast<std::int64_t>(answer.vertex_faces().pairs.size())),
+                       grouped(static_cast<std::int64_t>(answer.edge_edges().pairs.size())));
+}
+
+/// A row as a list of text has it: "vf 8481 17305 0.25".
+std::string text_of(const io::FeatureRow& row, bool has_bodies);
+
+}  // namespace crumple::cli

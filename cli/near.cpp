@@ -1,0 +1,89 @@
+// crumple near: vertices and faces, and edges and edges, that are within a distance, in one mesh or between two.
+
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "cli/commands.h"
+#include "cli/features.h"
+#include "cli/search.h"
+#include "cli/statistics_table.h"
+
+namespace crumple::cli {
+namespace {
+
+struct NearCommand {
+    std::vector<std::string> files;
+    FeatureOutputs outputs;
+    AnswerOptions answer;
+    NearOptions near;
+    Options options;
+    bool check = false, stats = false;
+
+    /// "23,483 near pairs (6,270 vertex-face, 17,213 edge-edge), 8.2 ms"
+    static std::string summary(const Nearby& found, std::int64_t triangles) {
+        const double milliseconds = found.statistics.milliseconds;
+        if (!found.any)
+            return fmt::format("nothing is near: {} triangles, {:.1f} ms\n", grouped(triangles), milliseconds);
+        return fmt::format("{} near pair{} ({}), {:.1f} ms\n", grouped(found.count), found.count == 1 ? "" : "s",
+                           kinds_of(found), milliseconds);
+    }
+
+    int run() const {
+        outputs.check("near pairs");
+        check_outputs(outputs.paths, files, answer);
+        Search search(answer, feature_options(options));
+        const Input input = read_input(files, answer);
+        const bool only_status = check && outputs.paths.empty();
+        const NearWants wants = only_status && !stats ? NearWants::any : NearWants::pairs;
+        const Nearby& found = search.find(input, near.question(answer, wants));
+        if (stats) print_statistics(found.statistics, kinds_of(found));
+        if (only_status) return report(found.any);
+        outputs.write([&](auto& to, io::PairFormat format) { io::write_near(to, found, format); },
+                      [&](auto& to) { io::write_coloured(to, input.first, input.second_or_null(), found); });
+        if (!stats && outputs.have_files()) say(summary(found, input.triangle_count()));
+        return check && found.any ? collided : done;
+    }
+
+    static int report(bool near) {
+        to_standard_output([&](std::ostream& out) { out << (near ? "something is near\n" : "nothing is near\n"); });
+        return near ? collided : done;
+    }
+};
+
+}  // namespace
+
+Command add_near(CLI::App& app) {
+    const auto near = std::make_shared<NearCommand>();
+    CLI::App& command = *app.add_subcommand("near", "Find what is within a distance");
+    command
+        .add_option("FILE", near->files,
+                    "A mesh (PLY, OBJ, STL, OFF), or two: then what is near between them. - is standard input")
+        ->type_name("FILE [FILE_B]")
+        ->required()
+        ->expected(1, 2);
+    add_number_option(
+        command, "--radius", [&options = near->near](double value) { options.radius = value; }, any_distance,
+        "Near is what is at most so far away, in the units of the coordinates")
+        ->type_name("R")
+        ->required();
+    add_below_option(command, near->near);
+    add_output_options(command, near->outputs, "Near pairs", "the mesh with what is near coloured by distance");
+    command.add_flag(
+        "--check", near->check,
+        "Exit with status 1 if anything is near. Without -o that is all that is searched for, and one line "
+        "is printed");
+    command.add_flag("--stats", near->stats, "Print times and counts of the stages to standard error");
+    add_reading_options(command, near->answer);
+    add_group_options(command, near->answer);
+    add_cost_options(command, near->options);
+    command.footer(
+        "`vf V F Q`: vertex V and face F are near, Q is the square of their distance, rounded to nearest. `ee A B C D "
+        "Q`: the edge from A to B and that from C to D. Between two files an id is 0:ID or 1:ID. What shares a vertex "
+        "is "
+        "not near.\n"
+        "Example: crumple near dress.ply body.obj --radius 0.005 -o near.csv");
+    return {&command, [near] { return near->run(); }};
+}
+
+}  // namespace crumple::cli

@@ -1,0 +1,27 @@
+#pragma once
+
+// crumple verify --impacts and --near: is a list of impacts, or of near pairs, the answer?
+
+#include <string>
+#include <vector>
+
+#include "cli/features.h"
+
+namespace crumple::cli {
+
+struct FeatureCheck {
+    bool impacts = false;
+    MotionOptions motion;
+    NearOptions near;
+
+    /// Whether it is a list of impacts or near pairs that is to be checked. Throws Error (invalid_argument) for options
+    /// that do not go together.
+    bool wanted(const AnswerOptions& answer) const;
+};
+void add_feature_check_options(CLI::App& app, FeatureCheck& check);
+
+/// Prints what is wrong with the list, the last of the files, and returns the exit status.
+int verify_features(const FeatureCheck& check, const std::vector<std::string>& files, const std::string& format,
+                    const AnswerOptions& answer, const Options& options);
+
+}  // namespace crumple::cli
