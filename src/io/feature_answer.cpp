@@ -61,11 +61,6 @@ FeatureList as_list(const FeatureAnswer& answer) {
 
 }  // namespace
 
-bool FeatureAnswer::has_bodies() const {
-    return first_edge.size() > 2 ||
-           std::any_of(lists.begin(), lists.end(), [](const FeatureListView& list) { return !list.bodies.empty(); });
-}
-
 FeatureRow FeatureAnswer::row(FeatureKind kind, std::size_t i) const {
     const FeatureListView& list = lists[static_cast<std::size_t>(kind)];
     FeatureRow row{kind, {0, 0}, {list.pairs[i].a, list.pairs[i].b, 0, 0}, list.values[i], list.flags[i] != 0};

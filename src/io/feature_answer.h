@@ -35,7 +35,8 @@ struct FeatureAnswer {
     const Statistics& statistics;
     const FirstImpact* first = nullptr;  ///< of near pairs there is none
 
-    bool has_bodies() const;
+    /// Whether there are several.
+    bool has_bodies() const { return first_edge.size() > 2; }
     FeatureRow row(FeatureKind kind, std::size_t i) const;
 };
 

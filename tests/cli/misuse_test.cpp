@@ -18,7 +18,7 @@ class Misuse : public Cli {
 };
 
 TEST_F(Misuse, OfTheCommandLine) {
-    expect_refused("", "detect, sequence, info, verify or make");
+    expect_refused("", "detect, impacts, near, sequence, info, verify or make");
     expect_refused("dettect five.off", "dettect; did you mean detect?");
     expect_refused("five.off", "not expected: five.off; see crumple --help");
     expect_refused("--fast", "not expected: --fast; see crumple --help");
@@ -181,7 +181,7 @@ TEST_F(Misuse, AFileCalledLikeACommandIsNone) {
 }
 
 TEST_F(Misuse, HelpIsNoMisuse) {
-    for (const char* command : {"", "detect ", "sequence ", "info ", "verify ", "make "}) {
+    for (const char* command : {"", "detect ", "impacts ", "near ", "sequence ", "info ", "verify ", "make "}) {
         const Outcome outcome = crumple(std::string(command) + "--help");
         EXPECT_EQ(outcome.status, 0) << command;
         EXPECT_EQ(outcome.err, "") << command;

@@ -1,0 +1,158 @@
+#include <nlohmann/json.hpp>
+
+#include "moving.h"
+
+namespace crumple::cli::test {
+namespace {
+
+using Impacts = Moving;
+
+constexpr const char* impact = "vf 3 0 0.5 0\n";
+
+TEST_F(Impacts, GoToStandardOutput) {
+    EXPECT_EQ(list("impacts above.off below.off"), impact);
+    EXPECT_EQ(list("impacts above.off below.off --backend reference"), impact);
+    EXPECT_EQ(list("impacts above.off below.off --threads 1"), impact);
+    EXPECT_EQ(list("impacts above.off above.off"), "");
+    EXPECT_EQ(shell("cat above.off | $crumple impacts - below.off").out, impact);
+}
+
+TEST_F(Impacts, AtTheStartHaveTimeZero) {
+    write("touching.off", "OFF\n6 2 0\n0 0 0\n4 0 0\n0 4 0\n1 1 0\n2 1 2\n1 2 2\n3 0 1 2\n3 3 4 5\n");
+    EXPECT_EQ(list("impacts touching.off above.off"), "vf 3 0 0 1\n");
+}
+
+TEST_F(Impacts, AreWrittenInEveryFormat) {
+    const Outcome outcome = crumple("impacts above.off below.off -o a.txt -o a.csv -o a.json -o a.npz -o a.glb");
+    EXPECT_EQ(outcome.status, 0);
+    EXPECT_EQ(outcome.out, "");
+    EXPECT_TRUE(outcome.err.starts_with("1 impact (1 vertex-face, 0 edge-edge), the first at 0.5, ")) << outcome.err;
+    EXPECT_EQ(read("a.txt"), impact);
+    EXPECT_EQ(read("a.csv"), "kind,vertex,face,a,b,c,d,toi,start\nvf,3,0,,,,,0.5,0\n");
+    const auto json = nlohmann::json::parse(read("a.json"));
+    EXPECT_EQ(json["vertex_faces"], nlohmann::json::parse("[[3,0]]"));
+    EXPECT_EQ(json["edges"].size(), 6u);
+    EXPECT_EQ(json["earliest"]["toi"], 0.5);
+    EXPECT_TRUE(contains(read("a.npz"), "vertex_face_toi.npy"));
+    EXPECT_TRUE(contains(read("a.glb"), "shade 5"));
+    EXPECT_EQ(crumple("impacts above.off below.off -o - --format csv").out, read("a.csv"));
+    EXPECT_EQ(crumple("impacts above.off below.off -o - --format glb").out, read("a.glb"));
+}
+
+TEST_F(Impacts, EarliestIsOne) {
+    // Triangles 2 and 3 do what 0 and 1 do, later.
+    const std::string more = "9 9 0\n13 9 0\n9 13 0\n10 10 3\n11 10 4\n10 11 4\n3 0 1 2\n3 3 4 5\n3 6 7 8\n3 9 10 11\n";
+    write("start.off", "OFF\n12 4 0\n0 0 0\n4 0 0\n0 4 0\n1 1 1\n2 1 2\n1 2 2\n" + more);
+    std::string below = more;
+    below.replace(below.find("10 10 3"), 7, "10 10 -1");
+    write("end.off", "OFF\n12 4 0\n0 0 0\n4 0 0\n0 4 0\n1 1 -1\n2 1 0.5\n1 2 0.5\n" + below);
+    EXPECT_TRUE(list("impacts start.off end.off").starts_with("vf 3 0 0.5 0\nvf 9 2 0.75 0\n"));
+    EXPECT_EQ(list("impacts start.off end.off --earliest"), impact);
+    EXPECT_EQ(list("impacts start.off start.off --earliest"), "");
+    const Outcome outcome = crumple("impacts start.off end.off --earliest -o a.json");
+    EXPECT_TRUE(outcome.err.starts_with("the first impact is at 0.5, ")) << outcome.err;
+    EXPECT_EQ(nlohmann::json::parse(read("a.json"))["vertex_faces"].size(), 1u);
+}
+
+TEST_F(Impacts, CheckTellsByItsStatus) {
+    Outcome outcome = crumple("impacts above.off below.off --check");
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_EQ(outcome.out, "something touches\n");
+    outcome = crumple("impacts above.off above.off --check");
+    EXPECT_EQ(outcome.status, 0);
+    EXPECT_EQ(outcome.out, "nothing touches\n");
+    outcome = crumple("impacts above.off below.off --check -o a.txt");
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_EQ(read("a.txt"), impact);
+    EXPECT_EQ(crumple("impacts above.off below.off --check --earliest -o a.txt").status, 1);
+    EXPECT_EQ(crumple("impacts above.off above.off --check -o a.txt").status, 0);
+    EXPECT_EQ(read("a.txt"), "");
+}
+
+TEST_F(Impacts, OfNothingSayHowMuchWasSearched) {
+    const Outcome outcome = crumple("impacts above.off above.off -o a.txt");
+    EXPECT_TRUE(outcome.err.starts_with("nothing touches: 2 triangles, ")) << outcome.err;
+}
+
+TEST_F(Impacts, StatisticsGoToStandardError) {
+    const Outcome outcome = crumple("impacts above.off below.off --stats");
+    EXPECT_EQ(outcome.out, impact);
+    EXPECT_TRUE(contains(outcome.err, "1 vertex-face, 0 edge-edge")) << outcome.err;
+    EXPECT_TRUE(contains(outcome.err, "wall clock")) << outcome.err;
+}
+
+TEST_F(Impacts, SeparationIsTouching) {
+    EXPECT_EQ(list("impacts above.off below.off --separation 0.25"), "vf 3 0 0.375 0\n");
+    const std::string halved = list("impacts above.off below.off --separation-share 0.5");
+    EXPECT_TRUE(halved.starts_with("vf 3 0 0.25 0\n")) << halved;
+    EXPECT_EQ(list("impacts above.off below.off --separation 0.25 --separation-share 0.5"), halved);
+    EXPECT_TRUE(
+        list("impacts above.off below.off --separation 0.75 --separation-share 0.5").starts_with("vf 3 0 0.125 0\n"));
+    EXPECT_EQ(list("impacts above.off above.off --separation 1"), "vf 3 0 0 1\n");
+    for (const char* const bad : {"-1", "nan", "inf", "1e999", "x", "''", "1x"})
+        expect_refused(std::string("impacts above.off below.off --separation ") + bad, "is no distance of 0 or more");
+    for (const char* const bad : {"1", "-0.1", "nan"})
+        expect_refused(std::string("impacts above.off below.off --separation-share ") + bad,
+                       "is no share of 0 or more");
+}
+
+TEST_F(Impacts, GroupsAreThoseOfTheStart) {
+    write("groups.txt", "0\n1\n");
+    EXPECT_EQ(list("impacts above.off below.off --groups groups.txt --wanted between"), impact);
+    EXPECT_EQ(list("impacts above.off below.off --groups groups.txt --wanted within"), "");
+    EXPECT_EQ(list("impacts above.off below.off --groups components --wanted within"), "");
+}
+
+TEST_F(Impacts, WeldIsOfBothMoments) {
+    // Vertex 3 is where vertex 0 is, at the start only; vertex 6 is so at both times, a corner of both triangles.
+    write("start.off", "OFF\n6 2 0\n0 0 0\n4 0 0\n0 4 0\n0 0 0\n-1 0 1\n0 -1 1\n3 0 1 2\n3 3 4 5\n");
+    write("end.off", "OFF\n6 2 0\n0 0 0\n4 0 0\n0 4 0\n0 0 1\n-1 0 2\n0 -1 2\n3 0 1 2\n3 3 4 5\n");
+    const std::string apart = list("impacts start.off end.off");
+    EXPECT_TRUE(apart.starts_with("vf 0 1 0 1\nvf 3 0 0 1\n")) << apart;
+    EXPECT_EQ(list("impacts start.off end.off --weld"), apart);
+    EXPECT_NE(list("impacts start.off start.off"), "");
+    EXPECT_EQ(list("impacts start.off start.off --weld"), "") << "now the corner is one vertex";
+}
+
+TEST_F(Impacts, NeedTheSameMesh) {
+    write("more.off", "OFF\n7 2 0\n0 0 0\n4 0 0\n0 4 0\n1 1 1\n2 1 2\n1 2 2\n7 7 7\n3 0 1 2\n3 3 4 5\n");
+    write("less.off", "OFF\n6 1 0\n0 0 0\n4 0 0\n0 4 0\n1 1 1\n2 1 2\n1 2 2\n3 0 1 2\n");
+    write("other.off", "OFF\n6 2 0\n0 0 0\n4 0 0\n0 4 0\n1 1 1\n2 1 2\n1 2 2\n3 0 1 2\n3 3 5 4\n");
+    const auto named = [&](const std::string& end) {
+        return "above.off and " + end + " are to be one mesh at two times";
+    };
+    expect_refused("impacts above.off more.off", named("more.off") + ", but have 6 and 7 vertices");
+    expect_refused("impacts above.off less.off", named("less.off") + ", but have 2 and 1 triangles");
+    expect_refused("impacts above.off other.off", named("other.off") + ", but triangle 1 has other vertices");
+}
+
+TEST_F(Impacts, PolygonsMayBeCutOtherwiseAtTheEnd) {
+    // A square whose first corner moves inwards, so that it is concave at the end and would be cut along 0 2.
+    const std::string faces = "4 1 2 3 0\n3 4 5 6\n", rest = "4 0 0\n4 4 0\n0 4 0\n1 1 ";
+    const std::string start = "OFF\n7 2 0\n0 0 0\n" + rest + "5\n2 1 6\n1 2 6\n",
+                      end = "OFF\n7 2 0\n3 3 0\n" + rest + "-1\n2 1 6\n1 2 6\n";
+    write("start.off", start + faces);
+    write("end.off", end + faces);
+    ASSERT_NE(crumple("detect start.off -o a.ply").status, 2);
+    const std::string answer = list("impacts start.off end.off");
+    EXPECT_EQ(answer, list("impacts start.off end.off --triangulation fan"));
+}
+
+TEST_F(Impacts, AreRefusedWhereTheyMakeNoSense) {
+    expect_refused("impacts above.off", "impacts: END is required; see crumple impacts --help");
+    expect_refused("impacts - -", "standard input, -, can be read once");
+    expect_refused("impacts above.off below.off -o a.ply",
+                   "impacts are written as .txt, .csv, .json or .npz, coloured as .glb");
+    expect_refused("impacts above.off below.off -o above.off", "impacts are written as");
+    expect_refused("impacts above.off below.off -o -", "-o - needs --format");
+    expect_refused("impacts above.off below.off --neighbours skip", "not expected");
+    expect_refused("impacts above.off below.off --seperation 1", "did you mean --separation?");
+    expect_refused("impacts above.off missing.off", "missing.off");
+    expect_refused("impact above.off below.off", "impact; did you mean impacts?");
+    write("a.csv", above_off);
+    expect_refused("impacts a.csv below.off -o a.csv", "would overwrite the input a.csv");
+    EXPECT_EQ(read("a.csv"), above_off);
+}
+
+}  // namespace
+}  // namespace crumple::cli::test

@@ -1,0 +1,86 @@
+#include <nlohmann/json.hpp>
+
+#include "moving.h"
+
+namespace crumple::cli::test {
+namespace {
+
+using Near = Moving;
+
+// The corner of the upper triangle is 1 above the lower one; two of its edges are 2 from three of the lower one's,
+// in the squares of distances.
+constexpr const char* closest = "vf 3 0 1\n";
+
+TEST_F(Near, GoesToStandardOutput) {
+    EXPECT_EQ(list("near above.off --radius 1"), closest);
+    EXPECT_EQ(list("near above.off --radius 1 --backend reference"), closest);
+    EXPECT_EQ(list("near above.off --radius 0.999"), "");
+    EXPECT_TRUE(list("near above.off --radius 1.5").starts_with(std::string(closest) + "ee 0 1 3 4 2\n"));
+    EXPECT_EQ(list("near above.off --radius 1.5"), list("near above.off --radius 1.5 --backend reference"));
+}
+
+TEST_F(Near, BelowLeavesOutWhatIsAtTheRadius) {
+    EXPECT_EQ(list("near above.off --radius 1 --below"), "");
+    EXPECT_EQ(list("near above.off --radius 1.0000000000000002 --below"), closest);
+}
+
+TEST_F(Near, BetweenTwoFilesNamesThem) {
+    write("lower.off", "OFF\n3 1 0\n0 0 0\n4 0 0\n0 4 0\n3 0 1 2\n");
+    write("upper.off", "OFF\n6 2 0\n1 1 1\n2 1 2\n1 2 2\n1 1 1.5\n2 1 2.5\n1 2 2.5\n3 0 1 2\n3 3 4 5\n");
+    EXPECT_EQ(list("near lower.off upper.off --radius 1"), "vf 1:0 0:0 1\n");
+    EXPECT_EQ(list("near upper.off lower.off --radius 1"), "vf 0:0 1:0 1\n");
+    const std::string edges = list("near lower.off upper.off --radius 1.45");
+    EXPECT_TRUE(contains(edges, "\nee 0:0 0:1 1:0 1:1 2\n")) << edges;
+    EXPECT_FALSE(contains(edges, "vf 1:0 1:1")) << "the two triangles of one file";
+    EXPECT_EQ(crumple("near lower.off upper.off --radius 1 -o a.csv -o a.json -o a.npz -o a.glb").status, 0);
+    EXPECT_EQ(read("a.csv"), "kind,vertex,face,a,b,c,d,squared_distance,touching\nvf,1:0,0:0,,,,,1,0\n");
+    EXPECT_EQ(nlohmann::json::parse(read("a.json"))["vertex_face_bodies"], nlohmann::json::parse("[[1,0]]"));
+    EXPECT_TRUE(contains(read("a.npz"), "vertex_face_bodies.npy"));
+    EXPECT_TRUE(contains(read("a.glb"), "\"free\""));
+}
+
+TEST_F(Near, IsWrittenInEveryFormat) {
+    const Outcome outcome = crumple("near above.off --radius 1 -o a.txt -o a.csv -o a.json -o a.npz -o a.glb");
+    EXPECT_EQ(outcome.status, 0);
+    EXPECT_EQ(outcome.out, "");
+    EXPECT_TRUE(outcome.err.starts_with("1 near pair (1 vertex-face, 0 edge-edge), ")) << outcome.err;
+    EXPECT_EQ(read("a.txt"), closest);
+    EXPECT_EQ(read("a.csv"), "kind,vertex,face,a,b,c,d,squared_distance,touching\nvf,3,0,,,,,1,0\n");
+    EXPECT_EQ(nlohmann::json::parse(read("a.json"))["vertex_face_squared_distance"], nlohmann::json::parse("[1]"));
+    EXPECT_TRUE(contains(read("a.npz"), "vertex_face_squared_distance.npy"));
+    EXPECT_TRUE(contains(read("a.glb"), "shade 8"));
+    EXPECT_TRUE(crumple("near above.off --radius 0 -o a.txt").err.starts_with("nothing is near: 2 triangles, "));
+}
+
+TEST_F(Near, CheckTellsByItsStatus) {
+    Outcome outcome = crumple("near above.off --radius 1 --check");
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_EQ(outcome.out, "something is near\n");
+    outcome = crumple("near above.off --radius 0.5 --check");
+    EXPECT_EQ(outcome.status, 0);
+    EXPECT_EQ(outcome.out, "nothing is near\n");
+    EXPECT_EQ(crumple("near above.off --radius 1 --check -o a.txt").status, 1);
+    EXPECT_EQ(read("a.txt"), closest);
+}
+
+TEST_F(Near, GroupsAndStatistics) {
+    EXPECT_EQ(list("near above.off --radius 1 --groups components --wanted between"), closest);
+    EXPECT_EQ(list("near above.off --radius 1 --groups components --wanted within"), "");
+    EXPECT_TRUE(contains(crumple("near above.off --radius 1 --stats").err, "1 vertex-face, 0 edge-edge"));
+}
+
+TEST_F(Near, IsRefusedWhereItMakesNoSense) {
+    expect_refused("near above.off", "near: --radius is required");
+    expect_refused("near above.off --radius", "near: --radius: 1 required R missing");
+    for (const char* const bad : {"-1", "inf", "nan", "1m"})
+        expect_refused(std::string("near above.off --radius ") + bad,
+                       std::string(bad) + " is no distance of 0 or more");
+    expect_refused("near above.off above.off above.off --radius 1", "near:");
+    expect_refused("near above.off --radius 1 -o a.html",
+                   "near pairs are written as .txt, .csv, .json or .npz, coloured as .glb");
+    expect_refused("near above.off --radius 1 --groups bodies --wanted between",
+                   "--groups bodies is for crumple detect");
+}
+
+}  // namespace
+}  // namespace crumple::cli::test

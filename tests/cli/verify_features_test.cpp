@@ -1,0 +1,97 @@
+#include "moving.h"
+
+namespace crumple::cli::test {
+namespace {
+
+class VerifyFeatures : public Moving {
+   protected:
+    Outcome impacts(const std::string& rows, const std::string& options = "") const {
+        write("list.txt", rows);
+        return crumple("verify --impacts above.off below.off list.txt " + options);
+    }
+    Outcome near(const std::string& rows, const std::string& options = "") const {
+        write("list.txt", rows);
+        return crumple("verify --near 1 above.off list.txt " + options);
+    }
+};
+
+TEST_F(VerifyFeatures, ReadsWhatIsWritten) {
+    write("upper.off", "OFF\n3 1 0\n1 1 1\n2 1 2\n1 2 2\n3 0 1 2\n");
+    for (const std::string name : {"a.txt", "a.csv", "a.json", "a.npz"}) {
+        ASSERT_EQ(crumple("impacts above.off below.off -o " + name).status, 0);
+        EXPECT_EQ(crumple("verify --impacts above.off below.off " + name).out,
+                  "right: 1 impacts, 0 missed, 0 false, 0 late, 0 early, 0 repeated\n");
+        ASSERT_EQ(crumple("near above.off --radius 1.5 -o " + name).status, 0);
+        EXPECT_EQ(crumple("verify --near 1.5 above.off " + name).status, 0) << name;
+        ASSERT_EQ(crumple("near above.off upper.off --radius 1.5 -o " + name).status, 0);
+        EXPECT_EQ(crumple("verify --near 1.5 above.off upper.off " + name).status, 0) << name;
+        EXPECT_EQ(crumple("verify --near 1.5 upper.off above.off " + name).status, 1) << name;
+    }
+    EXPECT_EQ(shell("$crumple impacts above.off below.off -o - --format json | $crumple verify --impacts above.off "
+                    "below.off - --format json")
+                  .status,
+              0);
+}
+
+TEST_F(VerifyFeatures, NamesWhatIsWrong) {
+    EXPECT_EQ(impacts("vf 3 0 0.5 0\n").status, 0);
+    EXPECT_EQ(impacts("# none\n").out,
+              "wrong: 1 impacts, 1 missed, 0 false, 0 late, 0 early, 0 repeated\nmissed vf 3 0 0.5\n");
+    EXPECT_EQ(
+        impacts("vf 3 0 0.5\nee 0 1 3 4 0.25\nvf 3 0 0.5\nvf 4 0 1\nvf 3 0 0.5").out,
+        "wrong: 1 impacts, 0 missed, 2 false, 0 late, 0 early, 1 repeated\nfalse vf 4 0 1\nfalse ee 0 1 3 4 0.25\n"
+        "repeated vf 3 0 0.5\n");
+    EXPECT_EQ(impacts("vf 3 0 0.5000000000000001").out,
+              "wrong: 1 impacts, 0 missed, 0 false, 1 late, 0 early, 0 repeated\n"
+              "late vf 3 0 0.5000000000000001, it is 0.5\n");
+    EXPECT_EQ(impacts("vf 3 0 0.25").out,
+              "wrong: 1 impacts, 0 missed, 0 false, 0 late, 1 early, 0 repeated\nearly vf 3 0 0.25, it is 0.5\n");
+    for (const char* const rows : {"", "vf 3 0 0.5\nvf 4 0 1", "vf 3 0 0.75", "vf 3 0 0.25", "vf 3 0 0.5\nvf 3 0 0.5"})
+        EXPECT_EQ(impacts(rows).status, 1) << rows;
+}
+
+TEST_F(VerifyFeatures, ContactAtTheStartComesBeforeTimeZero) {
+    write("below.off", above_off);
+    EXPECT_EQ(impacts("vf 3 0 0 1", "--separation 1").status, 0);
+    EXPECT_EQ(impacts("vf 3 0 0", "--separation 1").status, 0);
+    EXPECT_EQ(
+        impacts("vf 3 0 0 0", "--separation 1").out,
+        "wrong: 1 impacts, 0 missed, 0 false, 1 late, 0 early, 0 repeated\nlate vf 3 0 0, it is 0 at the start\n");
+}
+
+TEST_F(VerifyFeatures, ChecksDistances) {
+    EXPECT_EQ(near("vf 3 0 1\n").out, "right: 1 near pairs, 0 missed, 0 false, 0 far, 0 close, 0 repeated\n");
+    EXPECT_EQ(near("vf 3 0 1.5\n").out,
+              "wrong: 1 near pairs, 0 missed, 0 false, 1 far, 0 close, 0 repeated\nfar vf 3 0 1.5, it is 1\n");
+    EXPECT_EQ(near("vf 3 0 0.5\n").out,
+              "wrong: 1 near pairs, 0 missed, 0 false, 0 far, 1 close, 0 repeated\nclose vf 3 0 0.5, it is 1\n");
+    EXPECT_EQ(near("vf 3 0 1\n", "--below").out,
+              "wrong: 0 near pairs, 0 missed, 1 false, 0 far, 0 close, 0 repeated\nfalse vf 3 0 1\n");
+}
+
+TEST_F(VerifyFeatures, OrderDoesNotMatter) {
+    ASSERT_EQ(crumple("near above.off --radius 1.5 -o list.txt").status, 0);
+    write("list.txt", "ee 3 4 2 0 2\nee 5 3 0 1 2\nee 0 1 3 4 2\nvf 3 0 1\nee 0 2 3 5 2\n");
+    const Outcome outcome = crumple("verify --near 1.5 above.off list.txt");
+    EXPECT_EQ(outcome.status, 0) << outcome.out;
+}
+
+TEST_F(VerifyFeatures, IsRefusedWhereItMakesNoSense) {
+    write("list.txt", "vf 3 0 0.5 0\n");
+    write("two.txt", "vf 0:3 1:0 0.5 0\n");
+    expect_refused("verify --impacts above.off list.txt", "verify --impacts takes START, END and a list");
+    expect_refused("verify --impacts --near 1 above.off list.txt", "two questions");
+    expect_refused("verify --separation 1 above.off list.txt", "--separation and --separation-share need --impacts");
+    expect_refused("verify --below above.off list.txt", "--below needs --near");
+    expect_refused("verify --impacts above.off below.off two.txt", "ids of one mesh have no number of a file");
+    expect_refused("verify --near 1 above.off below.off list.txt", "ids of two files are 0:ID and 1:ID");
+    expect_refused("verify --near 1 above.off list.txt --format json", "--format is for a list from standard input");
+    for (const char* const option : {"--neighbours skip", "--intersections proper", "--part 1/1", "--polygons"})
+        expect_refused(std::string("verify --impacts above.off below.off list.txt ") + option,
+                       "does not go with --impacts");
+    write("list.txt", "vf 3 0 0.5 0\nvf 3 zero 0.5\n");
+    expect_refused("verify --impacts above.off below.off list.txt", "list.txt, line 2: 'zero' names no face");
+}
+
+}  // namespace
+}  // namespace crumple::cli::test
