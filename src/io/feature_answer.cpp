@@ -25,7 +25,7 @@ bool fits(const FeatureAnswer& answer, FeatureKind kind) {
     const FeatureListView& list = answer.lists[static_cast<std::size_t>(kind)];
     const std::size_t count = list.pairs.size();
     if (list.values.size() != count || list.flags.size() != count) return false;
-    if (!list.bodies.empty() && list.bodies.size() != count) return false;
+    if ((answer.has_bodies() || !list.bodies.empty()) && list.bodies.size() != count) return false;
     if (kind == FeatureKind::vertex_face) return true;
     for (std::size_t i = 0; i < count; ++i) {
         const BodyPair bodies = list.bodies.empty() ? BodyPair{0, 0} : list.bodies[i];

@@ -98,6 +98,9 @@ TEST(FeatureLists, ThatDoNotFitTogetherAreRefused) {
         impacts[FeatureKind::edge_edge].pairs[0].b = edge;
         refused(impacts);
     }
+    impacts = example_impacts(true);
+    impacts[FeatureKind::vertex_face].bodies = {};
+    refused(impacts);
     for (const std::int32_t body : {-1, 2}) {
         impacts = example_impacts(true);
         impacts[FeatureKind::edge_edge].bodies[0].second = body;
