@@ -55,6 +55,17 @@ def detector() -> crumple.Detector:
     return crumple.Detector(threads=2)
 
 
+@pytest.fixture(params=["cpu", "reference"])
+def either(request) -> crumple.Detector:
+    """One of either backend, for small scenes."""
+    return crumple.Detector(backend=request.param, threads=2)
+
+
+@pytest.fixture(scope="module")
+def reference() -> crumple.Detector:
+    return crumple.Detector(backend="reference")
+
+
 @pytest.fixture
 def crossing() -> crumple.Mesh:
     """Triangles 0 and 1 cross in a segment, triangle 2 is far away."""

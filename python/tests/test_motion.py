@@ -1,0 +1,381 @@
+"""What touches what on its way: found as brute force finds it, in meshes and in worlds, as much as is asked for."""
+
+import inspect
+import re
+
+import numpy as np
+import pytest
+
+import crumple
+from conftest import OnDevice, soup
+from features import BODIES, END, FACES, LISTS, START, assert_same, check_index
+from worlds import random_poses
+
+
+def moving(seed, triangles=14, far=0.4, size=0.5, dtype=np.float64):
+    """(vertices, end, faces): a soup whose vertices all go somewhere else."""
+    mesh = soup(triangles, size=size, seed=seed, dtype=dtype)
+    steps = np.random.default_rng(seed + 1000).normal(size=mesh.vertices.shape)
+    return mesh.vertices, (mesh.vertices + far * steps).astype(dtype), mesh.faces
+
+
+def firsts_of(impacts):
+    """The first impact by what the lists say: (kind, pair, toi, start)."""
+    return min(
+        (toi, kind, tuple(pair), bool(start))
+        for kind, name in enumerate(("vertex_face", "edge_edge"))
+        for pair, toi, start in zip(
+            getattr(impacts, f"{name}s").tolist(),
+            getattr(impacts, f"{name}_toi").tolist(),
+            getattr(impacts, f"{name}_start").tolist(),
+        )
+    )
+
+
+def test_vertex_face_and_time(either):
+    found = either.find_impacts(START, END, FACES)
+    assert found.vertex_faces.tolist() == [[3, 0]] and found.vertex_face_toi.tolist() == [0.5]
+    assert found.vertex_face_start.tolist() == [False] and found.edge_edges.tolist() == []
+    assert found.edges.tolist() == [[0, 1], [0, 2], [1, 2], [3, 4], [3, 5], [4, 5]]
+    assert found.first_edge.tolist() == [0, 6] and found.any and found and len(found) == found.count == 1
+    assert found.statistics.backend == either.backend and found.statistics.pairs == 1
+    assert "1 impact, 1 of vertex and face, 0 of edge and edge" in repr(found)
+
+
+@pytest.mark.parametrize("speed, toi", [(3, 1 / 3), (10, np.nextafter(0.1, 0)), (2, 0.5)])
+def test_edge_edge_and_time_rounded_down(speed, toi, either):
+    """The number nearest to 1 / 3 is less, that nearest to 1 / 10 is more."""
+    start = np.array([[-1, 0, 0], [1, 0, 0], [0, 0, -99], [0, -1, 1], [0, 1, 1], [0, 0, 99]], np.float64)
+    end = start.copy()
+    end[3:, 2] -= speed
+    found = either.find_impacts(start, end, FACES)
+    assert found.edges[found.edge_edges].tolist() == [[[0, 1], [3, 4]]]
+    assert found.edge_edge_toi.tolist() == [toi] and found.edge_edge_start.tolist() == [False]
+    assert found.edge_edges.dtype == np.int32 and found.edges.dtype == np.int32
+    assert found.edge_edge_toi.dtype == np.float64 and found.edge_edge_start.dtype == np.bool_
+
+
+def test_contact_at_the_start_has_a_flag(either):
+    start = START.copy()
+    start[3, 2] = 0
+    found = either.find_impacts(start, END, FACES)
+    assert found.vertex_face_start.tolist() == [True] and found.vertex_face_toi.tolist() == [0]
+    assert either.find_impacts(start, END, FACES, wants="earliest").first.start is True
+
+
+def test_the_first_and_whether_the_step_is_free(either):
+    first = either.find_impacts(START, END, FACES, wants="earliest").first
+    assert first == ("vertex_face", (3, 0), None, 0.5, False) and isinstance(first, crumple.FirstImpact)
+    assert either.time_of_first_impact(START, END, FACES) == 0.5
+    assert either.is_free(START, END, FACES) is False
+    nothing = either.find_impacts(START, START, FACES, wants="earliest")
+    assert nothing.first is None and not nothing and len(nothing) == 0 and nothing.world_first == [None]
+    assert either.time_of_first_impact(START, START, FACES) is None
+    assert either.is_free(START, START, FACES) is True
+
+
+def test_without_a_detector():
+    assert crumple.time_of_first_impact(START, END, FACES) == 0.5
+    assert crumple.is_free((START, FACES), START) and not crumple.is_free((START, FACES), END)
+    assert crumple.find_impacts(vertices=START, end=END, faces=FACES).vertex_faces.tolist() == [[3, 0]]
+    assert crumple.find_impacts(START, END, FACES, wants="any")
+
+
+@pytest.mark.parametrize(
+    "separation, toi",
+    [({"separation": 0.5}, 0.25), ({"separation_share": 0.25}, 0.375), ({"separation": 3.0}, 0.0)],
+    ids=str,
+)
+def test_features_touch_at_a_distance(separation, toi, either):
+    """The vertex falls from a height of 1 to -1, above the inside of the face."""
+    found = either.find_impacts(START, END, FACES, wants="earliest", **separation)
+    assert found.first.toi == toi and found.first.start is (toi == 0)
+    assert either.time_of_first_impact(START, END, FACES, **separation) == toi
+    end = END.copy()
+    end[3:] = START[3:]
+    end[3:, 2] -= 0.75
+    assert either.is_free(START, end, FACES) and either.is_free(START, end, FACES, separation_share=0.125)
+    assert not either.is_free(START, end, FACES, separation=0.25), "at most: equal counts"
+
+
+def test_a_weld_makes_neighbours(either):
+    """The vertices of a hinge, twice: the same at the start and at the end."""
+    start = np.array([[0, 0, 0], [0, 1, 0], [1, 0, 0], [0, 0, 0], [0, 1, 0], [-1, 0, 0]], np.float64)
+    end = start + np.array([0, 0, 1.0])
+    assert len(either.find_impacts(start, end, FACES)) and either.is_free(start, end, FACES, weld=True)
+    end[3] += 1
+    assert not either.is_free(start, end, FACES, weld=True), "vertices that part are two"
+
+
+QUESTIONS = [
+    {},
+    {"weld": True},
+    {"separation": 0.05},
+    {"separation_share": 0.5},
+    {"groups": True, "wanted": "between"},
+    {"groups": True, "wanted": "within", "separation": 0.01},
+    {"groups": True, "excluded_groups": [(0, 1), (2, 2)]},
+]
+
+
+@pytest.mark.parametrize("question", QUESTIONS, ids=str)
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_brute_force_agrees(dtype, question, detector, reference):
+    for seed in range(3):
+        vertices, end, faces = moving(seed, dtype=dtype)
+        asked = {**question, "groups": np.arange(len(faces)) % 3} if "groups" in question else question
+        expected = reference.find_impacts(vertices, end, faces, **asked)
+        assert len(expected) > 2, "something must touch"
+        assert_same(detector.find_impacts(vertices, end, faces, **asked), expected)
+
+
+def test_less_is_the_same_as_all_cut_short(either):
+    for seed in range(4):
+        scene = moving(seed)
+        every = either.find_impacts(*scene)
+        earliest = either.find_impacts(*scene, wants="earliest")
+        toi, kind, pair, start = firsts_of(every)
+        assert earliest.first == (("vertex_face", "edge_edge")[kind], pair, None, toi, start)
+        assert earliest.world_first == [earliest.first] and f"first at {toi:.6g}" in repr(earliest)
+        np.testing.assert_array_equal(earliest.edges, every.edges)
+        assert either.find_impacts(*scene, wants="any").any is either.find_impacts(*scene, wants="any_by_world").any
+        assert either.time_of_first_impact(*scene) == toi and not either.is_free(*scene)
+        assert either.find_impacts(*scene, wants="any_by_world").world_hit.tolist() == [True]
+
+
+@pytest.mark.xfail(reason="the library does not yet tell the first where all impacts are wanted", strict=True)
+def test_all_impacts_tell_the_first(either):
+    scene = moving(1)
+    every = either.find_impacts(*scene)
+    assert every.first == either.find_impacts(*scene, wants="earliest").first
+
+
+def test_offsets_by_feature(either):
+    vertices, end, faces = moving(2)
+    check_index(either.find_impacts(vertices, end, faces, index=True), len(vertices), len(faces))
+
+
+@pytest.mark.xfail(reason="the library does not yet make an index where groups have rules", strict=True)
+def test_offsets_by_feature_with_groups(either):
+    vertices, end, faces = moving(2)
+    groups = np.arange(len(faces)) % 2
+    found = either.find_impacts(vertices, end, faces, groups=groups, wanted="between", index=True)
+    check_index(found, len(vertices), len(faces))
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        np.asfortranarray,
+        lambda a: a[::-1][::-1],
+        lambda a: np.repeat(a, 2, axis=0)[::2],
+        lambda a: a.astype(">f8"),
+        lambda a: a.tolist(),
+        lambda a: np.ma.masked_array(a),
+        lambda a: OnDevice(a, kind=1),
+    ],
+    ids=["fortran", "reversed", "strided", "big endian", "lists", "no mask", "dlpack"],
+)
+def test_the_end_comes_in_many_forms(given, detector):
+    expected = detector.find_impacts(START, END, FACES)
+    assert_same(detector.find_impacts(START, given(END), FACES), expected)
+    assert_same(detector.find_impacts(given(START), given(END), FACES), expected)
+
+
+def test_meshes_come_in_many_forms(detector):
+    expected = detector.find_impacts(START, END, FACES)
+    for mesh in ((START, FACES), crumple.Mesh(START, FACES), crumple.Mesh(START, FACES.ravel(), [0, 1])):
+        assert_same(detector.find_impacts(mesh, END), expected)
+    single = detector.find_impacts(START.astype(np.float32), END.astype(np.float32), FACES)
+    assert single.vertex_face_toi.tolist() == [0.5]
+    nothing = detector.find_impacts([], [], [])
+    assert not nothing and nothing.edges.shape == (0, 2) and nothing.vertex_faces.shape == (0, 2)
+
+
+@pytest.mark.parametrize(
+    "arguments, named, message",
+    [
+        (
+            (START, END[:5], FACES),
+            {},
+            r"end vertices must be like those at the start, \(6, 3\) of float64, not \(5, 3\)",
+        ),
+        ((START, END.astype(np.float32), FACES), {}, r"end vertices must be like .*float64, not \(6, 3\) of float32"),
+        ((START, None, FACES), {}, "end vertices must be an array of numbers, not None"),
+        ((START, END[:, :2], FACES), {}, r"end vertices must have shape \(n, 3\), not \(6, 2\)"),
+        ((START, END.astype(int), FACES), {}, "end vertices must be float32 or float64, not int64"),
+        ((START, OnDevice(END), FACES), {}, "end vertices lie in CUDA memory, but are wanted in the host's: copy them"),
+        ((OnDevice(START), END, OnDevice(FACES)), {}, "vertices lie in CUDA memory, but those of motion and nearness"),
+        ((START, OnDevice(END, kind=10), FACES), {}, "end vertices lie in ROCm memory"),
+        ((START, np.ma.masked_array(END, mask=END > 3), FACES), {}, r"end vertices are masked at \(1, 0\)"),
+        ((START, np.full_like(END, np.inf), FACES), {}, "at the end: vertex 0 is not finite"),
+        ((np.full_like(END, np.nan), END, FACES), {}, "vertex 0 is not finite"),
+        ((START, END, FACES + 3), {}, "triangle 1 names vertex 6 of 6"),
+        ((START, END, FACES), {"separation": -1}, "separation must be finite and 0 or more"),
+        ((START, END, FACES), {"separation": np.inf}, "separation must be finite and 0 or more"),
+        ((START, END, FACES), {"separation": "1"}, "separation must be a number, not str"),
+        ((START, END, FACES), {"separation_share": 1}, "separation_share must be 0 or more, and below 1"),
+        ((START, END, FACES), {"weld": 1}, "weld must be True or False, not int"),
+        ((START, END, FACES), {"index": None}, "index must be True or False, not None"),
+        ((START, END, FACES), {"wanted": "all"}, 'wanted must be one of "both", "between", "within", not "all"'),
+        ((START, END, FACES), {"wants": "pairs"}, 'wants must be one of "any", "any_by_world", "earliest", "impacts"'),
+        ((START, END, FACES), {"groups": [0]}, "groups must be one for each of the 2 faces, not 1"),
+        ((START, END, FACES), {"excluded_groups": [1]}, r"excluded_groups must have shape \(n, 2\)"),
+        ((START, END, FACES), {"copy": "yes"}, "copy must be True or False, not str"),
+    ],
+)
+def test_wrong_arguments_are_refused(arguments, named, message, detector):
+    with pytest.raises(crumple.InvalidInput, match=message):
+        detector.find_impacts(*arguments, **named)
+    assert detector.find_impacts(START, END, FACES), "the detector stays usable"
+
+
+@pytest.mark.parametrize("name", ["find_impacts", "time_of_first_impact", "is_free"])
+def test_methods_tell_what_they_are(name, detector):
+    for method in (getattr(crumple.Detector, name), getattr(detector, name)):
+        assert method.__name__ == name and method.__qualname__ == f"Detector.{name}"
+        assert inspect.isroutine(method) and len(inspect.getdoc(method)) > 100
+    parameters = inspect.signature(getattr(detector, name)).parameters
+    assert list(parameters)[:3] == ["vertices", "end", "faces"] and parameters["separation"].default == 0
+    defaults = {name: p.default for name, p in parameters.items() if p.default is not inspect.Parameter.empty}
+    faces = defaults.pop("faces")
+    assert faces is None and len(defaults) > 4
+    mesh, world = crumple.Mesh(START, FACES), crumple.World([crumple.Shape(START, FACES, end=END)])
+    found, plain = (getattr(detector, name)(mesh, END, **given) for given in (defaults, {}))
+    assert found == plain or found.vertex_faces.tolist() == plain.vertex_faces.tolist()
+    for scene in ((mesh, END), (world,)):
+        with pytest.raises(TypeError, match=r"'separatio'\. Did you mean 'separation'\?$") as caught:
+            getattr(detector, name)(*scene, separatio=1)
+        assert not isinstance(caught.value, crumple.Error)
+    with pytest.raises(TypeError, match="missing 1 required positional argument: 'end'"):
+        getattr(detector, name)(mesh)
+
+
+def test_what_was_not_asked_for_says_how_to_ask(detector):
+    nothing = detector.find_impacts(START, END, FACES, wants="any")
+    for name, wants in (
+        [("world_hit", "any_by_world")]
+        + [(name, "earliest") for name in ("first", "world_first", "edges", "first_edge")]
+        + [(name, "impacts") for name in (*LISTS["Impacts"], "count", "vertex_offsets")]
+    ):
+        message = f'^{name} was not asked for: find_impacts(..., wants="{wants}")'
+        with pytest.raises(crumple.InvalidInput, match=re.escape(message).replace("\\^", "^")):
+            getattr(nothing, name)
+    assert len(nothing) == 0 and nothing
+    every = detector.find_impacts(START, END, FACES)
+    with pytest.raises(crumple.InvalidInput, match=r"by_face was not asked for: find_impacts\(\.\.\., index=True\)"):
+        _ = every.by_face
+    with pytest.raises(crumple.InvalidInput, match="vertex_face_bodies are those of a world"):
+        _ = every.vertex_face_bodies
+
+
+# Worlds.
+
+
+def falling_world(**others):
+    shapes = [crumple.Shape(START[:3], FACES[:1]), crumple.Shape(START[3:], FACES[:1], end=END[3:])]
+    return crumple.World(shapes, names=["floor", "chip"], **others)
+
+
+def test_bodies_and_time(either):
+    world = falling_world()
+    found = either.find_impacts(world)
+    assert found.vertex_faces.tolist() == [[0, 0]] and found.vertex_face_bodies.tolist() == [[1, 0]]
+    assert found.vertex_face_toi.tolist() == [0.5] and found.edge_edge_bodies.shape == (0, 2)
+    assert found.edges.tolist() == [[0, 1], [0, 2], [1, 2]] * 2 and found.first_edge.tolist() == [0, 3, 6]
+    first = either.find_impacts(world, wants="earliest").first
+    assert first == ("vertex_face", (0, 0), (1, 0), 0.5, False)
+    assert either.time_of_first_impact(world) == 0.5 and not either.is_free(world)
+    assert either.is_free(world, excluded=[{"floor", "chip"}]) and either.is_free(world, bodies="within")
+    assert (
+        either.is_free(falling_world(worlds=[0, 1])) and either.time_of_first_impact(world, excluded=[(0, 1)]) is None
+    )
+    with pytest.raises(crumple.InvalidInput, match="vertex_offsets is made for one mesh alone"):
+        _ = found.vertex_offsets
+    with pytest.raises(TypeError, match="unexpected keyword argument 'index'"):
+        either.find_impacts(world, index=True)
+
+
+def test_poses_at_the_end(either):
+    shape = crumple.Mesh(START[3:], FACES[:1])
+    poses = np.tile(np.eye(3, 4), (2, 1, 1))
+    poses[1, 2, 3] = -5
+    lowered = poses.copy()
+    lowered[0, 2, 3] = -10
+    world = crumple.World([shape], [0, 0], poses=poses)
+    assert world.end_poses is None and either.is_free(world)
+    expected = either.find_impacts(world, end_poses=lowered)
+    assert len(expected) and either.is_free(world), "for that call alone"
+    world.end_poses = lowered
+    assert world.end_poses is lowered
+    assert_same(either.find_impacts(world), expected)
+    assert_same(either.find_impacts(crumple.World([shape], [0, 0], poses=poses, end_poses=lowered)), expected)
+    bodies = [crumple.Body(0, poses[0], end_pose=lowered[0]), crumple.Body(0, poses[1])]
+    assert_same(either.find_impacts(crumple.World([shape], bodies)), expected)
+    lowered[0, 2, 3] = 0
+    assert either.is_free(world), "read where they lie"
+    world.end_poses = None
+    assert either.is_free(world, end_poses=None)
+
+
+def bodies_in_motion(seed, bodies=6, worlds=2):
+    random = np.random.default_rng(seed)
+    shapes = [crumple.Shape(v, f, end=e) for v, e, f in (moving(seed, 6), moving(seed + 1, 5))]
+    of = np.sort(random.integers(0, worlds, bodies))
+    of[-1] = -1
+    poses = random_poses(random, bodies, 1)
+    ends = poses + 0.1 * random.normal(size=poses.shape)
+    return crumple.World(shapes, random.integers(0, 2, bodies), poses=poses, end_poses=ends, worlds=of)
+
+
+@pytest.mark.parametrize(
+    "question",
+    [{}, {"bodies": "between"}, {"bodies": "within"}, {"excluded": [(0, 1), {2}]}, {"separation": 0.02}],
+    ids=str,
+)
+def test_brute_force_agrees_about_worlds(question, detector, reference):
+    for seed in range(3):
+        world = bodies_in_motion(seed)
+        expected = reference.find_impacts(world, **question)
+        assert expected, "something must touch"
+        assert_same(detector.find_impacts(world, **question), expected, BODIES)
+        earliest = [d.find_impacts(world, wants="earliest", **question) for d in (detector, reference)]
+        assert earliest[0].first == earliest[1].first and earliest[0].world_first == earliest[1].world_first
+        tois = [first.toi for first in earliest[0].world_first if first is not None]
+        assert tois and earliest[0].first.toi <= min(tois)
+        hit = detector.find_impacts(world, wants="any_by_world", **question).world_hit
+        assert hit.tolist() == [first is not None for first in earliest[0].world_first] == expected.world_hit.tolist()
+
+
+def test_one_body_in_place_is_a_mesh(either):
+    vertices, end, faces = moving(5)
+    found = either.find_impacts(crumple.World([crumple.Shape(vertices, faces, end=end)]))
+    assert_same(found, either.find_impacts(vertices, end, faces))
+    assert found.vertex_face_bodies.shape == found.vertex_faces.shape and not found.vertex_face_bodies.any()
+
+
+def test_configurations_are_a_loop(detector):
+    random = np.random.default_rng(3)
+    shape, far = soup(6, size=0.5, dtype=np.float64), 2.5
+    base = crumple.World(
+        [shape], [0, 0, 0], worlds=[0, 0, -1], self_collisions=False, poses=random_poses(random, 3, far)
+    )
+    poses = random_poses(random, 2 * 20, far).reshape(20, 2, 3, 4)
+    ends = poses + 0.1 * random.normal(size=poses.shape)
+    many = base.configurations(poses, ends)
+    assert many.end_poses is ends
+    found, rest = detector.find_impacts(many, wants="earliest"), base.poses[2:]
+    hits = []
+    for c, first in enumerate(found.world_first):
+        moved, moved_to = (np.concatenate([of[c], rest]) for of in (poses, ends))
+        one = detector.find_impacts(base, wants="earliest", poses=moved, end_poses=moved_to).first
+        assert (first is None) == (one is None)
+        if one is not None:
+            bodies = tuple(many.originals[list(first.bodies)].tolist())
+            assert first._replace(bodies=bodies) == one
+        hits.append(one is not None)
+    assert 0 < sum(hits) < 20
+    np.testing.assert_array_equal(detector.find_impacts(many, wants="any_by_world").world_hit, hits)
+    many.end_poses = None
+    resting = detector.find_impacts(many, wants="any_by_world").world_hit
+    assert not np.array_equal(resting, hits)
