@@ -64,11 +64,22 @@ def test_types_hold(tmp_path):
         "detector = crumple.Detector()\n"
         "hit: bool = detector.find(many, wants='count').world_hit.dtype == np.bool_\n"
         "of_part: crumple.Result = detector.find(detector.partition((v, f), count=1)[0], contacts=True)\n"
+        "impacts: crumple.Impacts = detector.find_impacts(v, v, f, separation=0.1, wants='earliest')\n"
+        "toi: float | None = detector.time_of_first_impact(base, end_poses=np.zeros((2, 3, 4)), excluded=[{0, 1}])\n"
+        "free: bool = detector.is_free((v, f), v)\n"
+        "near: crumple.Nearby = detector.find_near(many, radius=0.1, wants='any_by_world')\n"
+        "touching: bool = near.vertex_face_touching.dtype == np.bool_\n"
+        "kind: str = 'none' if impacts.first is None else impacts.first.kind\n"
         "why: str = crumple.Detector().fallback or crumple.list_devices().reason\n"
     )
     checked = run("-m", "mypy", "--strict", str(program), cwd=tmp_path)
     assert checked.returncode == 0, checked.stdout
-    for wrong in ("find_self([], [], neighbours='none')", "find(crumple.World([]), wants='all')"):
+    for wrong in (
+        "find_self([], [], neighbours='none')",
+        "find(crumple.World([]), wants='all')",
+        "find_near([], radius='1')",
+        "find_impacts([], [], wants='pairs')",
+    ):
         program.write_text(f"import crumple\ncrumple.Detector().{wrong}\n")
         checked = run("-m", "mypy", "--strict", str(program), cwd=tmp_path)
         assert "arg-type" in checked.stdout or "call-overload" in checked.stdout
