@@ -41,7 +41,7 @@ struct FeatureRows {
 struct FeatureAnswer {
     explicit FeatureAnswer(MemoryMeter* m) : rows{FeatureRows(m), FeatureRows(m)} {}
     bool any = false;
-    FirstImpact first;                            ///< for Extent::first; without bodies
+    FirstImpact first;                            ///< of a motion, from Extent::first on; without bodies
     std::array<FeatureRows, feature_kinds> rows;  ///< for Extent::all; by kind
     Statistics statistics;
 };

@@ -66,7 +66,7 @@ void find(const Call& call, const FeatureQuery& query, FeatureLeaves<moments>& l
     Stopwatch watch;
     answer.any = leaves.any();
     const FeatureKind kinds[] = {FeatureKind::vertex_face, FeatureKind::edge_edge};
-    if (query.extent == Extent::first)
+    if (query.motion && query.extent != Extent::any)
         for (const FeatureKind kind : kinds) answer.first = first_of(leaves.found(kind), kind, answer.first);
     if (query.extent == Extent::all)
         for (const FeatureKind kind : kinds) {

@@ -82,7 +82,7 @@ class Search {
         if (!row.hit) return;
         answer_.any = true;
         const Pair pair{a.index, b.index};
-        if (query_.extent == Extent::first && (!answer_.first.found || row.value < answer_.first.toi))
+        if (query_.motion && query_.extent != Extent::any && (!answer_.first.found || row.value < answer_.first.toi))
             answer_.first = {true, kind, pair, {}, row.value, row.flag};
         if (query_.extent != Extent::all) return;
         FeatureRows& rows = answer_.rows[static_cast<std::size_t>(kind)];

@@ -52,6 +52,7 @@ void expect_impacts(const MovingSoup<Scalar>& soup, const Motion& asked) {
     const Impacts& expected = reference().find_impacts(soup.view(), soup.end_view(), question);
     const FirstImpact first = first_listed(expected);
     EXPECT_EQ(expected.any, first.found);
+    EXPECT_TRUE(same_first(expected.first, first)) << "listed with all";
     for (const auto& [name, detector] : tested()) {
         SCOPED_TRACE(name);
         const Impacts& found = detector->find_impacts(soup.view(), soup.end_view(), question);
