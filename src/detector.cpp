@@ -241,16 +241,12 @@ struct Detector::Implementation {
         answer.statistics.milliseconds = watch.lap();
         return answer;
     }
-    static Shape host_shape(const MeshView& mesh) {
-        check(mesh.memory == MemorySpace::host, "motion and nearness take meshes in host memory");
-        return Shape(mesh);
-    }
     // One mesh is a world of one body.
     const Impacts& find_impacts(const MeshView& mesh, const VertexView& end, const Motion& question,
                                 std::stop_token stop) {
         Shape shape = host_shape(mesh);
         shape.end = end;
-        if (!end.data && end.rows == 0 && mesh.vertices.rows > 0) check(false, "the vertices at the end are missing");
+        if (!end.data && end.rows == 0 && mesh.vertices.rows > 0) refuse("the vertices at the end are missing");
         const Body body;
         return find({{&shape, 1}, {&body, 1}, {}, {}}, question, false, impacts, std::move(stop));
     }
@@ -258,6 +254,14 @@ struct Detector::Implementation {
         const Shape shape = host_shape(mesh);
         const Body body;
         return find({{&shape, 1}, {&body, 1}, {}, {}}, question, false, nearby, std::move(stop));
+    }
+    Shape host_shape(const MeshView& mesh) {
+        if (mesh.memory != MemorySpace::host) refuse("motion and nearness take meshes in host memory");
+        return Shape(mesh);
+    }
+    [[noreturn]] void refuse(const char* message) {
+        forget();
+        throw Error(ErrorCode::invalid_argument, message, Element::option);
     }
 
     void search(const World& world, const Intersect& question, const WorldBlocks* blocks) {

@@ -15,6 +15,19 @@ constexpr std::int64_t most = std::numeric_limits<std::int32_t>::max();
     throw Error(ErrorCode::invalid_argument, message, element, index);
 }
 
+// Without rows and data there is none: the shape stays.
+void check_end(const Shape& shape, std::size_t s) {
+    const VertexView& end = shape.end;
+    if (!end.data && end.rows == 0) return;
+    const auto refuse_shape = [&](const std::string& what) {
+        refuse("shape " + std::to_string(s) + ": " + what, Element::shape, static_cast<std::int64_t>(s));
+    };
+    if (end.rows != shape.vertices.rows || end.type != shape.vertices.type)
+        refuse_shape("there are " + std::to_string(end.rows) + " vertices at the end for " +
+                     std::to_string(shape.vertices.rows) + " at the start, or of another precision");
+    if (!end.data) refuse_shape("the vertices at the end have no data");
+}
+
 void check_shapes(const World& world) {
     if (static_cast<std::int64_t>(world.shapes.size()) > most)
         refuse("a world has at most 2147483647 shapes", Element::none, -1);
@@ -22,10 +35,7 @@ void check_shapes(const World& world) {
         const Shape& shape = world.shapes[s];
         MeshView mesh(shape.vertices, shape.triangles, shape.groups);
         check_mesh_outline(mesh, "shape " + std::to_string(s), MemorySpace::host);
-        if (shape.end.data && shape.end.rows != shape.vertices.rows)
-            refuse("shape " + std::to_string(s) + ": there are " + std::to_string(shape.end.rows) +
-                       " vertices at the end for " + std::to_string(shape.vertices.rows) + " at the start",
-                   Element::shape, static_cast<std::int64_t>(s));
+        check_end(shape, s);
     }
 }
 

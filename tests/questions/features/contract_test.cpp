@@ -1,0 +1,286 @@
+// What goes wrong in questions about motion and nearness, what is left behind then, and who owns an answer.
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <stop_token>
+#include <thread>
+
+#include "error_of.h"
+#include "questions/features/compare_features.h"
+#include "questions/features/moving_soups.h"
+
+namespace crumple::test {
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
+
+class FeatureErrors : public testing::TestWithParam<Backend> {
+   protected:
+    Detector detector_{Options{.backend = GetParam(), .threads = 2}};
+    const MovingSoup<> soup_ = moving_grid(3, 14, 10, 1);
+
+    /// The error of a call; before it the detector holds answers, afterwards none, and it works as if nothing had been.
+    template <class Call>
+    Error refused(Call call) {
+        const Impacts& impacts = detector_.find_impacts(soup_.view(), soup_.end_view());
+        const Nearby& nearby = detector_.find_near(soup_.view(), {.radius = 1});
+        EXPECT_GT(impacts.count, 0);
+        EXPECT_GT(nearby.count, 0);
+        const Error error = error_of(call);
+        EXPECT_FALSE(impacts.any || impacts.count || impacts.first.found || !impacts.edges.empty() ||
+                     !impacts.vertex_faces().pairs.empty() || !impacts.edge_edges().pairs.empty())
+            << "holds an empty result";
+        EXPECT_FALSE(nearby.any || nearby.count || !nearby.edges.empty() || !nearby.vertex_faces().pairs.empty() ||
+                     !nearby.edge_edges().pairs.empty())
+            << "holds an empty result";
+        Detector fresh(detector_.options());
+        EXPECT_TRUE(same_features(detector_.find_impacts(soup_.view(), soup_.end_view()),
+                                  fresh.find_impacts(soup_.view(), soup_.end_view())));
+        EXPECT_TRUE(same_features(detector_.find_near(soup_.view(), {.radius = 1}),
+                                  fresh.find_near(soup_.view(), {.radius = 1})));
+        return error;
+    }
+    Error refused(const MovingSoup<>& soup, const VertexView& end, const Motion& question = {}) {
+        return refused([&] { detector_.find_impacts(soup.view(), end, question); });
+    }
+    Error refused(const World& world) {
+        return refused([&] { detector_.find(world, Motion()); });
+    }
+};
+
+TEST_P(FeatureErrors, of_an_end_of_another_shape) {
+    VertexView end = soup_.end_view();
+    end.rows = 13;
+    EXPECT_EQ(refused(soup_, end).code, ErrorCode::invalid_argument);
+    end.rows = 15;
+    EXPECT_EQ(refused(soup_, end).code, ErrorCode::invalid_argument);
+    end.rows = 0;
+    EXPECT_EQ(refused(soup_, end).code, ErrorCode::invalid_argument);
+    const auto floats = rounded<float>(soup_);
+    EXPECT_EQ(refused(soup_, floats.end_view()).code, ErrorCode::invalid_argument);
+}
+TEST_P(FeatureErrors, of_a_missing_end) {
+    EXPECT_STREQ(refused(soup_, {}).what(), "the vertices at the end are missing");
+    VertexView end = soup_.end_view();
+    end.data = nullptr;
+    EXPECT_EQ(refused(soup_, end).code, ErrorCode::invalid_argument) << "so many vertices, but no data";
+}
+TEST_P(FeatureErrors, of_ends_that_are_not_finite) {
+    for (const double value : {nan, inf, -inf}) {
+        auto soup = soup_;
+        soup.end[11][2] = value;
+        const Error error = refused(soup, soup.end_view());
+        EXPECT_EQ(error.code, ErrorCode::not_finite);
+        EXPECT_EQ(error.element, Element::vertex);
+        EXPECT_EQ(error.index, 11);
+        EXPECT_STREQ(error.what(), "at the end: vertex 11 is not finite");
+        // Of a start that is not finite, too, the start is named.
+        soup.start[12][0] = value;
+        EXPECT_STREQ(refused(soup, soup.end_view()).what(), "vertex 12 is not finite");
+        EXPECT_STREQ(refused([&] { detector_.find_near(soup.view(), {}); }).what(), "vertex 12 is not finite");
+    }
+}
+TEST_P(FeatureErrors, of_indices) {
+    auto soup = soup_;
+    soup.triangles[4][1] = 14;
+    EXPECT_STREQ(refused(soup, soup.end_view()).what(), "triangle 4 names vertex 14 of 14");
+    EXPECT_STREQ(refused([&] { detector_.find_near(soup.view(), {}); }).what(), "triangle 4 names vertex 14 of 14");
+}
+TEST_P(FeatureErrors, of_distances) {
+    const VertexView end = soup_.end_view();
+    for (const double wrong : {nan, inf, -1.0, -std::numeric_limits<double>::denorm_min()}) {
+        EXPECT_EQ(refused(soup_, end, {.separation = wrong}).element, Element::option);
+        EXPECT_EQ(refused(soup_, end, {.separation_share = wrong}).element, Element::option);
+        EXPECT_EQ(refused([&] { detector_.find_near(soup_.view(), {.radius = wrong}); }).element, Element::option);
+    }
+    EXPECT_EQ(refused(soup_, end, {.separation_share = 1}).code, ErrorCode::invalid_argument);
+    EXPECT_TRUE(same_features(Impacts(detector_.find_impacts(soup_.view(), end, {.separation = -0.0})),
+                              detector_.find_impacts(soup_.view(), end)));
+}
+TEST_P(FeatureErrors, of_meshes_on_a_device) {
+    MeshView mesh = soup_.view();
+    mesh.memory = MemorySpace::cuda;
+    EXPECT_EQ(refused([&] { detector_.find_impacts(mesh, soup_.end_view()); }).code, ErrorCode::invalid_argument);
+    EXPECT_EQ(refused([&] { detector_.find_near(mesh, {}); }).code, ErrorCode::invalid_argument);
+}
+TEST_P(FeatureErrors, of_worlds) {
+    std::vector<Shape> shapes{Shape(soup_.view()), Shape(soup_.view())};
+    shapes[1].end = soup_.end_view();
+    const std::vector<Body> bodies{{.shape = 0}, {.shape = 1}};
+    const std::vector<Pose> good(2);
+    std::vector<Pose> bad(3);
+    EXPECT_STREQ(refused({shapes, bodies, good, bad}).what(), "there are 3 poses for 2 bodies");
+    bad.pop_back();
+    bad[1].rows[7] = nan;
+    Error error = refused({shapes, bodies, good, bad});
+    EXPECT_STREQ(error.what(), "body 1: its pose is not finite");
+    EXPECT_EQ(error.element, Element::body);
+    EXPECT_EQ(error.index, 1);
+    bad[1].rows[7] = 0;
+    bad[1].rows[0] = std::numeric_limits<double>::max();
+    error = refused({shapes, bodies, {}, bad});
+    EXPECT_EQ(error.code, ErrorCode::not_finite);
+    EXPECT_NE(std::string(error.what()).find("is posed to infinity at the end"), std::string::npos) << error.what();
+    --shapes[1].end.rows;
+    error = refused({shapes, bodies, {}, {}});
+    EXPECT_EQ(error.element, Element::shape);
+    EXPECT_EQ(error.index, 1);
+    shapes[1].end = {nullptr, 14, 24, 8, ScalarType::float64};
+    EXPECT_EQ(refused({shapes, bodies, {}, {}}).element, Element::shape) << "so many vertices, but no data";
+}
+TEST_P(FeatureErrors, of_rules_that_name_nobody) {
+    Motion question;
+    question.rules.excluded_bodies = {{0, 1}};
+    EXPECT_EQ(refused(soup_, soup_.end_view(), question).element, Element::body);
+}
+TEST_P(FeatureErrors, of_calls_that_were_stopped) {
+    std::stop_source stop;
+    stop.request_stop();
+    const auto code = [&](auto call) { return refused(call).code; };
+    const auto token = stop.get_token();
+    EXPECT_EQ(code([&] { detector_.find_impacts(soup_.view(), soup_.end_view(), {}, token); }), ErrorCode::cancelled);
+    EXPECT_EQ(code([&] { detector_.find_near(soup_.view(), {}, token); }), ErrorCode::cancelled);
+    EXPECT_EQ(code([&] { detector_.is_free(soup_.view(), soup_.end_view(), {}, token); }), ErrorCode::cancelled);
+    const std::vector<Shape> shapes{Shape(soup_.view())};
+    const std::vector<Body> bodies(2);
+    EXPECT_EQ(code([&] { detector_.find({shapes, bodies, {}}, Near(), token); }), ErrorCode::cancelled);
+}
+
+INSTANTIATE_TEST_SUITE_P(, FeatureErrors, testing::Values(Backend::reference, Backend::cpu),
+                         [](const auto& info) { return std::string(backend_name(info.param)); });
+
+/// All in one leaf, whose tests take a second or so together. Between leaves and chunks alone there would be some three
+/// polls.
+TEST(FeatureCalls, LookForAStopBetweenTests) {
+    const MovingSoup<> soup = moving_grid(6, 60, 40, 2);
+    Detector detector({.backend = Backend::cpu, .threads = 1});
+    int polls = 0;
+    detector.set_poll([&] { ++polls; });
+    // A machine that stands still meanwhile polls less.
+    for (int call = 0; call < 5 && polls < 8; ++call) {
+        polls = 0;
+        detector.find_impacts(soup.view(), soup.end_view(), {.separation = 1});
+    }
+    EXPECT_GE(polls, 8);
+    std::stop_source stop;
+    detector.set_poll([&] { stop.request_stop(); });
+    const auto call = [&] { detector.find_impacts(soup.view(), soup.end_view(), {.separation = 1}, stop.get_token()); };
+    EXPECT_EQ(error_of(call).code, ErrorCode::cancelled);
+}
+
+TEST(FeatureCalls, HandTheirAnswersOver) {
+    const MovingSoup<> soup = moving_grid(4, 30, 24, 3);
+    Detector detector({.backend = Backend::cpu, .threads = 2}), fresh({.backend = Backend::cpu});
+    const Impacts& impacts = detector.find_impacts(soup.view(), soup.end_view(), {.index = true});
+    const Nearby& nearby = detector.find_near(soup.view(), {.radius = 1, .index = true});
+    const Pair* const storage = impacts.vertex_faces().pairs.data();
+    Impacts taken;
+    Nearby near;
+    detector.swap_result(taken);
+    detector.swap_result(near);
+    EXPECT_EQ(taken.vertex_faces().pairs.data(), storage) << "nothing is copied";
+    EXPECT_FALSE(impacts.any || impacts.first.found || impacts.count || !impacts.edge_edges().pairs.empty());
+    EXPECT_FALSE(nearby.any || nearby.count || !nearby.edge_edges().pairs.empty());
+    Impacts spare;
+    detector.find_impacts(soup.view(), soup.view().vertices);
+    detector.swap_result(spare);
+    detector.find_near(soup.view(), {});
+    const Impacts& expected = fresh.find_impacts(soup.view(), soup.end_view(), {.index = true});
+    EXPECT_TRUE(same_features(taken, expected));
+    EXPECT_TRUE(same_features(near, fresh.find_near(soup.view(), {.radius = 1, .index = true})));
+    detector.swap_result(taken);  // gives its storage for the next
+    EXPECT_EQ(taken.count, 0);
+    EXPECT_TRUE(same_features(detector.find_impacts(soup.view(), soup.end_view(), {.index = true}), expected));
+}
+
+TEST(FeatureCalls, DoNotDependOnThoseBefore) {
+    const auto soups = [] {
+        std::vector<MovingSoup<>> all{moving_grid(3, 20, 20, 4), in_general(60, 0.3, 0.2, 5), {}};
+        all.push_back(all[1]);
+        for (auto& p : all.back().end) p[0] += 0.01;  // the next frame of the same triangles
+        all.push_back(all[1]);
+        std::swap(all.back().triangles[3], all.back().triangles[40]);  // other triangles, as many
+        return all;
+    }();
+    Detector warm({.backend = Backend::cpu, .threads = 2, .leaf_size = 8});
+    for (int round = 0; round < 2; ++round)
+        for (std::size_t s = 0; s < soups.size(); ++s) {
+            SCOPED_TRACE(s);
+            const MovingSoup<>& soup = soups[s];
+            Detector fresh({.backend = Backend::cpu, .threads = 2, .leaf_size = 8});
+            const Motion motion{.weld = s % 2 == 0, .index = true};
+            ASSERT_TRUE(same_features(warm.find_impacts(soup.view(), soup.end_view(), motion),
+                                      fresh.find_impacts(soup.view(), soup.end_view(), motion)));
+            ASSERT_TRUE(same_features(warm.find_near(soup.view(), {.radius = 0.1}),
+                                      fresh.find_near(soup.view(), {.radius = 0.1})));
+            ASSERT_TRUE(same_answer(warm.find_self(soup.view()), fresh.find_self(soup.view())));
+            std::vector<Shape> shapes{Shape(soup.view())};
+            shapes[0].end = soup.end_view();
+            const std::vector<Body> bodies{{.world = 0}, {.world = 1}, {.world = 1}};
+            ASSERT_TRUE(
+                same_features(warm.find({shapes, bodies, {}}, motion), fresh.find({shapes, bodies, {}}, motion)));
+        }
+}
+
+class FeatureMemory : public testing::TestWithParam<int> {};
+
+TEST_P(FeatureMemory, IsBounded) {
+    const MovingSoup<> soup = in_general(600, 0.1, 0.1, 6);
+    const Options options{.backend = Backend::cpu, .threads = GetParam(), .leaf_size = 40};
+    const auto questions = {0, 1};
+    for (const int question : questions) {
+        const auto ask = [&](Detector& detector) -> std::int64_t {
+            return question ? detector.find_near(soup.view(), {.radius = 0.01}).statistics.peak_memory_bytes
+                            : detector.find_impacts(soup.view(), soup.end_view()).statistics.peak_memory_bytes;
+        };
+        Detector free(options);
+        const std::int64_t peak = ask(free);
+        Impacts impacts;
+        Nearby nearby;
+        free.swap_result(impacts);
+        free.swap_result(nearby);
+        const auto same = [&](Detector& detector) {
+            Impacts found;
+            Nearby found_near;
+            detector.swap_result(found);
+            detector.swap_result(found_near);
+            return question ? same_features(found_near, nearby) : same_features(found, impacts);
+        };
+        bool refused = false;
+        for (std::int64_t limit = peak; limit > 10'000; limit = limit * 3 / 5) {
+            SCOPED_TRACE(testing::Message() << "limit " << limit << ", question " << question);
+            Options tight = options;
+            tight.memory_limit = limit;
+            tight.count_bytes_needed = true;
+            Detector limited(tight);
+            try {
+                EXPECT_LE(ask(limited), limit);
+                EXPECT_TRUE(same(limited));
+            } catch (const Error& error) {
+                refused = true;
+                ASSERT_EQ(error.code, ErrorCode::memory_limit) << error.what();
+                EXPECT_GT(error.bytes_needed, limit);
+                EXPECT_FALSE(error.bytes_needed_at_least);
+                tight.count_bytes_needed = false;
+                Detector hasty(tight);
+                const Error least = error_of([&] { ask(hasty); });
+                EXPECT_TRUE(least.bytes_needed_at_least);
+                EXPECT_GT(least.bytes_needed, limit);
+                EXPECT_LE(least.bytes_needed, error.bytes_needed) << "a lower bound";
+                tight.memory_limit = error.bytes_needed;
+                for (int again = 0; again < 5; ++again) {
+                    Detector enough(tight);
+                    EXPECT_LE(ask(enough), error.bytes_needed);
+                    EXPECT_TRUE(same(enough));
+                }
+                EXPECT_NO_THROW(limited.find_near(MeshView(), {})) << "usable still";
+            }
+        }
+        EXPECT_TRUE(refused) << "no limit was too small";
+    }
+}
+INSTANTIATE_TEST_SUITE_P(Threads, FeatureMemory, testing::Values(1, 2, 5));
+
+}  // namespace
+}  // namespace crumple::test
