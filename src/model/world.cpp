@@ -22,9 +22,9 @@ void check_end(const Shape& shape, std::size_t s) {
     const auto refuse_shape = [&](const std::string& what) {
         refuse("shape " + std::to_string(s) + ": " + what, Element::shape, static_cast<std::int64_t>(s));
     };
-    if (end.rows != shape.vertices.rows || end.type != shape.vertices.type)
+    if (end.rows != shape.vertices.rows)
         refuse_shape("there are " + std::to_string(end.rows) + " vertices at the end for " +
-                     std::to_string(shape.vertices.rows) + " at the start, or of another precision");
+                     std::to_string(shape.vertices.rows) + " at the start");
     if (!end.data) refuse_shape("the vertices at the end have no data");
 }
 

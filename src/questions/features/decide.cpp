@@ -1,7 +1,7 @@
 #include "questions/features/decide.h"
 
 #include "questions/motion/decide_impact.h"
-#include "questions/motion/rational_separation.h"
+#include "questions/motion/decide_separation.h"
 #include "questions/near/decide_distance.h"
 
 namespace crumple {
@@ -17,9 +17,9 @@ FeatureDecision impact(FeatureKind kind, const FeaturePoints& p, FeatureCounts& 
 
 FeatureDecision separated_impact(FeatureKind kind, const FeaturePoints& p, const Separation& separation,
                                  FeatureCounts& counts) {
-    ++counts.rational;
-    const Impact impact = kind == FeatureKind::vertex_face ? vertex_face(p[0], p[1], p[2], p[3], separation)
-                                                           : edge_edge(p[0], p[1], p[2], p[3], separation);
+    SeparationCounts by;
+    const Impact impact = decide_separation(kinds_of(kind), p, separation, by);
+    counts.rational += by.rational;
     return {impact.meets, impact.toi, impact.start};
 }
 

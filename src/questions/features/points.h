@@ -25,10 +25,13 @@ inline FeaturePoints points_of(const Scene& scene, const std::int32_t (&vertex)[
             moving_point(scene, vertex[3])};
 }
 
+inline FeatureKinds kinds_of(FeatureKind kind) {
+    return kind == FeatureKind::vertex_face ? FeatureKinds::vertex_face : FeatureKinds::edge_edge;
+}
+
 /// The points at rest, where they are at the start.
 inline Features at_start(FeatureKind kind, const FeaturePoints& p) {
-    return {kind == FeatureKind::vertex_face ? FeatureKinds::vertex_face : FeatureKinds::edge_edge,
-            {p[0].start, p[1].start, p[2].start, p[3].start}};
+    return {kinds_of(kind), {p[0].start, p[1].start, p[2].start, p[3].start}};
 }
 
 }  // namespace crumple

@@ -174,7 +174,9 @@ void FeatureLeaves<moments>::decide_tests(FeatureKind kind, Worker& worker) {
     worker.statistics.double_tests += static_cast<std::int64_t>(tests.size());
     FeatureCounts counts;
     for (const FeatureTest& test : tests) {
+        const std::int64_t rational = counts.rational;
         const FeatureDecision decision = decide(kind, points_of(call_->scene, test.vertex), *query_, counts);
+        if (counts.rational != rational) call_->cancellation.check();  // some take a millisecond
         if (!decision.hit) continue;
         any_.store(true, std::memory_order_relaxed);
         if (query_->extent == Extent::any) break;
