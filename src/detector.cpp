@@ -440,7 +440,7 @@ const Collisions& Detector::find(const Part& part, const Query& query, std::stop
 const WorldCollisions& Detector::find(const World& world, const Intersect& question, std::stop_token stop) {
     return implementation_->find(world, question, std::move(stop));
 }
-const Impacts& Detector::find(const World& world, const Motion& question, std::stop_token stop) {
+const Impacts& Detector::find_impacts(const World& world, const Motion& question, std::stop_token stop) {
     return implementation_->find(world, question, true, implementation_->impacts, std::move(stop));
 }
 const Impacts& Detector::find_impacts(const MeshView& mesh, const VertexView& end, const Motion& question,
@@ -458,7 +458,7 @@ bool Detector::is_free(const MeshView& mesh, const VertexView& end, const Motion
     asked.wants = MotionWants::any;
     return !find_impacts(mesh, end, asked, std::move(stop)).any;
 }
-const Nearby& Detector::find(const World& world, const Near& question, std::stop_token stop) {
+const Nearby& Detector::find_near(const World& world, const Near& question, std::stop_token stop) {
     return implementation_->find(world, question, true, implementation_->nearby, std::move(stop));
 }
 const Nearby& Detector::find_near(const MeshView& mesh, const Near& question, std::stop_token stop) {

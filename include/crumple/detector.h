@@ -1,10 +1,12 @@
 #pragma once
 
+#include <concepts>
 #include <cstdint>
 #include <functional>
 #include <memory>
 #include <stop_token>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "crumple/collisions.h"
@@ -76,7 +78,7 @@ class Detector {
 
     /// What touches what on the way from the start of a step to its end, and when: all impacts of vertices with faces
     /// and of edges with edges, exactly (docs/motion.md). Not with the cuda backend.
-    const Impacts& find(const World& world, const Motion& question, std::stop_token stop = {});
+    const Impacts& find_impacts(const World& world, const Motion& question = {}, std::stop_token stop = {});
     /// The same for one mesh, whose vertices are at `end` at the end.
     const Impacts& find_impacts(const MeshView& mesh, const VertexView& end, const Motion& question = {},
                                 std::stop_token stop = {});
@@ -96,9 +98,19 @@ class Detector {
 
     /// What is near what: all pairs of vertices and faces, and of edges and edges, within a distance, exactly
     /// (docs/nearness.md). Not with the cuda backend.
-    const Nearby& find(const World& world, const Near& question, std::stop_token stop = {});
+    const Nearby& find_near(const World& world, const Near& question, std::stop_token stop = {});
     /// The same for one mesh.
     const Nearby& find_near(const MeshView& mesh, const Near& question, std::stop_token stop = {});
+
+    /// The same by the question's type, which has to be named: `find(world, {.weld = true})` is about intersections.
+    template <std::same_as<Motion> Question>
+    const Impacts& find(const World& world, const Question& question, std::stop_token stop = {}) {
+        return find_impacts(world, question, std::move(stop));
+    }
+    template <std::same_as<Near> Question>
+    const Nearby& find(const World& world, const Question& question, std::stop_token stop = {}) {
+        return find_near(world, question, std::move(stop));
+    }
 
     /// Cuts a scene into `count` (1 to 262,144) parts. Depends only on the arguments, so that several machines that are
     /// given the same meshes make the same parts. Meshes of a device are copied to the host first. O(triangles times 64

@@ -74,7 +74,7 @@ struct BuildInput {
     std::int64_t members;
     LeafFrame frame;
     std::int64_t ends = 0;  ///< where a vertex's point at the end of a step lies behind that at the start
-    Inflation inflation;
+    Inflation inflation = {};
 };
 
 /// What `build` leaves behind beside boxes and records. Of no members: a box with its bounds the wrong way round.
