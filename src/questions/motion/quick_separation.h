@@ -40,35 +40,27 @@ class CloseSeparation {
         end_ = difference<kinds>(p.end, q.end, r.end, s.end, subtract);
     }
 
-    /// `far`: as far as float64 knows.
-    CRUMPLE_HD QuickImpact decide(const Separation& separation, const FarTime& far) const {
+    /// `far`: as far as float64 knows of `distance`, which is not less than that of the separation.
+    CRUMPLE_HD QuickImpact decide(const Separation& separation, FarTime far, double distance) const {
         const Shortest at_start = shortest(0);
         SquaredLimit limit;
         if (!squared_limit(separation, at_start, limit)) return {};
         if (!far.any) {
             if (closer(at_start, 0, limit)) return {Verdict::meets, 0, true};
             if (!farther_between(at_start, 0, at_start, 0, limit)) return {};
+            far.any = true;
         }
-        const Shortest before = far.until == 0 ? at_start : shortest(far.until);
-        // Newton's method: when the points that are closest now would be at that distance.
-        constexpr int most_steps = 8;
-        Shortest there = before;
-        DoubleWord crossing = word(far.until);
-        for (int step = 0; step < most_steps; ++step) {
-            const double last = crossing.high;
-            crossing = down_at_limit(there, limit);
-            if (!(crossing.high >= far.until)) return {};
-            if (crossing.high >= 1) crossing = word(1);
-            if (crossing.high == last) break;
-            there = shortest(crossing.high);
+        // Where features part again nearly at the distance, double words lead past that, and float64 goes on.
+        constexpr int most_passes = 2;
+        for (int passes = 0;; ++passes) {
+            const Shortest before = shortest(far.until);
+            const QuickImpact found = contact_after(before, far.until, limit);
+            if (found.verdict != Verdict::unknown || passes == most_passes) return found;
+            const double past = far_past(before, far.until, limit);
+            if (!(past > far.until)) return {};
+            far = far_time(rounded_, distance, {true, past});
+            if (far.until == 1) return {Verdict::apart};
         }
-        if (crossing.high == 1 && farther_between(before, far.until, there, 1, limit)) return {Verdict::apart};
-        if (!(crossing.high > 0x1p-100)) return {};
-        const double toi = crossing.low < 0 ? std::nextafter(crossing.high, 0.0) : crossing.high;
-        if (toi < crossing.high) there = shortest(toi);  // as exactly as that, for it may turn fast
-        const bool certain = toi >= far.until && toi < 1 && farther_between(before, far.until, there, toi, limit) &&
-                             closer(there, std::nextafter(toi, 1.0), limit);
-        return certain ? QuickImpact{Verdict::meets, toi} : QuickImpact{};
     }
 
    private:
@@ -121,6 +113,38 @@ class CloseSeparation {
         const double step = -product(first.g, along).high / product(along, along).high;
         const bool inside = guess.r + step > 0 && guess.r + step < 1;
         return inside ? on_side(two_sum(guess.r, step)) : first;
+    }
+
+    /// What follows, if they are farther apart until `from`, where `before` is.
+    CRUMPLE_HD QuickImpact contact_after(const Shortest& before, double from, const SquaredLimit& limit) const {
+        // Newton's method: when the points that are closest now would be at that distance.
+        constexpr int most_steps = 8;
+        Shortest there = before;
+        DoubleWord crossing = word(from);
+        for (int step = 0; step < most_steps; ++step) {
+            const double last = crossing.high;
+            crossing = down_at_limit(there, limit);
+            if (!(crossing.high >= from)) return {};
+            if (crossing.high >= 1) crossing = word(1);
+            if (crossing.high == last) break;
+            there = shortest(crossing.high);
+        }
+        if (crossing.high == 1 && farther_between(before, from, there, 1, limit)) return {Verdict::apart};
+        if (!(crossing.high > 0x1p-100)) return {};
+        const double toi = crossing.low < 0 ? std::nextafter(crossing.high, 0.0) : crossing.high;
+        if (toi < crossing.high) there = shortest(toi);  // as exactly as that, for it may turn fast
+        const bool certain = toi >= from && toi < 1 && farther_between(before, from, there, toi, limit) &&
+                             closer(there, std::nextafter(toi, 1.0), limit);
+        return certain ? QuickImpact{Verdict::meets, toi} : QuickImpact{};
+    }
+
+    /// A time after `from` until which they are farther apart, too, or `from` itself.
+    CRUMPLE_HD double far_past(const Shortest& before, double from, const SquaredLimit& limit) const {
+        for (double step = 0x1p-8; step > 0x1p-46; step *= 0x1p-6) {
+            const double to = min(1., from + step);
+            if (farther_between(before, from, shortest(to), to, limit)) return to;
+        }
+        return from;
     }
 
     /// False if the share is of nothing that is known well enough.
@@ -221,9 +245,9 @@ CRUMPLE_HD inline double rounded_limit(const MovingDifference<kinds>& x, const S
 
 template <FeatureKinds kinds>
 CRUMPLE_HD_COLD QuickImpact close_separation(const std::array<MovingPoint, 4>& points, const Separation& separation,
-                                             const MovingDifference<kinds>& x, const FarTime& far) {
+                                             const MovingDifference<kinds>& x, const FarTime& far, double distance) {
     if (!(x.size < 0x1p100)) return {};
-    return CloseSeparation<kinds>(points, x).decide(separation, far);
+    return CloseSeparation<kinds>(points, x).decide(separation, far, distance);
 }
 
 }  // namespace detail
@@ -232,9 +256,10 @@ template <FeatureKinds kinds>
 CRUMPLE_HD inline QuickImpact quick_separation(const std::array<MovingPoint, 4>& points, const Separation& separation) {
     const detail::MovingDifference<kinds> x(points);
     if (!x.in_range()) return {};
-    const detail::FarTime far = detail::far_time(x, detail::rounded_limit(x, separation));
+    const double distance = detail::rounded_limit(x, separation);
+    const detail::FarTime far = detail::far_time(x, distance);
     if (far.any && far.until == 1) return {Verdict::apart};
-    return detail::close_separation(points, separation, x, far);
+    return detail::close_separation(points, separation, x, far, distance);
 }
 
 }  // namespace crumple

@@ -76,10 +76,10 @@ CRUMPLE_HD inline FarTime far_along(const MovingDifference<kinds>& x, const Vec3
     return {true, until > from && above(until) ? until : from};
 }
 
+/// From what is known on.
 template <FeatureKinds kinds>
-CRUMPLE_HD inline FarTime far_time(const MovingDifference<kinds>& x, double distance) {
+CRUMPLE_HD inline FarTime far_time(const MovingDifference<kinds>& x, double distance, FarTime far = {}) {
     constexpr int most_steps = 24;
-    FarTime far;
     for (int step = 0; step < most_steps && far.until < 1; ++step) {
         const Difference<double> now = x.at(far.until);
         const FarTime next = far_along(x, at(now, closest<kinds>(now)), distance, far.until);
