@@ -106,7 +106,7 @@ TEST_P(SeparationTruth, IsFoundToTheLastBitWhereFloat64Decides) {
         }
     }
     EXPECT_GT(later, asked / 100);
-    EXPECT_LE(counts.rational, asked / 100);
+    EXPECT_LE(counts.rational, asked / 500);
 }
 
 INSTANTIATE_TEST_SUITE_P(GroundTruth, SeparationTruth, testing::Range(std::size_t{0}, scene_steps.size()),
