@@ -39,10 +39,10 @@ CRUMPLE_HD inline auto difference(const Point& p, const Point& q, const Point& r
 
 /// How many corners the domain has: (0, 0), (1, 0), (0, 1), (1, 1), so far.
 template <FeatureKinds kinds>
-inline constexpr int corners = kinds == FeatureKinds::edge_edge     ? 4
-                               : kinds == FeatureKinds::vertex_face ? 3
-                               : kinds == FeatureKinds::vertex_edge ? 2
-                                                                    : 1;
+inline constexpr std::size_t corners = kinds == FeatureKinds::edge_edge     ? 4
+                                       : kinds == FeatureKinds::vertex_face ? 3
+                                       : kinds == FeatureKinds::vertex_edge ? 2
+                                                                            : 1;
 
 /// A point (s + r ds, t + r dt) of the domain's border, from a corner along a side; or, if `inside`, the point (s, t).
 struct DomainPoint {
@@ -53,7 +53,7 @@ struct DomainPoint {
 /// Where about the difference is shortest; never far outside of the domain, whatever the rounding errors.
 template <FeatureKinds kinds>
 CRUMPLE_HD inline DomainPoint closest(const Difference<double>& x) {
-    const auto& [w, u, v] = x;
+    const Vec3d &w = x.w, &u = x.u, &v = x.v;
     const double uu = dot(u, u), uv = dot(u, v), vv = dot(v, v), uw = dot(u, w), vw = dot(v, w);
     if constexpr (corners < kinds >> 2) {
         const double area = uu * vv - uv * uv, s = (uv * vw - vv * uw) / area, t = (uv * uw - uu * vw) / area;

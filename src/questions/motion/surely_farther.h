@@ -63,12 +63,12 @@ CRUMPLE_HD inline FarTime far_along(const MovingDifference<kinds>& x, const Vec3
     const std::array<double, 4> start = heights<kinds>(x.start, direction), end = heights<kinds>(x.end, direction);
     const auto above = [&](double t) {
         bool all = true;
-        for (int i = 0; i < corners<kinds>; ++i) all = all && (1 - t) * start[i] + t * end[i] > bound;
+        for (std::size_t i = 0; i < corners<kinds>; ++i) all = all && (1 - t) * start[i] + t * end[i] > bound;
         return all;
     };
     if (!above(from)) return {false, from};
     double until = 1;
-    for (int i = 0; i < corners<kinds>; ++i) {
+    for (std::size_t i = 0; i < corners<kinds>; ++i) {
         // A little earlier than where it reaches the bound, so that rounding leaves it above.
         const double fall = start[i] - end[i];
         if (!(end[i] > bound)) until = min(until, (start[i] - (bound + error)) / fall);
