@@ -6,6 +6,8 @@
 // Features are those of rational_impact.h. Here `meets` says that their distance is at most that of the separation at
 // some t in [0, 1], `toi` is the first such t, and `start` says that it is 0. Without a separation, or with a share of
 // no distance, the answers are those of rational_impact.h.
+//
+// Cost: 60 to 200 us for ordinary coordinates, half a second where magnitudes span the range of float64.
 
 #include "questions/motion/impact.h"
 #include "questions/motion/separation.h"
