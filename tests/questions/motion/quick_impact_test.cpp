@@ -189,6 +189,43 @@ TEST(QuickImpact, RoundsDownRootsNextToFloat64Numbers) {
     EXPECT_GT(tally.unknown, 0) << "not at the edge";
 }
 
+TEST(QuickImpact, IsRightWithinRoundingOfABorder) {
+    // Contact at any time, at a border, some way from it, or at a corner, as nearly as rounding allows.
+    RandomMoves random(Lattice::tiny, 89);
+    for (const Feature feature : quick_features) {
+        Tally tally;
+        for (int i = 0; i < 3000; ++i) {
+            const auto position = [&] {
+                return Vec3d{with_bits(random, 50), with_bits(random, 50), with_bits(random, 50)};
+            };
+            const double speed = std::ldexp(1, -random.below(30)), t = random.below(1 << 30) * 0x1p-30;
+            Move move{feature, {}};
+            for (MovingPoint& p : move.point) {
+                p.start = position();
+                p.end = p.start + speed * position();
+            }
+            const auto at = [&](std::size_t k) { return (1 - t) * move.point[k].start + t * move.point[k].end; };
+            const double away = i % 4 == 0 ? 0 : std::ldexp(random.below(8) - 4, -random.below(60));
+            const double far = i % 3 == 0 ? away : random.below(1 << 20) * 0x1p-20;
+            const bool face = feature == Feature::vertex_face;
+            const Vec3d corner = at(face ? 1 : 2), next = at(face ? 2 : 3);
+            Vec3d contact = corner + far * (next - corner);
+            // There the vertex is at t, or an edge ends, or a little less or more.
+            contact = face ? contact + away * (at(3) - corner) : at(1) + (1 + away) * (contact - at(1));
+            MovingPoint& p = move.point[0];
+            if (t > 0.5) {
+                p.end = p.start + 1 / t * (contact - p.start);
+            } else {
+                p.start = p.end + 1 / (1 - t) * (contact - p.end);
+            }
+            check(move, tally);
+        }
+        EXPECT_GT(tally.meets, 300);
+        EXPECT_GT(tally.apart, 300);
+        EXPECT_GT(tally.unknown, 300) << "not at the edge";
+    }
+}
+
 TEST(QuickImpact, IsRightForEdgesThatAreOnOneLine) {
     // At 5/16 they are, and an end of one is at one of the other.
     RandomMoves random(Lattice::tiny, 71);
