@@ -27,7 +27,7 @@ ClosestPoints Distance::closest() {
     return enclosure().closest(points) ? points : exact().closest();
 }
 
-const detail::Enclosure& Distance::enclosure() {
+detail::Enclosure& Distance::enclosure() {
     if (!enclosure_) enclosure_ = quick_.enclosure();
     return *enclosure_;
 }

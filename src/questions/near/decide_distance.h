@@ -36,7 +36,7 @@ class Distance {
     ClosestPoints closest();
 
    private:
-    const detail::Enclosure& enclosure();
+    detail::Enclosure& enclosure();
     const RationalDistance& exact();
 
     Features features_;

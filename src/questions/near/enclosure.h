@@ -15,6 +15,7 @@
 #include <limits>
 
 #include "questions/near/seen_from_guess.h"
+#include "questions/near/without_rounding.h"
 
 namespace crumple::detail {
 
@@ -42,8 +43,8 @@ class Enclosure {
         if (free > 0) error_ = 17 * epsilon * epsilon * (length_1(high(w)) + s * u_length_ + t * v_length_);
         along_u_ = rounded_slope(u, u_length_), along_v_ = rounded_slope(v, v_length_);
         enclose();
-        if (touching()) type_ = first_common_vertex(features);
-        for (int step = 0; step < 2 && !touching() && !(below_ <= 0x1p-80 * squared_.high); ++step) refine();
+        if (certainly_touching()) type_ = first_common_vertex(features);
+        for (int step = 0; step < 2 && !certainly_touching() && !(below_ <= 0x1p-80 * squared_.high); ++step) refine();
     }
 
     /// squared - below ≤ squared distance ≤ squared + above, in real numbers; infinite where nothing is known.
@@ -52,51 +53,58 @@ class Enclosure {
     CRUMPLE_HD double above() const { return above_; }
 
     /// Whether the features certainly have a point in common, or certainly none.
-    CRUMPLE_HD bool touching() const { return above_ == 0; }
+    CRUMPLE_HD bool touching() {
+        if (certainly_touching()) return true;
+        return !apart() && settle() && certainly_touching();
+    }
     CRUMPLE_HD bool apart() const { return below_ < 0.5 * squared_.high; }
 
-    CRUMPLE_HD Proximity compare(const Reach& reach) const {
-        if (touching()) return !reach.strict || reach.a > 0 || reach.b > 0 ? Proximity::within : Proximity::beyond;
-        const TwoTerms radius = two_sum(reach.a, reach.b);
-        return radius.high <= largest_size ? compare_with_square(radius) : Proximity::unknown;
+    CRUMPLE_HD Proximity compare(const Reach& reach) {
+        const int order = compare_with(two_sum(reach.a, reach.b));
+        if (order == undecided) return Proximity::unknown;
+        return order < 0 || (order == 0 && !reach.strict) ? Proximity::within : Proximity::beyond;
     }
 
     /// Whether the squared distance rounds to one number for certain; if so, that is it.
-    CRUMPLE_HD bool squared_rounded(double& rounded) const {
-        rounded = squared_.high + (squared_.low + above_);
-        return squared_.high + (squared_.low - below_) == rounded;
+    CRUMPLE_HD bool squared_rounded(double& rounded) {
+        const auto certain = [&] {
+            rounded = squared_.high + (squared_.low + above_);
+            return squared_.high + (squared_.low - below_) == rounded;
+        };
+        return certain() || (settle() && certain());
     }
 
     /// Whether it is certain which float64 is the largest that is not above the distance; if so, that is it.
-    CRUMPLE_HD bool rounded_down(double& rounded) const {
+    CRUMPLE_HD bool rounded_down(double& rounded) {
         if (touching()) return rounded = 0, true;
         if (!apart()) return false;
-        const auto not_above = [&](double x) { return compare_with_square({x, 0}) == Proximity::beyond; };
-        const auto above = [&](double x) { return compare_with_square({x, 0}) == Proximity::within; };
-        const double root = std::sqrt(squared_.high), next = std::nextafter(root, largest_size);
-        rounded = above(root) ? std::nextafter(root, 0.0) : root;
-        return not_above(rounded) && (rounded < root || above(next));
+        rounded = std::sqrt(squared_.high);
+        int order = compare_with({rounded, 0});
+        if (order == -1) {
+            rounded = std::nextafter(rounded, 0.0);
+            return order = compare_with({rounded, 0}), order == 0 || order == 1;
+        }
+        return order == 0 || (order == 1 && compare_with({std::nextafter(rounded, largest_size), 0}) == -1);
     }
 
     /// Whether it is certain where the features are closest; if so, that is it.
-    CRUMPLE_HD bool closest(ClosestPoints& points) const {
+    CRUMPLE_HD bool closest(ClosestPoints& points) {
+        if (!certainly_touching() && apart()) {
+            Enclosure precise = *this;
+            if (!refined_) precise.refine();
+            points.type = type_;
+            if (precise.type_certain() && precise.parameters(points.at)) return true;
+        }
         points.type = type_;
-        if (touching()) return parameters(points.at);
-        if (!apart()) return false;
-        Enclosure precise = *this;
-        if (!refined_) precise.refine();
-        return precise.type_certain() && precise.parameters(points.at);
+        return settle() && settled_type_certain() && parameters(points.at);
     }
 
    private:
+    enum class Settled : std::uint8_t { untried, no, yes };
+
     static constexpr double epsilon = near_epsilon;
     /// Products of numbers above these do not underflow; where slopes do, they are below this slack.
     static constexpr double least_squared = 0x1p-400, slope_slack = 0x1p-500;
-
-    template <class Type>
-    CRUMPLE_HD static constexpr std::uint8_t number(Type type) {
-        return static_cast<std::uint8_t>(type);
-    }
 
     CRUMPLE_HD Slope rounded_slope(const Vec3d& along, double length) const {
         const Vec3d g = high(g_);
@@ -223,7 +231,8 @@ class Enclosure {
                 continue;
             }
             const DoubleWord x = name == 't' ? two_sum(seen_.t, t_low_) : two_sum(seen_.s, s_low_);
-            const double slack = 1.1 * (name == 't' ? t_error() : s_error()) + 8 * epsilon * epsilon;
+            const double slack =
+                settled_ == Settled::yes ? 0 : 1.1 * (name == 't' ? t_error() : s_error()) + 8 * epsilon * epsilon;
             const TwoTerms high = name == 'c' ? two_sum(1, -x.high) : TwoTerms{x.high, 0};
             const double low = high.low + (name == 'c' ? -x.low : x.low);
             at[i] = high.high + (low + slack);
@@ -232,15 +241,38 @@ class Enclosure {
         return certain;
     }
 
-    /// Of the distance and a number: beyond, if the distance is certainly longer, and within if it is shorter.
-    CRUMPLE_HD Proximity compare_with_square(TwoTerms x) const {
+    /// The sign of the distance minus x ≥ 0, or `undecided`.
+    CRUMPLE_HD int compare_with(TwoTerms x) {
+        if (!(x.high <= largest_size)) return squared_.high + above_ < 0.5 * largest_size * largest_size ? -1 : undecided;
         const TwoTerms square = two_product(x.high, x.high);
         const DoubleWord difference = squared_ - fast_two_sum(square.high, square.low + 2 * (x.high * x.low));
         const double size = (1 - 4 * epsilon) * std::abs(difference.high),
                      slack = 16 * epsilon * epsilon * square.high + near_slack;
-        if (difference.high > 0 && size > below_ + slack) return Proximity::beyond;
-        if (difference.high < 0 && size > above_ + slack) return Proximity::within;
-        return Proximity::unknown;
+        if (difference.high > 0 && size > below_ + slack) return 1;
+        if (difference.high < 0 && size > above_ + slack) return -1;
+        if (!in_expansion_range(x.high) || !in_expansion_range(x.low) || !settle()) return undecided;
+        return compare_with_square_exactly(squared_, x);
+    }
+
+    CRUMPLE_HD bool certainly_touching() const { return squared_.high == 0 && above_ == 0; }
+
+    /// Whether nothing was rounded. Then the enclosure is one number from now on.
+    CRUMPLE_HD bool settle() {
+        if (settled_ == Settled::untried) {
+            const bool exact = certainly_touching() || (s_low_ == 0 && t_low_ == 0 && is_exact(seen_, g_, squared_));
+            settled_ = exact ? Settled::yes : Settled::no;
+            if (exact) below_ = above_ = 0;
+        }
+        return settled_ == Settled::yes;
+    }
+
+    /// Where nothing was rounded, the point is closest. It is the only one if f is curved, and then no smaller part's
+    /// if it is inside.
+    CRUMPLE_HD bool settled_type_certain() const {
+        if (certainly_touching() && seen_.free == 0) return true;
+        const double s = seen_.s, t = seen_.t;
+        const bool inside = (seen_.free < 1 || (s > 0 && s < 1)) && (seen_.free < 2 || (t > 0 && t < 1));
+        return inside && (kinds_ == FeatureKinds::vertex_edge ? uu_ > least_squared : curved());
     }
 
     SeenFromGuess seen_;
@@ -255,6 +287,7 @@ class Enclosure {
     FeatureKinds kinds_;
     std::uint8_t type_;
     bool refined_ = false;
+    Settled settled_ = Settled::untried;
 };
 
 }  // namespace crumple::detail
