@@ -110,23 +110,29 @@ CRUMPLE_HD inline Guess guess_face(const Differences& d) {
     return guess(P_T, s, min(within_unit(at_c / sum), (1 - 8 * near_epsilon) * (1 - s)));
 }
 
-/// The closest points of the lines, if not parallel; then each in turn put into its edge.
+/// From a point of the first edge to the closest of the second; if that is an end, from there to the first edge.
+/// Between lines' closest points that is the least there is (Ericson, section 5.1.9).
 CRUMPLE_HD inline Guess guess_edges(const Differences& d) {
     const double uu = dot(d.u, d.u), uv = dot(d.u, d.v), vv = dot(d.v, d.v), uw = dot(d.u, d.w), vw = dot(d.v, d.w);
+    const auto share = [](double place, double length) {
+        return place > 0 ? (place < length ? within_unit(place / length) : 1) : 0;
+    };
+    const auto guess = [&](double s) {
+        const double t = share(-(vw + s * uv), vv);
+        if (t == 0 || t == 1) s = share(-(uw + t * uv), uu);
+        using enum EdgeEdgeType;
+        constexpr EdgeEdgeType types[3][3] = {
+            {EA0_EB0, EA0_EB1, EA0_EB}, {EA1_EB0, EA1_EB1, EA1_EB}, {EA_EB0, EA_EB1, EA_EB}};
+        const auto part = [](double x) { return x == 0 ? 0 : x == 1 ? 1 : 2; };
+        return Guess{static_cast<std::uint8_t>(types[part(s)][part(t)]), s, t};
+    };
     const double area = uu * vv - uv * uv;
     constexpr double parallel = 0x1p-46;
-    double s = area > parallel * (uu * vv) ? within_unit((uv * vw - vv * uw) / area) : 0;
-    const double place = -(vw + s * uv);
-    double t = place > 0 ? (place < vv ? within_unit(place / vv) : 1) : 0;
-    if (t == 0 || t == 1) {
-        const double other = -(uw + t * uv);
-        s = other > 0 ? (other < uu ? within_unit(other / uu) : 1) : 0;
-    }
-    using enum EdgeEdgeType;
-    constexpr EdgeEdgeType types[3][3] = {
-        {EA0_EB0, EA0_EB1, EA0_EB}, {EA1_EB0, EA1_EB1, EA1_EB}, {EA_EB0, EA_EB1, EA_EB}};
-    const auto part = [](double x) { return x == 0 ? 0 : x == 1 ? 1 : 2; };
-    return {static_cast<std::uint8_t>(types[part(s)][part(t)]), s, t};
+    if (area > parallel * (uu * vv)) return guess(within_unit((uv * vw - vv * uw) / area));
+    // Where edges run along each other, at one of both ends of that.
+    const Guess first = guess(0), last = guess(1);
+    const Vec3d g = d.w + first.s * d.u + first.t * d.v, h = d.w + last.s * d.u + last.t * d.v;
+    return dot(h, h) < dot(g, g) ? last : first;
 }
 
 CRUMPLE_HD inline Guess guess_closest(const Differences& d) {

@@ -243,7 +243,8 @@ class Enclosure {
 
     /// The sign of the distance minus x ≥ 0, or `undecided`.
     CRUMPLE_HD int compare_with(TwoTerms x) {
-        if (!(x.high <= largest_size)) return squared_.high + above_ < 0.5 * largest_size * largest_size ? -1 : undecided;
+        if (!(x.high <= largest_size))
+            return squared_.high + above_ < 0.5 * largest_size * largest_size ? -1 : undecided;
         const TwoTerms square = two_product(x.high, x.high);
         const DoubleWord difference = squared_ - fast_two_sum(square.high, square.low + 2 * (x.high * x.low));
         const double size = (1 - 4 * epsilon) * std::abs(difference.high),
