@@ -36,6 +36,7 @@ class Enclosure {
         const auto& [w, exact_u, exact_v, s, t, free] = seen_;
         const Vec3d u = high(exact_u), v = high(exact_v);
         u_length_ = length_1(u), v_length_ = length_1(v);
+        if (free == 0 && length_1(high(w)) == 0) type_ = first_common_vertex(features);
         if (!(length_1(high(w)) + u_length_ + v_length_ <= largest_size)) return;
         uu_ = dot(u, u), uv_ = dot(u, v), vv_ = dot(v, v);
         area_ = (uu_ * vv_ - uv_ * uv_) - 32 * epsilon * (uu_ * vv_);
@@ -43,7 +44,6 @@ class Enclosure {
         if (free > 0) error_ = 17 * epsilon * epsilon * (length_1(high(w)) + s * u_length_ + t * v_length_);
         along_u_ = rounded_slope(u, u_length_), along_v_ = rounded_slope(v, v_length_);
         enclose();
-        if (certainly_touching()) type_ = first_common_vertex(features);
         for (int step = 0; step < 2 && !certainly_touching() && !(below_ <= 0x1p-80 * squared_.high); ++step) refine();
     }
 
@@ -245,6 +245,7 @@ class Enclosure {
     CRUMPLE_HD int compare_with(TwoTerms x) {
         if (!(x.high <= largest_size))
             return squared_.high + above_ < 0.5 * largest_size * largest_size ? -1 : undecided;
+        if (certainly_touching()) return x.high > 0 ? -1 : 0;
         const TwoTerms square = two_product(x.high, x.high);
         const DoubleWord difference = squared_ - fast_two_sum(square.high, square.low + 2 * (x.high * x.low));
         const double size = (1 - 4 * epsilon) * std::abs(difference.high),

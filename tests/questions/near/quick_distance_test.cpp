@@ -174,6 +174,7 @@ const Disturbance disturbances[] = {
     {"Huge", [](Vec3d p, auto&) { return 0x1p1000 * p; }, 1},
     {"Around1e150", [](Vec3d p, auto&) { return 1e150 * p; }, 1},
     {"Around1e-150", [](Vec3d p, auto&) { return 1e-150 * p; }, 1},
+    {"TooLargeForPairs", [](Vec3d p, auto&) { return 0x1p270 * p; }, 1},
     {"AtTheBorderOfLargeNumbers", [](Vec3d p, auto&) { return 0x1.3p236 * p; }, 0.7},
     {"AtTheBorderOfSmallNumbers", [](Vec3d p, auto&) { return 0x1.3p-200 * p; }, 0.2},
     {"OfMixedMagnitudes",
