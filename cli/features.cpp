@@ -42,6 +42,18 @@ void add_below_option(CLI::App& app, NearOptions& options) {
     app.add_flag("--below", options.below, "Near is below the radius; what is at the radius exactly is not");
 }
 
+void refuse_beside_features(const char* question, const AnswerOptions& answer) {
+    const auto refuse_with = [&](const char* option, bool given) {
+        if (given) refuse(std::string(option) + " does not go with " + question);
+    };
+    const AnswerOptions usual;
+    refuse_with("--neighbours", answer.neighbours != usual.neighbours);
+    refuse_with("--intersections", answer.intersections != usual.intersections);
+    refuse_with("--part", answer.part.has_value());
+    refuse_with("--polygons", answer.polygons);
+    refuse_with("--contacts", answer.contacts);
+}
+
 Options feature_options(Options options) {
     if (options.backend == Backend::automatic) options.backend = Backend::cpu;
     return options;

@@ -30,6 +30,9 @@ struct NearOptions {
 /// `--below`.
 void add_below_option(CLI::App& app, NearOptions& options);
 
+/// Throws Error (invalid_argument) for options of colliding triangles. `question`: "--impacts".
+void refuse_beside_features(const char* question, const AnswerOptions& answer);
+
 /// `--backend auto` is the cpu backend here: no other one that is fast answers these questions.
 Options feature_options(Options options);
 

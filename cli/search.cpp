@@ -145,11 +145,15 @@ void check_same_faces(const Input& start, const std::string& end_name, const io:
         refuse("triangle " + std::to_string((other - mesh.triangles.begin()) / 3) + " has other vertices");
 }
 
+AnswerOptions reading_of_motion(AnswerOptions options) {
+    if (options.weld) options.weld = false;
+    return options;
+}
+
 MovingInput read_moving_input(const std::string& start, const std::string& end, const AnswerOptions& options) {
     check_standard_input({start, end});
-    AnswerOptions as_they_are = options;
-    if (options.weld) as_they_are.weld = false;
-    MovingInput input{read_input({start}, as_they_are), read_mesh(end, as_they_are)};
+    const AnswerOptions reading = reading_of_motion(options);
+    MovingInput input{read_input({start}, reading), read_mesh(end, reading)};
     check_same_faces(input.start, end, input.end);
     input.start.name += " to " + end;
     return input;

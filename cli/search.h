@@ -43,8 +43,10 @@ struct MovingInput {
 /// Throws Error (invalid_argument) unless both have the same faces. How the end's polygons were cut does not matter.
 void check_same_faces(const Input& start, const std::string& end_name, const io::TriangleMesh& end);
 
-/// Reads both; the groups are those of the start. With --weld vertices stay as they are in the files, for those that
-/// coincide in one file need not in the other. Throws Error that names the file and the place.
+/// With --weld vertices stay as they are in the files, for those that coincide in one of them need not in another.
+AnswerOptions reading_of_motion(AnswerOptions options);
+
+/// Reads both; the groups are those of the start. Throws Error that names the file and the place.
 MovingInput read_moving_input(const std::string& start, const std::string& end, const AnswerOptions& options);
 
 /// A detector that stays warm from one input to the next.

@@ -1,17 +1,20 @@
 // crumple sequence: the frames of an animation, one after another, by one detector that stays warm.
 //
-// Every frame is a row; coloured frames are a file each, or one animation. After Ctrl-C tables and animations are those
-// of the frames so far; after an error they stay as they were.
+// Every frame is a row, or every step from one to the next; coloured frames are a file each, or one animation. After
+// Ctrl-C tables and animations are those of the frames so far; after an error they stay as they were.
 
 #include <algorithm>
 #include <csignal>
 #include <filesystem>
 #include <limits>
 #include <memory>
+#include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "cli/commands.h"
+#include "cli/features.h"
 #include "cli/frames.h"
 #include "cli/numbered.h"
 #include "cli/search.h"
@@ -32,9 +35,16 @@ struct Sequence {
     scenes::Parameters parameters;
     AnswerOptions answer;
     Options options;
-    bool json = false, check = false, stats = false;
+    MotionOptions motion;
+    bool json = false, check = false, stats = false, impacts = false;
+
+    void check_impacts() const {
+        if (motion.any() && !impacts) fail("--separation and --separation-share need --impacts");
+        if (impacts) refuse_beside_features("--impacts", answer);
+    }
 
     int run() const {
+        check_impacts();
         if (!outputs.empty() || !format.empty()) check_format(outputs, format);
         std::vector<Table> tables;
         std::vector<std::string> pictures;
@@ -47,10 +57,11 @@ struct Sequence {
                 fail(path + ": a sequence is written as .csv or .json, coloured frames as .glb, .ply or .obj" +
                      (is_standard(path) ? ", to standard output as csv, json or glb" : ""));
             }
+            if (impacts && !table) fail(path + ": with --impacts a sequence is written as .csv or .json");
             if (is_standard(path))
                 standard = extension;
             else if (table)
-                tables.emplace_back(path, extension == ".json");
+                tables.emplace_back(path, extension == ".json", impacts);
             else
                 pictures.push_back(path);
         }
@@ -58,12 +69,13 @@ struct Sequence {
             fail("--triangles and --seed are for a --scene");
         Frames frames(files, scene, parameters);
         check_outputs(files_written(pictures, frames.count()), files, answer);
-        Search search(answer, options);
+        if (impacts && frames.count() < 2) fail("--impacts is of two frames or more");
+        Search search(answer, impacts ? feature_options(options) : options);
         if (standard.empty()) return find(search, frames, tables, {pictures, nullptr, frames.count()});
         int status = done;
         to_standard_output([&](std::ostream& out) {
             const bool animated = standard == ".glb";
-            if (!animated) tables.emplace_back(out, standard == ".json");
+            if (!animated) tables.emplace_back(out, standard == ".json", impacts);
             status = find(search, frames, tables, {pictures, animated ? &out : nullptr, frames.count()});
         });
         return status;
@@ -85,22 +97,43 @@ struct Sequence {
         return written;
     }
 
+    /// From `start` to a frame, which is the next start.
+    const Impacts& find_step(Search& search, Input& start, Input&& end) const {
+        check_same_faces(start, end.name, end.first);
+        start.name += " to " + end.name;
+        const Impacts& found = search.find(start, end.first, motion.question(answer, MotionWants::impacts));
+        start = std::move(end);
+        return found;
+    }
+
     int find(Search& search, Frames& frames, std::vector<Table>& tables, Pictures pictures) const {
         stop_at_first_interrupt(stop);
         Statistics sum;
         std::int64_t hits = 0;
-        Progress progress(frames.count());
+        const std::size_t count = impacts ? frames.count() - 1 : frames.count();
+        Progress progress(count);
         std::size_t i = 0;
         const auto well = [](const Table& table) { return table.well(); };
+        const auto add_row = [&](const Statistics& statistics, const FirstImpact& first = {}) {
+            progress.clear();
+            for (Table& table : tables) table.add(frames.name(i), statistics, first);
+            add(sum, statistics);
+        };
         try {
-            for (; i < frames.count() && !stop && std::all_of(tables.begin(), tables.end(), well); ++i) {
+            std::optional<Input> start;
+            for (; i < count && !stop && std::all_of(tables.begin(), tables.end(), well); ++i) {
                 progress.show(i, frames.name(i));
+                if (impacts) {
+                    const AnswerOptions reading = reading_of_motion(answer);
+                    if (!start) start = frames.load(i, reading);
+                    const Impacts& found = find_step(search, *start, frames.load(i + 1, reading));
+                    add_row(found.statistics, found.first);
+                    continue;
+                }
                 const Input input = frames.load(i, answer);
                 const Collisions& found = search.find(input);
-                progress.clear();
-                for (Table& table : tables) table.add(frames.name(i), found.statistics);
+                add_row(found.statistics);
                 pictures.add(input, found);
-                add(sum, found.statistics);
                 hits += count_hits(found);
             }
         } catch (...) {
@@ -110,9 +143,10 @@ struct Sequence {
         progress.clear();
         for (Table& table : tables) table.finish();
         pictures.finish();
-        if (stats) print_statistics(sum, hits);
+        if (stats && impacts) print_statistics(sum, "impacts of all steps");
+        if (stats && !impacts) print_statistics(sum, hits);
         if (stop) {
-            print_error(fmt::format("interrupted after {} of {} frames", i, frames.count()));
+            print_error(fmt::format("interrupted after {} of {} {}", i, count, impacts ? "steps" : "frames"));
             return interrupted;
         }
         return check && sum.pairs > 0 ? collided : done;
@@ -146,15 +180,22 @@ Command add_sequence(CLI::App& app) {
         ->allow_extra_args(false);
     command.add_flag("--json", sequence->json, "JSON instead of CSV on standard output");
     add_format_option(command, sequence->format, "csv|json|glb");
+    command.add_flag(
+        "--impacts", sequence->impacts,
+        "What touches on the way from each frame to the next, a row a step: how many impacts, and the time of "
+        "the earliest. Frames have the same faces then");
+    add_motion_options(command, sequence->motion);
     add_answer_options(command, sequence->answer);
     command.add_flag("--contacts", sequence->answer.contacts,
                      "Also compute where each pair meets; the time is a part of the stage output");
-    command.add_flag("--check", sequence->check, "Exit with status 1 if anything collides in any frame");
+    command.add_flag("--check", sequence->check,
+                     "Exit with status 1 if anything collides in any frame, or touches in any step");
     command.add_flag("--stats", sequence->stats, "Print times and counts, summed over all frames, to standard error");
     add_cost_options(command, sequence->options);
     command.footer(
         "Times are in milliseconds, those of the stages summed over threads; reading or making frames is not counted.\n"
-        "Example: crumple sequence frames/*.ply -o times.csv -o collisions.glb");
+        "Example: crumple sequence frames/*.ply -o times.csv -o collisions.glb\n"
+        "         crumple sequence frames/*.ply --impacts --check");
     return {&command, [sequence] { return sequence->run(); }};
 }
 

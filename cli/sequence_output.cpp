@@ -19,14 +19,17 @@ std::string quoted(const std::string& text) {
     return result + '"';
 }
 
-std::string csv_header() {
-    std::string line = "frame,triangles,pairs,milliseconds";
+std::string csv_header(bool impacts) {
+    std::string line = std::string("frame,triangles,") + (impacts ? "impacts,earliest" : "pairs") + ",milliseconds";
     for (int i = 0; i < stage_count; ++i) line += fmt::format(",{}", stage_name(static_cast<Stage>(i)));
     return line + '\n';
 }
 
-std::string csv_row(const std::string& frame, const Statistics& s) {
-    std::string line = quoted(frame) + fmt::format(",{},{},{:.3f}", s.triangles, s.pairs, s.milliseconds);
+/// `first`: of a step, or null.
+std::string csv_row(const std::string& frame, const Statistics& s, const FirstImpact* first) {
+    std::string line = quoted(frame) + fmt::format(",{},{}", s.triangles, s.pairs);
+    if (first) line += first->found ? fmt::format(",{}", first->toi) : ",";
+    line += fmt::format(",{:.3f}", s.milliseconds);
     for (int i = 0; i < stage_count; ++i) line += fmt::format(",{:.3f}", s[static_cast<Stage>(i)]);
     return line + '\n';
 }
@@ -34,9 +37,10 @@ std::string csv_row(const std::string& frame, const Statistics& s) {
 /// Clocks tell no more than microseconds.
 double rounded(double milliseconds) { return std::round(milliseconds * 1000) / 1000; }
 
-std::string json_row(const std::string& frame, const Statistics& s) {
-    nlohmann::ordered_json row{
-        {"frame", frame}, {"triangles", s.triangles}, {"pairs", s.pairs}, {"milliseconds", rounded(s.milliseconds)}};
+std::string json_row(const std::string& frame, const Statistics& s, const FirstImpact* first) {
+    nlohmann::ordered_json row{{"frame", frame}, {"triangles", s.triangles}, {first ? "impacts" : "pairs", s.pairs}};
+    if (first) row["earliest"] = first->found ? nlohmann::json(first->toi) : nlohmann::json();
+    row["milliseconds"] = rounded(s.milliseconds);
     for (int i = 0; i < stage_count; ++i) {
         row[std::string(stage_name(static_cast<Stage>(i)))] = rounded(s[static_cast<Stage>(i)]);
     }
@@ -45,15 +49,16 @@ std::string json_row(const std::string& frame, const Statistics& s) {
 
 }  // namespace
 
-void Table::add(const std::string& frame, const Statistics& statistics) {
+void Table::add(const std::string& frame, const Statistics& statistics, const FirstImpact& first) {
+    const FirstImpact* const of_step = impacts_ ? &first : nullptr;
     if (!out_) {
         file_ = std::make_unique<io::AtomicFile>(path_);
         out_ = &file_->stream();
     }
     if (json_) {
-        *out_ << (count_ ? ",\n" : "[\n") << json_row(frame, statistics);
+        *out_ << (count_ ? ",\n" : "[\n") << json_row(frame, statistics, of_step);
     } else {
-        *out_ << (count_ ? "" : csv_header()) << csv_row(frame, statistics);
+        *out_ << (count_ ? "" : csv_header(impacts_)) << csv_row(frame, statistics, of_step);
     }
     out_->flush();
     ++count_;

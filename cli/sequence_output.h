@@ -11,6 +11,7 @@
 
 #include "cli/search.h"
 #include "crumple/io.h"
+#include "crumple/motion.h"
 #include "io/atomic_file.h"
 
 namespace crumple::cli {
@@ -18,13 +19,13 @@ namespace crumple::cli {
 /// Rows of a table, as CSV or JSON, each written out at once. A file appears when it is finished, and only then.
 class Table {
    public:
-    /// A file.
-    Table(const std::string& path, bool json) : path_(path), json_(json) {}
+    /// A file. `impacts`: rows are of steps from one frame to the next.
+    Table(const std::string& path, bool json, bool impacts) : path_(path), json_(json), impacts_(impacts) {}
     /// A stream, which must outlive the table.
-    Table(std::ostream& out, bool json) : out_(&out), json_(json) {}
+    Table(std::ostream& out, bool json, bool impacts) : out_(&out), json_(json), impacts_(impacts) {}
 
-    /// Throws Error (file) if the file cannot be made.
-    void add(const std::string& frame, const Statistics& statistics);
+    /// `first`: of a step, else ignored. Throws Error (file) if the file cannot be made.
+    void add(const std::string& frame, const Statistics& statistics, const FirstImpact& first = {});
     /// Whether everything could be written so far.
     bool well() const { return !out_ || *out_; }
     /// Throws Error (file) if the file could not be written. A table without rows is none.
@@ -38,7 +39,7 @@ class Table {
     std::ostream* out_ = nullptr;
     void end_rows();
 
-    bool json_;
+    bool json_, impacts_;
     std::size_t count_ = 0;
 };
 

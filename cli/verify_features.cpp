@@ -114,15 +114,7 @@ bool FeatureCheck::wanted(const AnswerOptions& answer) const {
     if (near.below && !near.radius) refuse("--below needs --near");
     if (!impacts && !near.radius) return false;
     if (impacts && near.radius) refuse("--impacts and --near are two questions");
-    const AnswerOptions usual;
-    const char* const name = impacts ? "--impacts" : "--near";
-    const auto refuse_with = [&](const char* option, bool given) {
-        if (given) refuse(std::string(option) + " does not go with " + name);
-    };
-    refuse_with("--neighbours", answer.neighbours != usual.neighbours);
-    refuse_with("--intersections", answer.intersections != usual.intersections);
-    refuse_with("--part", answer.part.has_value());
-    refuse_with("--polygons", answer.polygons);
+    refuse_beside_features(impacts ? "--impacts" : "--near", answer);
     return true;
 }
 

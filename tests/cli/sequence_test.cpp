@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "crumple/io.h"
-#include "run.h"
+#include "moving.h"
 
 namespace crumple::cli::test {
 namespace {
@@ -205,6 +205,52 @@ TEST_F(Sequence, LeavesAnAnimationAfterCtrlC) {
 TEST_F(Sequence, LeavesValidJsonAfterCtrlC) {
     EXPECT_EQ(interrupt("t.json"), 130);
     EXPECT_GE(nlohmann::json::parse(read("t.json")).size(), 3u);
+}
+
+TEST_F(Sequence, ImpactsAreOfSteps) {
+    write("above.off", above_off);
+    write("below.off", below_off);
+    const Outcome outcome = crumple("sequence above.off above.off below.off --impacts");
+    EXPECT_EQ(outcome.status, 0);
+    EXPECT_EQ(outcome.err, "");
+    const auto rows = lines(outcome.out);
+    ASSERT_EQ(rows.size(), 3u);
+    EXPECT_EQ(rows[0], "frame,triangles,impacts,earliest,milliseconds,bounds,subdivide,align,sort,sweep,narrow,output");
+    EXPECT_TRUE(rows[1].starts_with("above.off,2,0,,")) << rows[1];
+    EXPECT_TRUE(rows[2].starts_with("above.off,2,1,0.5,")) << rows[2];
+    EXPECT_EQ(std::count(rows[1].begin(), rows[1].end(), ','), std::count(rows[0].begin(), rows[0].end(), ','));
+
+    EXPECT_EQ(crumple("sequence above.off above.off below.off --impacts --json --check").status, 1);
+    EXPECT_EQ(crumple("sequence above.off above.off --impacts --check").status, 0);
+    const auto json =
+        nlohmann::json::parse(crumple("sequence above.off above.off below.off --impacts --separation 0.5 --json").out);
+    ASSERT_EQ(json.size(), 2u);
+    EXPECT_TRUE(json[0]["earliest"].is_null());
+    EXPECT_EQ(json[1]["impacts"], 1);
+    EXPECT_EQ(json[1]["earliest"], 0.25);
+    const Outcome stats = crumple("sequence above.off below.off --impacts --stats");
+    EXPECT_TRUE(contains(stats.err, "1  impacts of all steps")) << stats.err;
+}
+
+TEST_F(Sequence, ImpactsOfAScene) {
+    const auto rows = lines(crumple("sequence --scene cloth --triangles 200 --impacts").out);
+    ASSERT_GT(rows.size(), 2u);
+    EXPECT_TRUE(rows[1].starts_with("0,")) << rows[1];
+}
+
+TEST_F(Sequence, ImpactsAreRefusedWhereTheyMakeNoSense) {
+    write("above.off", above_off);
+    const auto refused = [&](const std::string& arguments, const std::string& reason) {
+        const Outcome outcome = crumple("sequence " + arguments);
+        EXPECT_EQ(outcome.status, 2) << arguments;
+        EXPECT_TRUE(is_error_line(outcome.err)) << outcome.err;
+        EXPECT_TRUE(contains(outcome.err, reason)) << outcome.err;
+    };
+    refused("above.off --impacts", "--impacts is of two frames or more");
+    refused("above.off a.off --impacts", "above.off and a.off are to be one mesh at two times");
+    refused("above.off above.off --separation 1", "--separation and --separation-share need --impacts");
+    refused("above.off above.off --impacts --contacts", "--contacts does not go with --impacts");
+    refused("above.off above.off --impacts -o a.glb", "a.glb: with --impacts a sequence is written as .csv or .json");
 }
 
 }  // namespace
