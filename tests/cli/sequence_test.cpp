@@ -223,11 +223,11 @@ TEST_F(Sequence, ImpactsAreOfSteps) {
     EXPECT_EQ(crumple("sequence above.off above.off below.off --impacts --json --check").status, 1);
     EXPECT_EQ(crumple("sequence above.off above.off --impacts --check").status, 0);
     const auto json =
-        nlohmann::json::parse(crumple("sequence above.off above.off below.off --impacts --separation 0.5 --json").out);
+        nlohmann::json::parse(crumple("sequence above.off above.off below.off --impacts --separation 0.25 --json").out);
     ASSERT_EQ(json.size(), 2u);
     EXPECT_TRUE(json[0]["earliest"].is_null());
     EXPECT_EQ(json[1]["impacts"], 1);
-    EXPECT_EQ(json[1]["earliest"], 0.25);
+    EXPECT_EQ(json[1]["earliest"], 0.375);
     const Outcome stats = crumple("sequence above.off below.off --impacts --stats");
     EXPECT_TRUE(contains(stats.err, "1  impacts of all steps")) << stats.err;
 }
