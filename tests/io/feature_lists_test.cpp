@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "features.h"
+#include "feature_answers.h"
 #include "files.h"
 
 namespace crumple::io::test {

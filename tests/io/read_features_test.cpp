@@ -2,7 +2,10 @@
 
 #include <zip.h>
 
-#include "features.h"
+#include <random>
+#include <sstream>
+
+#include "feature_answers.h"
 #include "files.h"
 #include "numpy.h"
 
@@ -219,6 +222,69 @@ TEST(ReadFeatures, MistakesInNpzAreErrors) {
     bad("edges", npy("<i4", "(2, 2)", packed(endian::little, 0, 1, 2, -3)), "this is no vertex");
     bad("vertex_face_toi", npy("<f8", "(1, 1)", packed(endian::little, 0.5)), "is not of shape (n,)");
     bad("vertex_face_toi", npy("<f8", "(2,)", packed(endian::little, 0.5, 0.5)), "is not as long");
+}
+
+/// Bytes changed, doubled, dropped or replaced by what numbers end with.
+std::string mutated(std::string bytes, std::mt19937& random) {
+    const auto below = [&](std::size_t n) { return std::uniform_int_distribution<std::size_t>(0, n - 1)(random); };
+    constexpr std::string_view pieces[] = {"-",          ":",           ",",     "e",  ".",    "0",   "1",
+                                           " ",          "\n",          "[",     "]",  "nan",  "inf", "null",
+                                           "2147483647", "99999999999", "1e999", "\"", "\xff", "#"};
+    for (std::size_t changes = 1 + below(3); changes > 0 && !bytes.empty(); --changes) {
+        const std::size_t place = below(bytes.size()), size = std::min(bytes.size() - place, 1 + below(8));
+        switch (below(5)) {
+            case 0:
+                bytes[place] = static_cast<char>(below(256));
+                break;
+            case 1:
+                bytes.insert(place, bytes.substr(place, size));
+                break;
+            case 2:
+                bytes.erase(place, size);
+                break;
+            case 3:
+                bytes.insert(place, pieces[below(std::size(pieces))]);
+                break;
+            default:
+                bytes.resize(place);
+        }
+    }
+    return bytes;
+}
+
+TEST(ReadFeatures, AnyBytesAreAListOrAnError) {
+    const auto name_of = [](const char* extension) { return std::string("list") + extension; };
+    for (const auto& [extension, format] : {std::pair(".txt", PairFormat::txt),
+                                            {".csv", PairFormat::csv},
+                                            {".json", PairFormat::json},
+                                            {".npz", PairFormat::npz}}) {
+        for (const bool has_bodies : {false, true}) {
+            std::ostringstream out;
+            write_impacts(out, example_impacts(has_bodies), format);
+            std::mt19937 random(7);
+            int lists = 0;
+            for (int i = 0; i < 1000; ++i) {
+                std::istringstream in(mutated(out.str(), random));
+                try {
+                    for (const FeatureRow& row : read_impacts(in, name_of(extension)).rows) {
+                        ASSERT_TRUE(row.value >= 0 && row.value <= 1) << in.str();
+                        for (const std::int32_t id : row.ids) ASSERT_GE(id, 0) << in.str();
+                        ASSERT_TRUE(row.bodies.first >= 0 && row.bodies.second >= 0) << in.str();
+                        const bool face = row.kind == FeatureKind::vertex_face;
+                        ASSERT_TRUE(face || (row.ids[0] < row.ids[1] && row.ids[2] < row.ids[3])) << in.str();
+                    }
+                    ++lists;
+                } catch (const Error& error) {
+                    ASSERT_EQ(error.code, ErrorCode::format) << error.what();
+                    ASSERT_TRUE(contains(error.what(), name_of(extension))) << error.what();
+                    const bool text = format == PairFormat::txt || format == PairFormat::csv;
+                    ASSERT_TRUE(!text || error.element == Element::line) << error.what();
+                }
+            }
+            EXPECT_GT(lists, 0) << extension;
+            EXPECT_LT(lists, 1000) << extension;
+        }
+    }
 }
 
 TEST(ReadFeatures, ExactListsAreRead) {
