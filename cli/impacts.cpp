@@ -52,7 +52,7 @@ struct ImpactsCommand {
                                   : earliest            ? MotionWants::earliest
                                                         : MotionWants::impacts;
         const Impacts& all = search.find(input.start, input.end, motion.question(answer, wants));
-        if (stats) print_statistics(all.statistics, kinds_of(all));
+        if (stats) print_statistics(all.statistics, earliest ? "only the first was looked for" : kinds_of(all));
         if (only_status) return report(all.any);
 
         const Impacts one = earliest ? only_first(all) : Impacts();
@@ -94,10 +94,9 @@ Command add_impacts(CLI::App& app) {
     add_group_options(command, impacts->answer);
     add_cost_options(command, impacts->options);
     command.footer(
-        "`vf V F T S`: vertex V touches face F at time T, rounded down; S is 1 if they touch at the start. `ee A B C D "
-        "T "
-        "S`: the edge from A to B touches that from C to D. --weld is about neighbours only: vertices that coincide at "
-        "the start and at the end count as one, and have their own ids.\n"
+        "A line `vf V F T S`: vertex V touches face F at time T, from 0 to 1 and rounded down; S is 1 if they touch\n"
+        "at the start. `ee A B C D T S`: the edge from A to B touches that from C to D. --weld is about neighbours\n"
+        "only: vertices that coincide at the start and at the end count as one, and keep their own ids.\n"
         "Example: crumple impacts cloth_092.ply cloth_093.ply -o impacts.csv -o impacts.glb");
     return {&command, [impacts] { return impacts->run(); }};
 }

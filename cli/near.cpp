@@ -78,10 +78,9 @@ Command add_near(CLI::App& app) {
     add_group_options(command, near->answer);
     add_cost_options(command, near->options);
     command.footer(
-        "`vf V F Q`: vertex V and face F are near, Q is the square of their distance, rounded to nearest. `ee A B C D "
-        "Q`: the edge from A to B and that from C to D. Between two files an id is 0:ID or 1:ID. What shares a vertex "
-        "is "
-        "not near.\n"
+        "A line `vf V F Q`: vertex V and face F are near, Q is the square of their distance, rounded to nearest.\n"
+        "`ee A B C D Q`: the edge from A to B and that from C to D. Between two files an id is 0:ID or 1:ID. What\n"
+        "shares a vertex is not near.\n"
         "Example: crumple near dress.ply body.obj --radius 0.005 -o near.csv");
     return {&command, [near] { return near->run(); }};
 }

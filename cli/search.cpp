@@ -129,9 +129,12 @@ Input made_input(const std::string& name, io::TriangleMesh mesh, const AnswerOpt
 
 void check_same_faces(const Input& start, const std::string& end_name, const io::TriangleMesh& end) {
     const io::TriangleMesh& mesh = start.first;
+    const bool stl = extension_of(start.name) == ".stl" || extension_of(end_name) == ".stl";
     const auto refuse = [&](const std::string& what) {
-        throw Error(ErrorCode::invalid_argument,
-                    start.name + " and " + end_name + " are to be one mesh at two times, but " + what);
+        throw Error(
+            ErrorCode::invalid_argument,
+            start.name + " and " + end_name + " are to be one mesh at two times, but " + what +
+                (stl ? " (vertices of STL that coincide are one in each file; not so with --weld or --no-weld)" : ""));
     };
     const auto differ = [&](const char* what, std::int64_t a, std::int64_t b) {
         if (a != b) refuse("have " + std::to_string(a) + " and " + std::to_string(b) + ' ' + what);

@@ -157,7 +157,8 @@ struct Sequence {
 
 Command add_sequence(CLI::App& app) {
     const auto sequence = std::make_shared<Sequence>();
-    CLI::App& command = *app.add_subcommand("sequence", "Find the colliding pairs of every frame of an animation");
+    CLI::App& command =
+        *app.add_subcommand("sequence", "Find the colliding pairs, or the impacts, of every frame of an animation");
     command.add_option("FRAME", sequence->files, "Meshes (PLY, OBJ, STL, OFF), in order; the topology may change")
         ->type_name("FRAME...");
     command

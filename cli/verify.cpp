@@ -82,8 +82,8 @@ struct Verify {
 
 Command add_verify(CLI::App& app) {
     const auto verify = std::make_shared<Verify>();
-    CLI::App& command =
-        *app.add_subcommand("verify", "Tell whether a list of pairs is the whole answer and nothing else");
+    CLI::App& command = *app.add_subcommand(
+        "verify", "Tell whether a list of pairs, impacts or near pairs is the whole answer and nothing else");
     command
         .add_option("FILE", verify->files,
                     "One mesh or two, then a list of pairs in any order: a .csv, .json or .npz as detect -o writes it, "

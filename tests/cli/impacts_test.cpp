@@ -114,6 +114,21 @@ TEST_F(Impacts, WeldIsOfBothMoments) {
     EXPECT_EQ(list("impacts start.off start.off --weld"), "") << "now the corner is one vertex";
 }
 
+TEST_F(Impacts, OfStlMayNeedAnOption) {
+    const std::string stl =
+        "solid\nfacet normal 0 0 0\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n"
+        "facet normal 0 0 0\nouter loop\nvertex 0 0 0\nvertex -1 0 0\nvertex 0 -1 0\nendloop\nendfacet\nendsolid\n";
+    write("start.stl", stl);
+    std::string parted = stl;
+    parted.replace(parted.find("0 0 0\nvertex -1"), 5, "0 0 1");
+    write("end.stl", parted);
+    EXPECT_EQ(list("impacts start.stl start.stl"), "");
+    EXPECT_EQ(list("impacts start.stl start.stl --weld"), "");
+    expect_refused("impacts start.stl end.stl", "but have 5 and 6 vertices (vertices of STL that coincide");
+    EXPECT_TRUE(list("impacts start.stl end.stl --weld").starts_with("vf 0 1 0 1\nvf 3 0 0 1\n"));
+    EXPECT_EQ(list("impacts start.stl end.stl --weld"), list("impacts start.stl end.stl --no-weld"));
+}
+
 TEST_F(Impacts, NeedTheSameMesh) {
     write("more.off", "OFF\n7 2 0\n0 0 0\n4 0 0\n0 4 0\n1 1 1\n2 1 2\n1 2 2\n7 7 7\n3 0 1 2\n3 3 4 5\n");
     write("less.off", "OFF\n6 1 0\n0 0 0\n4 0 0\n0 4 0\n1 1 1\n2 1 2\n1 2 2\n3 0 1 2\n");
