@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import os
+from collections.abc import Callable
 from functools import cached_property
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from ._errors import InvalidInput
+from ._errors import InvalidInput, InvalidType
+from ._mesh import as_mesh
 
 if TYPE_CHECKING:
     import numpy as np
@@ -22,6 +26,7 @@ class FeatureResult:
     """Base of Impacts and Nearby."""
 
     _find: ClassVar[str]  # the search
+    _write: ClassVar[Callable[..., None]]
     _wants: ClassVar[tuple[str, ...]]
     _from: ClassVar[dict[str, int]]  # what is made from which of `_wants` on; all else is made for the last
 
@@ -136,6 +141,30 @@ class FeatureResult:
     def __len__(self) -> int:
         """How many pairs of features are listed; 0 where they were not asked for."""
         return self._answer.count
+
+    def save(self, path: str | os.PathLike[str], mesh: Any = None) -> None:
+        """Writes a file of the kind that its extension names.
+
+        - .txt, .csv, .json, .npz: the two lists; of worlds ids are body:id in .txt and .csv
+        - .glb: the `mesh` that was asked about, its triangles coloured by time or by distance, the darkest first
+
+        A file appears when it is complete; the old one stays until then. Ctrl-C waits until the file is written. Raises
+        InvalidInput for other extensions, for answers that list no pairs, and for a mesh that does not fit; FileError.
+        """
+        from ._result import file_name
+
+        self._check_wanted("what save writes")
+        name = file_name(path)
+        extension = Path(name).suffix.lower()
+        if extension == ".glb" and mesh is None:
+            raise InvalidType(f"{name}: a coloured mesh needs the mesh: save(path, mesh)")
+        if extension != ".glb" and mesh is not None:
+            raise InvalidType(f"mesh is no option of {extension} files")
+        if extension == ".glb" and self._answer.of_world:
+            raise InvalidInput(f"{name}: an answer about one mesh is saved as .glb, but this was asked of a world")
+        if extension not in (".txt", ".csv", ".json", ".npz", ".glb"):
+            raise InvalidInput(f"{name}: an answer is saved as .txt, .csv, .json, .npz (lists) or .glb (coloured mesh)")
+        type(self)._write(path, self._answer, None if mesh is None else as_mesh(mesh))
 
     def _told(self, found: str) -> str:
         """What __repr__ says."""

@@ -57,6 +57,7 @@ class Impacts(FeatureResult):
     """
 
     _find = "find_impacts"
+    _write = staticmethod(_core.write_impacts)
     _wants = ("any", "any_by_world", "earliest", "impacts")
     _from: ClassVar = {"world_hit": 1, "first": 2, "world_first": 2, "edges": 2, "first_edge": 2}
 

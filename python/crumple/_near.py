@@ -32,6 +32,7 @@ class Nearby(FeatureResult):
     """
 
     _find = "find_near"
+    _write = staticmethod(_core.write_near)
     _wants = ("any", "any_by_world", "pairs")
     _from: ClassVar = {"world_hit": 1}
 

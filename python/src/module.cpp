@@ -7,6 +7,7 @@
 #include "detector.h"
 #include "errors.h"
 #include "feature_answer.h"
+#include "feature_files.h"
 #include "files.h"
 #include "gil.h"
 #include "part.h"
@@ -30,4 +31,5 @@ NB_MODULE(_core, module) {
     crumple::python::bind_detector(module);
     crumple::python::bind_files(module);
     crumple::python::bind_world_files(module);
+    crumple::python::bind_feature_files(module);
 }

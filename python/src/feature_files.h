@@ -1,0 +1,11 @@
+#pragma once
+
+// Lists of impacts and of near pairs, and meshes that are coloured by them, to files.
+
+#include <nanobind/nanobind.h>
+
+namespace crumple::python {
+
+void bind_feature_files(nanobind::module_& module);
+
+}  // namespace crumple::python
