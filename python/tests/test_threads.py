@@ -98,6 +98,40 @@ def test_cancel_ends_the_call_of_another_thread():
     assert detector.has_intersections(mesh), "the detector stays usable"
 
 
+@pytest.mark.parametrize("backend", ["cpu", "reference"])
+@pytest.mark.parametrize("name", ["find_impacts", "find_near"])
+def test_cancel_ends_searches_for_features(name, backend):
+    mesh, small, detector = soup(20_000, size=0.3), soup(20), crumple.Detector(backend=backend, threads=2)
+
+    def find(mesh):
+        step = {"radius": 0.3} if name == "find_near" else {"end": mesh.vertices[::-1].copy()}
+        return getattr(detector, name)(mesh, **step)
+
+    expected = find(small).edge_edges.tolist()
+    with ThreadPoolExecutor(1) as pool:
+        call = pool.submit(find, mesh)
+        while not call.done():
+            detector.cancel()
+            time.sleep(0.01)
+    with pytest.raises(crumple.Error, match="cancel") as caught:
+        call.result()
+    assert caught.value.code == "cancelled" and find(small).edge_edges.tolist() == expected
+
+
+def test_searches_for_features_take_turns(detector):
+    meshes = [soup(40, size=0.5, seed=s) for s in range(4)]
+    expected = [crumple.find_near(m, radius=0.1).edge_edges.tolist() for m in meshes]
+
+    def search(i):
+        for k in range(i, i + 20):
+            near, mesh = detector.find_near(meshes[k % 4], radius=0.1), meshes[k % 4]
+            assert near.edge_edges.tolist() == expected[k % 4] and detector.is_free(mesh, mesh.vertices) is True
+        return True
+
+    with ThreadPoolExecutor(4) as pool:
+        assert all(pool.map(search, range(4)))
+
+
 def run_interrupted(program):
     """What a program prints that gets SIGINT 0.3 s after it has printed "ready"."""
     process = subprocess.Popen(
