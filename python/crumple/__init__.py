@@ -24,8 +24,8 @@ from ._devices import DeviceInfo, DeviceList, list_devices
 from ._errors import BackendUnavailable, Error, FileError, FileWarning, InvalidInput, InvalidType, MemoryLimit
 from ._files import Scene, make_scene, read_mesh, read_pairs, scenes, write_mesh
 from ._mesh import FileMesh, Mesh, Polygons, as_mesh
-from ._motion import FirstImpact, Impacts
-from ._near import Nearby
+from ._motion import FirstImpact, FreeStep, Impacts
+from ._near import EdgeEdgeType, Nearby, VertexFaceType
 from ._result import Block, ContactKind, Contacts, Result
 from ._short_forms import (
     find_impacts,
@@ -50,11 +50,13 @@ __all__ = [
     "Detector",
     "DeviceInfo",
     "DeviceList",
+    "EdgeEdgeType",
     "Error",
     "FileError",
     "FileMesh",
     "FileWarning",
     "FirstImpact",
+    "FreeStep",
     "Impacts",
     "InvalidInput",
     "InvalidType",
@@ -67,6 +69,7 @@ __all__ = [
     "Scene",
     "Shape",
     "Statistics",
+    "VertexFaceType",
     "World",
     "WorldResult",
     "__version__",

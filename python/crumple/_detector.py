@@ -9,7 +9,7 @@ from . import _core
 from ._core import Statistics
 from ._errors import InvalidInput, InvalidType
 from ._mesh import Mesh, as_mesh, soup_of
-from ._motion import find_impacts, is_free, time_of_first_impact
+from ._motion import find_free_step, find_impacts, is_free, time_of_first_impact
 from ._names import suggesting
 from ._near import find_near
 from ._result import Block, Result
@@ -389,6 +389,7 @@ class Detector(_core.Detector):
     find_impacts = find_impacts
     time_of_first_impact = time_of_first_impact
     is_free = is_free
+    find_free_step = find_free_step
     find_near = find_near
 
 

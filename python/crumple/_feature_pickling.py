@@ -10,7 +10,7 @@ from ._core import Statistics
 from ._errors import InvalidInput, InvalidType
 from ._feature_result import FeatureResult
 from ._motion import FirstImpact, Impacts
-from ._near import Nearby
+from ._near import EdgeEdgeType, Nearby, VertexFaceType
 
 _TYPES = {"Impacts": Impacts, "Nearby": Nearby}
 _VALUES = {"Impacts": ("toi", "start"), "Nearby": ("squared_distance", "touching")}
@@ -31,14 +31,28 @@ _ARRAYS = {
     "second_edge_offsets": (np.int64, ()),
     "by_second_edge": (np.int64, ()),
 }
+_OF_NEARNESS = {
+    "vertex_face_type": (np.uint8, ()),
+    "vertex_face_at": (np.float64, (2,)),
+    "edge_edge_type": (np.uint8, ()),
+    "edge_edge_at": (np.float64, (2,)),
+    "vertex_distance": (np.float64, ()),
+    "face_distance": (np.float64, ()),
+    "edge_distance": (np.float64, ()),
+}
 _FLAGS = ("any", "of_world", "has_index", "copy")
+
+
+def _flags_of(kind: str) -> tuple[str, ...]:
+    return (*_FLAGS, "has_closest", "has_least") if kind == "Nearby" else _FLAGS
 
 
 def _arrays_of(kind: str) -> dict[str, tuple[Any, tuple[int, ...]]]:
     value, flag = _VALUES[kind]
     lists = ("vertex_face", "edge_edge")
     values = {f"{name}_{value}": (np.float64, ()) for name in lists}
-    return {**_ARRAYS, **values, **{f"{name}_{flag}": (np.bool_, ()) for name in lists}}
+    more = _OF_NEARNESS if kind == "Nearby" else {}
+    return {**_ARRAYS, **more, **values, **{f"{name}_{flag}": (np.bool_, ()) for name in lists}}
 
 
 class StoredAnswer:
@@ -51,7 +65,7 @@ class StoredAnswer:
 def stored(answer: Any) -> dict[str, Any]:
     """A copy that shares nothing."""
     kind = "Impacts" if hasattr(answer, "world_first") else "Nearby"
-    state = {name: getattr(answer, name) for name in (*_FLAGS, "count", "wants", "statistics")}
+    state = {name: getattr(answer, name) for name in (*_flags_of(kind), "count", "wants", "statistics")}
     if kind == "Impacts":
         state.update(first=answer.first, world_first=list(answer.world_first))
     for name in _arrays_of(kind):
@@ -65,7 +79,7 @@ def restore(kind: Any, state: Any) -> FeatureResult:
     if kind not in _TYPES or not isinstance(state, dict):
         raise InvalidType("the state of an answer about features must be its name and a dict")
     arrays = _arrays_of(kind)
-    needed = {**dict.fromkeys(_FLAGS, bool), "count": int, "wants": str, "statistics": Statistics}
+    needed = {**dict.fromkeys(_flags_of(kind), bool), "count": int, "wants": str, "statistics": Statistics}
     if kind == "Impacts":
         needed["world_first"] = list
     expected = {*arrays, *needed, *(["first"] if kind == "Impacts" else [])}
@@ -118,6 +132,8 @@ class _Check:
             self._index(offsets, second, by_second, getattr(answer, pairs))
         if self._kind == "Impacts":
             self._first()
+        else:
+            self._closest_and_least()
 
     def _edges(self) -> None:
         first, edges = self._answer.first_edge, self._answer.edges
@@ -164,4 +180,21 @@ class _Check:
             self._that(impact.kind in ("vertex_face", "edge_edge"), "the kind of the first impact")
             self._that((impact.bodies is not None) == answer.of_world, "the bodies of the first impact")
             self._that(0 <= impact.toi <= 1 and isinstance(impact.start, bool), "the time of the first impact")
-        self._that(answer.any or not firsts, "first")
+        self._that((answer.first is not None) == (told and answer.any), "first")
+
+    def _closest_and_least(self) -> None:
+        answer = self._answer
+        self._that(self._listed or not (answer.has_closest or answer.has_least), "has_closest and has_least")
+        for name, pairs, most in (
+            ("vertex_face", answer.vertex_faces, VertexFaceType.P_T),
+            ("edge_edge", answer.edge_edges, EdgeEdgeType.EA_EB),
+        ):
+            types, at = getattr(answer, f"{name}_type"), getattr(answer, f"{name}_at")
+            rows = len(pairs) if answer.has_closest else 0
+            self._that(len(types) == len(at) == rows and (types <= most).all(), f"{name}_type")
+            self._that(((at >= 0) & (at <= 1)).all(), f"{name}_at")
+        self._that(not (answer.has_least and answer.of_world), "has_least")
+        for name in ("vertex_distance", "face_distance", "edge_distance"):
+            least = getattr(answer, name)
+            self._that((least >= 0).all() and (answer.has_least or not len(least)), name)
+        self._that(not answer.has_least or len(answer.edge_distance) == len(answer.edges), "edge_distance")

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from enum import IntEnum
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, overload
 
 from . import _core
+from ._errors import InvalidInput
 from ._feature_question import or_of_world
 from ._feature_result import FeatureResult
 from ._mesh import soup_of
@@ -19,6 +21,42 @@ if TYPE_CHECKING:
     from ._world import World
 
 NearWants = Literal["any", "any_by_world", "pairs"]
+
+
+class VertexFaceType(IntEnum):
+    """Which part of a face is closest to a vertex: of lowest dimension, then first in this order.
+
+    E0 is the side from the face's first corner to the second, E1 from there to the third, E2 back: IPC Toolkit's names.
+    """
+
+    P_T0 = 0
+    P_T1 = 1
+    P_T2 = 2
+    P_E0 = 3
+    P_E1 = 4
+    P_E2 = 5
+    P_T = 6
+
+
+class EdgeEdgeType(IntEnum):
+    """Which parts of two edges are closest: of lowest dimension, then first in this order.
+
+    EA and EB are the edges, EA0 is the lesser vertex of EA: IPC Toolkit's names.
+    """
+
+    EA0_EB0 = 0
+    EA0_EB1 = 1
+    EA1_EB0 = 2
+    EA1_EB1 = 3
+    EA_EB0 = 4
+    EA_EB1 = 5
+    EA0_EB = 6
+    EA1_EB = 7
+    EA_EB = 8
+
+
+_CLOSEST = ("vertex_face_type", "vertex_face_at", "edge_edge_type", "edge_edge_at")
+_LEAST = ("vertex_distance", "face_distance", "edge_distance")
 
 
 class Nearby(FeatureResult):
@@ -56,6 +94,51 @@ class Nearby(FeatureResult):
         """(k,) bool: whether their distance is 0 exactly."""
         return self._array("edge_edge_touching")
 
+    def _array(self, name: str) -> Any:
+        answer = self._answer
+        if name in _LEAST and answer.of_world:
+            raise InvalidInput(f"{name} is made for one mesh alone, but this was asked of a world")
+        for option, names in (("closest", _CLOSEST), ("least", _LEAST)):
+            if name in names and not getattr(answer, f"has_{option}"):
+                self._check_wanted(name)
+                raise InvalidInput(f"{name} was not asked for: find_near(..., {option}=True)")
+        return super()._array(name)
+
+    @cached_property
+    def vertex_face_type(self) -> NDArray[np.uint8]:
+        """(k,) uint8, with `closest`: a VertexFaceType each."""
+        return self._array("vertex_face_type")
+
+    @cached_property
+    def vertex_face_at(self) -> NDArray[np.float64]:
+        """(k, 2), with `closest`: (u, v) of the face's point a + u (b - a) + v (c - a) that is closest, rounded."""
+        return self._array("vertex_face_at")
+
+    @cached_property
+    def edge_edge_type(self) -> NDArray[np.uint8]:
+        """(k,) uint8, with `closest`: an EdgeEdgeType each."""
+        return self._array("edge_edge_type")
+
+    @cached_property
+    def edge_edge_at(self) -> NDArray[np.float64]:
+        """(k, 2), with `closest`: (s, t) of the edges' points a + s (b - a) and c + t (d - c), rounded."""
+        return self._array("edge_edge_at")
+
+    @cached_property
+    def vertex_distance(self) -> NDArray[np.float64]:
+        """(vertices,), with `least`: the least distance from a face, of the pairs listed; rounded down; or infinite."""
+        return self._array("vertex_distance")
+
+    @cached_property
+    def face_distance(self) -> NDArray[np.float64]:
+        """(faces,), with `least`: the same from a vertex."""
+        return self._array("face_distance")
+
+    @cached_property
+    def edge_distance(self) -> NDArray[np.float64]:
+        """(n,), with `least`: the same of each of `edges` from another edge."""
+        return self._array("edge_distance")
+
     def __repr__(self) -> str:
         found = "pairs" if self._answer.count != 1 else "pair"
         if self._answer.wants != "pairs":
@@ -70,6 +153,7 @@ def _near_in_world(
     radius: float,
     wants: NearWants = "pairs",
     strict: bool = False,
+    closest: bool = False,
     weld: bool = False,
     bodies: Wanted = "both",
     groups: Wanted = "both",
@@ -79,7 +163,7 @@ def _near_in_world(
     copy: bool = False,
 ) -> Nearby:
     rules = _core.rules_of_world(bodies, groups, excluded_groups)
-    question = _core.Near(wants, radius, strict, weld, rules, False)
+    question = _core.Near(wants, radius, strict, closest, False, weld, rules, False)
     poses = world.poses if poses is None else poses
     excluded = excluded_in(world, excluded)
     return Nearby(with_names(world, self._find_near_in_world, world, poses, question, excluded, copy))
@@ -94,6 +178,8 @@ def find_near(
     radius: float,
     wants: NearWants = "pairs",
     strict: bool = False,
+    closest: bool = False,
+    least: bool = False,
     weld: bool = False,
     groups: Any = None,
     wanted: Wanted = "both",
@@ -112,6 +198,7 @@ def find_near(
     radius: float,
     wants: NearWants = "pairs",
     strict: bool = False,
+    closest: bool = False,
     weld: bool = False,
     bodies: Wanted = "both",
     groups: Wanted = "both",
@@ -131,6 +218,8 @@ def find_near(
     radius: float,
     wants: NearWants = "pairs",
     strict: bool = False,
+    closest: bool = False,
+    least: bool = False,
     weld: bool = False,
     groups: Any = None,
     wanted: Wanted = "both",
@@ -151,15 +240,17 @@ def find_near(
         wants: how much is made; the first two end as soon as they may. "any": whether anything is near;
             "any_by_world": in which worlds; "pairs": all pairs.
         strict: distances less than `radius`, not equal to it.
+        closest: also tell where the features of each pair are closest.
+        least: also tell the least distance of each vertex, face and edge.
         weld: vertices at equal positions count as one: their features are neighbours.
         groups, wanted, excluded_groups, index, copy: as find_impacts has them.
 
     Of a world (crumple.World): find_near(world, radius=r), as it is at the start of a step.
-        bodies, groups, excluded, excluded_groups, poses: as find_impacts has them.
+        bodies, groups, excluded, excluded_groups, poses: as find_impacts has them. There is no `least`, and no `index`.
 
     Raises InvalidInput, which names the argument and the place; MemoryLimit; BackendUnavailable on a detector of the
     cuda backend. What nearness is: docs/nearness.md.
     """
     rules = _core.rules_of_mesh(wanted, excluded_groups)
-    question = _core.Near(wants, radius, strict, weld, rules, index)
+    question = _core.Near(wants, radius, strict, closest, least, weld, rules, index)
     return Nearby(self._find_near(soup_of(vertices, faces, groups), question, copy))

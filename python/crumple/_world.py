@@ -54,8 +54,8 @@ class Shape(_core.Shape):
             that is clear of all others costs less than a microsecond. Pairs within a body are searched anew. Names
             count for a whole process; another size or precision under a known name is an InvalidInput. A shape whose
             vertices move gets no name, or a new one with each change.
-        end: (n, 3), of the vertices' precision: where they are at the end of a step, for Detector.find_impacts; None:
-            they stay. What a name promises says nothing of it.
+        end: (n, 3) float32 or float64: where they are at the end of a step, for Detector.find_impacts; None: they stay.
+            What a name promises says nothing of it.
 
     Raises InvalidInput, which names the argument. Whether coordinates are finite and indices in range is looked at when
     a search first reads the shape.

@@ -195,11 +195,6 @@ IndexType index_type(const BorrowedArray& array) {
     return array.number == Number::uint32 ? IndexType::uint32 : IndexType::int64;
 }
 
-std::string told(const VertexView& vertices) {
-    return "(" + std::to_string(vertices.rows) + ", 3) of " +
-           (vertices.type == ScalarType::float32 ? "float32" : "float64");
-}
-
 }  // namespace
 
 void import_numpy() {
@@ -231,10 +226,10 @@ BorrowedMesh::BorrowedMesh(const nb::tuple& mesh, const char* which)
 BorrowedEnd::BorrowedEnd(nb::handle end, const BorrowedMesh& mesh, const char* which) : kept_{nb::borrow(end)} {
     const BorrowedArray array = borrow_array(end, are_host_vertices, "end_vertices", which, kept_);
     view_ = rows_of_three(array, scalar_type(array));
-    const VertexView& start = mesh.view().vertices;
-    if (view_.rows != start.rows || view_.type != start.type)
-        refuse(std::string(which) + "end vertices must be like those at the start, " + told(start) + ", not " +
-               told(view_));
+    const std::int64_t wanted = mesh.view().vertices.rows;
+    if (view_.rows != wanted)
+        refuse(std::string(which) + "end vertices must be as many as those at the start, " + std::to_string(wanted) +
+               ", not " + std::to_string(view_.rows));
 }
 
 BorrowedMeshes::BorrowedMeshes(const nb::tuple& one, const std::optional<nb::tuple>& other)

@@ -64,7 +64,7 @@ class BorrowedMesh {
 /// Where a mesh's vertices are at the end of a step, in place, in host memory.
 class BorrowedEnd {
    public:
-    /// Throws where they are not as many as those of the mesh, or of another precision.
+    /// Throws where they are not as many as those of the mesh.
     BorrowedEnd(nanobind::handle end, const BorrowedMesh& mesh, const char* which = "");
     const VertexView& view() const { return view_; }
 

@@ -106,6 +106,10 @@ void SharedDetector::find(const MeshView& mesh, const Near& question, Nearby& an
     answer_into(answer, [&](std::stop_token stop) { detector_.find_near(mesh, question, std::move(stop)); });
 }
 
+FreeStep SharedDetector::find_free_step(const MeshView& mesh, const VertexView& end, const Motion& question) {
+    return detector_.find_free_step(mesh, end, question, stop_->get_token());
+}
+
 bool SharedDetector::any(const MeshView& first, const MeshView* second, const Query& query) {
     return second ? detector_.has_collision(first, *second, query, stop_->get_token())
                   : detector_.has_collision(first, query, stop_->get_token());
@@ -306,6 +310,7 @@ void bind_detector(nb::module_& module) {
         .def("_find_impacts", find_impacts, "mesh"_a, "end"_a.none(), "question"_a, "copy"_a.none())
         .def("_find_impacts_in_world", find_impacts_in_world, "world"_a, "poses"_a.none(), "end_poses"_a.none(),
              "question"_a, "excluded"_a.none(), "copy"_a.none())
+        .def("_find_free_step", find_free_step, "mesh"_a, "end"_a.none(), "question"_a)
         .def("_find_near", find_near, "mesh"_a, "question"_a, "copy"_a.none())
         .def("_find_near_in_world", find_near_in_world, "world"_a, "poses"_a.none(), "question"_a, "excluded"_a.none(),
              "copy"_a.none())

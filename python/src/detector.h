@@ -51,6 +51,7 @@ class SharedDetector {
     void find(const World& world, const Near& question, Nearby& answer);
     void find(const MeshView& mesh, const VertexView& end, const Motion& question, Impacts& answer);
     void find(const MeshView& mesh, const Near& question, Nearby& answer);
+    FreeStep find_free_step(const MeshView& mesh, const VertexView& end, const Motion& question);
     bool any(const MeshView& first, const MeshView* second, const Query& query);
     /// `take` is called with the GIL, in any thread of the library.
     Statistics stream(const MeshView& first, const MeshView* second, Detector::TakeBlock take, const Query& query,

@@ -98,7 +98,20 @@ void bind_feature_answers(nb::module_& module) {
     bind_list(nearby, FeatureKind::edge_edge,
               {"edge_edges", "edge_edge_bodies", "edge_edge_squared_distance", "edge_edge_touching", "edge_offsets",
                "second_edge_offsets", "by_second_edge"});
-    nearby.def_prop_ro("wants", [](const N& a) { return name_of(near_wants_names, a.wants); });
+    const auto show = [&](const char* name, auto as_numpy) {
+        nearby.def_prop_ro(
+            name, [as_numpy](const N& a) { return as_numpy(a.found()); }, owner);
+    };
+    show("vertex_face_type", [](const Nearby& n) { return view<std::uint8_t>(n.vertex_faces().type); });
+    show("vertex_face_at", [](const Nearby& n) { return view<double>(n.vertex_faces().at, 2U); });
+    show("edge_edge_type", [](const Nearby& n) { return view<std::uint8_t>(n.edge_edges().type); });
+    show("edge_edge_at", [](const Nearby& n) { return view<double>(n.edge_edges().at, 2U); });
+    show("vertex_distance", [](const Nearby& n) { return view<double>(n.vertex_distance); });
+    show("face_distance", [](const Nearby& n) { return view<double>(n.face_distance); });
+    show("edge_distance", [](const Nearby& n) { return view<double>(n.edge_distance); });
+    nearby.def_ro("has_closest", &N::has_closest)
+        .def_ro("has_least", &N::has_least)
+        .def_prop_ro("wants", [](const N& a) { return name_of(near_wants_names, a.wants); });
 }
 
 }  // namespace crumple::python

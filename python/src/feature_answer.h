@@ -19,7 +19,8 @@ struct FeatureAnswer {
     Wants wants{};
     bool of_world = false;  ///< else of one mesh, which has no bodies
     bool has_index = false;
-    bool copy = false;  ///< the result shows writable copies
+    bool has_closest = false, has_least = false;  ///< of nearness
+    bool copy = false;                            ///< the result shows writable copies
 
     const Storage& found() const { return *storage; }
 };

@@ -3,6 +3,9 @@
 #include <memory>
 #include <string>
 #include <utility>
+#include <vector>
+
+#include <nanobind/ndarray.h>
 
 #include "arguments.h"
 #include "arrays.h"
@@ -46,12 +49,14 @@ void make_motion(Motion* place, nb::handle wants, nb::handle separation, nb::han
     new (place) Motion(std::move(question));
 }
 
-void make_near(Near* place, nb::handle wants, nb::handle radius, nb::handle strict, nb::handle weld, const Rules& rules,
-               nb::handle index) {
+void make_near(Near* place, nb::handle wants, nb::handle radius, nb::handle strict, nb::handle closest,
+               nb::handle least, nb::handle weld, const Rules& rules, nb::handle index) {
     Near question;
     question.wants = named(near_wants_names, "wants", wants);
     question.radius = real("radius", radius);
     question.strict = flag("strict", strict);
+    question.closest = flag("closest", closest);
+    question.least = flag("least", least);
     question.weld = flag("weld", weld);
     question.rules = rules;
     question.index = flag("index", index);
@@ -75,6 +80,15 @@ struct Asked {
     Question question;
 };
 
+// (n, 3), which owns its memory.
+template <class Number>
+nb::object give_rows(const Array<double>& values) {
+    import_numpy();
+    const auto given = new std::vector<Number>(values.begin(), values.end());
+    const nb::capsule owner(given, [](void* p) noexcept { delete static_cast<std::vector<Number>*>(p); });
+    return nb::cast(nb::ndarray<nb::numpy, Number>(given->data(), {given->size() / 3, 3}, owner));
+}
+
 }  // namespace
 
 ImpactsAnswer find_impacts(nb::handle self, const nb::tuple& mesh, nb::handle end, const Motion& question,
@@ -85,7 +99,7 @@ ImpactsAnswer find_impacts(nb::handle self, const nb::tuple& mesh, nb::handle en
     const BorrowedEnd at_end(end, start);
     const bool copied = flag("copy", copy), index = question.index && question.wants == MotionWants::impacts;
     const SharedDetector::Turn turn(detector);
-    ImpactsAnswer answer{detector.storage<Impacts>(), question.wants, false, index, copied};
+    ImpactsAnswer answer{detector.storage<Impacts>(), question.wants, false, index, false, false, copied};
     without_gil([&] { detector.find(start.view(), at_end.view(), question, *answer.storage); }, detector.stop());
     return answer;
 }
@@ -100,9 +114,21 @@ ImpactsAnswer find_impacts_in_world(nb::handle self, nb::handle world, nb::handl
     const SharedDetector::Turn turn(detector);
     World view{bodies.shapes, bodies.bodies, start.read(bodies, detector.poses())};
     if (end.given()) view.end_poses = end.read(bodies, detector.end_poses());
-    ImpactsAnswer answer{detector.storage<Impacts>(), question.wants, true, false, copied};
+    ImpactsAnswer answer{detector.storage<Impacts>(), question.wants, true, false, false, false, copied};
     without_gil([&] { detector.find(view, asked.question, *answer.storage); }, detector.stop());
     return answer;
+}
+
+nb::tuple find_free_step(nb::handle self, const nb::tuple& mesh, nb::handle end, const Motion& question) {
+    SharedDetector& detector = detector_of(self);
+    const BorrowedMesh start(mesh);
+    check_on_host(start);
+    const BorrowedEnd at_end(end, start);
+    const SharedDetector::Turn turn(detector);
+    const FreeStep step =
+        without_gil([&] { return detector.find_free_step(start.view(), at_end.view(), question); }, detector.stop());
+    const bool single = start.view().vertices.type == ScalarType::float32 && at_end.view().type == ScalarType::float32;
+    return nb::make_tuple(step.share, single ? give_rows<float>(step.positions) : give_rows<double>(step.positions));
 }
 
 NearbyAnswer find_near(nb::handle self, const nb::tuple& mesh, const Near& question, nb::handle copy) {
@@ -111,7 +137,9 @@ NearbyAnswer find_near(nb::handle self, const nb::tuple& mesh, const Near& quest
     check_on_host(borrowed);
     const bool copied = flag("copy", copy), index = question.index && question.wants == NearWants::pairs;
     const SharedDetector::Turn turn(detector);
-    NearbyAnswer answer{detector.storage<Nearby>(), question.wants, false, index, copied};
+    const bool listed = question.wants == NearWants::pairs;
+    NearbyAnswer answer{detector.storage<Nearby>(), question.wants,           false, index,
+                        listed && question.closest, listed && question.least, copied};
     without_gil([&] { detector.find(borrowed.view(), question, *answer.storage); }, detector.stop());
     return answer;
 }
@@ -124,7 +152,8 @@ NearbyAnswer find_near_in_world(nb::handle self, nb::handle world, nb::handle po
     const bool copied = flag("copy", copy);
     const SharedDetector::Turn turn(detector);
     const World view{asked.bodies->shapes, asked.bodies->bodies, at.read(*asked.bodies, detector.poses())};
-    NearbyAnswer answer{detector.storage<Nearby>(), question.wants, true, false, copied};
+    const bool closest = question.closest && question.wants == NearWants::pairs;
+    NearbyAnswer answer{detector.storage<Nearby>(), question.wants, true, false, closest, false, copied};
     without_gil([&] { detector.find(view, asked.question, *answer.storage); }, detector.stop());
     return answer;
 }
@@ -137,8 +166,8 @@ void bind_feature_questions(nb::module_& module) {
         .def("__init__", make_motion, "wants"_a.none(), "separation"_a.none(), "separation_share"_a.none(),
              "weld"_a.none(), "rules"_a, "index"_a.none());
     nb::class_<Near>(module, "Near", "What is asked about nearness.")
-        .def("__init__", make_near, "wants"_a.none(), "radius"_a.none(), "strict"_a.none(), "weld"_a.none(), "rules"_a,
-             "index"_a.none());
+        .def("__init__", make_near, "wants"_a.none(), "radius"_a.none(), "strict"_a.none(), "closest"_a.none(),
+             "least"_a.none(), "weld"_a.none(), "rules"_a, "index"_a.none());
 }
 
 }  // namespace crumple::python

@@ -18,6 +18,8 @@ LISTS = {
     "Nearby": ["vertex_faces", "edge_edges", *_OF_NEARNESS],
 }
 BODIES = ["vertex_face_bodies", "edge_edge_bodies", "world_hit"]
+CLOSEST = ["vertex_face_type", "vertex_face_at", "edge_edge_type", "edge_edge_at"]
+LEAST = ["vertex_distance", "face_distance", "edge_distance"]
 INDEX = ["vertex_offsets", "face_offsets", "by_face", "edge_offsets", "second_edge_offsets", "by_second_edge"]
 
 

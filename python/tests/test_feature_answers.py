@@ -11,7 +11,7 @@ import pytest
 
 import crumple
 from conftest import OnDevice, soup
-from features import BODIES, END, FACES, INDEX, LISTS, START
+from features import BODIES, CLOSEST, END, FACES, INDEX, LEAST, LISTS, START
 
 MESH = soup(12, size=0.5, dtype=np.float64)
 MOVED = MESH.vertices + 0.3 * np.random.default_rng(1).normal(size=MESH.vertices.shape)
@@ -35,6 +35,8 @@ def arrays_of(answer):
     raw = answer._answer
     names = [*LISTS[type(answer).__name__], *BODIES, *INDEX, "edges", "first_edge"]
     made = {name: getattr(raw, name).tolist() for name in names}
+    if isinstance(answer, crumple.Nearby):
+        made |= {name: getattr(raw, name).tolist() for name in [*CLOSEST, *LEAST]}
     if isinstance(answer, crumple.Impacts):
         made |= {"first": raw.first, "world_first": raw.world_first}
     return {**made, "any": answer.any, "rows": len(answer)}
@@ -44,7 +46,11 @@ def arrays_of(answer):
 def test_an_answer_comes_back_whole(name, either):
     find = ANSWERS[name]
     questions = [{"wants": wants} for wants in WANTS[type(find(either)).__name__]] + [{"copy": True}]
-    for question in questions + ([{"index": True}] if "world" not in name else []):
+    if "world" not in name:
+        questions.append({"index": True})
+    if "pairs" in name:
+        questions.append({"closest": True} if "world" in name else {"closest": True, "least": True})
+    for question in questions:
         answer = find(either, **question)
         again = pickle.loads(pickle.dumps(answer))
         for found in (again, copy.copy(answer), copy.deepcopy(answer), copy.deepcopy(again)):
@@ -105,6 +111,10 @@ def test_another_process_finds_the_same(detector, tmp_path):
         ("pairs of a mesh", "vertex_face_squared_distance", lambda a: -1 - a, "the values of vertex_faces"),
         ("pairs of a mesh", "vertex_face_touching", lambda a: ~a, "the flags of vertex_faces"),
         ("pairs of a world", "has_index", lambda a: True, "has_index"),
+        ("pairs of a mesh", "has_closest", lambda a: True, "vertex_face_type"),
+        ("pairs of a mesh", "has_least", lambda a: True, "edge_distance"),
+        ("pairs of a mesh", "vertex_distance", lambda a: np.ones(3), "vertex_distance"),
+        ("pairs of a mesh", "edge_edge_type", lambda a: np.full(2, 9, np.uint8), "edge_edge_type"),
     ],
 )
 def test_what_does_not_fit_together_is_refused(name, field, value, message, detector):
@@ -205,9 +215,9 @@ def test_shapes_and_poses_at_the_end_come_back():
 @pytest.mark.parametrize(
     "make, message",
     [
-        (lambda: crumple.Shape(MESH, end=MOVED[:9]), r"^end vertices must be like those at the start, \(36, 3\)"),
+        (lambda: crumple.Shape(MESH, end=MOVED[:9]), "^end vertices must be as many as those at the start, 36, not 9$"),
         (lambda: crumple.Shape(MESH, end=OnDevice(MOVED)), "^end vertices lie in CUDA memory, but are wanted"),
-        (lambda: crumple.Shape(MESH, end=MOVED.astype(np.float32)), r"not \(36, 3\) of float32$"),
+        (lambda: crumple.Shape(MESH, end=MOVED.astype(int)), "^end vertices must be float32 or float64, not int64"),
         (lambda: crumple.World([MESH], end_poses=POSES), r"^end_poses must have shape \(1, 3, 4\) or"),
         (lambda: crumple.World([MESH], end_poses=np.eye(4)), r"^end_poses must have shape \(bodies, 3, 4\)"),
         (lambda: crumple.World([MESH], end_poses=OnDevice(POSES)), "^end_poses lie in CUDA memory, but are wanted"),

@@ -67,6 +67,7 @@ def test_types_hold(tmp_path):
         "impacts: crumple.Impacts = detector.find_impacts(v, v, f, separation=0.1, wants='earliest')\n"
         "toi: float | None = detector.time_of_first_impact(base, end_poses=np.zeros((2, 3, 4)), excluded=[{0, 1}])\n"
         "free: bool = detector.is_free((v, f), v)\n"
+        "share: float = detector.find_free_step(v, v, f, separation=0.1).share\n"
         "near: crumple.Nearby = detector.find_near(many, radius=0.1, wants='any_by_world')\n"
         "touching: bool = near.vertex_face_touching.dtype == np.bool_\n"
         "kind: str = 'none' if impacts.first is None else impacts.first.kind\n"
