@@ -231,12 +231,14 @@ struct Detector::Implementation {
     const Answer& find(const World& world, const Question& question, bool bodies, Answer& answer,
                        std::stop_token stop) {
         Stopwatch watch;
+        bool frugal = false;
         const auto attempt = [&] {
             check_question(question, bodies);
-            features.find(*backend, world, question, bodies, answer);
+            features.find(*backend, world, question, bodies, frugal, answer);
         };
+        // What several workers need depends on who does what, so it cannot be promised.
         within_limit(
-            std::move(stop), attempt, [] { return true; }, [&] { return peak_of(attempt); });
+            std::move(stop), attempt, [&] { return frugal = true; }, [&] { return peak_of(attempt); });
         answer.statistics.peak_memory_bytes = meter.peak;
         answer.statistics.milliseconds = watch.lap();
         return answer;

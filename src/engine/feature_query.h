@@ -26,6 +26,7 @@ struct FeatureQuery {
     double distance = 0;  ///< the separation, or the radius
     double share = 0;     ///< Motion::separation_share
     bool strict = false;  ///< Near::strict
+    bool frugal = false;  ///< with as little memory as can be, and always as much
     const SceneFeatures& features;
     const GroupRule& rule;
 };

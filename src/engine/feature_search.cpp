@@ -20,11 +20,11 @@ Extent extent(const Near& question) { return question.wants == NearWants::pairs 
 bool wants_worlds(const Motion& question) { return question.wants != MotionWants::any; }
 bool wants_worlds(const Near& question) { return question.wants != NearWants::any; }
 
-FeatureQuery query_of(const Motion& question, const SceneFeatures& features, const GroupRule& rule) {
-    return {true, extent(question), question.separation, question.separation_share, false, features, rule};
+FeatureQuery query_of(const Motion& question, bool frugal, const SceneFeatures& features, const GroupRule& rule) {
+    return {true, extent(question), question.separation, question.separation_share, false, frugal, features, rule};
 }
-FeatureQuery query_of(const Near& question, const SceneFeatures& features, const GroupRule& rule) {
-    return {false, extent(question), question.radius, 0, question.strict, features, rule};
+FeatureQuery query_of(const Near& question, bool frugal, const SceneFeatures& features, const GroupRule& rule) {
+    return {false, extent(question), question.radius, 0, question.strict, frugal, features, rule};
 }
 
 template <class Question>
@@ -61,11 +61,14 @@ void FeatureSearch::release() {
     first_edge_.release();
 }
 
-void FeatureSearch::find(BackendBase& backend, const World& world, const Motion& question, bool bodies,
+void FeatureSearch::find(BackendBase& backend, const World& world, const Motion& question, bool bodies, bool frugal,
                          Impacts& answer) {
+    frugal_ = frugal;
     search(backend, world, question, bodies, answer);
 }
-void FeatureSearch::find(BackendBase& backend, const World& world, const Near& question, bool bodies, Nearby& answer) {
+void FeatureSearch::find(BackendBase& backend, const World& world, const Near& question, bool bodies, bool frugal,
+                         Nearby& answer) {
+    frugal_ = frugal;
     search(backend, world, question, bodies, answer);
 }
 
@@ -105,7 +108,7 @@ void FeatureSearch::search_in_place(BackendBase& backend, const Question& questi
     if (is_motion<Question> && shape.end.data) add_motion(shape.end, backend, buffers_, scene);
     rule_.prepare({});
     features_.prepare(scene, question.weld, backend);
-    backend.find(scene, query_of(question, features_, rule_), found_);
+    backend.find(scene, query_of(question, frugal_, features_, rule_), found_);
     add_pass(found_.statistics, answer.statistics);
     answer.any = found_.any;
     if (!answer.world_hit.empty() && outline_.body(0).world >= 0) answer.world_hit[outline_.body(0).world] = found_.any;
@@ -155,7 +158,7 @@ void FeatureSearch::search_world(BackendBase& backend, std::int32_t pass, const 
     rule_.prepare({}, &rules_);
     features_.prepare(scene, question.weld, backend);
     place_edges();
-    backend.find(scene, query_of(question, features_, rule_), found_);
+    backend.find(scene, query_of(question, frugal_, features_, rule_), found_);
     add_pass(found_.statistics, answer.statistics);
     answer.any = answer.any || found_.any;
     if (!answer.world_hit.empty() && pass < worlds) answer.world_hit[pass] = found_.any;

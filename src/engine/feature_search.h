@@ -20,9 +20,10 @@ class FeatureSearch {
    public:
     FeatureSearch(MemoryMeter& meter, Cancellation& cancellation);
 
-    /// `bodies`: whether the answer names bodies, else there is only one.
-    void find(BackendBase& backend, const World& world, const Motion& question, bool bodies, Impacts& answer);
-    void find(BackendBase& backend, const World& world, const Near& question, bool bodies, Nearby& answer);
+    /// `bodies`: whether the answer names bodies, else there is only one. `frugal`: see FeatureQuery.
+    void find(BackendBase& backend, const World& world, const Motion& question, bool bodies, bool frugal,
+              Impacts& answer);
+    void find(BackendBase& backend, const World& world, const Near& question, bool bodies, bool frugal, Nearby& answer);
 
     /// Gives all memory back.
     void release();
@@ -52,6 +53,7 @@ class FeatureSearch {
 
     MemoryMeter& meter_;
     Cancellation& cancellation_;
+    bool frugal_ = false;
     WorldOutline outline_;
     BodyRules rules_;
     GroupRule rule_;

@@ -89,6 +89,7 @@ class CpuBackend final : public BackendBase {
             LeafQuestion& question = scene.moving ? static_cast<LeafQuestion&>(k.features.moving) : k.features.at_rest;
             Call call{scene, query.rule,    Levels(nullptr), options_,  kernels_,    workers_,
                       *this, cancellation_, meter_,          k.buffers, statistics_, question};
+            call.frugal = query.frugal;
             call.inflation = inflation_of(scene, query);
             cpu::find(call, query, k.features, answer);
         });

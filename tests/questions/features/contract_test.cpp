@@ -226,7 +226,7 @@ TEST(FeatureCalls, DoNotDependOnThoseBefore) {
 class FeatureMemory : public testing::TestWithParam<int> {};
 
 TEST_P(FeatureMemory, IsBounded) {
-    const MovingSoup<> soup = in_general(600, 0.1, 0.1, 6);
+    const MovingSoup<> soup = in_general(1500, 0.07, 0.06, 6);
     const Options options{.backend = Backend::cpu, .threads = GetParam(), .leaf_size = 40};
     const auto questions = {0, 1};
     for (const int question : questions) {
@@ -262,6 +262,11 @@ TEST_P(FeatureMemory, IsBounded) {
                 ASSERT_EQ(error.code, ErrorCode::memory_limit) << error.what();
                 EXPECT_GT(error.bytes_needed, limit);
                 EXPECT_FALSE(error.bytes_needed_at_least);
+                Options alone = tight;
+                alone.threads = 1;
+                Detector single(alone);
+                EXPECT_EQ(error_of([&] { ask(single); }).bytes_needed, error.bytes_needed)
+                    << "it does not depend on who does what";
                 tight.count_bytes_needed = false;
                 Detector hasty(tight);
                 const Error least = error_of([&] { ask(hasty); });
