@@ -31,7 +31,8 @@ struct Motion {
     bool index = false;  ///< also make the offsets of ImpactList, where impacts are wanted
 };
 
-/// Impacts of one kind: unique, by first feature, then second; of worlds by body before each.
+/// Impacts of one kind: unique, by first feature, then second; of worlds by world, then by body before each feature,
+/// and pairs among bodies that are in all worlds come last.
 struct ImpactList {
     Array<Pair> pairs;          ///< indices within their bodies; see FeatureKind
     Array<BodyPair> bodies;     ///< for each pair its bodies; empty for a single mesh

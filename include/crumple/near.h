@@ -38,7 +38,8 @@ struct Near {
 enum class VertexFaceType : std::uint8_t { P_T0, P_T1, P_T2, P_E0, P_E1, P_E2, P_T };
 enum class EdgeEdgeType : std::uint8_t { EA0_EB0, EA0_EB1, EA1_EB0, EA1_EB1, EA_EB0, EA_EB1, EA0_EB, EA1_EB, EA_EB };
 
-/// Near pairs of one kind: unique, by first feature, then second; of worlds by body before each.
+/// Near pairs of one kind: unique, by first feature, then second; of worlds by world, then by body before each feature,
+/// and pairs among bodies that are in all worlds come last.
 struct NearList {
     Array<Pair> pairs;               ///< indices within their bodies; see FeatureKind
     Array<BodyPair> bodies;          ///< for each pair its bodies; empty for a single mesh

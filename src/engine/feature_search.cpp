@@ -63,18 +63,19 @@ void FeatureSearch::release() {
 
 void FeatureSearch::find(BackendBase& backend, const World& world, const Motion& question, bool bodies, bool frugal,
                          Impacts& answer) {
+    bodies_ = bodies;
     frugal_ = frugal;
-    search(backend, world, question, bodies, answer);
+    search(backend, world, question, answer);
 }
 void FeatureSearch::find(BackendBase& backend, const World& world, const Near& question, bool bodies, bool frugal,
                          Nearby& answer) {
+    bodies_ = bodies;
     frugal_ = frugal;
-    search(backend, world, question, bodies, answer);
+    search(backend, world, question, answer);
 }
 
 template <class Question, class Answer>
-void FeatureSearch::search(BackendBase& backend, const World& world, const Question& question, bool bodies,
-                           Answer& answer) {
+void FeatureSearch::search(BackendBase& backend, const World& world, const Question& question, Answer& answer) {
     outline_.read(world, question.rules);
     rules_.prepare(question.rules);
     clear(answer);
@@ -88,7 +89,7 @@ void FeatureSearch::search(BackendBase& backend, const World& world, const Quest
     const bool in_place = outline_.bodies() == 1 && outline_.placement(0).identity() &&
                           outline_.end_placement(0).identity() && outline_.body(0).self && all_wanted(question.rules);
     if (in_place) {
-        search_in_place(backend, question, bodies, answer);
+        search_in_place(backend, question, answer);
     } else {
         for (std::int32_t pass = 0; pass <= outline_.worlds(); ++pass) {
             cancellation_.check();
@@ -96,12 +97,17 @@ void FeatureSearch::search(BackendBase& backend, const World& world, const Quest
             search_world(backend, pass, question, answer);
         }
     }
+    if (question.index && !bodies_ && extent(question) == Extent::all) {
+        const auto edges = static_cast<std::int64_t>(answer.edges.size());
+        make_index(answer[FeatureKind::vertex_face], outline_.shape(0).vertices.rows, outline_.triangles());
+        make_index(answer[FeatureKind::edge_edge], edges, edges);
+    }
     for (auto& list : answer.lists) answer.count += static_cast<std::int64_t>(list.pairs.size());
     answer.statistics.pairs = answer.count;
 }
 
 template <class Question, class Answer>
-void FeatureSearch::search_in_place(BackendBase& backend, const Question& question, bool bodies, Answer& answer) {
+void FeatureSearch::search_in_place(BackendBase& backend, const Question& question, Answer& answer) {
     const Shape& shape = outline_.shape(0);
     const MeshView mesh(shape.vertices, shape.triangles);
     Scene scene = prepare_scene(mesh, nullptr, false, backend, buffers_);
@@ -126,17 +132,13 @@ void FeatureSearch::search_in_place(BackendBase& backend, const Question& questi
         list.pairs.swap_elements(rows.pairs);
         values(list).swap_elements(rows.value);
         flags(list).swap_elements(rows.flag);
-        if (bodies) list.bodies.assign(list.pairs.size(), BodyPair{0, 0});
+        if (bodies_) list.bodies.assign(list.pairs.size(), BodyPair{0, 0});
         if constexpr (!is_motion<Question>)
             if (question.closest)
                 tell_closest(scene, features_, static_cast<FeatureKind>(kind), list.pairs, 0, backend, list);
     }
     if constexpr (!is_motion<Question>)
         if (question.least) tell_least(scene, features_, backend, answer);
-    if (!question.index) return;
-    const auto edges = static_cast<std::int64_t>(answer.edges.size());
-    make_index(answer[FeatureKind::vertex_face], scene.vertex_count(), scene.triangle_count());
-    make_index(answer[FeatureKind::edge_edge], edges, edges);
 }
 
 template <class Question, class Answer>
@@ -172,6 +174,8 @@ void FeatureSearch::search_world(BackendBase& backend, std::int32_t pass, const 
                 tell_closest(scene, features_, static_cast<FeatureKind>(k), found_.rows[k].pairs,
                              answer.lists[k].pairs.size(), backend, answer.lists[k]);
     append_rows(answer);
+    if constexpr (!is_motion<Question>)
+        if (question.least) tell_least(scene, features_, backend, answer);
 }
 
 // Edges are in the order of their lower vertices, so those of each body lie together.
@@ -224,7 +228,7 @@ void FeatureSearch::append_rows(Answer& answer) {
         const FeatureRows& rows = found_.rows[k];
         const std::size_t more = rows.pairs.size();
         list.pairs.make_room_for(more);
-        list.bodies.make_room_for(more);
+        if (bodies_) list.bodies.make_room_for(more);
         values(list).make_room_for(more);
         flags(list).make_room_for(more);
         for (std::size_t i = 0; i < more; ++i) {
@@ -232,7 +236,7 @@ void FeatureSearch::append_rows(Answer& answer) {
             BodyPair bodies;
             place(static_cast<FeatureKind>(k), rows.pairs[i], pair, bodies);
             list.pairs.push_back(pair);
-            list.bodies.push_back(bodies);
+            if (bodies_) list.bodies.push_back(bodies);
             values(list).push_back(rows.value[i]);
             flags(list).push_back(rows.flag[i]);
         }

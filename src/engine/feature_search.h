@@ -30,9 +30,9 @@ class FeatureSearch {
 
    private:
     template <class Question, class Answer>
-    void search(BackendBase& backend, const World& world, const Question& question, bool bodies, Answer& answer);
+    void search(BackendBase& backend, const World& world, const Question& question, Answer& answer);
     template <class Question, class Answer>
-    void search_in_place(BackendBase& backend, const Question& question, bool bodies, Answer& answer);
+    void search_in_place(BackendBase& backend, const Question& question, Answer& answer);
     template <class Question, class Answer>
     void search_world(BackendBase& backend, std::int32_t pass, const Question& question, Answer& answer);
     template <class Answer>
@@ -53,7 +53,7 @@ class FeatureSearch {
 
     MemoryMeter& meter_;
     Cancellation& cancellation_;
-    bool frugal_ = false;
+    bool bodies_ = false, frugal_ = false;  // of the call
     WorldOutline outline_;
     BodyRules rules_;
     GroupRule rule_;

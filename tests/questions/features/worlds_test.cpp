@@ -1,0 +1,349 @@
+// Impacts and near pairs of worlds: what is found of all bodies as one soup, less what the worlds and rules do not
+// want, by body.
+
+#include <gtest/gtest.h>
+
+#include <map>
+#include <set>
+#include <tuple>
+
+#include "questions/features/compare_features.h"
+#include "questions/features/moving_soups.h"
+#include "worlds/random_worlds.h"
+
+namespace crumple::test {
+namespace {
+
+/// An answer's line, in the order of the answer. `world`: that of the pair; pairs among bodies that are in all come
+/// last.
+struct Line {
+    std::size_t kind;
+    std::int64_t world;
+    std::int32_t first_body, first, second_body, second;
+    double value;
+    bool flag;
+    friend auto operator<=>(const Line&, const Line&) = default;
+    friend std::ostream& operator<<(std::ostream& out, const Line& line) {
+        return out << feature_kind_name(static_cast<FeatureKind>(line.kind)) << ' ' << line.first << " of body "
+                   << line.first_body << " with " << line.second << " of body " << line.second_body << " of world "
+                   << line.world << ": " << line.value << ' ' << line.flag;
+    }
+};
+
+constexpr std::int64_t everywhere = std::numeric_limits<std::int32_t>::max();
+
+/// Random bodies whose shapes and poses move.
+struct MovingWorld {
+    std::unique_ptr<RandomWorld> world;
+    std::vector<std::vector<std::array<float, 3>>> float_ends;
+    std::vector<std::vector<std::array<double, 3>>> double_ends;
+    std::vector<Pose> end_poses;
+
+    World view() const { return {world->shapes, world->bodies, world->poses, end_poses}; }
+};
+
+std::unique_ptr<MovingWorld> moving_world(unsigned seed, const WorldKind& kind) {
+    auto moving = std::make_unique<MovingWorld>();
+    moving->world = random_world(seed, kind);
+    Dice dice(seed + 1000);
+    for (Shape& shape : moving->world->shapes) {
+        if (dice.chance(0.4)) continue;
+        const auto move = [&](const auto& soups, auto& ends) {
+            for (const auto& soup : soups) {
+                if (soup.view().vertices.data != shape.vertices.data) continue;
+                auto end = soup.vertices;
+                for (auto& p : end)
+                    for (auto& x : p) x += static_cast<std::decay_t<decltype(x)>>(dice.between(-0.3, 0.3));
+                ends.push_back(std::move(end));
+                shape.end = MeshView(ends.back(), soup.triangles).vertices;
+            }
+        };
+        if (shape.vertices.rows == 0) continue;
+        move(moving->world->floats, moving->float_ends);
+        move(moving->world->doubles, moving->double_ends);
+    }
+    if (dice.chance(0.7))
+        for (std::size_t b = 0; b < moving->world->bodies.size(); ++b)
+            moving->end_poses.push_back(dice.chance(0.3) && !moving->world->poses.empty()
+                                            ? moving->world->poses[b]
+                                            : random_pose(dice, kind.reach));
+    return moving;
+}
+
+/// All bodies as one soup at the coordinates they are posed to, and where its features come from.
+class Together {
+   public:
+    explicit Together(const World& world) : world_(world) {
+        for (std::size_t b = 0; b < world.bodies.size(); ++b) {
+            const Shape& shape = shape_of(b);
+            const auto first = static_cast<std::int32_t>(soup_.start.size());
+            first_vertex_.push_back(first);
+            first_triangle_.push_back(static_cast<std::int32_t>(soup_.triangles.size()));
+            const auto& end_poses = world.end_poses.empty() ? world.poses : world.end_poses;
+            for (std::int64_t v = 0; v < shape.vertices.rows; ++v)
+                soup_.vertex(posed(shape.vertices, v, world.poses, b),
+                             posed(shape.end.data ? shape.end : shape.vertices, v, end_poses, b));
+            std::set<Edge> edges;
+            for (std::int64_t t = 0; t < shape.triangles.rows; ++t) {
+                std::array<std::int32_t, 3> corner{};
+                std::memcpy(corner.data(), static_cast<const char*>(shape.triangles.data) + t * 12, 12);
+                const std::int32_t group = shape.groups.empty() ? world.bodies[b].group : shape.groups[t];
+                for (std::size_t k = 0; k < 3; ++k) {
+                    const std::int32_t v = corner[k], w = corner[(k + 1) % 3];
+                    vertex_group_.emplace(first + v, group);
+                    if (v == w) continue;
+                    edges.insert({std::min(v, w), std::max(v, w)});
+                    edge_group_.emplace(Edge{first + std::min(v, w), first + std::max(v, w)}, group);
+                }
+                triangle_group_.push_back(group);
+                soup_.triangles.push_back({first + corner[0], first + corner[1], first + corner[2]});
+            }
+            edges_.emplace_back(edges.begin(), edges.end());
+        }
+    }
+    const MovingSoup<>& soup() const { return soup_; }
+    const std::vector<std::vector<Edge>>& edges() const { return edges_; }
+
+    /// The lines of an answer about the soup that the rules want.
+    template <class Answer>
+    std::vector<Line> lines(const Answer& answer, const Rules& rules) const {
+        std::vector<Line> lines;
+        for (std::size_t kind = 0; kind < feature_kinds; ++kind) {
+            const auto& list = answer.lists[kind];
+            for (std::size_t i = 0; i < list.pairs.size(); ++i) {
+                const Pair pair = list.pairs[i];
+                const bool edges = kind == static_cast<std::size_t>(FeatureKind::edge_edge);
+                const Place a = edges ? edge(answer.edges[pair.a]) : vertex(pair.a);
+                const Place b = edges ? edge(answer.edges[pair.b]) : triangle(pair.b);
+                if (!wanted(a, b, rules)) continue;
+                const std::int32_t in_a = world_.bodies[a.body].world, in_b = world_.bodies[b.body].world;
+                const std::int64_t world = std::max(in_a, in_b) < 0 ? everywhere : std::max(in_a, in_b);
+                lines.push_back({kind, world, static_cast<std::int32_t>(a.body), a.index,
+                                 static_cast<std::int32_t>(b.body), b.index, values_of(list)[i],
+                                 flags_of(list)[i] != 0});
+            }
+        }
+        std::sort(lines.begin(), lines.end());
+        return lines;
+    }
+
+   private:
+    struct Place {
+        std::size_t body;
+        std::int32_t index, group;
+    };
+
+    const Shape& shape_of(std::size_t b) const {
+        return world_.shapes[static_cast<std::size_t>(world_.bodies[b].shape)];
+    }
+    PointOf<double> posed(const VertexView& view, std::int64_t v, std::span<const Pose> poses, std::size_t b) const {
+        const bool narrow = view.type == ScalarType::float32;
+        PointOf<double> p{}, out{};
+        for (std::size_t k = 0; k < 3; ++k) {
+            const char* at = static_cast<const char*>(view.data) + v * view.row_stride;
+            p[k] = narrow ? reinterpret_cast<const float*>(at)[k] : reinterpret_cast<const double*>(at)[k];
+        }
+        if (poses.empty() || poses[b] == Pose()) return p;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double* r = poses[b].rows.data() + 4 * k;
+            out[k] = ((r[0] * p[0] + r[1] * p[1]) + r[2] * p[2]) + r[3];
+            if (narrow) out[k] = static_cast<float>(out[k]);
+        }
+        return out;
+    }
+    static std::size_t body_of(std::int32_t index, const std::vector<std::int32_t>& first) {
+        return static_cast<std::size_t>(std::upper_bound(first.begin(), first.end(), index) - first.begin()) - 1;
+    }
+    Place vertex(std::int32_t v) const {
+        const std::size_t b = body_of(v, first_vertex_);
+        return {b, v - first_vertex_[b], vertex_group_.at(v)};
+    }
+    Place triangle(std::int32_t t) const {
+        const std::size_t b = body_of(t, first_triangle_);
+        return {b, t - first_triangle_[b], triangle_group_[static_cast<std::size_t>(t)]};
+    }
+    Place edge(const Edge& e) const {
+        const std::size_t b = body_of(e.a, first_vertex_);
+        const Edge inside{e.a - first_vertex_[b], e.b - first_vertex_[b]};
+        const auto at = std::lower_bound(edges_[b].begin(), edges_[b].end(), inside);
+        return {b, static_cast<std::int32_t>(at - edges_[b].begin()), edge_group_.at(e)};
+    }
+    bool wanted(const Place& a, const Place& b, const Rules& rules) const {
+        const Body &p = world_.bodies[a.body], &q = world_.bodies[b.body];
+        if (p.world != q.world && p.world != -1 && q.world != -1) return false;
+        if (a.body == b.body ? !p.self || rules.bodies == Wanted::between : rules.bodies == Wanted::within)
+            return false;
+        if (a.group == b.group ? rules.groups == Wanted::between : rules.groups == Wanted::within) return false;
+        const auto names = [](const auto& excluded, std::int64_t x, std::int64_t y) {
+            return std::any_of(excluded.begin(), excluded.end(), [&](const auto& e) {
+                return (e.first == x && e.second == y) || (e.first == y && e.second == x);
+            });
+        };
+        return !names(rules.excluded_bodies, static_cast<std::int64_t>(a.body), static_cast<std::int64_t>(b.body)) &&
+               !names(rules.excluded_groups, a.group, b.group);
+    }
+
+    World world_;
+    MovingSoup<> soup_;
+    std::vector<std::int32_t> first_vertex_, first_triangle_, triangle_group_;
+    std::vector<std::vector<Edge>> edges_;
+    std::map<std::int32_t, std::int32_t> vertex_group_;
+    std::map<Edge, std::int32_t> edge_group_;
+};
+
+template <class Answer>
+std::vector<Line> lines_of(const World& world, const Answer& answer) {
+    std::vector<Line> lines;
+    for (std::size_t kind = 0; kind < feature_kinds; ++kind) {
+        const auto& list = answer.lists[kind];
+        EXPECT_EQ(list.bodies.size(), list.pairs.size());
+        for (std::size_t i = 0; i < list.pairs.size(); ++i) {
+            const auto [a, b] = list.bodies[i];
+            const auto in = [&](std::int32_t body) { return world.bodies[static_cast<std::size_t>(body)].world; };
+            const std::int64_t of = std::max(in(a), in(b)) < 0 ? everywhere : std::max(in(a), in(b));
+            lines.push_back(
+                {kind, of, a, list.pairs[i].a, b, list.pairs[i].b, values_of(list)[i], flags_of(list)[i] != 0});
+        }
+    }
+    return lines;
+}
+
+void expect_same(const std::vector<Line>& found, const std::vector<Line>& expected) {
+    for (std::size_t i = 0; i < std::min(found.size(), expected.size()); ++i)
+        ASSERT_EQ(found[i], expected[i]) << "line " << i;
+    ASSERT_EQ(found.size(), expected.size());
+}
+template <class Answer>
+void expect_edges(const Answer& answer, const std::vector<std::vector<Edge>>& expected) {
+    ASSERT_EQ(answer.first_edge.size(), expected.size() + 1);
+    for (std::size_t b = 0; b < expected.size(); ++b) {
+        const auto edges =
+            answer.edges.span().subspan(static_cast<std::size_t>(answer.first_edge[b]),
+                                        static_cast<std::size_t>(answer.first_edge[b + 1] - answer.first_edge[b]));
+        EXPECT_EQ(std::vector<Edge>(edges.begin(), edges.end()), expected[b]) << "body " << b;
+    }
+    EXPECT_EQ(answer.first_edge.back(), static_cast<std::int64_t>(answer.edges.size()));
+}
+/// The worlds that have lines, and of each the first of them.
+std::map<std::int64_t, Line> first_by_world(const std::vector<Line>& lines) {
+    std::map<std::int64_t, Line> first;
+    for (const Line& line : lines) {
+        const auto [at, fresh] = first.emplace(line.world, line);
+        if (!fresh && line.value < at->second.value) at->second = line;
+    }
+    return first;
+}
+void expect_first(const FirstImpact& found, const Line* expected) {
+    ASSERT_EQ(found.found, expected != nullptr);
+    if (!expected) return;
+    const Line line{static_cast<std::size_t>(found.kind),
+                    expected->world,
+                    found.bodies.first,
+                    found.pair.a,
+                    found.bodies.second,
+                    found.pair.b,
+                    found.toi,
+                    found.start};
+    EXPECT_EQ(line, *expected);
+}
+
+class FeaturesOfWorlds : public testing::TestWithParam<unsigned> {
+   protected:
+    void compare(const WorldKind& kind) {
+        const auto moving = moving_world(GetParam(), kind);
+        const World world = moving->view();
+        const Together together(world);
+        const MovingSoup<>& soup = together.soup();
+        Detector detector({.backend = Backend::cpu, .threads = 2, .leaf_size = 8});
+        Detector single({.backend = Backend::cpu, .threads = 1});
+        for (unsigned i = 0; i < 3; ++i) {
+            SCOPED_TRACE(testing::Message() << "question " << i);
+            const Intersect rules = random_question(5 * GetParam() + i, kind.bodies);
+            Motion motion{.weld = rules.weld, .rules = rules.rules};
+            const Impacts& all = single.find_impacts(soup.view(), soup.end_view(), {.weld = rules.weld});
+            const std::vector<Line> lines = together.lines(all, rules.rules);
+            expect_impacts(detector, world, motion, lines, together.edges());
+            Near near{.radius = i * 0.05, .weld = rules.weld, .rules = rules.rules};
+            const std::vector<Line> near_lines =
+                together.lines(single.find_near(soup.view(), {.radius = near.radius, .weld = near.weld}), rules.rules);
+            const Nearby& nearby = detector.find(world, near);
+            expect_same(lines_of(world, nearby), near_lines);
+            expect_edges(nearby, together.edges());
+            EXPECT_EQ(nearby.any, !near_lines.empty());
+            EXPECT_EQ(nearby.count, static_cast<std::int64_t>(near_lines.size()));
+            expect_hits(nearby.world_hit, near_lines);
+            near.wants = NearWants::any_by_world;
+            expect_hits(detector.find(world, near).world_hit, near_lines);
+            near.wants = NearWants::any;
+            EXPECT_EQ(detector.find(world, near).any, !near_lines.empty());
+            if (HasFatalFailure()) return;
+        }
+    }
+
+    static void expect_hits(const Array<std::uint8_t>& hits, const std::vector<Line>& lines) {
+        const auto first = first_by_world(lines);
+        for (std::size_t w = 0; w < hits.size(); ++w)
+            EXPECT_EQ(hits[w] != 0, first.count(static_cast<std::int64_t>(w)) > 0) << "world " << w;
+    }
+    static void expect_firsts(const Impacts& impacts, const std::vector<Line>& lines) {
+        const auto first = first_by_world(lines);
+        for (std::size_t w = 0; w < impacts.world_first.size(); ++w) {
+            const auto at = first.find(static_cast<std::int64_t>(w));
+            expect_first(impacts.world_first[w], at == first.end() ? nullptr : &at->second);
+        }
+        const auto least = std::min_element(lines.begin(), lines.end(),
+                                            [](const Line& a, const Line& b) { return a.value < b.value; });
+        expect_first(impacts.first, lines.empty() ? nullptr : &*least);
+        expect_hits(impacts.world_hit, lines);
+        EXPECT_EQ(impacts.any, !lines.empty());
+    }
+    static void expect_impacts(Detector& detector, const World& world, Motion motion, const std::vector<Line>& lines,
+                               const std::vector<std::vector<Edge>>& edges) {
+        const Impacts& impacts = detector.find(world, motion);
+        expect_same(lines_of(world, impacts), lines);
+        expect_edges(impacts, edges);
+        expect_firsts(impacts, lines);
+        EXPECT_EQ(impacts.count, static_cast<std::int64_t>(lines.size()));
+        motion.wants = MotionWants::earliest;
+        detector.find(world, motion);
+        expect_firsts(impacts, lines);
+        expect_edges(impacts, edges);
+        motion.wants = MotionWants::any_by_world;
+        expect_hits(detector.find(world, motion).world_hit, lines);
+        motion.wants = MotionWants::any;
+        EXPECT_EQ(detector.find(world, motion).any, !lines.empty());
+    }
+};
+
+TEST_P(FeaturesOfWorlds, AreThoseOfOneSoup) { compare({.bodies = 6, .triangles = 12}); }
+TEST_P(FeaturesOfWorlds, AreFoundWorldByWorld) {
+    compare({.bodies = 10, .worlds = 4, .triangles = 10, .everywhere = 0.3, .reach = 0.5});
+}
+TEST_P(FeaturesOfWorlds, AreFoundWhereAllMeetAll) { compare({.bodies = 5, .triangles = 8, .everywhere = 1}); }
+TEST_P(FeaturesOfWorlds, AreThoseOfOneBody) { compare({.bodies = 1, .triangles = 30}); }
+TEST_P(FeaturesOfWorlds, AreNoneWithoutBodies) { compare({.bodies = 0}); }
+
+INSTANTIATE_TEST_SUITE_P(Seeds, FeaturesOfWorlds, testing::Range(0u, 12u));
+
+/// Rules about groups make a world of it inside; that does not show.
+TEST(FeaturesOfOneMesh, AreThoseOfAMeshWhateverTheRules) {
+    MovingSoup<> soup = moving_grid(4, 30, 24, 5);
+    for (std::size_t t = 0; t < soup.triangles.size(); ++t) soup.groups.push_back(static_cast<std::int32_t>(t % 3));
+    Detector detector({.backend = Backend::cpu}), plain({.backend = Backend::cpu});
+    Motion motion{.index = true};
+    Near near{.radius = 1, .index = true};
+    // Nothing is in group 7, so nothing is excluded.
+    motion.rules.excluded_groups = near.rules.excluded_groups = {{7, 7}};
+    EXPECT_TRUE(same_features(detector.find_impacts(soup.view(), soup.end_view(), motion),
+                              plain.find_impacts(soup.view(), soup.end_view(), {.index = true})));
+    EXPECT_TRUE(same_features(detector.find_near(soup.view(), near),
+                              plain.find_near(soup.view(), {.radius = 1, .index = true})));
+    motion.rules.groups = Wanted::within;
+    const Impacts& within = detector.find_impacts(soup.view(), soup.end_view(), motion);
+    EXPECT_GT(within.count, 0);
+    EXPECT_TRUE(within.vertex_faces().bodies.empty());
+    EXPECT_EQ(within.vertex_faces().offsets.size(), soup.start.size() + 1);
+}
+
+}  // namespace
+}  // namespace crumple::test
