@@ -3,90 +3,33 @@
 
 #include <gtest/gtest.h>
 
-#include <memory>
-#include <optional>
-
-#include "questions/features/compare_features.h"
+#include "questions/features/agreeing.h"
 #include "questions/features/moving_soups.h"
 
 namespace crumple::test {
 namespace {
 
-/// Detectors that shall all agree; they go from soup to soup, and from question to question.
-struct Tested {
-    std::string name;
-    std::unique_ptr<Detector> detector;
-};
-
-const std::vector<Tested>& tested() {
-    static const std::vector<Tested> all = [] {
-        std::vector<Tested> list;
-        const auto add = [&](const std::string& name, Options options) {
-            options.backend = Backend::cpu;
-            try {
-                list.push_back({name, std::make_unique<Detector>(options)});
-            } catch (const Error& error) {
-                EXPECT_EQ(error.code, ErrorCode::backend_unavailable);
-            }
-        };
-        add("one thread", {.threads = 1});
-        add("small leaves", {.threads = 2, .leaf_size = 8});
-        add("seven clusters", {.threads = 5, .clusters = 7, .leaf_size = 8});
-        add("one cluster", {.threads = 2, .clusters = 1, .leaf_size = 8});
-        add("many clusters", {.threads = 1, .clusters = 64, .leaf_size = 1});
-        for (const Simd simd : {Simd::scalar, Simd::sse4, Simd::avx2, Simd::avx512, Simd::neon})
-            add("instruction set " + std::to_string(static_cast<int>(simd)), {.threads = 1, .simd = simd});
-        return list;
-    }();
-    return all;
-}
-Detector& reference() {
-    static Detector detector({.backend = Backend::reference});
-    return detector;
-}
-
-template <class Scalar>
-void expect_impacts(const MovingSoup<Scalar>& soup, const Motion& asked) {
-    Motion question = asked;
-    question.index = true;
-    const Impacts& expected = reference().find_impacts(soup.view(), soup.end_view(), question);
-    const FirstImpact first = first_listed(expected);
-    EXPECT_EQ(expected.any, first.found);
-    EXPECT_TRUE(same_first(expected.first, first)) << "listed with all";
-    for (const auto& [name, detector] : tested()) {
-        SCOPED_TRACE(name);
-        const Impacts& found = detector->find_impacts(soup.view(), soup.end_view(), question);
-        ASSERT_TRUE(same_features(found, expected));
-        if (&detector != &tested()[1].detector) continue;  // others are as slow, and no different
-        EXPECT_TRUE(same_first(detector->time_of_first_impact(soup.view(), soup.end_view(), question), first));
-        EXPECT_EQ(detector->is_free(soup.view(), soup.end_view(), question), !first.found);
-    }
-}
-
-template <class Scalar>
-void expect_near(const MovingSoup<Scalar>& soup, const Near& asked) {
-    Near question = asked;
-    question.index = true;
-    const Nearby& expected = reference().find_near(soup.view(), question);
-    Near any = question;
-    any.wants = NearWants::any;
-    for (const auto& [name, detector] : tested()) {
-        SCOPED_TRACE(name);
-        ASSERT_TRUE(same_features(detector->find_near(soup.view(), question), expected));
-        EXPECT_EQ(detector->find_near(soup.view(), any).any, expected.count > 0);
-    }
-}
-
 template <class Scalar>
 class FeatureAgreement : public testing::Test {
    protected:
+    /// `part`: see moving_soups().
     template <class Work>
-    void for_each_soup(Work work) {
-        for (const NamedMove<Scalar>& move : moving_soups<Scalar>()) {
+    void for_each_soup(Work work, double part = 1) {
+        for (const NamedMove<Scalar>& move : moving_soups<Scalar>(part)) {
             SCOPED_TRACE(move.name);
             work(move);
             if (this->HasFailure()) return;
         }
+    }
+    void expect_separated(double separation, double share) {
+        SCOPED_TRACE(testing::Message() << "separation " << separation << ", share " << share);
+        const auto work = [&](const NamedMove<Scalar>& move) {
+            const double distance = separation * move.unit;
+            if (distance > 1e300) return;
+            const Motion question{.separation = distance, .separation_share = share};
+            expect_impacts(move.soup, question, std::span(tested()).subspan(1, share > 0 ? 1 : 2));
+        };
+        for_each_soup(work, share > 0 ? 0.12 : 0.2);  // a share spares no pair the decision
     }
 };
 using Precisions = testing::Types<float, double>;
@@ -101,6 +44,15 @@ TYPED_TEST_SUITE(FeatureAgreement, Precisions, PrecisionNames);
 
 TYPED_TEST(FeatureAgreement, OfImpacts) {
     this->for_each_soup([](const auto& move) { expect_impacts(move.soup, {}); });
+}
+
+TYPED_TEST(FeatureAgreement, OfWhatComesWithinADistance) {
+    for (const double separation : {1e-3, 0.75, 1.0, 1e9}) this->expect_separated(separation, 0);
+}
+
+TYPED_TEST(FeatureAgreement, OfWhatComesWithinAShareOfItsDistance) {
+    for (const double share : {0.5, 1 - 0x1p-53}) this->expect_separated(0, share);
+    this->expect_separated(1, 0.75);
 }
 
 TYPED_TEST(FeatureAgreement, OfImpactsOfWeldedSoups) {

@@ -245,10 +245,11 @@ struct NamedMove {
     double unit = 1;  ///< about how large things are
 };
 
-/// Every kind of them, few triangles each.
+/// Every kind of them, few triangles each. `part`: a fourth of them, say, for questions that take longer.
 template <class Scalar>
-std::vector<NamedMove<Scalar>> moving_soups() {
+std::vector<NamedMove<Scalar>> moving_soups(double part = 1) {
     std::vector<NamedMove<Scalar>> all;
+    const auto n = [&](int count) { return static_cast<int>(std::ceil(part * count)); };
     const auto add = [&](const std::string& name, const MovingSoup<>& soup, double unit = 1) {
         all.push_back({name, changed<Scalar>(soup, [&](double x) { return unit * x; }), unit});
     };
@@ -260,39 +261,44 @@ std::vector<NamedMove<Scalar>> moving_soups() {
     add("a point", soup);
     soup.triangles = {{0, 0, 0}, {0, 0, 0}};
     add("a point twice", soup);
-    add("a grid of 2", moving_grid(2, 12, 20, 1));
-    add("a grid of 3", moving_grid(3, 20, 24, 2));
-    add("a grid of 6", moving_grid(6, 40, 30, 3));
-    add("a grid of 30", moving_grid(30, 60, 40, 4));
-    add("in a plane", moving_in_a_plane(24, 15, 5));
-    add("in a line", moving_in_a_line(24, 12, 6));
-    add("through a line", moving_through_a_line(24, 16, 7));
-    add("mostly resting", mostly_resting(4, 40, 40, 8));
-    add("collapsing", collapsing(16, 9));
-    add("sheets that land", moving_sheets(3, {{0, 0}, {5, 0}, {2, 1}, {1, 3}}));
-    add("sheets that lie", moving_sheets(2, {{0, 3}, {0, 3}, {3, 0}, {4, 0}}));
-    add("needles", needles(24, 10));
-    add("a giant", giant_under_many(60, 11));
-    add("a larger giant", giant_under_many(60, 12, 0x1p20));
-    add("in general", in_general(60, 0.4, 0.3, 13));
-    add("in general, fine", in_general(300, 0.05, 0.1, 14));
-    add("at rest in general", in_general(80, 0.4, 0, 15));
-    const MovingSoup<> grid = moving_grid(4, 20, 14, 16);
+    add("a grid of 2", moving_grid(2, n(12), n(20), 1));
+    add("a grid of 3", moving_grid(3, n(20), n(24), 2));
+    add("a grid of 6", moving_grid(6, n(40), n(30), 3));
+    add("a grid of 30", moving_grid(30, n(60), n(40), 4));
+    add("in a plane", moving_in_a_plane(n(24), n(15), 5));
+    add("in a line", moving_in_a_line(n(24), n(12), 6));
+    add("through a line", moving_through_a_line(n(24), n(16), 7));
+    add("mostly resting", mostly_resting(4, n(40), n(40), 8));
+    add("collapsing", collapsing(n(16), 9));
+    add("sheets that land", moving_sheets(n(3), {{0, 0}, {5, 0}, {2, 1}, {1, 3}}));
+    add("sheets that lie", moving_sheets(n(2), {{0, 3}, {0, 3}, {3, 0}, {4, 0}}));
+    add("needles", needles(n(24), 10));
+    add("a giant", giant_under_many(n(60), 11));
+    add("a larger giant", giant_under_many(n(60), 12, 0x1p20));
+    add("in general", in_general(n(60), 0.4, 0.3, 13));
+    add("in general, fine", in_general(n(300), 0.05, 0.1, 14));
+    add("at rest in general", in_general(n(80), 0.4, 0, 15));
+    const MovingSoup<> grid = moving_grid(4, n(20), n(14), 16);
     constexpr bool wide = sizeof(Scalar) == 8;
     add("subnormal", grid, wide ? 0x1p-1074 : 0x1p-149);
     add("small", grid, wide ? 0x1p-1000 : 0x1p-120);
     add("1e-30", grid, 1e-30);
     add("1e30", grid, 1e30);
-    add("large", grid, wide ? 0x1p1021 : 0x1p125);
-    add("travellers to 1e30", far_travellers(16, 9, 1e30, 17));
-    add("travellers from 1e-30", far_travellers(16, 9, wide ? 1e60 : 1e35, 18), 1e-30);
+    add("large", grid, wide ? 0x1p1020 : 0x1p125);
+    add("travellers to 1e30", far_travellers(n(16), n(9), 1e30, 17));
+    add("travellers from 1e-30", far_travellers(n(16), n(9), wide ? 1e60 : 1e35, 18), 1e-30);
     const double away = wide ? 0x1p50 : 0x1p21;
-    all.push_back({"far away", changed<Scalar>(moving_grid(4, 24, 18, 19), [&](double x) { return x + away; })});
-    all.push_back({"far away on both sides",
-                   changed<Scalar>(moving_grid(4, 24, 18, 20), [&](double x) { return x > 1 ? x + away : x - away; })});
-    all.push_back({"a number beside", nudged(rounded<Scalar>(moving_grid(3, 14, 8, 21)), 1)});
-    all.push_back({"a number beside resting", nudged(rounded<Scalar>(mostly_resting(3, 16, 12, 22)), 2)});
-    all.push_back({"a number beside sheets", nudged(rounded<Scalar>(moving_sheets(1, {{0, 0}, {3, 0}, {1, 1}})), 3)});
+    const auto add_moved = [&](const std::string& name, unsigned seed, auto move) {
+        all.push_back({name, changed<Scalar>(moving_grid(4, n(24), n(18), seed), move)});
+    };
+    add_moved("far away", 19, [&](double x) { return x + away; });
+    add_moved("far away on both sides", 20, [&](double x) { return x > 1 ? x + away : x - away; });
+    const auto add_nudged = [&](const std::string& name, const MovingSoup<>& from, unsigned seed) {
+        all.push_back({name, nudged(rounded<Scalar>(from), seed)});
+    };
+    add_nudged("a number beside", moving_grid(3, n(14), n(8), 21), 1);
+    add_nudged("a number beside resting", mostly_resting(3, n(16), n(12), 22), 2);
+    add_nudged("a number beside sheets", moving_sheets(1, {{0, 0}, {3, 0}, {1, 1}}), 3);
     return all;
 }
 
