@@ -9,6 +9,7 @@
 #include "crumple/features.h"
 #include "geometry/leaf_frame.h"
 #include "geometry/vec.h"
+#include "questions/features/length.h"
 
 namespace crumple {
 
@@ -45,8 +46,7 @@ CRUMPLE_HD int side(float place1, float place2, float place3, float gap) {
 template <FeatureKind kind, int moments>
 CRUMPLE_HD bool separates(const Vec3f& direction, const SeenFeatures<moments>& seen, const Vec3f& reach,
                           float distance) {
-    const float gap =
-        place_error * dot(abs(direction), reach) + place_slack + distance * up * std::sqrt(dot(direction, direction));
+    const float gap = place_error * dot(abs(direction), reach) + place_slack + distance * up * length(direction);
     const auto side_at = [&](int m) {
         const Vec3f(&to)[3] = seen.to[m];
         return side<kind>(dot(direction, to[0]), dot(direction, to[1]), dot(direction, to[2]), gap);
@@ -89,8 +89,8 @@ CRUMPLE_HD bool plane_is_far(const SeenFeatures<1>& seen, float magnitude, float
     const Vec3f reach_a = kind == FeatureKind::vertex_face ? abs(p[0]) + abs(p[1]) : abs(p[0]);
     const Vec3f reach_b = kind == FeatureKind::vertex_face ? abs(p[0]) + abs(p[2]) : abs(p[1]) + abs(p[2]);
     const Vec3f n = cross(a, b), off = product_magnitudes(reach_a, reach_b);
-    const float length = up * std::sqrt(dot(n, n)) + normal_error * (off.x + off.y + off.z) + volume_slack;
-    return std::abs(dot(cross(p[0], p[1]), p[2])) > distance * up * length + volume_error * magnitude + volume_slack;
+    const float most = up * length(n) + normal_error * (off.x + off.y + off.z) + volume_slack;
+    return std::abs(dot(cross(p[0], p[1]), p[2])) > distance * up * most + volume_error * magnitude + volume_slack;
 }
 
 /// Whether the features are further apart than `distance` at any time. False says nothing.

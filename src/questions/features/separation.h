@@ -4,6 +4,7 @@
 // few directions separates (docs/features.md). Projections on a direction that stays are linear in time, so what it
 // separates at the start and at the end, the same way round, it separates always. Compiled for host and device.
 
+#include "questions/features/length.h"
 #include "questions/features/record.h"
 
 namespace crumple {
@@ -12,9 +13,10 @@ namespace crumple {
 inline constexpr float projection_error = 20 * unit_roundoff;
 
 /// What a gap along a direction of length 1 has to exceed; `reach`: the leaf's largest |coordinate|. Along others, what
-/// it is times their length: errors of projections grow with that as well.
+/// it is times their length(): errors of projections grow with that as well, and what underflows is below 1e-18 times
+/// the least length.
 CRUMPLE_HD inline float needed_gap(float distance, float reach) {
-    return distance * 1.000002f + (projection_error * reach + 1e-30f);
+    return distance * 1.000002f + (projection_error * reach + 1e-18f);
 }
 
 /// Whether d separates a from b by more than `gap`, at each moment and the same way round.
@@ -46,7 +48,7 @@ CRUMPLE_HD bool surely_apart(const FeatureRecord<moments>& a, const FeatureRecor
     for (int m = 0; m < moments; ++m) {
         const Vec3f between = between_centroids(a, b, m);
         if (separates(a.at(4 * m + 3), a, b, gap) || separates(b.at(4 * m + 3), a, b, gap) ||
-            separates(between, a, b, gap * std::sqrt(dot(between, between))))
+            separates(between, a, b, gap * length(between)))
             return true;
     }
     return false;

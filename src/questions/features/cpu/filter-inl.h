@@ -56,7 +56,7 @@ template <FeatureKind kind, int moments, class V>
 HWY_INLINE auto separates(const Point<V>& n, const Seen<V, moments>& seen, const Point<V>& reach, V distance) {
     const hn::DFromV<V> d;
     const V gap = hn::Add(hn::MulAdd(hn::Set(d, place_error), dot(abs(n), reach), hn::Set(d, place_slack)),
-                          hn::Mul(distance, hn::Sqrt(dot(n, n))));
+                          hn::Mul(distance, length(n)));
     const auto at = [&](int m, auto& above, auto& below) HWY_ATTR {
         const V p0 = dot(n, seen.to[m][0]), p1 = dot(n, seen.to[m][1]), p2 = dot(n, seen.to[m][2]);
         if constexpr (kind == FeatureKind::vertex_face) {
@@ -118,9 +118,9 @@ HWY_INLINE auto plane_is_far(const Seen<V, 1>& seen, V magnitude, V distance) {
     const Point<V> reach_a = face ? add(abs(p[0]), abs(p[1])) : abs(p[0]);
     const Point<V> reach_b = face ? add(abs(p[0]), abs(p[2])) : add(abs(p[1]), abs(p[2]));
     const Point<V> n = cross(a, b), off = product_magnitudes(reach_a, reach_b);
-    const V length = hn::Add(hn::MulAdd(hn::Set(d, up), hn::Sqrt(dot(n, n)), hn::Set(d, volume_slack)),
-                             hn::Mul(hn::Set(d, normal_error), hn::Add(hn::Add(off.x, off.y), off.z)));
-    return hn::Gt(hn::Abs(dot(cross(p[0], p[1]), p[2])), hn::MulAdd(distance, length, volume_bound(magnitude)));
+    const V most = hn::Add(hn::MulAdd(hn::Set(d, up), length(n), hn::Set(d, volume_slack)),
+                           hn::Mul(hn::Set(d, normal_error), hn::Add(hn::Add(off.x, off.y), off.z)));
+    return hn::Gt(hn::Abs(dot(cross(p[0], p[1]), p[2])), hn::MulAdd(distance, most, volume_bound(magnitude)));
 }
 
 template <FeatureKind kind, int moments, class D, class Points>

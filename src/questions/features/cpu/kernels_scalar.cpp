@@ -4,6 +4,7 @@
 #include "engine/cpu/align.h"
 #include "questions/features/cpu/kernels.h"
 #include "questions/features/feature_filters.h"
+#include "questions/features/length.h"
 #include "questions/features/separation.h"
 
 namespace crumple::cpu {
@@ -22,8 +23,7 @@ void build(const BuildInput& in, const SceneFeatures& features, FeatureRecord<mo
             p[k] = in.points[corner[k]];
             if constexpr (moments == 2) {
                 p[3 + k] = in.points[static_cast<std::int32_t>(corner[k] + in.ends)];
-                const Vec3f step = to_float(p[3 + k] - p[k]);
-                way = max(way, std::sqrt(dot(step, step)));
+                way = max(way, length(to_float(p[3 + k] - p[k])));
             }
         }
         InFrame<3 * moments> member(p, in.frame);

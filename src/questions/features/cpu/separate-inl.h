@@ -79,7 +79,7 @@ HWY_INLINE auto separates(const Point<V>& n, const Records<V, moments>& a, const
 template <int moments, class V>
 HWY_INLINE auto separates_centroids(int m, const Records<V, moments>& a, const Records<V, moments>& b, V gap) {
     const Point<V> n = between_centroids(a.at + 4 * m, b.at + 4 * m);
-    return separates(n, a, b, hn::Mul(gap, hn::Sqrt(dot(n, n))));
+    return separates(n, a, b, hn::Mul(gap, length(n)));
 }
 
 template <int moments>

@@ -8,6 +8,7 @@
 #endif
 
 #include "engine/cpu/simd/corners-inl.h"
+#include "questions/features/length.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace crumple::cpu::features {
@@ -33,6 +34,12 @@ HWY_INLINE Point<V> max(const Point<V>& a, const Point<V>& b) {
 template <class V>
 HWY_INLINE V dot(const Point<V>& a, const Point<V>& b) {
     return hn::MulAdd(a.x, b.x, hn::MulAdd(a.y, b.y, hn::Mul(a.z, b.z)));
+}
+/// As length() of one vector.
+template <class V>
+HWY_INLINE V length(const Point<V>& a) {
+    const V z = hn::MulAdd(a.z, a.z, hn::Set(hn::DFromV<V>(), least_square));
+    return hn::Sqrt(hn::MulAdd(a.x, a.x, hn::MulAdd(a.y, a.y, z)));
 }
 template <class V>
 HWY_INLINE Point<V> cross(const Point<V>& a, const Point<V>& b) {
