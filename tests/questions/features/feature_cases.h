@@ -3,6 +3,8 @@
 // Pairs of features that are hard for filters, from a seed: what the tests of this folder draw from. Coordinates are at
 // most 1, as those of normalised rows are.
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,8 +12,11 @@
 #include <limits>
 #include <ostream>
 #include <random>
+#include <string>
 #include <string_view>
+#include <vector>
 
+#include "questions/features/cpu/kernels.h"
 #include "questions/features/points.h"
 #include "questions/motion/moves.h"
 #include "questions/motion/rational_separation.h"
@@ -35,6 +40,16 @@ constexpr std::string_view shape_name(Shape shape) {
     constexpr std::array<std::string_view, all_shapes.size()> names{"random",  "lattice", "touching", "flat",
                                                                     "needles", "tiny",    "speck",    "mixed"};
     return names[static_cast<std::size_t>(shape)];
+}
+
+inline std::string name_of_shape(const testing::TestParamInfo<Shape>& info) {
+    return std::string(shape_name(info.param));
+}
+
+/// Of every instruction set that build and machine have.
+inline const std::vector<const cpu::FeatureTables*>& feature_tables() {
+    static const auto all = cpu::all_feature_kernels();
+    return all;
 }
 
 /// Whether features come within `distance`, a number that is taken for exact.
@@ -81,6 +96,15 @@ class RandomCases {
         }
         if (below(2)) c.distance = distance(c);
         return c;
+    }
+
+    /// At most 1, and a float32 number if the rows are.
+    Vec3d number(Vec3d p) {
+        for (int axis = 0; axis < 3; ++axis) {
+            volatile float rounded = static_cast<float>(p[axis]);
+            p[axis] = std::clamp(float32_ ? static_cast<double>(rounded) : p[axis], -1.0, 1.0);
+        }
+        return p;
     }
 
    private:
@@ -135,15 +159,6 @@ class RandomCases {
     void rigidly(FeaturePoints& point) {
         const Vec3d way = point[0].end - point[0].start;
         for (MovingPoint& p : point) p.end = p.start + way;
-    }
-
-    // At most 1, and a float32 number if the rows are.
-    Vec3d number(Vec3d p) {
-        for (int axis = 0; axis < 3; ++axis) {
-            volatile float rounded = static_cast<float>(p[axis]);
-            p[axis] = std::clamp(float32_ ? static_cast<double>(rounded) : p[axis], -1.0, 1.0);
-        }
-        return p;
     }
 
     void nudge(Vec3d& p) {

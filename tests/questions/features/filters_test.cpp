@@ -12,11 +12,6 @@
 namespace crumple {
 namespace {
 
-const std::vector<const cpu::FeatureTables*>& tables() {
-    static const auto all = cpu::all_feature_kernels();
-    return all;
-}
-
 /// Cases with one kind, one number of moments and one distance, as kernels read them.
 class Rows {
    public:
@@ -67,8 +62,7 @@ bool keeps(const cpu::FeatureTables& table, const FeatureCase& c, bool float32) 
 constexpr FeatureKind kinds[] = {FeatureKind::vertex_face, FeatureKind::edge_edge};
 
 class FeatureFilters : public testing::TestWithParam<Shape> {};
-std::string name_of(const testing::TestParamInfo<Shape>& info) { return std::string(shape_name(info.param)); }
-INSTANTIATE_TEST_SUITE_P(, FeatureFilters, testing::ValuesIn(all_shapes), name_of);
+INSTANTIATE_TEST_SUITE_P(, FeatureFilters, testing::ValuesIn(all_shapes), name_of_shape);
 
 // Tables differ by fused operations only, so they may answer differently only next to a filter's edge.
 TEST_P(FeatureFilters, RejectOnlyWhatIsApart) {
@@ -80,13 +74,100 @@ TEST_P(FeatureFilters, RejectOnlyWhatIsApart) {
                 for (int i = 0; i < 400; ++i) {
                     const FeatureCase c = random(kind, moments);
                     std::size_t rejecting = 0;
-                    for (const auto* table : tables()) rejecting += !keeps(*table, c, float32);
+                    for (const auto* table : feature_tables()) rejecting += !keeps(*table, c, float32);
                     ASSERT_FALSE(rejecting > 0 && c.near()) << c << (float32 ? ", float32" : ", float64");
                     ++cases;
-                    differ += rejecting > 0 && rejecting < tables().size();
+                    differ += rejecting > 0 && rejecting < feature_tables().size();
                 }
             }
     EXPECT_LE(differ, cases / 100);
+}
+
+TEST(FeatureFiltersOfManyTests, AnswerAsForOne) {
+    for (const bool float32 : {true, false})
+        for (const FeatureKind kind : kinds)
+            for (const int moments : {1, 2}) {
+                RandomCases random(Shape::random, float32, 101);
+                std::vector<FeatureCase> cases;
+                for (int i = 0; i < 67; ++i) {
+                    cases.push_back(random(kind, moments));
+                    cases.back().distance = 0.05f;
+                }
+                const Rows rows(cases, float32);
+                for (const auto* table : feature_tables()) {
+                    const std::vector<bool> kept = rows.kept(*table, cases);
+                    for (std::size_t i = 0; i < cases.size(); ++i)
+                        ASSERT_EQ(kept[i], keeps(*table, cases[i], float32)) << cases[i];
+                }
+            }
+}
+
+void expect_rejected(const FeatureCase& c) {
+    for (const auto* table : feature_tables()) {
+        EXPECT_FALSE(keeps(*table, c, true)) << c;
+        EXPECT_FALSE(keeps(*table, c, false)) << c;
+    }
+}
+
+// All points of the one below all of the other along an axis, by a tenth at least.
+TEST(FeatureFiltersReject, WhatAnAxisSeparates) {
+    RandomCases random(Shape::random, true, 103);
+    for (int i = 0; i < 400; ++i) {
+        FeatureCase c = random(kinds[i % 2], 1 + i / 2 % 2);
+        const int axis = i % 3;
+        const std::size_t first = c.kind == FeatureKind::vertex_face ? 1 : 2;
+        const double up = i % 5 < 2 ? 1 : -1;
+        for (std::size_t k = 0; k < 4; ++k)
+            for (Vec3d* p : {&c.point[k].start, &c.point[k].end})
+                (*p)[axis] = (k < first ? up : -up) * (0.05 + 0.5 * std::abs((*p)[axis]));
+        c.distance = i % 7 < 3 ? 0 : 0.099f;
+        expect_rejected(c);
+    }
+}
+
+constexpr Vec3d u{0.6, 0.125, 0.25}, v{-0.25, 0.5, 0.125};
+Vec3d normal() { return (1 / std::sqrt(dot(cross(u, v), cross(u, v)))) * cross(u, v); }
+
+/// A vertex above a face, or an edge above an edge, whose boxes overlap, as do the places on what joins their middles.
+FeatureCase stacked(FeatureKind kind, double height) {
+    const Vec3d h = height * normal();
+    if (kind == FeatureKind::vertex_face)
+        return {kind, 1, {{{0.75 * u + h, {}}, {u, {}}, {v, {}}, {-1.0 * u - v, {}}}}};
+    return {kind, 1, {{{-1.0 * u, {}}, {u, {}}, {0.75 * u - 0.125 * v + h, {}}, {0.75 * u + v + h, {}}}}};
+}
+
+TEST(FeatureFiltersReject, WhatThePlaneSeparates) {
+    for (const FeatureKind kind : kinds)
+        for (const double height : {0.01, -0.01})
+            for (const float distance : {0.0f, 0.0099f}) {
+                FeatureCase c = stacked(kind, height);
+                c.distance = distance;
+                expect_rejected(c);
+            }
+}
+
+TEST(FeatureFiltersReject, WhatIsInOnePlaneAtNoTime) {
+    for (const FeatureKind kind : kinds)
+        for (const double height : {0.01, -0.01}) {
+            FeatureCase c = stacked(kind, height);
+            c.moments = 2;
+            for (std::size_t k = 0; k < 4; ++k)
+                c.point[k].end = c.point[k].start + Vec3d{0.125, 0.0625, -0.125 + 0.001 * static_cast<double>(k)};
+            expect_rejected(c);
+        }
+}
+
+// At one end the vertex is above the middle of the face; at the other what joins it to that does not separate.
+TEST(FeatureFiltersReject, WhatADirectionOfEitherEndSeparates) {
+    const Vec3d n = normal();
+    FeatureCase c = stacked(FeatureKind::vertex_face, 0.02);
+    c.moments = 2;
+    c.distance = 0.01f;
+    for (std::size_t k = 1; k < 4; ++k) c.point[k].end = c.point[k].start;
+    c.point[0].end = 0.3 * n;
+    expect_rejected(c);
+    for (MovingPoint& p : c.point) std::swap(p.start, p.end);
+    expect_rejected(c);
 }
 
 }  // namespace
