@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "engine/cpu/kernels.h"
+#include "questions/features/cpu/kernels.h"
 #include "questions/intersect/cpu/kernels.h"
 
 namespace crumple::test {
@@ -12,14 +13,17 @@ struct Tables {
     const char* name;
     const cpu::StageKernels& stages;
     const cpu::IntersectKernels& intersect;
+    const cpu::FeatureTables& features;
 };
 
 /// Those of every instruction set that build and machine have.
 inline std::vector<Tables> kernel_tables() {
     const auto stages = cpu::all_stage_kernels();
     const auto intersect = cpu::all_intersect_kernels();
+    const auto features = cpu::all_feature_kernels();
     std::vector<Tables> tables;
-    for (std::size_t i = 0; i < stages.size(); ++i) tables.push_back({stages[i]->name, *stages[i], *intersect[i]});
+    for (std::size_t i = 0; i < stages.size(); ++i)
+        tables.push_back({stages[i]->name, *stages[i], *intersect[i], *features[i]});
     return tables;
 }
 

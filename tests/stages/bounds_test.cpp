@@ -1,4 +1,4 @@
-// Stage `bounds`: vertices keep their exact place, and the ball holds the triangle.
+// Stage `bounds`: vertices keep their exact place, and the ball holds the triangle all along its way.
 
 #include "geometry/normaliser.h"
 #include "stages/cases.h"
@@ -12,9 +12,11 @@ INSTANTIATE_TEST_SUITE_P(, Bounds, testing::ValuesIn(stage_backends()), [](const
 TEST_P(Bounds, moves_no_vertex_but_by_its_exact_map) {
     run([](const StageCase& the, const StageState& state) {
         const Normaliser map(the.scene.low, the.scene.high);
-        ASSERT_EQ(state.point.size(), static_cast<std::size_t>(the.scene.vertex_count()));
-        for (std::int64_t v = 0; v < the.scene.vertex_count(); ++v) {
-            const Vec3<Rational> given = value(the.scene.position(v)), shift = value(map.shift);
+        const std::int64_t n = the.scene.vertex_count(), rows = the.scene.moving ? 2 * n : n;
+        ASSERT_EQ(state.point.size(), static_cast<std::size_t>(rows));
+        for (std::int64_t v = 0; v < rows; ++v) {
+            const Vec3<Rational> given = value(v < n ? the.scene.position(v) : the.scene.end(v - n));
+            const Vec3<Rational> shift = value(map.shift);
             const Vec3d found = state.point[static_cast<std::size_t>(v)];
             for (int axis = 0; axis < 3; ++axis) {
                 const Rational exact = (given[axis] * Rational(map.pre) - shift[axis]) * Rational(map.post);
@@ -32,9 +34,9 @@ TEST_P(Bounds, the_ball_holds_the_triangle) {
             const Ball& ball = state.ball[t];
             const Vec3<Rational> centre = value(Vec3d{ball.x, ball.y, ball.z});
             const Rational r(ball.r);
-            for (std::size_t k = 0; k < 3; ++k) {
-                const auto vertex = static_cast<std::size_t>(the.scene.corners[3 * t + k]);
-                const Vec3<Rational> d = value(state.point[vertex]) - centre;
+            for (std::size_t k = 0; k < (the.scene.moving ? 6 : 3); ++k) {
+                const std::int64_t row = the.scene.corners[3 * t + k % 3] + (k < 3 ? 0 : the.scene.vertex_count());
+                const Vec3<Rational> d = value(state.point[static_cast<std::size_t>(row)]) - centre;
                 ASSERT_LE(d.x * d.x + d.y * d.y + d.z * d.z, r * r) << "triangle " << t << ", corner " << k;
             }
         }

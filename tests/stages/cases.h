@@ -7,13 +7,16 @@
 #include <memory>
 
 #include "geometry/exact.h"
+#include "questions/features/points.h"
 #include "questions/intersect/rational_intersection.h"
+#include "questions/motion/rational_separation.h"
 #include "soups.h"
 #include "stages/state.h"
 
 namespace crumple::test {
 
-/// A scene, and which of its pairs have a point in common.
+/// A scene, and which of its pairs have a point in common; of one that moves, which have features that come within the
+/// distance that is asked for.
 class StageCase {
    public:
     std::string name;
@@ -36,13 +39,52 @@ class StageCase {
             }
     }
 
+    /// A mesh that moves.
+    template <class Scalar>
+    static StageCase moving(std::string what, Soup<Scalar> start, Soup<Scalar> end) {
+        StageCase the(std::move(what), std::move(start));
+        the.end_ = std::make_shared<Soup<Scalar>>(std::move(end));
+        ParallelFor serial;
+        add_motion(std::static_pointer_cast<Soup<Scalar>>(the.end_)->view().vertices, serial, *the.buffers_, the.scene);
+        the.meeting_.clear();
+        the.colliding_.clear();
+        for (std::int32_t i = 0; i < the.scene.triangle_count(); ++i)
+            for (std::int32_t j = i + 1; j < the.scene.triangle_count(); ++j)
+                if (the.come_close(i, j)) the.meeting_.push_back({i, j});
+        return the;
+    }
+
     /// Those that a search must not lose, sorted.
     const std::vector<Pair>& meeting() const { return meeting_; }
     /// The answer in joint numbering, sorted.
     const std::vector<Pair>& colliding() const { return colliding_; }
 
    private:
-    std::shared_ptr<void> soups_;
+    bool come_close(std::int32_t i, std::int32_t j) const {
+        const std::int32_t *a = scene.corners + 3 * i, *b = scene.corners + 3 * j;
+        const Separation within{asked_distance, 0};
+        const auto at = [&](std::int32_t v) { return moving_point(scene, v); };
+        for (int axis = 0; axis < 3; ++axis) {
+            const auto extent = [&](const std::int32_t* c) {
+                const auto [p, q, r] = std::array{at(c[0]), at(c[1]), at(c[2])};
+                return std::minmax(
+                    {p.start[axis], p.end[axis], q.start[axis], q.end[axis], r.start[axis], r.end[axis]});
+            };
+            const auto [low_a, high_a] = extent(a);
+            const auto [low_b, high_b] = extent(b);
+            if (low_a > high_b + 2 * asked_distance || low_b > high_a + 2 * asked_distance) return false;
+        }
+        for (int k = 0; k < 3; ++k) {
+            if (vertex_face(at(a[k]), at(b[0]), at(b[1]), at(b[2]), within).meets ||
+                vertex_face(at(b[k]), at(a[0]), at(a[1]), at(a[2]), within).meets)
+                return true;
+            for (int l = 0; l < 3; ++l)
+                if (edge_edge(at(a[k]), at(a[(k + 1) % 3]), at(b[l]), at(b[(l + 1) % 3]), within).meets) return true;
+        }
+        return false;
+    }
+
+    std::shared_ptr<void> soups_, end_;
     std::shared_ptr<SceneBuffers> buffers_ = std::make_shared<SceneBuffers>();
     std::vector<Pair> meeting_, colliding_;
 };
@@ -63,34 +105,57 @@ inline const std::vector<StageCase>& stage_cases() {
         all.emplace_back("sheet far from 0", far);
         all.emplace_back("ground", ground);
         all.emplace_back("two soups", random_soup(80, 0.35, 3), random_soup(70, 0.35, 4));
+        // Each vertex on a way of its own, some short and some across the scene; and a sheet that folds.
+        Soup<float> start = random_soup(70, 0.2, 5), end = start;
+        for (std::size_t v = 0; v < end.vertices.size(); ++v)
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                end.vertices[v][axis] +=
+                    (v % 15 == 0 ? 0.5f : 0.1f) * (start.vertices[v / 3 * 3][(axis + 1) % 3] - 0.5f);
+        all.push_back(StageCase::moving("soup that moves", start, end));
+        all.push_back(
+            StageCase::moving("sheet that folds, in float64", wavy_sheet<double>(5), wavy_sheet<double>(5, 0.7)));
         return all;
     }();
     return cases;
 }
 
-/// Each backend; run() tries each scene with one leaf, with one level of clusters and with two.
+/// Each backend; run() tries each scene with one leaf, with one level of clusters and with two. Scenes that
+/// move, if the backend does that.
 class Stages : public testing::TestWithParam<StageBackend> {
    protected:
     template <class Check>
     void run(Check check) {
-        for (const StageCase& the : stage_cases())
+        run(check, GetParam().moves);
+    }
+    template <class Check>
+    void run_at_rest(Check check) {
+        run(check, false);
+    }
+
+   private:
+    template <class Check>
+    void run(Check check, bool moving) {
+        for (const StageCase& the : stage_cases()) {
+            if (the.scene.moving && !moving) continue;
             for (const auto& [clusters, leaf_size] : {std::pair{1, 3000}, {7, 3000}, {3, 10}, {20, 4}}) {
                 SCOPED_TRACE(the.name + ", " + std::to_string(clusters) + " clusters, leaves of " +
                              std::to_string(leaf_size));
                 check(the, GetParam().run(the.scene, {.clusters = clusters, .leaf_size = leaf_size}));
                 if (HasFatalFailure()) return;
             }
+        }
     }
 };
 
-/// The exact extent of a triangle along the axes of a leaf's frame, whose numbers are taken for exact.
+/// The exact extent of a triangle, all along its way, along the axes of a leaf's frame, whose numbers are taken for
+/// exact.
 class ExactBox {
    public:
     ExactBox(const StageState& state, const Scene& scene, std::int32_t triangle, const LeafFrame& frame) {
         const auto exact = [](const Vec3f& p) { return value(Vec3d{p.x, p.y, p.z}); };
-        for (int k = 0; k < 3; ++k) {
-            const Vec3<Rational> p =
-                value(state.point[static_cast<std::size_t>(scene.corners[3 * triangle + k])]) - exact(frame.origin);
+        for (int k = 0; k < (scene.moving ? 6 : 3); ++k) {
+            const std::int64_t at = scene.corners[3 * triangle + k % 3] + (k < 3 ? 0 : scene.vertex_count());
+            const Vec3<Rational> p = value(state.point[static_cast<std::size_t>(at)]) - exact(frame.origin);
             for (int axis = 0; axis < 3; ++axis) {
                 const Vec3<Rational> e = exact(frame.axis[axis]);
                 const Rational x = e.x * p.x + e.y * p.y + e.z * p.z;

@@ -6,6 +6,7 @@
 #include "cpu/tables.h"
 #include "engine/cpu/align.h"
 #include "engine/cpu/bounds.h"
+#include "engine/cpu/features.h"
 #include "engine/cpu/output.h"
 #include "engine/cpu/ownership.h"
 #include "engine/cpu/sort.h"
@@ -26,6 +27,8 @@ struct Run {
     const Tables& tables;
     const Scene& scene;
     const Options& options;
+    const SceneFeatures& features;
+    const Inflation inflation;
     Points points{nullptr};
     Array<Ball> balls{nullptr};
     Array<std::uint8_t> included{nullptr};  ///< empty: all are
@@ -56,10 +59,21 @@ struct Run {
         state.frame = leaf_frame(balls, rows(), scene.corners, members);
         LeafRecords records(nullptr);
         const FlushToZero mode;
-        records.build(
-            tables.intersect,
-            {rows(), scene.corners, scene.triangle_count(), members.triangle.data(), members.size(), state.frame},
-            members);
+        const BuildInput input{rows(),
+                               scene.corners,
+                               scene.triangle_count(),
+                               members.triangle.data(),
+                               members.size(),
+                               state.frame,
+                               scene.moving ? scene.vertex_count() : 0,
+                               inflation};
+        if (scene.moving) {
+            Array<FeatureRecord<2>> moving(nullptr);
+            moving.resize_discard(state.member.size() + padding);
+            tables.features.moving.build(input, features, moving.data(), members.boxes, members.bounds);
+        } else {
+            records.build(tables.intersect, input, members);
+        }
         const double margin = static_cast<double>(box_margin(members.bounds.reach));
         for (std::size_t i = 0; i < state.member.size(); ++i) {
             const BoxCorner low = members.boxes.low[i], high = members.boxes.high[i];
@@ -86,6 +100,7 @@ struct Run {
                                                            triangle(candidates.columns + candidates.column[i])));
             });
 
+        if (scene.moving) return state;
         records.sort(tables.intersect, sorted);
         const Query query;
         const GroupRule all;
@@ -104,10 +119,18 @@ StageState run_stages(const Tables& tables, const Scene& scene, const Options& o
     Workers workers(alone, cancellation);
     StageState state;
     workers.run([&] {
-        Run run{tables, scene, options};
-        compute_bounds(scene, {}, tables.stages, workers, run.points, run.balls);
+        SceneFeatures features(nullptr);
+        Inflation inflation;
+        const GroupRule rule;
+        if (scene.moving) {
+            ParallelFor serial;
+            features.prepare(scene, false, serial);
+            inflation = inflation_of(scene, {.distance = asked_distance, .features = features, .rule = rule});
+        }
+        Run run{tables, scene, options, features, inflation};
+        compute_bounds(scene, inflation, tables.stages, workers, run.points, run.balls);
         const PointRows rows = run.rows();
-        for (std::int32_t v = 0; v < scene.vertex_count(); ++v) state.point.push_back(rows[v]);
+        for (std::int32_t v = 0; v < scene.vertex_count() * (scene.moving ? 2 : 1); ++v) state.point.push_back(rows[v]);
         state.ball.assign(run.balls.begin(), run.balls.begin() + scene.triangle_count());
         if (scene.between) exclude_far(scene, workers, run.balls, run.included);
         WarmCentres warm;
@@ -134,9 +157,10 @@ StageState run_stages(const Tables& tables, const Scene& scene, const Options& o
 std::vector<StageBackend> stage_backends() {
     std::vector<StageBackend> backends;
     for (const Tables& tables : kernel_tables())
-        backends.push_back({tables.name, [tables](const Scene& scene, const Options& options) {
-                                return run_stages(tables, scene, options);
-                            }});
+        backends.push_back(
+            {tables.name,
+             [tables](const Scene& scene, const Options& options) { return run_stages(tables, scene, options); },
+             true});
     return backends;
 }
 

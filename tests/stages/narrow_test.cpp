@@ -10,7 +10,7 @@ INSTANTIATE_TEST_SUITE_P(, Narrow, testing::ValuesIn(stage_backends()), [](const
 
 TEST_P(Narrow, keeps_exactly_the_pairs_that_collide) {
     std::size_t all = 0;
-    run([&](const StageCase& the, const StageState& state) {
+    run_at_rest([&](const StageCase& the, const StageState& state) {
         std::vector<Pair> found;
         for (const LeafState& leaf : state.leaves) found.insert(found.end(), leaf.found.begin(), leaf.found.end());
         std::sort(found.begin(), found.end());

@@ -10,7 +10,7 @@ using Output = Stages;
 INSTANTIATE_TEST_SUITE_P(, Output, testing::ValuesIn(stage_backends()), [](const auto& b) { return b.param.name; });
 
 TEST_P(Output, sorts_pairs_and_tells_what_follows_from_them) {
-    run([](const StageCase& the, const StageState& state) {
+    run_at_rest([](const StageCase& the, const StageState& state) {
         const Scene& scene = the.scene;
         const auto first = static_cast<std::int32_t>(scene.triangles[0]);
         std::vector<Pair> pairs;

@@ -17,6 +17,9 @@
 
 namespace crumple::test {
 
+/// Of scenes that move it is asked which features come within this distance of each other.
+inline constexpr double asked_distance = 0.01;
+
 struct Box {
     Vec3d low, high;
 };
@@ -34,7 +37,7 @@ struct LeafState {
 };
 
 struct StageState {
-    std::vector<Vec3d> point;  ///< bounds: normalised vertices
+    std::vector<Vec3d> point;  ///< bounds: normalised vertices; if they move, then those at the end
     std::vector<Ball> ball;    ///< bounds: by triangle
     std::vector<LeafState> leaves;
     Collisions answer;  ///< output, of what the leaves found
@@ -43,6 +46,7 @@ struct StageState {
 struct StageBackend {
     std::string name;
     std::function<StageState(const Scene&, const Options&)> run;
+    bool moves = false;  ///< also runs scenes that move, up to `sweep`
 };
 inline void PrintTo(const StageBackend& backend, std::ostream* out) { *out << backend.name; }
 std::vector<StageBackend> stage_backends();

@@ -1,4 +1,5 @@
-// Stage `subdivide`: triangles with a common point share a leaf, and one leaf owns the pair.
+// Stage `subdivide`: triangles with a common point, or that come close on their way, share a leaf, and one leaf owns
+// the pair.
 
 #include <map>
 

@@ -1,5 +1,5 @@
 // Stage `sweep`: every overlap of boxes that is the leaf's, once, and none that another leaf has; so every pair with a
-// common point is a candidate of one leaf.
+// common point, or that comes close on its way, is a candidate of one leaf.
 
 #include "stages/cases.h"
 

@@ -24,7 +24,7 @@
 
 namespace crumple {
 
-enum class Shape {
+enum class Hard {
     random,    ///< uniform in the cube
     lattice,   ///< few coordinates: coplanar, parallel, degenerate, touching
     touching,  ///< in contact at some moment but for rounding, and a few units in the last place
@@ -33,18 +33,18 @@ enum class Shape {
     tiny,      ///< the lattice times a power of two, down to subnormal numbers
     speck,     ///< random ones around the size at which squares of float32 numbers underflow
     mixed,     ///< each coordinate of its own magnitude
+    opposite,  ///< closest along what joins their middles, but for rounding; in contact every third time
 };
-inline constexpr std::array all_shapes{Shape::random,  Shape::lattice, Shape::touching, Shape::flat,
-                                       Shape::needles, Shape::tiny,    Shape::speck,    Shape::mixed};
-constexpr std::string_view shape_name(Shape shape) {
-    constexpr std::array<std::string_view, all_shapes.size()> names{"random",  "lattice", "touching", "flat",
-                                                                    "needles", "tiny",    "speck",    "mixed"};
-    return names[static_cast<std::size_t>(shape)];
+inline constexpr std::array all_hard{Hard::random, Hard::lattice, Hard::touching, Hard::flat,    Hard::needles,
+                                     Hard::tiny,   Hard::speck,   Hard::mixed,    Hard::opposite};
+constexpr std::string_view hard_name(Hard how) {
+    constexpr std::array<std::string_view, all_hard.size()> names{"random", "lattice", "touching", "flat",    "needles",
+                                                                  "tiny",   "speck",   "mixed",    "opposite"};
+    return names[static_cast<std::size_t>(how)];
 }
 
-inline std::string name_of_shape(const testing::TestParamInfo<Shape>& info) {
-    return std::string(shape_name(info.param));
-}
+inline void PrintTo(Hard how, std::ostream* out) { *out << hard_name(how); }
+inline std::string name_of_hard(const testing::TestParamInfo<Hard>& info) { return std::string(hard_name(info.param)); }
 
 /// Of every instruction set that build and machine have.
 inline const std::vector<const cpu::FeatureTables*>& feature_tables() {
@@ -77,7 +77,7 @@ struct FeatureCase {
 
 class RandomCases {
    public:
-    RandomCases(Shape shape, bool float32, std::uint64_t seed) : shape_(shape), float32_(float32), engine_(seed) {}
+    RandomCases(Hard how, bool float32, std::uint64_t seed) : how_(how), float32_(float32), engine_(seed) {}
 
     int below(int n) { return static_cast<int>(engine_() % static_cast<std::uint64_t>(n)); }
     double real(double low, double high) { return low + (high - low) * static_cast<double>(engine_() >> 11) * 0x1p-53; }
@@ -87,11 +87,12 @@ class RandomCases {
         begin();
         FeatureCase c{kind, moments, {}};
         for (MovingPoint& p : c.point) p = {place(), place()};
-        if (shape_ == Shape::touching) touch(c);
+        if (how_ == Hard::touching) touch(c);
+        if (how_ == Hard::opposite) oppose(c);
         if (below(4) == 0) rigidly(c.point);
         for (MovingPoint& p : c.point) {
             p = {number(p.start), number(p.end)};
-            if (shape_ == Shape::touching && below(4) == 0) nudge(below(2) ? p.start : p.end);
+            if (how_ == Hard::touching && below(4) == 0) nudge(below(2) ? p.start : p.end);
             if (moments == 1) p.end = p.start;
         }
         if (below(2)) c.distance = distance(c);
@@ -112,31 +113,32 @@ class RandomCases {
     void begin() {
         plane_ = {real(-0.4, 0.4), real(-0.4, 0.4), real(-0.1, 0.1)};
         along_ = {real(-0.4, 0.4), real(-0.4, 0.4), real(-0.4, 0.4)};
-        scale_ = std::ldexp(1.0, shape_ == Shape::speck ? -58 - below(12) : -below(float32_ ? 150 : 300));
+        scale_ = std::ldexp(1.0, how_ == Hard::speck ? -58 - below(12) : -below(float32_ ? 150 : 300));
     }
 
     Vec3d place() {
         const auto cell = [&] { return (below(5) - 2) * 0.25; };
         const auto any = [&] { return real(-0.9, 0.9); };
-        switch (shape_) {
-            case Shape::random:
+        switch (how_) {
+            case Hard::random:
+            case Hard::opposite:
                 return {any(), any(), any()};
-            case Shape::lattice:
-            case Shape::touching:
+            case Hard::lattice:
+            case Hard::touching:
                 return {cell(), cell(), cell()};
-            case Shape::flat: {
+            case Hard::flat: {
                 const double x = any(), y = any();
                 return {x, y, plane_.x * x + plane_.y * y + plane_.z};
             }
-            case Shape::needles: {
+            case Hard::needles: {
                 const double thin = std::ldexp(1.0, -below(30));
                 return real(-1, 1) * along_ + thin * Vec3d{0.2 * any(), 0.2 * any(), 0.2 * any()};
             }
-            case Shape::tiny:
+            case Hard::tiny:
                 return scale_ * Vec3d{cell(), cell(), cell()};
-            case Shape::speck:
+            case Hard::speck:
                 return scale_ * Vec3d{any(), any(), any()};
-            case Shape::mixed:
+            case Hard::mixed:
                 break;
         }
         const auto scaled = [&] { return std::ldexp(any(), -below(70)); };
@@ -153,6 +155,22 @@ class RandomCases {
             return move(p, at(q) + u * (at(r) - at(q)) + v * (at(s) - at(q)) - at(p));
         const Vec3d by = at(p) + u * (at(q) - at(p)) - at(r) - v * (at(s) - at(r));
         move(r, by), move(s, by);
+    }
+
+    // One is as high above the other, all along the way; both are symmetric about what joins their middles.
+    void oppose(FeatureCase& c) {
+        const double turn = real(0, 6.3), tilt = real(0, 6.3), height = below(3) ? std::ldexp(0.3, -below(20)) : 0;
+        const Vec3d across{-std::sin(turn), std::cos(turn), 0}, x{std::cos(turn), std::sin(turn), 0};
+        const Vec3d y = std::cos(tilt) * across + Vec3d{0, 0, std::sin(tilt)}, z = cross(x, y);
+        const Vec3d from{real(-0.3, 0.3), real(-0.3, 0.3), real(-0.3, 0.3)}, way{real(-0.2, 0.2), 0.1, real(-0.2, 0.2)};
+        const Vec3d base = from + height * z, wide = real(0.01, 0.3) * x, up = real(0.01, 0.3) * z;
+        const bool upright = below(2);  // what stands on its end or on a side; else it lies
+        std::array<Vec3d, 4> at;
+        if (c.kind == FeatureKind::vertex_face)
+            at = {from, base - wide, base + wide, base + (upright ? up : real(0, 0.3) * y)};
+        else
+            at = {from - wide, from + wide, upright ? base : base - 0.2 * y, base + (upright ? up : 0.2 * y)};
+        for (std::size_t k = 0; k < 4; ++k) c.point[k] = {at[k], at[k] + way};
     }
 
     // All move by much the same.
@@ -175,7 +193,7 @@ class RandomCases {
         return below(4) ? d : d * (1 + std::ldexp(1.0f, -below(24)));
     }
 
-    Shape shape_;
+    Hard how_;
     bool float32_;
     std::mt19937_64 engine_;
     Vec3d plane_, along_;

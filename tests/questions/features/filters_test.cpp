@@ -33,14 +33,17 @@ class Rows {
     }
     std::int64_t ends() const { return ends_; }
 
-    /// Of each case whether the table keeps it.
-    std::vector<bool> kept(const cpu::FeatureTables& table, std::span<const FeatureCase> cases) const {
+    /// Of each case whether the table keeps it. `flush`: subnormal numbers are 0, as where it is called; not so on
+    /// devices, which run the per-pair sources.
+    std::vector<bool> kept(const cpu::FeatureTables& table, std::span<const FeatureCase> cases,
+                           bool flush = true) const {
         const auto kind = static_cast<std::size_t>(cases.front().kind);
         const float distance = cases.front().distance;
         std::vector<FeatureTest> test;
         for (std::int32_t i = 0; i < static_cast<std::int32_t>(cases.size()); ++i)
             test.push_back({{i, i}, {4 * i, 4 * i + 1, 4 * i + 2, 4 * i + 3}});
-        const FlushToZero mode;
+        std::optional<FlushToZero> mode;
+        if (flush) mode.emplace();
         const std::size_t left = cases.front().moments == 1
                                      ? table.at_rest.filter[kind](points(), ends_, distance, test.data(), test.size())
                                      : table.moving.filter[kind](points(), ends_, distance, test.data(), test.size());
@@ -55,14 +58,14 @@ class Rows {
     std::vector<float> rows32_;
 };
 
-bool keeps(const cpu::FeatureTables& table, const FeatureCase& c, bool float32) {
-    return Rows({&c, 1}, float32).kept(table, {&c, 1}).front();
+bool keeps(const cpu::FeatureTables& table, const FeatureCase& c, bool float32, bool flush = true) {
+    return Rows({&c, 1}, float32).kept(table, {&c, 1}, flush).front();
 }
 
 constexpr FeatureKind kinds[] = {FeatureKind::vertex_face, FeatureKind::edge_edge};
 
-class FeatureFilters : public testing::TestWithParam<Shape> {};
-INSTANTIATE_TEST_SUITE_P(, FeatureFilters, testing::ValuesIn(all_shapes), name_of_shape);
+class FeatureFilters : public testing::TestWithParam<Hard> {};
+INSTANTIATE_TEST_SUITE_P(, FeatureFilters, testing::ValuesIn(all_hard), name_of_hard);
 
 // Tables differ by fused operations only, so they may answer differently only next to a filter's edge.
 TEST_P(FeatureFilters, RejectOnlyWhatIsApart) {
@@ -71,23 +74,24 @@ TEST_P(FeatureFilters, RejectOnlyWhatIsApart) {
         for (const FeatureKind kind : kinds)
             for (const int moments : {1, 2}) {
                 RandomCases random(GetParam(), float32, 83);
-                for (int i = 0; i < 400; ++i) {
+                for (int i = 0; i < 1000; ++i) {
                     const FeatureCase c = random(kind, moments);
                     std::size_t rejecting = 0;
                     for (const auto* table : feature_tables()) rejecting += !keeps(*table, c, float32);
+                    rejecting += !keeps(cpu::scalar_features, c, float32, false);
                     ASSERT_FALSE(rejecting > 0 && c.near()) << c << (float32 ? ", float32" : ", float64");
                     ++cases;
-                    differ += rejecting > 0 && rejecting < feature_tables().size();
+                    differ += rejecting > 0 && rejecting <= feature_tables().size();
                 }
             }
-    EXPECT_LE(differ, cases / 100);
+    EXPECT_LE(differ, cases / 500);
 }
 
 TEST(FeatureFiltersOfManyTests, AnswerAsForOne) {
     for (const bool float32 : {true, false})
         for (const FeatureKind kind : kinds)
             for (const int moments : {1, 2}) {
-                RandomCases random(Shape::random, float32, 101);
+                RandomCases random(Hard::random, float32, 101);
                 std::vector<FeatureCase> cases;
                 for (int i = 0; i < 67; ++i) {
                     cases.push_back(random(kind, moments));
@@ -111,7 +115,7 @@ void expect_rejected(const FeatureCase& c) {
 
 // All points of the one below all of the other along an axis, by a tenth at least.
 TEST(FeatureFiltersReject, WhatAnAxisSeparates) {
-    RandomCases random(Shape::random, true, 103);
+    RandomCases random(Hard::random, true, 103);
     for (int i = 0; i < 400; ++i) {
         FeatureCase c = random(kinds[i % 2], 1 + i / 2 % 2);
         const int axis = i % 3;

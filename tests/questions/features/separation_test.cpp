@@ -9,9 +9,6 @@
 namespace crumple {
 namespace {
 
-constexpr float most = std::numeric_limits<float>::max();
-constexpr LeafFrame around(Vec3f origin, float big = most) { return {origin, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, big}; }
-
 /// How many tables drop the pair; `frame`: of their leaf, in which there is nothing else.
 template <int moments>
 std::size_t dropping(const TriangleCase& c, bool float32, const LeafFrame& frame) {
@@ -25,8 +22,8 @@ std::size_t dropping(const TriangleCase& c, bool float32, const LeafFrame& frame
     return c.moments == 1 ? dropping<1>(c, float32, frame) : dropping<2>(c, float32, frame);
 }
 
-class SeparatedTriangles : public testing::TestWithParam<Shape> {};
-INSTANTIATE_TEST_SUITE_P(, SeparatedTriangles, testing::ValuesIn(all_shapes), name_of_shape);
+class SeparatedTriangles : public testing::TestWithParam<Hard> {};
+INSTANTIATE_TEST_SUITE_P(, SeparatedTriangles, testing::ValuesIn(all_hard), name_of_hard);
 
 TEST_P(SeparatedTriangles, HaveNoFeaturesThatAreAnAnswer) {
     int cases = 0, differ = 0;
@@ -44,7 +41,7 @@ TEST_P(SeparatedTriangles, HaveNoFeaturesThatAreAnAnswer) {
                     differ += drop > 0 && drop < feature_tables().size();
                 }
             }
-    EXPECT_LE(differ, cases / 100);
+    EXPECT_LE(differ, cases / 500);
 }
 
 MovingPoint at_rest(const Vec3d& p) { return {p, p}; }
@@ -104,7 +101,7 @@ TEST(TrianglesApart, AreThoseThatADirectionOfEitherEndSeparates) {
 
 TEST(TrianglesApart, AreMostOfThoseThatAreApart) {
     for (const int moments : {1, 2}) {
-        RandomTriangles random(Shape::random, true, 97);
+        RandomTriangles random(Hard::random, true, 97);
         std::size_t apart = 0, dropped = 0;
         for (int i = 0; i < 400; ++i) {
             TriangleCase c = random(FeatureKind::vertex_face, moments);

@@ -50,7 +50,7 @@ struct TriangleCase {
 /// Triangles that have the features of a random case; what else they have lies away from the other, mostly.
 class RandomTriangles {
    public:
-    RandomTriangles(Shape shape, bool float32, std::uint64_t seed) : features_(shape, float32, seed) {}
+    RandomTriangles(Hard how, bool float32, std::uint64_t seed) : features_(how, float32, seed) {}
 
     RandomCases& features() { return features_; }
 
@@ -77,6 +77,12 @@ class RandomTriangles {
     RandomCases features_;
 };
 
+inline constexpr float most = std::numeric_limits<float>::max();
+
+/// Along the axes of coordinates.
+constexpr LeafFrame around(Vec3f origin, float big = most) { return {origin, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, big}; }
+
+/// What a leaf makes of the two, and whether tables separate them.
 template <int moments>
 class LeafOfTwo {
    public:
