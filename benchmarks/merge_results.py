@@ -36,6 +36,17 @@ def machine():
     }
 
 
+def origin():
+    """When and where figures are measured, and of which commit."""
+    top = Path(__file__).resolve().parent.parent
+    changed = output("git", "status", "--porcelain", "--untracked-files=no", cwd=top)
+    return {
+        "date": datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds"),
+        "commit": output("git", "rev-parse", "HEAD", cwd=top) + (" with changes" if changed else ""),
+        "machine": machine(),
+    }
+
+
 def contestants(contest):
     return contest["workload"], contest["question"], frozenset(way["name"] for way in contest["contestants"])
 
@@ -65,12 +76,8 @@ def merge(result, figures):
 
 def main():
     benchmark, out, *parts = sys.argv[1:]
-    top = Path(__file__).resolve().parent.parent
-    changed = output("git", "status", "--porcelain", "--untracked-files=no", cwd=top)
     result = {
-        "date": datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds"),
-        "commit": output("git", "rev-parse", "HEAD", cwd=top) + (" with changes" if changed else ""),
-        "machine": machine(),
+        **origin(),
         "compiler": output(benchmark, "--compiler"),
         "peers": [],
         "contests": [],
