@@ -247,7 +247,7 @@ def show(ratios):
         rows.append([*row, f"{r['fastest']['ratio']:.2f}", r["answers"]])
     widths = [max(map(len, column)) for column in zip(*rows)]
     for row in rows:
-        print("  ".join(cell.ljust(w) for cell, w in zip(row, widths)).rstrip())
+        print("  ".join(cell.ljust(w) for cell, w in zip(row, widths)).rstrip(), flush=True)
 
 
 def main():
