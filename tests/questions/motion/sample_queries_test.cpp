@@ -11,7 +11,7 @@
 
 #include "io/files.h"
 #include "questions/integer.h"
-#include "questions/motion/moves.h"
+#include "questions/motion/decided_moves.h"
 
 namespace crumple {
 namespace {
@@ -50,6 +50,7 @@ TEST(SampleQueries, AreAllAnsweredRight) {
     const auto folder = io::test::data_folder();
     if (!folder || !fs::exists(*folder / "ccd-sample-queries")) GTEST_SKIP() << "no queries: set CRUMPLE_DATA";
     int queries = 0, hits = 0;
+    ImpactCounts counts;
     for (const auto& entry : fs::recursive_directory_iterator(*folder / "ccd-sample-queries")) {
         if (entry.path().extension() != ".csv") continue;
         const std::string kind = entry.path().parent_path().filename().string();
@@ -67,12 +68,15 @@ TEST(SampleQueries, AreAllAnsweredRight) {
             }
             ++queries;
             hits += meets;
-            EXPECT_EQ(move.impact().meets, meets) << entry.path() << ": " << move;
+            const Impact impact = move.impact();
+            EXPECT_EQ(impact.meets, meets) << entry.path() << ": " << move;
+            EXPECT_EQ(decide(move, counts), impact) << entry.path() << ": " << move;
         }
     }
     EXPECT_EQ(queries, 2'500);
     EXPECT_GT(hits, 0);
     EXPECT_LT(hits, queries);
+    EXPECT_LT(counts.exact, queries / 10);
 }
 
 }  // namespace
