@@ -28,6 +28,7 @@ from ._motion import FirstImpact, FreeStep, Impacts
 from ._near import EdgeEdgeType, Nearby, VertexFaceType
 from ._result import Block, ContactKind, Contacts, Result
 from ._short_forms import (
+    find_free_step,
     find_impacts,
     find_intersections_between,
     find_near,
@@ -74,6 +75,7 @@ __all__ = [
     "WorldResult",
     "__version__",
     "as_mesh",
+    "find_free_step",
     "find_impacts",
     "find_intersections_between",
     "find_near",

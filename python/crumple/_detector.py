@@ -37,6 +37,8 @@ class Detector(_core.Detector):
     Keeps buffers and cluster centres between calls, so one detector for all frames of a simulation is faster than a new
     one for each; the topology may change freely. Any triangle soup will do.
 
+    find_impacts and its like tell what touches on its way from one frame to the next, and when; find_near what is near.
+
     Meshes are given as (vertices, faces), or as one object that as_mesh knows: crumple.Mesh, a tuple, a mesh of
     trimesh, meshio, Open3D or PyVista. Arrays are read in place: NumPy or anything on the host that speaks DLPack or
     the buffer protocol, float32 or float64, int32, uint32 or int64, in any order and with any strides. Other integers

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from ._motion import Impacts
+    from ._motion import FreeStep, Impacts
     from ._near import Nearby
 
 
@@ -54,6 +54,11 @@ def time_of_first_impact(*scene: Any, **question: Any) -> float | None:
 def is_free(*scene: Any, **question: Any) -> bool:
     """Whether nothing touches on that way. All else: Detector.is_free."""
     return Detector().is_free(*scene, **question)
+
+
+def find_free_step(*scene: Any, **question: Any) -> FreeStep:
+    """A share of the step and positions there that are free as they are rounded. All else: Detector.find_free_step."""
+    return Detector().find_free_step(*scene, **question)
 
 
 def find_near(*scene: Any, radius: float, **question: Any) -> Nearby:

@@ -79,6 +79,7 @@ def test_without_a_detector():
     assert crumple.is_free((START, FACES), START) and not crumple.is_free((START, FACES), END)
     assert crumple.find_impacts(vertices=START, end=END, faces=FACES).vertex_faces.tolist() == [[3, 0]]
     assert crumple.find_impacts(START, END, FACES, wants="any")
+    assert crumple.find_free_step(START, END, FACES).share < 0.5
 
 
 @pytest.mark.parametrize(
