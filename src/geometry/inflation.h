@@ -7,6 +7,9 @@
 
 namespace crumple {
 
+/// What the length of a way may lose where its squares are too small for float32: three of up to 2^-126 each.
+inline constexpr float lost_way = 2e-19f;
+
 /// Half the distance that is asked for; and, for a share s of a pair's own distance at the start, s / (1 - s) times how
 /// far the primitive moves at most: features that come to s d from d have moved by (1 - s) d together
 /// (docs/motion.md).
@@ -15,7 +18,7 @@ struct Inflation {
 
     CRUMPLE_HD bool none() const { return half == 0 && of_way == 0; }
     /// Of a primitive whose corners move by so much. Rounded up; coordinates are at most 1, so no more than 4 matters.
-    CRUMPLE_HD float operator()(float way) const { return min(4.0f, (half + of_way * way) * 1.000002f); }
+    CRUMPLE_HD float operator()(float way) const { return min(4.0f, (half + of_way * (way + lost_way)) * 1.000002f); }
 };
 
 }  // namespace crumple

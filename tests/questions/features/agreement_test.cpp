@@ -82,5 +82,30 @@ TYPED_TEST(FeatureAgreement, OfWhatIsNear) {
         }
 }
 
+/// A few triangles next to 0 come close, in a leaf of their own, while others are so far away that squares of the few
+/// ones' steps vanish in float32.
+TEST(FeatureExtremes, SmallStepsInALargeScene) {
+    for (const int exponent : {-5, -15, -18, -19, -21, -25, -30}) {
+        const double step = std::pow(10, exponent);
+        MovingSoup<> soup;
+        const auto add = [&](double x, double y, double size, double way) {
+            const std::int32_t a = soup.vertex({x, y, 0}, {x + way, y, 0});
+            soup.vertex({x, y + size, 0}, {x + way, y + size, 0});
+            soup.vertex({x, y, size}, {x + way, y, size});
+            soup.triangles.push_back({a, a + 1, a + 2});
+        };
+        for (int i = 0; i < 4; ++i) {
+            add(0, i * 5 * step, step, step);
+            add(3.8 * step, i * 5 * step, step, -step);  // comes from 3.8 to 1.8 steps
+            add(1, 0.1 * i, 0.05, 0.01);
+            add(-1, 0.1 * i, 0.05, 0.01);
+        }
+        SCOPED_TRACE(step);
+        expect_impacts(soup, {.separation_share = 0.5}, std::span(tested()).subspan(1, 2));
+        expect_impacts(soup, {.separation = 2 * step}, std::span(tested()).subspan(1, 2));
+        if (HasFailure()) return;
+    }
+}
+
 }  // namespace
 }  // namespace crumple::test
