@@ -27,6 +27,9 @@ const std::vector<Files> files{
      {92, 93},
      [](int i) { return "scalable-ccd/cloth-ball/frames/cloth_ball" + std::to_string(i) + ".ply"; }},
     {"unc_funnel", {227, 228}, [](int i) { return "scalable-ccd/cloth-funnel/frames/" + std::to_string(i) + ".ply"; }},
+    {"unc_n_body",
+     {18, 19},
+     [](int i) { return "scalable-ccd/n-body-simulation/frames/balls16_" + std::to_string(i) + ".ply"; }},
 };
 
 template <class T>

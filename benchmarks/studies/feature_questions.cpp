@@ -1,0 +1,61 @@
+#include "studies/feature_questions.h"
+
+#include "crumple/error.h"
+
+namespace crumple::benchmark {
+namespace {
+
+const Impacts& impacts(Detector& detector, const Step& step) {
+    return detector.find_impacts(step.start.view(), step.end_view());
+}
+
+const Nearby& nearby(Detector& detector, const Step& step) {
+    return detector.find_near(step.start.view(), {.radius = step.radius});
+}
+
+template <class T>
+std::int64_t bytes(const Array<T>& array) {
+    return static_cast<std::int64_t>(array.capacity() * sizeof(T));
+}
+std::int64_t bytes(const ImpactList& l) { return bytes(l.pairs) + bytes(l.toi) + bytes(l.start); }
+std::int64_t bytes(const NearList& l) { return bytes(l.pairs) + bytes(l.squared_distance) + bytes(l.touching); }
+
+template <class Answer>
+FeatureMemory memory_of(const Answer& answer) {
+    FeatureMemory memory{answer.statistics.peak_memory_bytes, bytes(answer.edges)};
+    for (const auto& list : answer.lists) memory.answer += bytes(list);
+    return memory;
+}
+
+}  // namespace
+
+const Statistics& ask(Detector& detector, const Step& step, FeatureQuestion question) {
+    return question == FeatureQuestion::motion ? impacts(detector, step).statistics : nearby(detector, step).statistics;
+}
+
+Contestant asks(const Options& options, const Step& step, FeatureQuestion question, std::string name) {
+    const auto detector = std::make_shared<Detector>(options);
+    return {std::move(name), "", "", [=, &step] { ask(*detector, step, question); }, {}};
+}
+
+FeatureMemory memory_of(const Step& step, FeatureQuestion question) {
+    Detector detector;
+    return question == FeatureQuestion::motion ? memory_of(impacts(detector, step)) : memory_of(nearby(detector, step));
+}
+
+std::vector<FeatureWay> feature_ways() {
+    std::vector<FeatureWay> ways{{"1 thread", {.threads = 1}}, {"all threads", {}}};
+    for (const auto& [simd, name] :
+         {std::pair{Simd::avx2, "1 thread, AVX2"}, std::pair{Simd::sse4, "1 thread, SSE4"}}) {
+        try {
+            const Options options{.backend = Backend::cpu, .threads = 1, .simd = simd};
+            Detector{options};
+            ways.push_back({name, options});
+        } catch (const Error&) {
+            continue;  // this machine does not have it
+        }
+    }
+    return ways;
+}
+
+}  // namespace crumple::benchmark
