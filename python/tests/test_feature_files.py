@@ -47,6 +47,8 @@ def test_lines_of_text(detector, tmp_path):
     for name, lines in expected.items():
         ANSWERS[name](detector).save(tmp_path / "list.txt")
         assert (tmp_path / "list.txt").read_text() == lines
+    detector.find_impacts(START, END, FACES, groups=[0, 1], wanted="between").save(tmp_path / "list.txt")
+    assert (tmp_path / "list.txt").read_text() == expected["impacts"]
     ANSWERS["near"](detector).save(tmp_path / "list.txt")
     lines = (tmp_path / "list.txt").read_text().splitlines()
     assert len(lines) == 10 and lines[1] == "vf 3 0 1" and lines[4] == "ee 0 1 3 4 2"

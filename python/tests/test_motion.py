@@ -155,7 +155,6 @@ def test_offsets_by_feature(either):
     check_index(either.find_impacts(vertices, end, faces, index=True), len(vertices), len(faces))
 
 
-@pytest.mark.xfail(reason="the library does not yet make an index where groups have rules", strict=True)
 def test_offsets_by_feature_with_groups(either):
     vertices, end, faces = moving(2)
     groups = np.arange(len(faces)) % 2

@@ -99,13 +99,12 @@ QUESTIONS = [
 def test_brute_force_agrees(dtype, question, detector, reference):
     for seed, radius in enumerate((0.2, 0.3, 1)):
         vertices, faces, _ = soup(14, size=0.5, seed=seed, dtype=dtype)
-        asked = {**question, "radius": radius, "closest": True}
-        asked["least"] = "groups" not in question
+        asked = {**question, "radius": radius, "closest": True, "least": True}
         if "groups" in question:
             asked["groups"] = np.arange(len(faces)) % 3
         expected = reference.find_near(vertices, faces, **asked)
         assert expected, "something must be near"
-        assert_same(detector.find_near(vertices, faces, **asked), expected, CLOSEST + LEAST * asked["least"])
+        assert_same(detector.find_near(vertices, faces, **asked), expected, CLOSEST + LEAST)
 
 
 def test_less_is_the_same_as_all_cut_short(either):
@@ -123,11 +122,11 @@ def test_offsets_by_feature(either):
     check_index(either.find_near(mesh, radius=0.2, index=True), len(mesh.vertices), len(mesh.faces))
 
 
-@pytest.mark.xfail(reason="the library does not yet tell least distances where groups have rules", strict=True)
 def test_least_distances_with_groups(either):
     mesh = soup(10, size=0.5)
     found = either.find_near(mesh, radius=0.5, groups=np.arange(10) % 2, wanted="between", least=True)
     assert found and len(found.vertex_distance) == len(mesh.vertices)
+    assert np.flatnonzero(np.isfinite(found.vertex_distance)).tolist() == np.unique(found.vertex_faces[:, 0]).tolist()
 
 
 @pytest.mark.parametrize(
