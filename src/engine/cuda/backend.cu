@@ -40,6 +40,7 @@ class CudaBackend final : public BackendBase {
         if (state_ == State::launched) cudaEventSynchronize(done_.get());  // it writes to what is freed now
     }
 
+    using BackendBase::find;  // what is refused stays in sight
     void find(const Scene& scene, const Query& query, const Part* part, Collisions& result) override {
         on_device([&] {
             bring(scene);

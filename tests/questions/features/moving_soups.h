@@ -80,7 +80,7 @@ inline void connect(Draw& draw, int triangles, MovingSoup<>& soup) {
     for (int i = 0; i < triangles; ++i) {
         const int a = draw.below(n), b = draw.below(n);
         soup.triangles.push_back({a, b, draw.below(n)});
-        if (draw.below(10) == 0) soup.triangles.push_back(soup.triangles[draw.below(static_cast<int>(i) + 1)]);
+        if (draw.below(10) == 0) soup.triangles.push_back(soup.triangles[static_cast<std::size_t>(draw.below(i + 1))]);
     }
 }
 /// Each vertex from its own point to its own.

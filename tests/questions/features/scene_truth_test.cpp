@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <compare>
 #include <fstream>
 #include <string>
 #include <vector>
@@ -22,7 +21,7 @@ struct Line {
     std::array<std::int32_t, 4> id;
     double value;
     bool flag;
-    friend auto operator<=>(const Line&, const Line&) = default;
+    friend bool operator==(const Line&, const Line&) = default;
     friend std::ostream& operator<<(std::ostream& out, const Line& line) {
         out << (line.edges ? "ee" : "vf");
         for (const std::int32_t id : line.id) out << ' ' << id;

@@ -87,7 +87,8 @@ class Together {
             for (std::int64_t t = 0; t < shape.triangles.rows; ++t) {
                 std::array<std::int32_t, 3> corner{};
                 std::memcpy(corner.data(), static_cast<const char*>(shape.triangles.data) + t * 12, 12);
-                const std::int32_t group = shape.groups.empty() ? world.bodies[b].group : shape.groups[t];
+                const std::int32_t group =
+                    shape.groups.empty() ? world.bodies[b].group : shape.groups[static_cast<std::size_t>(t)];
                 for (std::size_t k = 0; k < 3; ++k) {
                     const std::int32_t v = corner[k], w = corner[(k + 1) % 3];
                     vertex_group_.emplace(first + v, group);
