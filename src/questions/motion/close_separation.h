@@ -42,7 +42,7 @@ class CloseSeparation {
         SquaredLimit limit;
         if (!squared_limit(separation, at_start, limit)) return {};
         if (!far.any) {
-            if (closer(at_start, 0, limit)) return {Verdict::meets, 0, true};
+            if (closer(at_start, 0, limit)) return {Certainty::meets, 0, true};
             if (!farther_between(at_start, 0, at_start, 0, limit)) return {};
             far.any = true;
         }
@@ -51,11 +51,11 @@ class CloseSeparation {
         for (int passes = 0;; ++passes) {
             const Shortest before = shortest(far.until);
             const QuickImpact found = contact_after(before, far.until, limit);
-            if (found.verdict != Verdict::unknown || passes == most_passes) return found;
+            if (found.verdict != Certainty::unknown || passes == most_passes) return found;
             const double past = far_past(before, far.until, limit);
             if (!(past > far.until)) return {};
             far = far_time(rounded_, distance, {true, past});
-            if (far.until == 1) return {Verdict::apart};
+            if (far.until == 1) return {Certainty::apart};
         }
     }
 
@@ -125,13 +125,13 @@ class CloseSeparation {
             if (crossing.high == last) break;
             there = shortest(crossing.high);
         }
-        if (crossing.high == 1 && farther_between(before, from, there, 1, limit)) return {Verdict::apart};
+        if (crossing.high == 1 && farther_between(before, from, there, 1, limit)) return {Certainty::apart};
         if (!(crossing.high > 0x1p-100)) return {};
         const double toi = crossing.low < 0 ? std::nextafter(crossing.high, 0.0) : crossing.high;
         if (toi < crossing.high) there = shortest(toi);  // as exactly as that, for it may turn fast
         const bool certain = toi >= from && toi < 1 && farther_between(before, from, there, toi, limit) &&
                              closer(there, std::nextafter(toi, 1.0), limit);
-        return certain ? QuickImpact{Verdict::meets, toi} : QuickImpact{};
+        return certain ? QuickImpact{Certainty::meets, toi} : QuickImpact{};
     }
 
     /// A time after `from` until which they are farther apart, too, or `from` itself.

@@ -14,7 +14,7 @@ Impact decide(const FourPoints& points, ImpactCounts& counts) {
         if (surely_apart(x, volume)) return {};
         ++counts.roots;
         const QuickImpact quick = first_impact(points, x, volume);
-        if (quick.verdict != Verdict::unknown) return {quick.verdict == Verdict::meets, quick.toi, quick.start};
+        if (quick.verdict != Certainty::unknown) return {quick.verdict == Certainty::meets, quick.toi, quick.start};
     } else {
         ++counts.roots;
     }

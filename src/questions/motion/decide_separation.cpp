@@ -40,7 +40,7 @@ Impact rational(FeatureKinds kinds, const std::array<MovingPoint, 4>& points, co
 Impact decide_separation(FeatureKinds kinds, const std::array<MovingPoint, 4>& points, const Separation& separation,
                          SeparationCounts& counts) {
     const QuickImpact found = quick(kinds, points, separation);
-    if (found.verdict != Verdict::unknown) return {found.verdict == Verdict::meets, found.toi, found.start};
+    if (found.verdict != Certainty::unknown) return {found.verdict == Certainty::meets, found.toi, found.start};
     ++counts.rational;
     return rational(kinds, points, separation);
 }

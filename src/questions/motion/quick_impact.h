@@ -16,10 +16,10 @@
 
 namespace crumple {
 
-enum class Verdict { apart, meets, unknown };
+enum class Certainty { apart, meets, unknown };
 
 struct QuickImpact {
-    Verdict verdict = Verdict::unknown;
+    Certainty verdict = Certainty::unknown;
     double toi = 0;      ///< Impact::toi
     bool start = false;  ///< Impact::start
 };
@@ -85,14 +85,14 @@ CRUMPLE_HD inline int touch(const FourPoints& points, const Approach<pair>& x, d
 template <FeaturePair pair>
 CRUMPLE_HD inline QuickImpact first_impact(const FourPoints& points, const Approach<pair>& x, const Volume& volume) {
     if (volume.sign_at_start() == 0) {
-        if (vertices_touch_at_start<pair>(points)) return {Verdict::meets, 0, true};
-        return {detail::separated_beside_an_edge(x) ? Verdict::apart : Verdict::unknown};
+        if (vertices_touch_at_start<pair>(points)) return {Certainty::meets, 0, true};
+        return {detail::separated_beside_an_edge(x) ? Certainty::apart : Certainty::unknown};
     }
     VolumeRoots roots(volume);
     for (;;) {
         RootBracket bracket;
         const VolumeRoots::Next next = roots.next(bracket);
-        if (next == VolumeRoots::Next::none) return {Verdict::apart};
+        if (next == VolumeRoots::Next::none) return {Certainty::apart};
         RootEnclosure root;
         if (next == VolumeRoots::Next::unknown || !enclose(volume, bracket, root)) return {};
         int touching = detail::touch(points, x, root.middle, root.radius);
@@ -102,7 +102,7 @@ CRUMPLE_HD inline QuickImpact first_impact(const FourPoints& points, const Appro
         if (rounded && touching == 0) touching = detail::touch(points, x, root.middle, root.radius);
         if (touching < 0) continue;
         if (!rounded || touching == 0) return {};
-        return {Verdict::meets, toi};
+        return {Certainty::meets, toi};
     }
 }
 
@@ -111,7 +111,7 @@ CRUMPLE_HD inline QuickImpact quick_impact(const FourPoints& points) {
     const Approach<pair> x(points);
     if (!x.in_range()) return {};
     const Volume volume(x);
-    if (surely_apart(x, volume)) return {Verdict::apart};
+    if (surely_apart(x, volume)) return {Certainty::apart};
     return first_impact(points, x, volume);
 }
 

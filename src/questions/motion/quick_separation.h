@@ -35,8 +35,8 @@ CRUMPLE_HD inline QuickImpact quick_separation(const std::array<MovingPoint, 4>&
     if (separation.share > 0)
         distance = max(distance, separation.share * detail::length_at_start(x) * (1 + 2 * 0x1p-53));
     const detail::FarTime far = detail::far_time(x, distance);
-    if (far.any && far.until == 1) return {Verdict::apart};
-    if (!far.any && detail::length_at_start(x) <= separation.distance) return {Verdict::meets, 0, true};
+    if (far.any && far.until == 1) return {Certainty::apart};
+    if (!far.any && detail::length_at_start(x) <= separation.distance) return {Certainty::meets, 0, true};
     return detail::close_separation(points, separation, x, far, distance);
 }
 

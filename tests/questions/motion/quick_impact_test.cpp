@@ -22,14 +22,14 @@ struct Tally {
 /// Fails where float64 is certain of what is wrong.
 void check(const Move& move, Tally& tally) {
     const QuickImpact quick = quickly(move);
-    if (quick.verdict == Verdict::unknown) {
+    if (quick.verdict == Certainty::unknown) {
         ++tally.unknown;
         ASSERT_FALSE(surely_apart(move)) << move;
         return;
     }
-    ++(quick.verdict == Verdict::meets ? tally.meets : tally.apart);
-    ASSERT_EQ((Impact{quick.verdict == Verdict::meets, quick.toi, quick.start}), move.impact()) << move;
-    ASSERT_FALSE(surely_apart(move) && quick.verdict != Verdict::apart) << move;
+    ++(quick.verdict == Certainty::meets ? tally.meets : tally.apart);
+    ASSERT_EQ((Impact{quick.verdict == Certainty::meets, quick.toi, quick.start}), move.impact()) << move;
+    ASSERT_FALSE(surely_apart(move) && quick.verdict != Certainty::apart) << move;
 }
 
 /// A number up or down to the n-th neighbour.
@@ -286,7 +286,7 @@ TEST(QuickImpact, KnowsThatVerticesAreInOnePlaceAtTheStart) {
                                                                       : static_cast<std::size_t>(2 + i % 2);
             move.point[one].start = move.point[other].start;
             const QuickImpact quick = quickly(move);
-            EXPECT_EQ(quick.verdict, Verdict::meets) << move;
+            EXPECT_EQ(quick.verdict, Certainty::meets) << move;
             EXPECT_TRUE(quick.start && quick.toi == 0) << move;
         }
     }
@@ -296,9 +296,9 @@ TEST(QuickImpact, KnowsThatWhatRestsInOnePlaneIsApart) {
     // A point on a table, beside a face of it; all of it slides.
     const auto slide = [](double x, double y) { return MovingPoint{{x, y, 0.3}, {x + 0.1, y - 0.7, 0.3}}; };
     const Move beside{Feature::vertex_face, {slide(1.1, 1.2), slide(0, 0), slide(2, 0), slide(0.1, 2)}};
-    EXPECT_EQ(quickly(beside).verdict, Verdict::apart);
+    EXPECT_EQ(quickly(beside).verdict, Certainty::apart);
     const Move edges{Feature::edge_edge, {slide(0, 0), slide(2, 0), slide(1, 0.1), slide(1.5, 3)}};
-    EXPECT_EQ(quickly(edges).verdict, Verdict::apart);
+    EXPECT_EQ(quickly(edges).verdict, Certainty::apart);
 }
 
 TEST(QuickImpact, DoesNotKnowWhatIsNoNumber) {
@@ -310,7 +310,7 @@ TEST(QuickImpact, DoesNotKnowWhatIsNoNumber) {
                 Move move = random(feature);
                 MovingPoint& p = move.point[i / 6];
                 (i % 2 == 0 ? p.start : p.end)[static_cast<int>(i / 2 % 3)] = odd;
-                EXPECT_EQ(quickly(move).verdict, Verdict::unknown) << move;
+                EXPECT_EQ(quickly(move).verdict, Certainty::unknown) << move;
                 EXPECT_FALSE(surely_apart(move)) << move;
             }
         }

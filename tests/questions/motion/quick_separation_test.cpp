@@ -39,12 +39,12 @@ struct Tally {
 /// Fails where float64 is certain of what is wrong.
 void check(const SeparatedMove& asked, Tally& tally) {
     const QuickImpact quick = quickly(asked);
-    if (quick.verdict == Verdict::unknown) {
+    if (quick.verdict == Certainty::unknown) {
         ++tally.unknown;
         return;
     }
-    ++(quick.verdict == Verdict::apart ? tally.apart : quick.start ? tally.start : tally.later);
-    ASSERT_EQ((Impact{quick.verdict == Verdict::meets, quick.toi, quick.start}), asked.impact()) << asked;
+    ++(quick.verdict == Certainty::apart ? tally.apart : quick.start ? tally.start : tally.later);
+    ASSERT_EQ((Impact{quick.verdict == Certainty::meets, quick.toi, quick.start}), asked.impact()) << asked;
 }
 
 /// A number up or down to the n-th neighbour.
@@ -198,7 +198,7 @@ TEST(QuickSeparation, ClaimsNothingOfWhatIsNoNumber) {
         for (const double x : {infinity, -infinity, std::numeric_limits<double>::quiet_NaN()}) {
             SeparatedMove asked = separated(random, Lattice::wide, feature);
             asked.move.point[static_cast<std::size_t>(random.below(2))].end.y = x;
-            EXPECT_EQ(quickly(asked).verdict, Verdict::unknown) << asked;
+            EXPECT_EQ(quickly(asked).verdict, Certainty::unknown) << asked;
         }
     }
 }
