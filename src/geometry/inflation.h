@@ -12,7 +12,7 @@ inline constexpr float lost_way = 2e-19f;
 
 /// Half the distance that is asked for; and, for a share s of a pair's own distance at the start, s / (1 - s) times how
 /// far the primitive moves at most: features that come to s d from d have moved by (1 - s) d together
-/// (docs/motion.md).
+/// (docs/features.md).
 struct Inflation {
     float half = 0, of_way = 0;
 

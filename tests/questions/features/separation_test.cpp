@@ -85,6 +85,27 @@ TEST(TrianglesApart, AreThoseThatANormalSeparates) {
         }
 }
 
+// Tilted at the start; at the end one of them is not, and only its normal there separates them at both.
+TEST(TrianglesApart, AreThoseThatANormalOfEitherEndSeparates) {
+    const Vec3d u{0.6, 0.1, 0.3}, v{-0.2, 0.5, 0.2}, n = (1 / std::sqrt(dot(cross(u, v), cross(u, v)))) * cross(u, v);
+    const double at_start[] = {0, 0.1, 0.3}, at_end[] = {0.3, 0.2, 0};
+    for (const bool lower : {true, false}) {
+        TriangleCase c = stacked(0.01, 0.7 * u, {0.05, -0.1, 0.2}, 0.005);
+        for (std::size_t k = 0; k < 3; ++k) {
+            MovingPoint &below = c.corner[k], &above = c.corner[3 + k];
+            below.start = below.start - at_start[k] * n;
+            above.start = above.start + at_start[2 - k] * n;
+            if (lower)
+                above.end = above.end + at_end[k] * n;
+            else
+                below.end = below.end - at_end[k] * n;
+        }
+        EXPECT_EQ(dropping(c, false, around({})), feature_tables().size());
+        for (MovingPoint& p : c.corner) std::swap(p.start, p.end);
+        EXPECT_EQ(dropping(c, false, around({})), feature_tables().size());
+    }
+}
+
 // Turned by a quarter about the x axis on the way, so that what separates at the one end is told at the other.
 TEST(TrianglesApart, AreThoseThatADirectionOfEitherEndSeparates) {
     TriangleCase c{2, {}, {0.05, 0}};
