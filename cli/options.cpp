@@ -81,8 +81,8 @@ CLI::Validator integer(std::int64_t low, std::int64_t high) {
         "");
 }
 
-CLI::Option* add_number_option(CLI::App& app, const char* name, std::function<void(double)> set, NumberRange range,
-                               const char* help) {
+CLI::Option* add_number_option(CLI::App& app, const char* name, const std::function<void(double)>& set,
+                               NumberRange range, const char* help) {
     const auto read = [set, range, name](const std::string& text) {
         const auto value = io::number_of(text);
         if (!value || !(*value >= 0 && *value < range.end))

@@ -56,8 +56,8 @@ struct NumberRange {
 };
 inline constexpr NumberRange any_distance{std::numeric_limits<double>::infinity(), "distance of 0 or more"};
 /// An option whose value is rounded once, to the nearest float64, and given to `set`.
-CLI::Option* add_number_option(CLI::App& app, const char* name, std::function<void(double)> set, NumberRange range,
-                               const char* help);
+CLI::Option* add_number_option(CLI::App& app, const char* name, const std::function<void(double)>& set,
+                               NumberRange range, const char* help);
 
 void add_reading_options(CLI::App& app, ReadingOptions& options);
 /// `--groups` and `--wanted`.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "base/float_environment.h"
 #include "crumple/detector.h"
@@ -26,7 +27,8 @@ double shortened(double toi, int attempt) {
 }  // namespace
 
 FreeStep Detector::find_free_step(const MeshView& mesh, const VertexView& end, const Motion& question,
-                                  std::stop_token stop) {
+                                  std::stop_token given) {
+    const std::stop_token stop = std::move(given);
     constexpr double least_share = 0x1p-40;
     const FirstImpact first = time_of_first_impact(mesh, end, question, stop);
     const FloatEnvironment environment;

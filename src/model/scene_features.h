@@ -35,8 +35,8 @@ class SceneFeatures {
     const TriangleEdges& edges_of(std::int64_t triangle) const { return edges_of_[triangle]; }
     std::uint8_t owned(std::int64_t triangle) const { return owned_[triangle]; }
 
-    /// What vertices are called where it is asked whether two are the same; null: by their index.
-    const std::int32_t* names() const { return names_.empty() ? nullptr : names_.data(); }
+    /// What vertices are called where it is asked whether two are the same: mostly by their index.
+    bool renames() const { return !names_.empty(); }
     std::int32_t name(std::int32_t vertex) const { return names_.empty() ? vertex : names_[vertex]; }
     /// Whether an edge and a vertex, or two edges, have a vertex in common.
     bool incident(std::int32_t vertex, const std::int32_t* corners) const {

@@ -136,7 +136,8 @@ class CloseSeparation {
 
     /// A time after `from` until which they are farther apart, too, or `from` itself.
     CRUMPLE_HD double far_past(const Shortest& before, double from, const SquaredLimit& limit) const {
-        for (double step = 0x1p-8; step > 0x1p-46; step *= 0x1p-6) {
+        double step = 0x1p-8;
+        for (int attempt = 0; attempt < 7; ++attempt, step *= 0x1p-6) {
             const double to = min(1., from + step);
             if (farther_between(before, from, shortest(to), to, limit)) return to;
         }

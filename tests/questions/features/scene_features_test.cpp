@@ -50,7 +50,7 @@ void expect_listing(const MovingSoup<>& soup, const Scene& scene, const SceneFea
     }
     for (std::int32_t v = 0; v < scene.vertex_count(); ++v) {
         std::int32_t lowest = v;
-        for (std::int32_t w = v; features.names() && w-- > 0;)
+        for (std::int32_t w = v; features.renames() && w-- > 0;)
             if (scene.position(w) == scene.position(v) && scene.end_position(w) == scene.end_position(v)) lowest = w;
         EXPECT_EQ(features.name(v), lowest);
     }

@@ -95,7 +95,7 @@ class Tangle {
 
    private:
     bool same(std::int32_t v, std::int32_t w) const {
-        return v == w || (features.names() && scene.position(v) == scene.position(w));
+        return v == w || (features.renames() && scene.position(v) == scene.position(w));
     }
     FeatureRecord<1> record(std::int32_t t) const {
         FeatureRecord<1> r{};

@@ -153,8 +153,8 @@ void FeatureLeaves<moments>::list_tests(std::span<const std::uint32_t> pairs, co
         for (const std::uint32_t packed : pairs)
             list_tests_of_pair(rows[packed & 0xffff], columns[packed >> 16], name, next_face, next_edge);
     };
-    if (features.names())
-        list([names = features.names()](std::int32_t vertex) { return names[vertex]; });
+    if (features.renames())
+        list([&](std::int32_t vertex) { return features.name(vertex); });
     else
         list([](std::int32_t vertex) { return vertex; });
     vertex_faces.resize(static_cast<std::size_t>(next_face - vertex_faces.data()));
