@@ -6,6 +6,7 @@
 #include "crumple/device.h"
 #include "crumple/error.h"
 #include "crumple/executor.h"
+#include "crumple/feature_pairs.h"
 #include "crumple/mesh.h"
 #include "crumple/motion.h"
 #include "crumple/near.h"

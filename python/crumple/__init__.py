@@ -22,6 +22,18 @@ from ._core import Part, Statistics, __version__
 from ._detector import Detector
 from ._devices import DeviceInfo, DeviceList, list_devices
 from ._errors import BackendUnavailable, Error, FileError, FileWarning, InvalidInput, InvalidType, MemoryLimit
+from ._feature_pairs import (
+    PairDistances,
+    PairImpacts,
+    edge_edge_distances,
+    edge_edge_impacts,
+    vertex_edge_distances,
+    vertex_edge_impacts,
+    vertex_face_distances,
+    vertex_face_impacts,
+    vertex_vertex_distances,
+    vertex_vertex_impacts,
+)
 from ._files import Scene, make_scene, read_mesh, read_pairs, scenes, write_mesh
 from ._mesh import FileMesh, Mesh, Polygons, as_mesh
 from ._motion import FirstImpact, FreeStep, Impacts
@@ -64,6 +76,8 @@ __all__ = [
     "MemoryLimit",
     "Mesh",
     "Nearby",
+    "PairDistances",
+    "PairImpacts",
     "Part",
     "Polygons",
     "Result",
@@ -75,6 +89,8 @@ __all__ = [
     "WorldResult",
     "__version__",
     "as_mesh",
+    "edge_edge_distances",
+    "edge_edge_impacts",
     "find_free_step",
     "find_impacts",
     "find_intersections_between",
@@ -91,5 +107,11 @@ __all__ = [
     "read_world",
     "scenes",
     "time_of_first_impact",
+    "vertex_edge_distances",
+    "vertex_edge_impacts",
+    "vertex_face_distances",
+    "vertex_face_impacts",
+    "vertex_vertex_distances",
+    "vertex_vertex_impacts",
     "write_mesh",
 ]

@@ -8,6 +8,7 @@
 #include "errors.h"
 #include "feature_answer.h"
 #include "feature_files.h"
+#include "feature_pairs.h"
 #include "files.h"
 #include "gil.h"
 #include "part.h"
@@ -32,4 +33,5 @@ NB_MODULE(_core, module) {
     crumple::python::bind_files(module);
     crumple::python::bind_world_files(module);
     crumple::python::bind_feature_files(module);
+    crumple::python::bind_feature_pairs(module);
 }

@@ -19,7 +19,8 @@ def sections(page):
             yield page, part.splitlines()[0], programs
 
 
-SECTIONS = [section for page in ("python.md", "python_coming_from.md", "worlds.md") for section in sections(page)]
+PAGES = ("python.md", "python_coming_from.md", "worlds.md", "given_pairs.md")
+SECTIONS = [section for page in PAGES for section in sections(page)]
 
 
 def test_their_program_stands_beside_ours():

@@ -1,0 +1,141 @@
+"""Pairs of features that are given: decided as a search of the mesh that they are of decides them."""
+
+import numpy as np
+import pytest
+
+import crumple
+from conftest import soup
+
+KINDS = {"vertex_face": 4, "edge_edge": 4, "vertex_edge": 3, "vertex_vertex": 2}
+
+
+def all_pairs(mesh, edges):
+    """Every vertex with every face that does not name it, and every two edges without a common vertex."""
+    vertex, face = np.indices((len(mesh.vertices), len(mesh.faces))).reshape(2, -1)
+    apart = (mesh.faces[face] != vertex[:, None]).all(axis=1)
+    vertex, face = vertex[apart], face[apart]
+    a, b = np.triu_indices(len(edges), 1)
+    apart = (edges[a][:, :, None] != edges[b][:, None, :]).all(axis=(1, 2))
+    a, b = a[apart], b[apart]
+    faces = np.stack([vertex, face], 1), np.column_stack([vertex, mesh.faces[face]])
+    return faces, (np.stack([a, b], 1), np.column_stack([edges[a], edges[b]]))
+
+
+def moved(mesh, dtype=np.float64):
+    random = np.random.default_rng(3)
+    return (mesh.vertices + 0.3 * (random.random(mesh.vertices.shape) - 0.5)).astype(dtype)
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+@pytest.mark.parametrize("question", [{}, {"separation": 0.02}, {"separation_share": 0.3}])
+def test_impacts_are_those_of_the_mesh(dtype, question, detector):
+    mesh = soup(25, size=0.4, dtype=dtype)
+    start, end = mesh.vertices, moved(mesh, dtype)
+    expected = detector.find_impacts(start, end, mesh.faces, **question)
+    for kind, (pairs, points) in zip(("vertex_face", "edge_edge"), all_pairs(mesh, expected.edges)):
+        find = getattr(crumple, f"{kind}_impacts")
+        found = find(start[points], end[points], **question)
+        assert found.hit.any() and not found.hit.all()
+        np.testing.assert_array_equal(pairs[found.hit], getattr(expected, f"{kind}s"))
+        np.testing.assert_array_equal(found.toi[found.hit], getattr(expected, f"{kind}_toi"), strict=True)
+        np.testing.assert_array_equal(found.start[found.hit], getattr(expected, f"{kind}_start"), strict=True)
+        assert np.isinf(found.toi[~found.hit]).all() and not found.start[~found.hit].any()
+        for threads in (1, 3):
+            for one, other in zip(find(start[points], end[points], threads=threads, **question), found):
+                np.testing.assert_array_equal(one, other, strict=True)
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_distances_are_those_of_the_mesh(dtype, detector):
+    mesh = soup(25, size=0.4, dtype=dtype)
+    expected = detector.find_near(mesh, radius=0.1, closest=True)
+    assert len(expected)
+    for kind, (pairs, points) in zip(("vertex_face", "edge_edge"), all_pairs(mesh, expected.edges)):
+        find = getattr(crumple, f"{kind}_distances")
+        found = find(mesh.vertices[points])
+        listed = {tuple(pair) for pair in getattr(expected, f"{kind}s").tolist()}
+        near = np.array([tuple(pair) in listed for pair in pairs.tolist()])
+        for name in ("squared_distance", "touching", "type", "at"):
+            of_mesh = getattr(expected, f"{kind}_{name}")
+            np.testing.assert_array_equal(getattr(found, name)[near], of_mesh, name, strict=True)
+        assert found.squared_distance[~near].min() > 0.099**2
+        for one, other in zip(find(mesh.vertices[points], threads=1), found):
+            np.testing.assert_array_equal(one, other, strict=True)
+
+
+def told(found):
+    return tuple(array.tolist()[0] for array in found)
+
+
+def test_a_vertex_meets_an_edge():
+    edge = [[1, -1, 0], [1, 1, 0]]
+    start, end = np.array([[[0, 0, 0], *edge]]), np.array([[[2, 0, 0], *edge]])
+    assert told(crumple.vertex_edge_impacts(start, end)) == (True, 0.5, False)
+    assert told(crumple.vertex_edge_impacts(start, end, separation=0.5)) == (True, 0.25, False)
+    aside = np.array([[[0, 0, 2.0**-300], *edge]])
+    passed = np.array([[[2, 0, 2.0**-300], *edge]])
+    assert told(crumple.vertex_edge_impacts(aside, passed)) == (False, np.inf, False)
+    assert told(crumple.vertex_edge_distances(start)) == (1, False, 2, [0.5, 0])
+
+
+def test_a_vertex_meets_a_vertex():
+    start, end = np.array([[[0, 0, 0], [3, 4, 0]]]), np.array([[[3, 4, 0], [3, 4, 0]]])
+    assert told(crumple.vertex_vertex_impacts(start, end)) == (True, 1, False)
+    assert told(crumple.vertex_vertex_impacts(start, end, separation_share=0.25)) == (True, 0.75, False)
+    assert told(crumple.vertex_vertex_impacts(end, start)) == (True, 0, True)
+    assert told(crumple.vertex_vertex_distances(start)) == (25, False, 0, [0, 0])
+
+
+def test_arrays_of_any_layout_are_taken():
+    random = np.random.default_rng(1)
+    start, end = random.random((2, 40, 4, 3)) - 0.5
+    expected = crumple.vertex_face_impacts(start, end)
+    assert expected.hit.any()
+    turned = np.asfortranarray(start), end[:, ::-1][:, ::-1]
+    for one, other in zip(crumple.vertex_face_impacts(*turned), expected):
+        np.testing.assert_array_equal(one, other, strict=True)
+    for one, other in zip(crumple.vertex_face_impacts(start.tolist(), end.tolist()), expected):
+        np.testing.assert_array_equal(one, other, strict=True)
+    expected.toi[:] = 2  # arrays of their own
+
+
+@pytest.mark.parametrize("kind, points", KINDS.items())
+def test_no_pairs_at_all(kind, points):
+    empty = np.empty((0, points, 3))
+    impacts = getattr(crumple, f"{kind}_impacts")(empty, [])
+    assert [(len(a), a.dtype) for a in impacts] == [(0, bool), (0, float), (0, bool)]
+    distances = getattr(crumple, f"{kind}_distances")(empty)
+    assert [a.shape for a in distances] == [(0,), (0,), (0,), (0, 2)]
+
+
+@pytest.mark.parametrize("kind, points", KINDS.items())
+def test_errors_name_the_argument_and_the_pair(kind, points):
+    impacts, distances = getattr(crumple, f"{kind}_impacts"), getattr(crumple, f"{kind}_distances")
+    good = np.arange(9.0 * points).reshape(3, points, 3)
+    bad = good.copy()
+    bad[2, 1, 0] = np.nan
+    with pytest.raises(crumple.InvalidInput, match="^start: point 1 of pair 2 is not finite$") as caught:
+        impacts(bad, good)
+    assert caught.value.code == "not_finite"
+    with pytest.raises(crumple.InvalidInput, match="^end: point 1 of pair 2 is not finite$"):
+        impacts(good, bad)
+    with pytest.raises(crumple.InvalidInput, match="^points: point 1 of pair 2 is not finite$"):
+        distances(bad)
+    shape = rf"must have shape \(pairs, {points}, 3\), not \(3, {points}, 2\)"
+    with pytest.raises(crumple.InvalidInput, match=f"^end {shape}"):
+        impacts(good, good[:, :, :2])
+    with pytest.raises(crumple.InvalidInput, match=f"^points {shape}"):
+        distances(good[:, :, :2])
+    with pytest.raises(crumple.InvalidInput, match="end must have as many pairs as start, 3, not 2"):
+        impacts(good, good[:2])
+    with pytest.raises(crumple.InvalidInput, match="points must be float64 or float32, not complex128"):
+        distances(good.astype(complex))
+    with pytest.raises(crumple.InvalidInput, match="separation must be finite and 0 or more"):
+        impacts(good, good, separation=-1)
+    with pytest.raises(crumple.InvalidInput, match="separation_share must be 0 or more, and below 1"):
+        impacts(good, good, separation_share=1)
+    for call in (lambda: impacts(good, good, threads=-1), lambda: distances(good, threads=-1)):
+        with pytest.raises(crumple.InvalidInput, match="threads must be 0"):
+            call()
+    with pytest.raises(TypeError, match="Did you mean 'separation'"):
+        impacts(good, good, seperation=1)

@@ -1,0 +1,183 @@
+// Pairs of features that the caller brings, decided one by one, some hundred to a task.
+
+#include "crumple/feature_pairs.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <utility>
+
+#include "base/cancellation.h"
+#include "base/float_environment.h"
+#include "checks.h"
+#include "crumple/error.h"
+#include "engine/cpu/parallel.h"
+#include "model/scene.h"
+#include "questions/motion/decide_impact.h"
+#include "questions/motion/decide_separation.h"
+#include "questions/near/decide_distance.h"
+
+namespace crumple {
+namespace {
+
+constexpr std::size_t pairs_of_task = 256;
+
+// The points of pairs, where the caller has them.
+class PairPoints {
+   public:
+    PairPoints(FeatureKinds kinds, const VertexView& view, const char* name)
+        : points_(points_of(kinds)),
+          rows_(view.rows),
+          reader_{static_cast<const std::byte*>(view.data), view.row_stride, view.column_stride,
+                  view.type == ScalarType::float32} {
+        if (rows_ >= 0 && rows_ % static_cast<std::int64_t>(points_) == 0) return;
+        throw Error(ErrorCode::invalid_argument,
+                    std::string(name) + " must have " + std::to_string(points_) + " points a pair, and " +
+                        std::to_string(rows_) + " are no multiple of that",
+                    Element::option);
+    }
+
+    std::size_t pairs() const { return static_cast<std::size_t>(rows_) / points_; }
+
+    Vec3d operator()(std::size_t pair, std::size_t point) const {
+        return reader_(static_cast<std::int64_t>(pair * points_ + point));
+    }
+
+    void check_finite(const char* name) const {
+        for (std::size_t i = 0; i < pairs() * points_; ++i) {
+            const Vec3d p = reader_(static_cast<std::int64_t>(i));
+            if (std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z)) continue;
+            throw Error(ErrorCode::not_finite, std::string(name) + ": point " + std::to_string(i % points_) +
+                                                   " of pair " + std::to_string(i / points_) + " is not finite");
+        }
+    }
+
+   private:
+    std::size_t points_;
+    std::int64_t rows_;
+    VertexReader reader_;
+};
+
+template <class Decide>
+void for_each_pair(std::size_t pairs, int threads, std::stop_token stop, Decide decide) {
+    Cancellation cancellation;
+    cancellation.begin(std::move(stop));
+    cancellation.check();
+    Options options;
+    options.threads = pairs <= pairs_of_task ? 1 : threads;
+    cpu::Workers workers(options, cancellation);
+    workers.run([&] {
+        workers.parallel_for((pairs + pairs_of_task - 1) / pairs_of_task, [&](std::size_t task, std::size_t) {
+            const std::size_t first = task * pairs_of_task, last = std::min(pairs, first + pairs_of_task);
+            for (std::size_t pair = first; pair < last; ++pair) decide(pair);
+        });
+    });
+}
+
+void check_threads(int threads) {
+    Options options;
+    options.threads = threads;
+    check_options(options);
+}
+
+Impact decide_impact(FeatureKinds kinds, const std::array<MovingPoint, 4>& p, const PairMotion& question) {
+    const Separation separation{question.separation, question.separation_share};
+    const bool contact = separation.distance == 0 && separation.share == 0;
+    ImpactCounts counts;
+    if (contact && kinds == FeatureKinds::vertex_face) return vertex_face_impact(p[0], p[1], p[2], p[3], counts);
+    if (contact && kinds == FeatureKinds::edge_edge) return edge_edge_impact(p[0], p[1], p[2], p[3], counts);
+    SeparationCounts separation_counts;
+    return decide_separation(kinds, p, separation, separation_counts);
+}
+
+PairImpacts impacts(FeatureKinds kinds, const VertexView& start, const VertexView& end, const PairMotion& question,
+                    std::stop_token stop) {
+    const FloatEnvironment environment;
+    check_threads(question.threads);
+    Motion as_motion;
+    as_motion.separation = question.separation;
+    as_motion.separation_share = question.separation_share;
+    check_question(as_motion, false);
+    const PairPoints from(kinds, start, "start"), to(kinds, end, "end");
+    if (from.pairs() != to.pairs())
+        throw Error(ErrorCode::invalid_argument,
+                    "end must have as many pairs as start, " + std::to_string(from.pairs()) + ", not " +
+                        std::to_string(to.pairs()),
+                    Element::option);
+    from.check_finite("start");
+    to.check_finite("end");
+
+    PairImpacts answer;
+    answer.hit.resize_discard(from.pairs());
+    answer.toi.resize_discard(from.pairs());
+    answer.start.resize_discard(from.pairs());
+    for_each_pair(from.pairs(), question.threads, std::move(stop), [&](std::size_t pair) {
+        std::array<MovingPoint, 4> points{};
+        for (std::size_t i = 0; i < points_of(kinds); ++i) points[i] = {from(pair, i), to(pair, i)};
+        const Impact impact = decide_impact(kinds, points, question);
+        answer.hit[pair] = impact.meets;
+        answer.toi[pair] = impact.meets ? impact.toi : std::numeric_limits<double>::infinity();
+        answer.start[pair] = impact.start;
+    });
+    return answer;
+}
+
+PairDistances distances(FeatureKinds kinds, const VertexView& view, int threads, std::stop_token stop) {
+    const FloatEnvironment environment;
+    check_threads(threads);
+    const PairPoints points(kinds, view, "points");
+    points.check_finite("points");
+
+    PairDistances answer;
+    answer.squared_distance.resize_discard(points.pairs());
+    answer.touching.resize_discard(points.pairs());
+    answer.type.resize_discard(points.pairs());
+    answer.at.resize_discard(points.pairs());
+    for_each_pair(points.pairs(), threads, std::move(stop), [&](std::size_t pair) {
+        Features features{kinds, {}};
+        for (std::size_t i = 0; i < points_of(kinds); ++i) features.point[i] = points(pair, i);
+        DistanceCounts counts;
+        Distance distance(features, counts);
+        answer.squared_distance[pair] = distance.squared();
+        answer.touching[pair] = distance.touching();
+        const ClosestPoints closest = distance.closest();
+        answer.type[pair] = closest.type;
+        answer.at[pair] = closest.at;
+    });
+    return answer;
+}
+
+}  // namespace
+
+PairImpacts vertex_face_impacts(const VertexView& start, const VertexView& end, const PairMotion& question,
+                                std::stop_token stop) {
+    return impacts(FeatureKinds::vertex_face, start, end, question, std::move(stop));
+}
+PairImpacts edge_edge_impacts(const VertexView& start, const VertexView& end, const PairMotion& question,
+                              std::stop_token stop) {
+    return impacts(FeatureKinds::edge_edge, start, end, question, std::move(stop));
+}
+PairImpacts vertex_edge_impacts(const VertexView& start, const VertexView& end, const PairMotion& question,
+                                std::stop_token stop) {
+    return impacts(FeatureKinds::vertex_edge, start, end, question, std::move(stop));
+}
+PairImpacts vertex_vertex_impacts(const VertexView& start, const VertexView& end, const PairMotion& question,
+                                  std::stop_token stop) {
+    return impacts(FeatureKinds::vertex_vertex, start, end, question, std::move(stop));
+}
+
+PairDistances vertex_face_distances(const VertexView& points, int threads, std::stop_token stop) {
+    return distances(FeatureKinds::vertex_face, points, threads, std::move(stop));
+}
+PairDistances edge_edge_distances(const VertexView& points, int threads, std::stop_token stop) {
+    return distances(FeatureKinds::edge_edge, points, threads, std::move(stop));
+}
+PairDistances vertex_edge_distances(const VertexView& points, int threads, std::stop_token stop) {
+    return distances(FeatureKinds::vertex_edge, points, threads, std::move(stop));
+}
+PairDistances vertex_vertex_distances(const VertexView& points, int threads, std::stop_token stop) {
+    return distances(FeatureKinds::vertex_vertex, points, threads, std::move(stop));
+}
+
+}  // namespace crumple

@@ -1,0 +1,136 @@
+// Pairs of features that are given: each decided as rational arithmetic decides it, by any number of threads.
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <limits>
+#include <random>
+#include <vector>
+
+#include "crumple/crumple.h"
+#include "error_of.h"
+#include "questions/motion/rational_separation.h"
+#include "questions/near/rational_distance.h"
+
+namespace crumple {
+namespace {
+
+using Rows = std::vector<std::array<double, 3>>;
+
+VertexView view(const Rows& rows) { return rows_of_three(rows.data()->data(), static_cast<std::int64_t>(rows.size())); }
+
+// Points of a small lattice, where much is degenerate.
+Rows lattice(std::size_t rows, std::uint64_t seed, int reach) {
+    std::mt19937_64 engine(seed);
+    const auto number = [&] {
+        return static_cast<double>(engine() % static_cast<std::uint64_t>(2 * reach + 1)) - reach;
+    };
+    Rows result(rows);
+    for (auto& row : result) row = {number(), number(), number()};
+    return result;
+}
+
+struct Kind {
+    FeatureKinds kinds;
+    PairImpacts (*impacts)(const VertexView&, const VertexView&, const PairMotion&, std::stop_token);
+    PairDistances (*distances)(const VertexView&, int, std::stop_token);
+};
+constexpr std::array all_kinds{Kind{FeatureKinds::vertex_face, vertex_face_impacts, vertex_face_distances},
+                               Kind{FeatureKinds::edge_edge, edge_edge_impacts, edge_edge_distances},
+                               Kind{FeatureKinds::vertex_edge, vertex_edge_impacts, vertex_edge_distances},
+                               Kind{FeatureKinds::vertex_vertex, vertex_vertex_impacts, vertex_vertex_distances}};
+
+Vec3d vec(const std::array<double, 3>& p) { return {p[0], p[1], p[2]}; }
+
+Impact rational(FeatureKinds kinds, const std::array<MovingPoint, 4>& p, const Separation& separation) {
+    if (kinds == FeatureKinds::vertex_face) return vertex_face(p[0], p[1], p[2], p[3], separation);
+    if (kinds == FeatureKinds::edge_edge) return edge_edge(p[0], p[1], p[2], p[3], separation);
+    if (kinds == FeatureKinds::vertex_edge) return vertex_edge(p[0], p[1], p[2], separation);
+    return vertex_vertex(p[0], p[1], separation);
+}
+
+TEST(FeaturePairs, ImpactsAreThoseOfRationalArithmetic) {
+    constexpr std::size_t pairs = 700;  // more than a task has
+    for (const Kind& kind : all_kinds) {
+        for (const PairMotion& question : {PairMotion{}, PairMotion{0.5, 0, 3}, PairMotion{0, 0.25, 3}}) {
+            const std::size_t points = points_of(kind.kinds);
+            const Rows start = lattice(pairs * points, 1, 2), end = lattice(pairs * points, 2, 2);
+            const PairImpacts found = kind.impacts(view(start), view(end), question, {});
+            ASSERT_EQ(found.hit.size(), pairs);
+            std::size_t hits = 0;
+            for (std::size_t i = 0; i < pairs; ++i) {
+                std::array<MovingPoint, 4> p{};
+                for (std::size_t k = 0; k < points; ++k) p[k] = {vec(start[i * points + k]), vec(end[i * points + k])};
+                const Impact impact = rational(kind.kinds, p, {question.separation, question.separation_share});
+                hits += impact.meets;
+                ASSERT_EQ(found.hit[i], impact.meets) << "pair " << i;
+                ASSERT_EQ(found.toi[i], impact.meets ? impact.toi : std::numeric_limits<double>::infinity());
+                ASSERT_EQ(found.start[i], impact.start) << "pair " << i;
+            }
+            EXPECT_GT(hits, 0u);
+            EXPECT_LT(hits, pairs);
+        }
+    }
+}
+
+TEST(FeaturePairs, DistancesAreThoseOfRationalArithmetic) {
+    constexpr std::size_t pairs = 700;
+    for (const Kind& kind : all_kinds) {
+        const std::size_t points = points_of(kind.kinds);
+        const Rows rows = lattice(pairs * points, 3, 2);
+        const PairDistances found = kind.distances(view(rows), 3, {});
+        ASSERT_EQ(found.type.size(), pairs);
+        for (std::size_t i = 0; i < pairs; ++i) {
+            Features features{kind.kinds, {}};
+            for (std::size_t k = 0; k < points; ++k) features.point[k] = vec(rows[i * points + k]);
+            const RationalDistance distance(features);
+            ASSERT_EQ(found.squared_distance[i], distance.squared()) << "pair " << i;
+            ASSERT_EQ(found.touching[i], distance.touching()) << "pair " << i;
+            ASSERT_EQ(found.type[i], distance.closest().type) << "pair " << i;
+            ASSERT_EQ(found.at[i], distance.closest().at) << "pair " << i;
+        }
+    }
+}
+
+TEST(FeaturePairs, AreReadWhereTheyLie) {
+    const Rows start = lattice(4 * 300, 4, 3), end = lattice(4 * 300, 5, 3);
+    std::vector<std::array<float, 5>> strided(start.size());  // two numbers of somebody else's behind each point
+    for (std::size_t i = 0; i < start.size(); ++i)
+        strided[i] = {static_cast<float>(start[i][0]), static_cast<float>(start[i][1]), static_cast<float>(start[i][2]),
+                      9, 9};
+    const VertexView odd{strided.data(), static_cast<std::int64_t>(strided.size()), 20, 4, ScalarType::float32};
+    const PairImpacts found = vertex_face_impacts(odd, view(end)),
+                      expected = vertex_face_impacts(view(start), view(end));
+    for (std::size_t i = 0; i < expected.toi.size(); ++i) ASSERT_EQ(found.toi[i], expected.toi[i]) << "pair " << i;
+}
+
+TEST(FeaturePairs, NameWhatIsWrong) {
+    const Rows good = lattice(12, 6, 3);
+    Rows bad = good;
+    bad[9][1] = std::numeric_limits<double>::infinity();
+    Error error = test::error_of([&] { vertex_face_impacts(view(good), view(bad)); });
+    EXPECT_EQ(error.code, ErrorCode::not_finite);
+    EXPECT_STREQ(error.what(), "end: point 1 of pair 2 is not finite");
+    error = test::error_of([&] { vertex_edge_distances(view(bad)); });
+    EXPECT_STREQ(error.what(), "points: point 0 of pair 3 is not finite");
+    error = test::error_of([&] { vertex_face_distances(view(lattice(11, 6, 3))); });
+    EXPECT_STREQ(error.what(), "points must have 4 points a pair, and 11 are no multiple of that");
+    error = test::error_of([&] { vertex_edge_impacts(view(good), view(lattice(9, 6, 3))); });
+    EXPECT_STREQ(error.what(), "end must have as many pairs as start, 4, not 3");
+    error = test::error_of([&] { edge_edge_impacts(view(good), view(good), {.separation_share = 1}); });
+    EXPECT_EQ(error.code, ErrorCode::invalid_argument);
+    error = test::error_of([&] { edge_edge_distances(view(good), -1); });
+    EXPECT_EQ(error.code, ErrorCode::invalid_argument);
+}
+
+TEST(FeaturePairs, EndWhenAskedTo) {
+    const Rows rows = lattice(12, 7, 3);
+    std::stop_source stop;
+    stop.request_stop();
+    EXPECT_EQ(test::error_of([&] { vertex_face_impacts(view(rows), view(rows), {}, stop.get_token()); }).code,
+              ErrorCode::cancelled);
+    EXPECT_EQ(test::error_of([&] { edge_edge_distances(view(rows), 0, stop.get_token()); }).code, ErrorCode::cancelled);
+}
+
+}  // namespace
+}  // namespace crumple
