@@ -9,7 +9,7 @@ namespace crumple {
 enum class ErrorCode : std::uint8_t {
     invalid_argument,     ///< a shape, an option or a combination of them makes no sense
     not_finite,           ///< a vertex has a NaN or an infinite coordinate
-    index_out_of_range,   ///< a triangle names a vertex that does not exist
+    index_out_of_range,   ///< a triangle, an edge or a point names a vertex that does not exist
     memory_limit,         ///< records or result do not fit; see Error::bytes_needed, Options::count_bytes_needed
     backend_unavailable,  ///< the backend asked for was not built or has no device
     file,                 ///< a file cannot be opened, read or written
@@ -19,7 +19,7 @@ enum class ErrorCode : std::uint8_t {
 };
 
 /// What Error::index counts.
-enum class Element : std::uint8_t { none, vertex, triangle, group, option, line, byte, body, shape };
+enum class Element : std::uint8_t { none, vertex, triangle, group, option, line, byte, body, shape, edge, point };
 
 /// Every failure of the library. The message is a sentence that names the place, e.g.
 /// "vertex 17 is not finite" or "triangle 4 names vertex 90 of 80". The detector that threw stays usable.

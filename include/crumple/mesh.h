@@ -3,8 +3,11 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
+
+#include "crumple/features.h"
 
 namespace crumple {
 
@@ -37,6 +40,13 @@ struct MeshView {
     std::span<const std::int32_t> groups;  ///< one id a triangle, or empty: all in group 0
     MemorySpace memory = MemorySpace::host;
     void* stream = nullptr;  ///< CUDA stream on which device arrays become ready
+
+    /// What is meant by edges and by points where motion and nearness are asked about, instead of the triangles' edges
+    /// and the vertices that a triangle or an edge names: rods, hair, particles, or a mesh's own lists. Answers name
+    /// them by their place in the list; what is listed twice is answered twice. An edge has two different vertices.
+    /// Questions about intersections do not read them.
+    std::optional<std::span<const Edge>> edges = {};
+    std::optional<std::span<const std::int32_t>> points = {};
 
     MeshView() = default;
     MeshView(VertexView vertices, TriangleView triangles, std::span<const std::int32_t> groups = {})

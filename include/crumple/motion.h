@@ -72,10 +72,15 @@ struct Impacts {
     Array<FirstImpact> world_first;               ///< one a world (from MotionWants::earliest on)
     std::array<ImpactList, feature_kinds> lists;  ///< by FeatureKind
 
-    /// What edges are meant: those of body b are [first_edge[b], first_edge[b + 1]), each once, in lexicographic order,
-    /// and an edge's index counts within its body.
+    /// What edges are meant: those of body b are [first_edge[b], first_edge[b + 1]), as its shape lists them, or each
+    /// edge of its triangles once, in lexicographic order. An edge's index counts within its body.
     Array<Edge> edges;
     Array<std::int64_t> first_edge;
+
+    /// What points are meant where a shape lists them: those of body b are [first_point[b], first_point[b + 1]), its
+    /// vertices in the order of the list. A body without any of its own has vertices by their index instead.
+    Array<std::int32_t> points;
+    Array<std::int64_t> first_point;
 
     Statistics statistics;
 
@@ -83,6 +88,8 @@ struct Impacts {
     const ImpactList& operator[](FeatureKind kind) const { return lists[static_cast<std::size_t>(kind)]; }
     const ImpactList& vertex_faces() const { return (*this)[FeatureKind::vertex_face]; }
     const ImpactList& edge_edges() const { return (*this)[FeatureKind::edge_edge]; }
+    const ImpactList& vertex_edges() const { return (*this)[FeatureKind::vertex_edge]; }
+    const ImpactList& vertex_vertices() const { return (*this)[FeatureKind::vertex_vertex]; }
 };
 
 }  // namespace crumple

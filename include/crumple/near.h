@@ -32,11 +32,14 @@ struct Near {
     bool index = false;  ///< also make the offsets of NearList, where pairs are wanted
 };
 
-/// Which parts of a vertex and a face, or of two edges, are closest: of lowest dimension, then first in this order.
-/// Names and order are IPC Toolkit's: E0 is the side from the face's first corner to the second, E1 from there to the
-/// third, E2 back; EA and EB are the edges, EA0 is the lesser vertex of EA.
+/// Which parts of two features are closest: of lowest dimension, then first in this order. Names and order are IPC
+/// Toolkit's: E0 is the side from the face's first corner to the second, E1 from there to the third, E2 back; EA and EB
+/// are the edges, EA0 is the first vertex of EA, as it is in Nearby::edges. Of a vertex and an edge E0 and E1 are the
+/// edge's vertices, E the edge.
 enum class VertexFaceType : std::uint8_t { P_T0, P_T1, P_T2, P_E0, P_E1, P_E2, P_T };
 enum class EdgeEdgeType : std::uint8_t { EA0_EB0, EA0_EB1, EA1_EB0, EA1_EB1, EA_EB0, EA_EB1, EA0_EB, EA1_EB, EA_EB };
+enum class VertexEdgeType : std::uint8_t { P_E0, P_E1, P_E };
+enum class VertexVertexType : std::uint8_t { P_P };
 
 /// Near pairs of one kind: unique, by first feature, then second; of worlds by world, then by body before each feature,
 /// and pairs among bodies that are in all worlds come last.
@@ -47,9 +50,10 @@ struct NearList {
     Array<std::uint8_t> touching;    ///< 1: the distance is 0 exactly
 
     // Where Near::closest asks for them:
-    Array<std::uint8_t> type;  ///< a VertexFaceType or an EdgeEdgeType
-    /// The point of the face a + u (b - a) + v (c - a) as (u, v), or of the edges a + s (b - a) and c + t (d - c) as
-    /// (s, t): exact, then rounded to the nearest numbers.
+    Array<std::uint8_t> type;  ///< a VertexFaceType, an EdgeEdgeType, a VertexEdgeType or a VertexVertexType
+    /// The point of the face a + u (b - a) + v (c - a) as (u, v), of the edges a + s (b - a) and c + t (d - c) as (s,
+    /// t), or of the one edge a + s (b - a) as (s, 0); (0, 0) of two vertices. Exact, then rounded to the nearest
+    /// numbers.
     Array<std::array<double, 2>> at;
 
     // Where Near::index asks for them; a single mesh only:
@@ -66,12 +70,15 @@ struct Nearby {
     Array<std::uint8_t> world_hit;              ///< one a world: something is near (not for NearWants::any)
     std::array<NearList, feature_kinds> lists;  ///< by FeatureKind
 
-    /// What edges are meant: as in Impacts.
+    /// What edges and points are meant: as in Impacts.
     Array<Edge> edges;
     Array<std::int64_t> first_edge;
+    Array<std::int32_t> points;
+    Array<std::int64_t> first_point;
 
-    /// Where Near::least asks for them, of a single mesh: the least distance of each vertex from a face, of each face
-    /// from a vertex, of each edge from an edge, over the pairs that are listed; rounded down. Infinite without one.
+    /// Where Near::least asks for them, of a single mesh: the least distance of each vertex, each face and each edge
+    /// over the pairs of all kinds that are listed and name it; rounded down. Infinite without one. Vertices are by
+    /// their place in the list of points, if the mesh has one.
     Array<double> vertex_distance, face_distance, edge_distance;
 
     Statistics statistics;
@@ -80,6 +87,8 @@ struct Nearby {
     const NearList& operator[](FeatureKind kind) const { return lists[static_cast<std::size_t>(kind)]; }
     const NearList& vertex_faces() const { return (*this)[FeatureKind::vertex_face]; }
     const NearList& edge_edges() const { return (*this)[FeatureKind::edge_edge]; }
+    const NearList& vertex_edges() const { return (*this)[FeatureKind::vertex_edge]; }
+    const NearList& vertex_vertices() const { return (*this)[FeatureKind::vertex_vertex]; }
 };
 
 }  // namespace crumple

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -21,7 +22,7 @@ struct Pose {
     friend bool operator==(const Pose&, const Pose&) = default;
 };
 
-/// Triangles that bodies are made of; a view, nothing is copied.
+/// Triangles, and edges and points, that bodies are made of; a view, nothing is copied.
 struct Shape {
     VertexView vertices;                   ///< (n, 3) coordinates
     TriangleView triangles;                ///< (m, 3) indices into `vertices`
@@ -36,13 +37,23 @@ struct Shape {
     /// nearness are those of the start.
     VertexView end = {};
 
+    /// As MeshView::edges and MeshView::points. What no triangle names is of the body's group where the shape has no
+    /// groups, and of none where it has: then rules about groups say nothing of it.
+    std::optional<std::span<const Edge>> edges = {};
+    std::optional<std::span<const std::int32_t>> points = {};
+
     Shape() = default;
     Shape(VertexView vertices, TriangleView triangles, std::span<const std::int32_t> groups = {},
           std::uint64_t name = 0)
         : vertices(vertices), triangles(triangles), groups(groups), name(name) {}
     /// A mesh in host memory.
     explicit Shape(const MeshView& mesh, std::uint64_t name = 0)
-        : vertices(mesh.vertices), triangles(mesh.triangles), groups(mesh.groups), name(name) {}
+        : vertices(mesh.vertices),
+          triangles(mesh.triangles),
+          groups(mesh.groups),
+          name(name),
+          edges(mesh.edges),
+          points(mesh.points) {}
 };
 
 struct Body {

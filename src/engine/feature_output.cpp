@@ -14,15 +14,15 @@ auto arrays(NearList& l) {
                     l.by_second);
 }
 auto arrays(Impacts& a) {
-    return std::tuple_cat(std::tie(a.world_hit, a.world_first, a.edges, a.first_edge), arrays(a.lists[0]),
-                          arrays(a.lists[1]));
+    return std::tuple_cat(std::tie(a.world_hit, a.world_first, a.edges, a.first_edge, a.points, a.first_point),
+                          arrays(a.lists[0]), arrays(a.lists[1]), arrays(a.lists[2]), arrays(a.lists[3]));
 }
 auto arrays(Nearby& a) {
-    return std::tuple_cat(
-        std::tie(a.world_hit, a.edges, a.first_edge, a.vertex_distance, a.face_distance, a.edge_distance),
-        arrays(a.lists[0]), arrays(a.lists[1]));
+    return std::tuple_cat(std::tie(a.world_hit, a.edges, a.first_edge, a.vertex_distance, a.face_distance,
+                                   a.edge_distance, a.points, a.first_point),
+                          arrays(a.lists[0]), arrays(a.lists[1]), arrays(a.lists[2]), arrays(a.lists[3]));
 }
-static_assert(feature_kinds == 2);
+static_assert(feature_kinds == 4);
 
 template <class Answer, class Visit>
 void for_each_array(Answer& answer, Visit visit) {

@@ -31,7 +31,7 @@ struct FeatureQuery {
     const GroupRule& rule;
 };
 
-/// Pairs of one kind: indices of the scene's vertices, edges, triangles. Sorted, unique.
+/// Pairs of one kind: indices of the scene's points, edges, triangles. Sorted, unique.
 struct FeatureRows {
     explicit FeatureRows(MemoryMeter* m) : pairs(m), value(m), flag(m) {}
     Array<Pair> pairs;
@@ -40,7 +40,7 @@ struct FeatureRows {
 };
 
 struct FeatureAnswer {
-    explicit FeatureAnswer(MemoryMeter* m) : rows{FeatureRows(m), FeatureRows(m)} {}
+    explicit FeatureAnswer(MemoryMeter* m) : rows{FeatureRows(m), FeatureRows(m), FeatureRows(m), FeatureRows(m)} {}
     bool any = false;
     FirstImpact first;                            ///< of a motion, from Extent::first on; without bodies
     std::array<FeatureRows, feature_kinds> rows;  ///< for Extent::all; by kind

@@ -36,6 +36,13 @@ bool all_wanted(const Rules& rules) {
            rules.excluded_groups.empty();
 }
 
+template <class Answer>
+void append_listed_points(const Shape& shape, Answer& answer) {
+    if (shape.points)
+        for (const std::int32_t v : *shape.points) answer.points.push_back(v);
+    answer.first_point.push_back(static_cast<std::int64_t>(answer.points.size()));
+}
+
 }  // namespace
 
 FeatureSearch::FeatureSearch(MemoryMeter& meter, Cancellation& cancellation)
@@ -45,20 +52,24 @@ FeatureSearch::FeatureSearch(MemoryMeter& meter, Cancellation& cancellation)
       rules_(&meter),
       rule_(&meter),
       scene_(&meter),
+      lists_(&meter),
       buffers_(&meter),
       features_(&meter),
       found_(&meter),
-      first_edge_(&meter) {}
+      first_edge_(&meter),
+      first_point_(&meter) {}
 
 void FeatureSearch::release() {
     outline_ = WorldOutline(&meter_);
     rules_ = BodyRules(&meter_);
     rule_ = GroupRule(&meter_);
     scene_ = WorldScene(&meter_);
+    lists_ = JoinedLists(&meter_);
     buffers_ = SceneBuffers(&meter_);
     features_.release();
     found_ = FeatureAnswer(&meter_);
     first_edge_.release();
+    first_point_.release();
 }
 
 void FeatureSearch::find(BackendBase& backend, const World& world, const Motion& question, bool bodies, bool frugal,
@@ -84,7 +95,10 @@ void FeatureSearch::search(BackendBase& backend, const World& world, const Quest
     if (wants_worlds(question)) answer.world_hit.assign(worlds, 0);
     if constexpr (is_motion<Question>)
         if (extent(question) >= Extent::first) answer.world_first.assign(worlds, FirstImpact());
-    if (extent(question) != Extent::any) answer.first_edge.push_back(0);
+    if (extent(question) != Extent::any) {
+        answer.first_edge.push_back(0);
+        answer.first_point.push_back(0);
+    }
 
     const bool in_place = outline_.bodies() == 1 && outline_.placement(0).identity() &&
                           outline_.end_placement(0).identity() && outline_.body(0).self && all_wanted(question.rules);
@@ -98,9 +112,13 @@ void FeatureSearch::search(BackendBase& backend, const World& world, const Quest
         }
     }
     if (question.index && !bodies_ && extent(question) == Extent::all) {
+        const Shape& shape = outline_.shape(0);
         const auto edges = static_cast<std::int64_t>(answer.edges.size());
-        make_index(answer[FeatureKind::vertex_face], outline_.shape(0).vertices.rows, outline_.triangles());
+        const auto points = shape.points ? static_cast<std::int64_t>(shape.points->size()) : shape.vertices.rows;
+        make_index(answer[FeatureKind::vertex_face], points, outline_.triangles());
         make_index(answer[FeatureKind::edge_edge], edges, edges);
+        make_index(answer[FeatureKind::vertex_edge], points, edges);
+        make_index(answer[FeatureKind::vertex_vertex], points, points);
     }
     for (auto& list : answer.lists) answer.count += static_cast<std::int64_t>(list.pairs.size());
     answer.statistics.pairs = answer.count;
@@ -113,7 +131,8 @@ void FeatureSearch::search_in_place(BackendBase& backend, const Question& questi
     Scene scene = prepare_scene(mesh, nullptr, false, backend, buffers_);
     if (is_motion<Question> && shape.end.data) add_motion(shape.end, backend, buffers_, scene);
     rule_.prepare({});
-    features_.prepare(scene, question.weld, backend);
+    features_.prepare(scene, question.weld, backend, checked_lists(shape, ""));
+    scene = features_.with_carriers(scene);
     backend.find(scene, query_of(question, frugal_, features_, rule_), found_);
     add_pass(found_.statistics, answer.statistics);
     answer.any = found_.any;
@@ -125,6 +144,7 @@ void FeatureSearch::search_in_place(BackendBase& backend, const Question& questi
     }
     answer.edges = features_.edges();
     answer.first_edge.push_back(static_cast<std::int64_t>(answer.edges.size()));
+    append_listed_points(shape, answer);
     if (extent(question) != Extent::all) return;
     for (std::size_t kind = 0; kind < feature_kinds; ++kind) {
         auto& list = answer.lists[kind];
@@ -156,10 +176,12 @@ void FeatureSearch::search_world(BackendBase& backend, std::int32_t pass, const 
     for (std::int32_t b = begin; b < end; ++b) scene_.add(outline_, b, false, backend);
     if (pass < worlds)
         for (std::int32_t b = everywhere; b < outline_.bodies(); ++b) scene_.add(outline_, b, true, backend);
-    const Scene scene = scene_.scene(outline_, false, backend);
+    const Scene triangles = scene_.scene(outline_, false, backend);
+    const ListedFeatures listed = lists_.join(outline_, scene_, triangles, backend, features_);
+    features_.prepare(triangles, question.weld, backend, listed);
+    const Scene scene = scene_.with_carriers(outline_, features_, triangles);
     rule_.prepare({}, &rules_);
-    features_.prepare(scene, question.weld, backend);
-    place_edges();
+    place_features();
     backend.find(scene, query_of(question, frugal_, features_, rule_), found_);
     add_pass(found_.statistics, answer.statistics);
     answer.any = answer.any || found_.any;
@@ -167,6 +189,7 @@ void FeatureSearch::search_world(BackendBase& backend, std::int32_t pass, const 
     if (extent(question) == Extent::any) return;
     if constexpr (is_motion<Question>) add_first(pass, answer);
     append_edges(static_cast<std::size_t>(end - begin), answer);
+    append_points(static_cast<std::size_t>(end - begin), answer);
     if (extent(question) != Extent::all) return;
     if constexpr (!is_motion<Question>)
         if (question.closest)
@@ -178,21 +201,27 @@ void FeatureSearch::search_world(BackendBase& backend, std::int32_t pass, const 
         if (question.least) tell_least(scene, features_, backend, answer);
 }
 
-// Edges are in the order of their lower vertices, so those of each body lie together.
-void FeatureSearch::place_edges() {
+// Edges and points of each body lie together, in the order of the bodies.
+void FeatureSearch::place_features() {
     const Array<Edge>& edges = features_.edges();
     first_edge_.resize_discard(scene_.added() + 1);
+    first_point_.resize_discard(scene_.added() + 1);
     for (std::size_t i = 0; i < scene_.added(); ++i) {
         const auto first = static_cast<std::int32_t>(scene_.first_vertex(i));
         first_edge_[i] = std::partition_point(edges.begin(), edges.end(), [&](const Edge& e) { return e.a < first; }) -
                          edges.begin();
+        first_point_[i] = features_.points_below(first);
     }
     first_edge_[scene_.added()] = static_cast<std::int64_t>(edges.size());
+    first_point_[scene_.added()] = features_.points();
 }
 
-FeatureSearch::Place FeatureSearch::vertex(std::int32_t v) const {
+FeatureSearch::Place FeatureSearch::point(std::int32_t p) const {
+    const std::int32_t v = features_.vertex_of(p);
     const std::size_t i = scene_.added_of(v);
-    return {scene_.added_body(i), v - static_cast<std::int32_t>(scene_.first_vertex(i))};
+    const std::int32_t b = scene_.added_body(i);
+    if (outline_.shape(b).points) return {b, p - static_cast<std::int32_t>(first_point_[i])};
+    return {b, v - static_cast<std::int32_t>(scene_.first_vertex(i))};
 }
 FeatureSearch::Place FeatureSearch::edge(std::int32_t e) const {
     const std::size_t i = scene_.added_of(features_.edges()[e].a);
@@ -201,8 +230,10 @@ FeatureSearch::Place FeatureSearch::edge(std::int32_t e) const {
 FeatureSearch::Place FeatureSearch::triangle(std::int32_t t) const { return {scene_.body(t), scene_.triangle(t)}; }
 
 void FeatureSearch::place(FeatureKind kind, const Pair& found, Pair& pair, BodyPair& bodies) const {
-    const bool edges = kind == FeatureKind::edge_edge;
-    const Place a = edges ? edge(found.a) : vertex(found.a), b = edges ? edge(found.b) : triangle(found.b);
+    const Place a = kind == FeatureKind::edge_edge ? edge(found.a) : point(found.a);
+    const Place b = kind == FeatureKind::vertex_face     ? triangle(found.b)
+                    : kind == FeatureKind::vertex_vertex ? point(found.b)
+                                                         : edge(found.b);
     pair = {a.index, b.index};
     bodies = {a.body, b.body};
 }
@@ -219,6 +250,11 @@ void FeatureSearch::append_edges(std::size_t bodies, Answer& answer) {
         }
         answer.first_edge.push_back(static_cast<std::int64_t>(answer.edges.size()));
     }
+}
+
+template <class Answer>
+void FeatureSearch::append_points(std::size_t bodies, Answer& answer) {
+    for (std::size_t i = 0; i < bodies; ++i) append_listed_points(outline_.shape(scene_.added_body(i)), answer);
 }
 
 template <class Answer>

@@ -8,6 +8,7 @@
 #include "crumple/motion.h"
 #include "crumple/near.h"
 #include "engine/backend.h"
+#include "engine/joined_lists.h"
 #include "engine/world_scene.h"
 #include "model/body_rules.h"
 #include "model/rules.h"
@@ -38,6 +39,8 @@ class FeatureSearch {
     template <class Answer>
     void append_edges(std::size_t bodies, Answer& answer);
     template <class Answer>
+    void append_points(std::size_t bodies, Answer& answer);
+    template <class Answer>
     void append_rows(Answer& answer);
     void add_first(std::int32_t pass, Impacts& answer) const;
 
@@ -45,8 +48,8 @@ class FeatureSearch {
     struct Place {
         std::int32_t body, index;
     };
-    void place_edges();
-    Place vertex(std::int32_t v) const;
+    void place_features();
+    Place point(std::int32_t p) const;
     Place edge(std::int32_t e) const;
     Place triangle(std::int32_t t) const;
     void place(FeatureKind kind, const Pair& found, Pair& pair, BodyPair& bodies) const;
@@ -58,10 +61,12 @@ class FeatureSearch {
     BodyRules rules_;
     GroupRule rule_;
     WorldScene scene_;
+    JoinedLists lists_;
     SceneBuffers buffers_;
     SceneFeatures features_;
     FeatureAnswer found_;
-    Array<std::int64_t> first_edge_;  ///< of each body that was added to the scene; and the number of edges
+    // Of each body that was added to the scene; and how many there are:
+    Array<std::int64_t> first_edge_, first_point_;
 };
 
 }  // namespace crumple

@@ -18,12 +18,22 @@ void for_each_chunk(std::size_t n, ParallelFor& workers, Task task) {
 }
 
 Features at_rest(const Scene& scene, const SceneFeatures& features, FeatureKind kind, const Pair& pair) {
+    const auto of = [&](const std::int32_t(&vertex)[4]) { return at_start(kind, points_of(scene, vertex)); };
+    if (kind == FeatureKind::edge_edge) {
+        const Edge e = features.edges()[pair.a], f = features.edges()[pair.b];
+        return of({e.a, e.b, f.a, f.b});
+    }
+    const std::int32_t v = features.vertex_of(pair.a);
     if (kind == FeatureKind::vertex_face) {
         const std::int32_t* c = scene.corners + 3 * std::int64_t{pair.b};
-        return at_start(kind, points_of(scene, {pair.a, c[0], c[1], c[2]}));
+        return of({v, c[0], c[1], c[2]});
     }
-    const Edge e = features.edges()[pair.a], f = features.edges()[pair.b];
-    return at_start(kind, points_of(scene, {e.a, e.b, f.a, f.b}));
+    if (kind == FeatureKind::vertex_edge) {
+        const Edge e = features.edges()[pair.b];
+        return of({v, e.a, e.b, e.b});
+    }
+    const std::int32_t w = features.vertex_of(pair.b);
+    return of({v, w, w, w});
 }
 
 // The least of the values of each feature's pairs.
@@ -56,7 +66,9 @@ void tell_least(const Scene& scene, const SceneFeatures& features, ParallelFor& 
     constexpr double none = std::numeric_limits<double>::infinity();
     const auto of = [&](FeatureKind kind, Array<double>& firsts, Array<double>& seconds) {
         const NearList& list = answer[kind];
-        Array<double> first_square = firsts, second_square = seconds, distance;
+        Array<double> first_square, second_square, distance;
+        first_square.assign(firsts.size(), none);
+        second_square.assign(seconds.size(), none);
         lower(list.pairs, list.squared_distance, first_square, second_square);
         distance.assign(list.pairs.size(), none);
         for_each_chunk(list.pairs.size(), workers, [&](std::size_t begin, std::size_t end) {
@@ -70,11 +82,13 @@ void tell_least(const Scene& scene, const SceneFeatures& features, ParallelFor& 
         });
         lower(list.pairs, distance, firsts, seconds);
     };
-    answer.vertex_distance.assign(static_cast<std::size_t>(scene.vertex_count()), none);
-    answer.face_distance.assign(static_cast<std::size_t>(scene.triangle_count()), none);
+    answer.vertex_distance.assign(static_cast<std::size_t>(features.points()), none);
+    answer.face_distance.assign(static_cast<std::size_t>(features.faces()), none);
     answer.edge_distance.assign(features.edges().size(), none);
     of(FeatureKind::vertex_face, answer.vertex_distance, answer.face_distance);
     of(FeatureKind::edge_edge, answer.edge_distance, answer.edge_distance);
+    of(FeatureKind::vertex_edge, answer.vertex_distance, answer.edge_distance);
+    of(FeatureKind::vertex_vertex, answer.vertex_distance, answer.vertex_distance);
 }
 
 }  // namespace crumple

@@ -38,6 +38,7 @@ WorldScene::WorldScene(MemoryMeter* meter)
       corner_(meter),
       groups_(meter),
       triangle_(meter),
+      lone_groups_(meter),
       added_(meter),
       row_(meter),
       buffers_(meter) {}
@@ -92,14 +93,14 @@ std::size_t WorldScene::added_of(std::int32_t vertex) const {
     return static_cast<std::size_t>(after - added_.begin()) - 1;
 }
 
-void WorldScene::begin_body(std::int32_t b) { added_.push_back({b, vertices()}); }
+void WorldScene::begin_body(std::int32_t b, bool everywhere) { added_.push_back({b, vertices(), everywhere}); }
 
 void WorldScene::add_triangle(const WorldOutline& outline, std::int32_t b, bool everywhere, const Row& row) {
     const Body& body = outline.body(b);
     const auto& groups = outline.shape(b).groups;
     const std::int32_t group = groups.empty() ? body.group : groups[static_cast<std::size_t>(row.triangle)];
     const bool known = !classes_->empty() && classes_->back().body == b && classes_->back().group == group;
-    if (!known) classes_->push_back({b, group, body.self, everywhere});
+    if (!known) classes_->push_back({b, group, body.self, everywhere, true});
     groups_.push_back(static_cast<std::int32_t>(classes_->size()) - 1);
     triangle_.push_back(row.triangle);
     for (const std::int32_t corner : row.corner) corner_.push_back(corner);
@@ -108,7 +109,7 @@ void WorldScene::add_triangle(const WorldOutline& outline, std::int32_t b, bool 
 void WorldScene::add(const WorldOutline& outline, std::int32_t b, bool everywhere, ParallelFor& workers) {
     const Shape& shape = outline.shape(b);
     const std::int64_t first = vertices(), n = shape.vertices.rows, m = shape.triangles.rows;
-    begin_body(b);
+    begin_body(b, everywhere);
     grow_vertices(n);
     const VertexReader position = reader_of(shape), end_position = end_reader_of(shape);
     const Placement place = outline.placement(b), end_place = outline.end_placement(b);
@@ -139,7 +140,7 @@ void WorldScene::add(const WorldOutline& outline, std::int32_t b, bool everywher
                      std::span<const std::int32_t> groups) {
     const Placement place = outline.placement(b);
     ShapeTree::Posed posed;
-    begin_body(b);
+    begin_body(b, everywhere);
     row_.clear();
     for (const std::int32_t g : groups) {
         const ShapeTree::Group& group = tree.group(g);
@@ -168,6 +169,29 @@ Scene WorldScene::scene(const WorldOutline& outline, bool weld, ParallelFor& wor
         if (error.element != Element::vertex) throw;
         fail_body_not_finite(outline, added_[added_of(static_cast<std::int32_t>(error.index))].body);
     }
+}
+
+// Carriers of what belongs to a triangle after all are of its class; others of a class of their body.
+Scene WorldScene::with_carriers(const WorldOutline& outline, const SceneFeatures& features, const Scene& scene) {
+    if (features.carriers() == 0) return scene;
+    lone_groups_.resize_discard(static_cast<std::size_t>(vertices()));
+    for (std::size_t i = 0; i < added_.size(); ++i) {
+        const auto [b, first, everywhere] = added_[i];
+        const auto group = static_cast<std::int32_t>(classes_->size());
+        classes_->push_back(
+            {b, outline.body(b).group, outline.body(b).self, everywhere, outline.shape(b).groups.empty()});
+        const std::int64_t end = i + 1 < added_.size() ? added_[i + 1].first_vertex : vertices();
+        std::fill(lone_groups_.begin() + first, lone_groups_.begin() + end, group);
+    }
+    groups_.make_room_for(static_cast<std::size_t>(features.carriers()));
+    for (std::int64_t i = 0; i < features.carriers(); ++i) {
+        const std::int32_t face = features.face_of_carrier(i);
+        groups_.push_back(face < 0 ? lone_groups_[features.corners()[3 * (features.faces() + i)]] : groups_[face]);
+    }
+    Scene all = features.with_carriers(scene);
+    all.groups = groups_.data();
+    all.lone_groups = lone_groups_.data();
+    return all;
 }
 
 }  // namespace crumple

@@ -11,6 +11,7 @@
 #include "crumple/array.h"
 #include "model/body_rules.h"
 #include "model/scene.h"
+#include "model/scene_features.h"
 #include "model/shape_tree.h"
 #include "model/world.h"
 
@@ -33,6 +34,9 @@ class WorldScene {
     /// The scene. Valid until begin().
     Scene scene(const WorldOutline& outline, bool weld, ParallelFor& workers);
 
+    /// The scene with the features' carriers, in the classes of their bodies. Valid as scene().
+    Scene with_carriers(const WorldOutline& outline, const SceneFeatures& features, const Scene& scene);
+
     std::int64_t triangles() const { return static_cast<std::int64_t>(triangle_.size()); }
     std::int32_t body(std::int32_t t) const { return (*classes_)[groups_[t]].body; }
     std::int32_t group(std::int32_t t) const { return groups_[t]; }       ///< its class
@@ -48,6 +52,7 @@ class WorldScene {
     struct Added {
         std::int32_t body;
         std::int64_t first_vertex;
+        bool everywhere;
     };
     struct Row {
         std::int32_t triangle, corner[3];
@@ -65,7 +70,7 @@ class WorldScene {
     void put(Coordinates& coordinates, std::int64_t vertex, const Vec3d& p);
     VertexView view(const Coordinates& coordinates) const;
     void grow_vertices(std::int64_t more);
-    void begin_body(std::int32_t b);
+    void begin_body(std::int32_t b, bool everywhere);
     void add_triangle(const WorldOutline& outline, std::int32_t b, bool everywhere, const Row& row);
 
     bool float32_ = true, moving_ = false;
@@ -73,6 +78,7 @@ class WorldScene {
     BodyRules* rules_ = nullptr;
     Coordinates start_, end_;
     Array<std::int32_t> corner_, groups_, triangle_;
+    Array<std::int32_t> lone_groups_;  ///< of each vertex, if there are carriers
     Array<Added> added_;
     Array<Row> row_;  ///< scratch
     SceneBuffers buffers_;

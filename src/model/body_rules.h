@@ -16,6 +16,7 @@ struct BodyClass {
     std::int32_t body = 0, group = 0;
     bool self = true;         ///< Body::self
     bool everywhere = false;  ///< in all worlds: such bodies meet only those of the world that is searched
+    bool grouped = true;      ///< else of no group, and rules about groups say nothing of it
 };
 
 class BodyRules {
@@ -53,7 +54,7 @@ class BodyRules {
     bool operator()(const BodyClass& a, const BodyClass& b) const {
         if (a.everywhere && b.everywhere) return false;
         const bool wanted = a.body == b.body ? within(a.body, a.self) : between(a.body, b.body);
-        return wanted && groups(a.group, b.group);
+        return wanted && (!a.grouped || !b.grouped || groups(a.group, b.group));
     }
     bool operator()(std::int32_t a, std::int32_t b) const { return (*this)(classes[a], classes[b]); }
 

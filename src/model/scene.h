@@ -57,10 +57,11 @@ struct Scene {
     std::array<VertexReader, 2> reader;      ///< of the first and the second mesh
     std::array<std::int64_t, 2> vertices{};  ///< counts
     std::array<std::int64_t, 2> triangles{};
-    const std::int32_t* corners = nullptr;  ///< 3 a triangle
-    const std::int32_t* groups = nullptr;   ///< 1 a triangle, or null: all in group 0
-    const BodyRules* bodies = nullptr;      ///< of a world: its groups are classes of these, which decide
-    bool moving = false;                    ///< one mesh, whose vertices go straight to `end`
+    const std::int32_t* corners = nullptr;      ///< 3 a triangle
+    const std::int32_t* groups = nullptr;       ///< 1 a triangle, or null: all in group 0
+    const std::int32_t* lone_groups = nullptr;  ///< 1 a vertex: of features of no triangle; or null: in group 0
+    const BodyRules* bodies = nullptr;          ///< of a world: its groups are classes of these, which decide
+    bool moving = false;                        ///< one mesh, whose vertices go straight to `end`
     VertexReader end;
     Vec3d low, high;                           ///< box of all vertices, also at their ends; 0 if there are none
     std::array<Vec3d, 2> side_low, side_high;  ///< box of each mesh's vertices; low > high if there are none

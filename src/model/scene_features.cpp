@@ -12,9 +12,28 @@
 namespace crumple {
 namespace {
 
-constexpr std::int64_t chunk = 4096;
+template <class T>
+bool same(const Array<T>& mine, std::size_t size, const T* theirs) {
+    return mine.size() >= size && (size == 0 || std::memcmp(mine.data(), theirs, size * sizeof(T)) == 0);
+}
+template <class T>
+bool same(const Array<T>& mine, bool given, const std::optional<std::span<const T>>& theirs) {
+    if (!given || !theirs) return given == theirs.has_value();
+    return mine.size() == theirs->size() && same(mine, mine.size(), theirs->data());
+}
 
-std::size_t chunks(std::int64_t n) { return static_cast<std::size_t>((n + chunk - 1) / chunk); }
+void check_number(const Scene& scene, const ListedFeatures& listed) {
+    const auto edges = static_cast<std::int64_t>(listed.edges ? listed.edges->size() : 0);
+    const auto points = static_cast<std::int64_t>(listed.points ? listed.points->size() : 0);
+    constexpr std::int64_t most = std::numeric_limits<std::int32_t>::max();
+    if (scene.triangle_count() > most / 3)
+        throw Error(ErrorCode::invalid_argument, "there are " + std::to_string(scene.triangle_count()) +
+                                                     " triangles; features are found of 715827882 at most");
+    if (edges + points > most - 3 * scene.triangle_count())
+        throw Error(ErrorCode::invalid_argument, "there are " + std::to_string(edges) + " edges and " +
+                                                     std::to_string(points) +
+                                                     " points; with three times the triangles that is too many");
+}
 
 }  // namespace
 
@@ -24,9 +43,15 @@ SceneFeatures::SceneFeatures(MemoryMeter* meter)
       owned_(meter),
       names_(meter),
       corners_(meter),
+      points_(meter),
+      points_of_(meter),
+      face_of_carrier_(meter),
+      neighbours_(meter),
       side_(meter),
       first_(meter),
       count_(meter),
+      owner_(meter),
+      first_point_(meter),
       buffers_(meter) {}
 
 void SceneFeatures::release() {
@@ -35,103 +60,126 @@ void SceneFeatures::release() {
     owned_.release();
     names_.release();
     corners_.release();
+    points_.release();
+    points_of_.release();
+    face_of_carrier_.release();
+    neighbours_.release();
     side_.release();
     first_.release();
     count_.release();
+    owner_.release();
+    first_point_.release();
     buffers_.table.release();
     vertices_ = -1;
 }
 
-void SceneFeatures::prepare(const Scene& scene, bool weld, ParallelFor& workers) {
-    if (scene.triangle_count() > std::numeric_limits<std::int32_t>::max() / 3)
-        throw Error(ErrorCode::invalid_argument, "there are " + std::to_string(scene.triangle_count()) +
-                                                     " triangles; features are found of 715827882 at most");
-    if (!known(scene)) {
+void SceneFeatures::prepare(const Scene& scene, bool weld, ParallelFor& workers, const ListedFeatures& listed) {
+    check_number(scene, listed);
+    if (!known(scene, listed)) {
         vertices_ = -1;  // should memory end half-way
-        find_edges(scene, workers);
-        find_owned_vertices(scene);
-        corners_.resize_discard(static_cast<std::size_t>(3 * scene.triangle_count()));
+        faces_ = scene.triangle_count();
+        corners_.resize_discard(static_cast<std::size_t>(3 * faces_));
         std::copy_n(scene.corners, corners_.size(), corners_.data());
+        lists_edges_ = listed.edges.has_value();
+        lists_points_ = listed.points.has_value();
+        edges_.resize_discard(lists_edges_ ? listed.edges->size() : 0);
+        points_.resize_discard(lists_points_ ? listed.points->size() : 0);
+        if (lists_edges_) std::copy(listed.edges->begin(), listed.edges->end(), edges_.begin());
+        if (lists_points_) std::copy(listed.points->begin(), listed.points->end(), points_.begin());
+        edges_of_.resize_discard(static_cast<std::size_t>(faces_));
+        owned_.assign(static_cast<std::size_t>(faces_), 0);
+        face_of_carrier_.clear();
+        points_of_.clear();
+        lone_edges_ = false;
+        sort_sides(scene, workers);
+        if (lists_edges_) {
+            find_owners_of_edges(workers);
+            add_carriers_of_edges();
+        } else {
+            make_edges(workers);
+        }
+        find_owned_vertices(scene.vertex_count());
+        if (lists_points_) add_carriers_of_points();
         vertices_ = scene.vertex_count();
     }
     names_.clear();
     if (weld) name_equal_positions(scene, buffers_.table, names_);
+    find_neighbours();
 }
 
-bool SceneFeatures::known(const Scene& scene) const {
-    const auto n = static_cast<std::size_t>(3 * scene.triangle_count());
-    return vertices_ == scene.vertex_count() && corners_.size() == n &&
-           (n == 0 || std::memcmp(corners_.data(), scene.corners, n * sizeof(std::int32_t)) == 0);
+bool SceneFeatures::known(const Scene& scene, const ListedFeatures& listed) const {
+    return vertices_ == scene.vertex_count() && faces_ == scene.triangle_count() &&
+           same(corners_, static_cast<std::size_t>(3 * faces_), scene.corners) &&
+           same(edges_, lists_edges_, listed.edges) && same(points_, lists_points_, listed.points);
 }
 
-// A counting sort of all sides by their lower vertex; then those of each by the other.
-void SceneFeatures::find_edges(const Scene& scene, ParallelFor& workers) {
-    const std::int64_t n = scene.triangle_count(), vertices = scene.vertex_count();
+// A counting sort of all sides, and listed edges behind them, by their lower vertex; then those of each by the other.
+void SceneFeatures::sort_sides(const Scene& scene, ParallelFor& workers) {
+    const std::int64_t sides = 3 * faces_, vertices = scene.vertex_count();
+    const std::int64_t slots = sides + static_cast<std::int64_t>(edges_.size());
     const auto ends = [&](std::int64_t slot) {
-        const std::int32_t *c = scene.corners + slot / 3 * 3, a = c[slot % 3], b = c[(slot + 1) % 3];
-        return std::pair(std::min(a, b), std::max(a, b));
+        const std::int32_t* c = corners_.data() + slot / 3 * 3;
+        const Edge e = slot < sides ? Edge{c[slot % 3], c[(slot + 1) % 3]} : edges_[slot - sides];
+        return std::pair(std::min(e.a, e.b), std::max(e.a, e.b));
     };
     first_.assign(static_cast<std::size_t>(vertices) + 2, 0);
     std::int64_t* next = first_.data() + 1;  // counts, then places; at last first_[v] is where those of v begin
-    for (std::int64_t slot = 0; slot < 3 * n; ++slot) {
+    for (std::int64_t slot = 0; slot < slots; ++slot) {
         const auto [low, high] = ends(slot);
         if (low != high) ++next[low + 1];
     }
     for (std::int64_t v = 0; v < vertices; ++v) next[v + 1] += next[v];
     side_.resize_discard(static_cast<std::size_t>(next[vertices]));
-    edges_of_.resize_discard(static_cast<std::size_t>(n));
-    owned_.assign(static_cast<std::size_t>(n), 0);
-    for (std::int64_t slot = 0; slot < 3 * n; ++slot) {
+    for (std::int64_t slot = 0; slot < slots; ++slot) {
         const auto [low, high] = ends(slot);
         if (low == high)
             edges_of_[slot / 3][static_cast<std::size_t>(slot % 3)] = -1;
         else
             side_[next[low]++] = {high, static_cast<std::int32_t>(slot)};
     }
-
-    const auto first_of = [&](std::int64_t c) { return std::min(vertices, static_cast<std::int64_t>(c) * chunk); };
-    count_.resize_discard(chunks(vertices) + 1);
-    workers.parallel_for(chunks(vertices), [&](std::size_t c) {
-        std::int64_t edges = 0;
-        for (std::int64_t v = first_of(static_cast<std::int64_t>(c)); v < first_of(static_cast<std::int64_t>(c) + 1);
-             ++v) {
-            Side *begin = side_.data() + first_[v], *end = side_.data() + first_[v + 1];
-            std::sort(begin, end, [](const Side& s, const Side& t) {
+    const auto chunks = static_cast<std::size_t>((vertices + chunk - 1) / chunk);
+    count_.assign(chunks + 1, 0);
+    workers.parallel_for(chunks, [&](std::size_t c) {
+        const auto begin = static_cast<std::int64_t>(c) * chunk, end = std::min(vertices, begin + chunk);
+        for (std::int64_t v = begin; v < end; ++v)
+            std::sort(side_.data() + first_[v], side_.data() + first_[v + 1], [](const Side& s, const Side& t) {
                 return std::pair(s.other, s.slot) < std::pair(t.other, t.slot);
             });
-            for (const Side* s = begin; s != end; ++s) edges += s == begin || s->other != s[-1].other;
-        }
-        count_[c + 1] = edges;
-    });
-    count_[0] = 0;
-    for (std::size_t c = 0; c < chunks(vertices); ++c) count_[c + 1] += count_[c];
-    edges_.resize_discard(static_cast<std::size_t>(count_[chunks(vertices)]));
-    workers.parallel_for(chunks(vertices), [&](std::size_t c) {
-        std::int64_t edge = count_[c] - 1;
-        for (std::int64_t v = first_of(static_cast<std::int64_t>(c)); v < first_of(static_cast<std::int64_t>(c) + 1);
-             ++v) {
-            for (std::int64_t i = first_[v]; i < first_[v + 1]; ++i) {
-                const Side& s = side_[i];
-                if (i == first_[v] || s.other != side_[i - 1].other) {
-                    edges_[++edge] = {static_cast<std::int32_t>(v), s.other};
-                    // Another chunk may own another side of this triangle.
-                    std::atomic_ref(owned_[s.slot / 3])
-                        .fetch_or(static_cast<std::uint8_t>(8 << s.slot % 3), std::memory_order_relaxed);
-                }
-                edges_of_[s.slot / 3][static_cast<std::size_t>(s.slot % 3)] = static_cast<std::int32_t>(edge);
-            }
-        }
     });
 }
 
-void SceneFeatures::find_owned_vertices(const Scene& scene) {
-    Array<std::int64_t>& seen = first_;
-    seen.assign(static_cast<std::size_t>(scene.vertex_count()), 0);
-    for (std::int64_t t = 0; t < scene.triangle_count(); ++t)
+void SceneFeatures::make_edges(ParallelFor& workers) {
+    const std::size_t n = count_.size() - 1;
+    workers.parallel_for(n, [&](std::size_t c) {
+        std::int64_t edges = 0;
+        for_each_edge_of(c, [&](std::int32_t, const Side*, const Side*) { ++edges; });
+        count_[c + 1] = edges;
+    });
+    for (std::size_t c = 0; c < n; ++c) count_[c + 1] += count_[c];
+    edges_.resize_discard(static_cast<std::size_t>(count_[n]));
+    workers.parallel_for(n, [&](std::size_t c) {
+        std::int64_t edge = count_[c];
+        for_each_edge_of(c, [&](std::int32_t v, const Side* begin, const Side* end) {
+            edges_[edge] = {v, begin->other};
+            // Another chunk may own another side of this triangle.
+            std::atomic_ref(owned_[begin->slot / 3])
+                .fetch_or(static_cast<std::uint8_t>(8 << begin->slot % 3), std::memory_order_relaxed);
+            for (const Side* s = begin; s != end; ++s)
+                edges_of_[s->slot / 3][static_cast<std::size_t>(s->slot % 3)] = static_cast<std::int32_t>(edge);
+            ++edge;
+        });
+    });
+}
+
+void SceneFeatures::find_owned_vertices(std::int64_t vertices) {
+    const auto all = static_cast<std::int64_t>(owned_.size());
+    owner_.assign(static_cast<std::size_t>(vertices), -1);
+    for (std::int64_t t = 0; t < all; ++t)
         for (int k = 0; k < 3; ++k) {
-            std::int64_t& known = seen[scene.corners[3 * t + k]];
-            if (!known) owned_[t] = static_cast<std::uint8_t>(owned_[t] | 1 << k);
-            known = 1;
+            std::int32_t& owner = owner_[corners_[3 * t + k]];
+            if (owner >= 0) continue;
+            owner = static_cast<std::int32_t>(t);
+            if (!lists_points_) owned_[t] = static_cast<std::uint8_t>(owned_[t] | 1 << k);
         }
 }
 

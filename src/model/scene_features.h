@@ -1,16 +1,23 @@
 #pragma once
 
-// Vertices and edges of a scene's triangles, each once, and who owns it.
+// Vertices and edges of a scene, each once, and who owns it; and carriers for those that no triangle can own.
 //
 // A feature is owned by the lowest triangle that names it. A pair of features is tested where the triangles that own
 // them are a pair of the sweep; so it is tested once, and the triangles' hulls, which hold their features, decide
 // whether it has to be. Faces own themselves.
 //
 //   triangle t: corners c0 c1 c2, edges e0 = c0 c1, e1 = c1 c2, e2 = c2 c0
-//   owned[t]:   bit k: the vertex at corner k;  bit 3 + k: edge k
+//   owned[t]:   bit k: the vertex at corner k;  bit 3 + k: edge k;  lone_point, lone_edge: see there
+//
+// Callers may list edges and points, which are the features then. What they list and no triangle names has a *carrier*:
+// a degenerate triangle (a, b, b) of an edge, (v, v, v) of a point, which comes behind the scene's triangles, owns that
+// feature, and is no face. An edge or a point that is listed once more has one, too, whatever names it (carriers.cpp).
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
+#include <optional>
+#include <span>
 
 #include "base/parallel_for.h"
 #include "crumple/array.h"
@@ -22,31 +29,67 @@ namespace crumple {
 /// The edges of a triangle, by side; -1 where a side's ends are equal.
 using TriangleEdges = std::array<std::int32_t, 3>;
 
+/// Edges and points that a caller lists, by the scene's vertices, checked.
+struct ListedFeatures {
+    std::optional<std::span<const Edge>> edges = {};
+    std::optional<std::span<const std::int32_t>> points = {};
+};
+
+/// Of a carrier: it owns a vertex of no edge and no triangle at corner 0, or an edge of no triangle on side 0.
+inline constexpr std::uint8_t lone_point = 1 << 6, lone_edge = 1 << 7;
+
 class SceneFeatures {
    public:
     explicit SceneFeatures(MemoryMeter* meter);
 
-    /// Of the scene's triangles. What is known is kept while their corners stay the same: then it costs a comparison;
-    /// else O(triangles), on all threads. `weld`: vertices at equal positions, at the start and at the end, count as
-    /// one for incident().
-    void prepare(const Scene& scene, bool weld, ParallelFor& workers);
+    /// Of the scene's triangles, and what is listed. What is known is kept while corners and lists stay the same: then
+    /// it costs a comparison; else O(triangles, edges, points), mostly on all threads. `weld`: vertices at equal
+    /// positions, at the start and at the end, count as one for incident().
+    void prepare(const Scene& scene, bool weld, ParallelFor& workers, const ListedFeatures& listed = {});
 
+    /// Of each triangle and each carrier; edges are by their place in edges().
     const Array<Edge>& edges() const { return edges_; }
     const TriangleEdges& edges_of(std::int64_t triangle) const { return edges_of_[triangle]; }
     std::uint8_t owned(std::int64_t triangle) const { return owned_[triangle]; }
 
+    bool lists_edges() const { return lists_edges_; }
+    /// Points have the indices of vertices unless they are listed: then those of the list.
+    bool lists_points() const { return lists_points_; }
+    std::int64_t points() const { return lists_points_ ? static_cast<std::int64_t>(points_.size()) : vertices_; }
+    std::int32_t vertex_of(std::int32_t point) const { return lists_points_ ? points_[point] : point; }
+    /// How many points have vertices below this one, where those of lower vertices come first, as bodies' do.
+    std::int64_t points_below(std::int32_t vertex) const;
+    /// Of the vertex that a triangle or a carrier owns at a corner.
+    std::int32_t point_of(std::int64_t triangle, int corner) const {
+        return points_of_.empty() ? corners_[3 * triangle + corner] : points_of_[triangle][std::size_t(corner)];
+    }
+
+    /// Triangles of the scene; carriers are numbered from there on.
+    std::int64_t faces() const { return faces_; }
+    std::int64_t carriers() const { return static_cast<std::int64_t>(face_of_carrier_.size()); }
+    /// The lowest triangle that names what carrier i owns; -1 if none does.
+    std::int32_t face_of_carrier(std::int64_t i) const { return face_of_carrier_[i]; }
+    /// Tests of features are those of triangles alone.
+    bool plain() const { return carriers() == 0 && points_of_.empty(); }
+    /// Corners of all triangles and carriers, and the scene with these; but for groups, which others have to add.
+    const std::int32_t* corners() const { return corners_.data(); }
+    Scene with_carriers(Scene scene) const;
+
     /// What vertices are called where it is asked whether two are the same: mostly by their index.
     bool renames() const { return !names_.empty(); }
     std::int32_t name(std::int32_t vertex) const { return names_.empty() ? vertex : names_[vertex]; }
-    /// Whether an edge and a vertex, or two edges, have a vertex in common.
+    /// Whether a face or an edge and a vertex, or two edges, have a vertex in common.
     bool incident(std::int32_t vertex, const std::int32_t* corners) const {
         const std::int32_t v = name(vertex);
         return v == name(corners[0]) || v == name(corners[1]) || v == name(corners[2]);
     }
-    bool incident(const Edge& e, const Edge& f) const {
-        const std::int32_t a = name(e.a), b = name(e.b), c = name(f.a), d = name(f.b);
-        return a == c || a == d || b == c || b == d;
+    bool incident(std::int32_t vertex, const Edge& e) const {
+        const std::int32_t v = name(vertex);
+        return v == name(e.a) || v == name(e.b);
     }
+    bool incident(const Edge& e, const Edge& f) const { return incident(e.a, f) || incident(e.b, f); }
+    /// Whether an edge of the vertex is a pair with a lone edge that it is not on: then that pair covers the vertex.
+    bool has_edge_apart(std::int32_t vertex, const Edge& lone) const;
 
     /// Gives all memory back.
     void release();
@@ -54,22 +97,57 @@ class SceneFeatures {
    private:
     struct Side {
         std::int32_t other;  ///< its greater vertex
-        std::int32_t slot;   ///< 3 times its triangle, and which side of it
+        std::int32_t slot;   ///< 3 times its triangle, and which side of it; behind these listed edges
+    };
+    /// The other ends of a vertex's edges, by name: up to two that differ, -1 for none.
+    struct Neighbours {
+        std::int32_t first = -1, second = -1;
+        bool more = false;
     };
 
-    bool known(const Scene& scene) const;
-    void find_edges(const Scene& scene, ParallelFor& workers);
-    void find_owned_vertices(const Scene& scene);
+    bool known(const Scene& scene, const ListedFeatures& listed) const;
+    void sort_sides(const Scene& scene, ParallelFor& workers);
+    void make_edges(ParallelFor& workers);
+    void find_owners_of_edges(ParallelFor& workers);
+    void find_owned_vertices(std::int64_t vertices);
+    void add_carriers_of_edges();
+    void add_carriers_of_points();
+    void add_carrier(const std::array<std::int32_t, 3>& corners, std::uint8_t owned, std::int32_t face);
+    void find_neighbours();
+
+    static constexpr std::int64_t chunk = 4096;  ///< of lower vertices
+    /// Calls visit(v, begin, end) with the sides of each edge whose lower vertex v is in the chunk.
+    template <class Visit>
+    void for_each_edge_of(std::size_t c, Visit visit) {
+        const auto vertices = static_cast<std::int64_t>(first_.size()) - 2;
+        const auto first = static_cast<std::int64_t>(c) * chunk, last = std::min(vertices, first + chunk);
+        for (std::int64_t v = first; v < last; ++v) {
+            const Side *begin = side_.data() + first_[v], *end = side_.data() + first_[v + 1];
+            while (begin != end) {
+                const Side* next = begin + 1;
+                while (next != end && next->other == begin->other) ++next;
+                visit(static_cast<std::int32_t>(v), begin, next);
+                begin = next;
+            }
+        }
+    }
 
     Array<Edge> edges_;
     Array<TriangleEdges> edges_of_;
     Array<std::uint8_t> owned_;
     Array<std::int32_t> names_, corners_;  ///< corners: for which the rest is known
-    std::int64_t vertices_ = -1;
+    std::int64_t vertices_ = -1, faces_ = 0;
+    bool lists_edges_ = false, lists_points_ = false, lone_edges_ = false;
+    Array<std::int32_t> points_;                    ///< as listed
+    Array<std::array<std::int32_t, 3>> points_of_;  ///< by corner; empty: as vertices
+    Array<std::int32_t> face_of_carrier_;
+    Array<Neighbours> neighbours_;  ///< of each vertex, if there are lone edges
     // Scratch:
     Array<Side> side_;
-    Array<std::int64_t> first_;  ///< side of each lower vertex
-    Array<std::int64_t> count_;  ///< edges of each chunk of lower vertices
+    Array<std::int64_t> first_;        ///< side of each lower vertex
+    Array<std::int64_t> count_;        ///< edges of each chunk of lower vertices
+    Array<std::int32_t> owner_;        ///< of each vertex, or of each listed edge
+    Array<std::int32_t> first_point_;  ///< of each vertex: in the list
     SceneBuffers buffers_;
 };
 

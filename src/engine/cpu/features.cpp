@@ -65,14 +65,15 @@ void find(const Call& call, const FeatureQuery& query, FeatureLeaves<moments>& l
     search(call);
     Stopwatch watch;
     answer.any = leaves.any();
-    const FeatureKind kinds[] = {FeatureKind::vertex_face, FeatureKind::edge_edge};
+    constexpr FeatureKind kinds[feature_kinds] = {FeatureKind::vertex_face, FeatureKind::edge_edge,
+                                                  FeatureKind::vertex_edge, FeatureKind::vertex_vertex};
     if (query.motion && query.extent != Extent::any)
         for (const FeatureKind kind : kinds) answer.first = first_of(leaves.found(kind), kind, answer.first);
     if (query.extent == Extent::all)
         for (const FeatureKind kind : kinds) {
             const bool edges = kind == FeatureKind::edge_edge;
             const auto firsts =
-                edges ? static_cast<std::int64_t>(query.features.edges().size()) : call.scene.vertex_count();
+                edges ? static_cast<std::int64_t>(query.features.edges().size()) : query.features.points();
             write_rows(leaves.found(kind), firsts, call.workers, buffers, answer.rows[static_cast<std::size_t>(kind)]);
         }
     call.statistics[Stage::output] += watch.lap();

@@ -17,43 +17,87 @@ using Points = std::vector<std::int32_t>;
 // A feature by its vertices.
 struct Feature {
     Points vertices;
-    std::int32_t index, owner;  ///< the lowest triangle that names it
+    std::int32_t index;
+    std::int32_t group;
     std::set<std::int32_t> names;
-    Vec3d low, high;  ///< box of its way
+    Vec3d low, high;   ///< box of its way
+    bool lone = true;  ///< on no face; a vertex: and on no edge
 };
 
-Feature feature(const Scene& scene, const FeatureQuery& query, Points vertices, std::int32_t index,
-                std::int32_t owner) {
-    Feature f{std::move(vertices), index, owner, {}, {}, {}};
-    for (const std::int32_t v : f.vertices) {
-        const MovingPoint p = moving_point(scene, v);
-        const bool first = f.names.empty();
-        f.names.insert(query.features.name(v));
-        f.low = min(first ? p.start : f.low, min(p.start, p.end));
-        f.high = max(first ? p.start : f.high, max(p.start, p.end));
-    }
-    return f;
-}
+using Ends = std::pair<std::int32_t, std::int32_t>;
+Ends ends_of(std::int32_t a, std::int32_t b) { return {std::min(a, b), std::max(a, b)}; }
 
-struct Everything {
+// Faces, and edges and points as they are listed; or else those of the faces, and of faces and edges.
+class Everything {
+   public:
     std::vector<Feature> vertices, edges, faces;
 
-    Everything(const Scene& scene, const FeatureQuery& query) {
-        std::map<std::int32_t, std::int32_t> owner_of_vertex;
-        std::map<std::pair<std::int32_t, std::int32_t>, std::int32_t> owner_of_edge;
-        for (std::int32_t t = 0; t < scene.triangle_count(); ++t) {
+    Everything(const Scene& scene, const FeatureQuery& query) : scene_(scene), query_(query) {
+        for (std::int32_t t = 0; t < query.features.faces(); ++t) {
             const std::int32_t* c = scene.corners + 3 * std::int64_t{t};
-            faces.push_back(feature(scene, query, {c[0], c[1], c[2]}, t, t));
+            faces.push_back(feature({c[0], c[1], c[2]}, t, t));
             for (int k = 0; k < 3; ++k) {
                 const std::int32_t a = c[k], b = c[(k + 1) % 3];
-                owner_of_vertex.emplace(a, t);
-                if (a != b) owner_of_edge.emplace(std::minmax(a, b), t);
+                face_of_vertex_.emplace(a, t);
+                if (a != b) face_of_edge_.emplace(ends_of(a, b), t);
             }
         }
-        for (const auto& [v, owner] : owner_of_vertex) vertices.push_back(feature(scene, query, {v}, v, owner));
-        for (const auto& [e, owner] : owner_of_edge)
-            edges.push_back(feature(scene, query, {e.first, e.second}, static_cast<std::int32_t>(edges.size()), owner));
+        if (query.features.lists_edges())
+            for (const Edge& e : query.features.edges()) add_edge(ends_of(e.a, e.b));
+        else
+            for (const auto& [ends, face] : face_of_edge_) add_edge(ends);
+        for (std::int32_t p = 0; p < query.features.points(); ++p) {
+            const std::int32_t v = query.features.vertex_of(p);
+            if (query.features.lists_points() || face_of_vertex_.count(v) || edges_of_vertex_.count(v))
+                add_vertex(v, p);
+        }
     }
+
+    /// Whether some edge of the vertex has no vertex in common with this one.
+    bool has_edge_apart(const Feature& vertex, const Feature& edge) const {
+        const auto at = edges_of_vertex_.find(vertex.vertices[0]);
+        if (at == edges_of_vertex_.end()) return false;
+        return std::any_of(at->second.begin(), at->second.end(),
+                           [&](std::size_t e) { return !incident(edges[e], edge); });
+    }
+    static bool incident(const Feature& a, const Feature& b) {
+        return std::any_of(a.names.begin(), a.names.end(), [&](std::int32_t v) { return b.names.count(v) > 0; });
+    }
+
+   private:
+    /// `face`: the lowest that names it, or -1.
+    Feature feature(Points vertices, std::int32_t index, std::int32_t face) const {
+        Feature f{std::move(vertices), index, 0, {}, {}, {}, face < 0};
+        if (face >= 0)
+            f.group = scene_.group(face);
+        else if (scene_.lone_groups)
+            f.group = scene_.lone_groups[f.vertices[0]];
+        for (const std::int32_t v : f.vertices) {
+            const MovingPoint p = moving_point(scene_, v);
+            const bool first = f.names.empty();
+            f.names.insert(query_.features.name(v));
+            f.low = min(first ? p.start : f.low, min(p.start, p.end));
+            f.high = max(first ? p.start : f.high, max(p.start, p.end));
+        }
+        return f;
+    }
+    void add_edge(const Ends& ends) {
+        const auto face = face_of_edge_.find(ends);
+        for (const std::int32_t v : {ends.first, ends.second}) edges_of_vertex_[v].push_back(edges.size());
+        edges.push_back(feature({ends.first, ends.second}, static_cast<std::int32_t>(edges.size()),
+                                face == face_of_edge_.end() ? -1 : face->second));
+    }
+    void add_vertex(std::int32_t v, std::int32_t index) {
+        const auto face = face_of_vertex_.find(v);
+        vertices.push_back(feature({v}, index, face == face_of_vertex_.end() ? -1 : face->second));
+        vertices.back().lone = vertices.back().lone && !edges_of_vertex_.count(v);
+    }
+
+    const Scene& scene_;
+    const FeatureQuery& query_;
+    std::map<std::int32_t, std::int32_t> face_of_vertex_;
+    std::map<Ends, std::int32_t> face_of_edge_;
+    std::map<std::int32_t, std::vector<std::size_t>> edges_of_vertex_;
 };
 
 class Search {
@@ -68,14 +112,20 @@ class Search {
         for (std::size_t i = 0; i < all.edges.size(); ++i)
             for (std::size_t j = i + 1; j < all.edges.size(); ++j)
                 test(FeatureKind::edge_edge, all.edges[i], all.edges[j]);
+        for (const Feature& v : all.vertices)
+            for (const Feature& e : all.edges)
+                if (e.lone && !all.has_edge_apart(v, e)) test(FeatureKind::vertex_edge, v, e);
+        for (std::size_t i = 0; i < all.vertices.size(); ++i)
+            for (std::size_t j = i + 1; j < all.vertices.size(); ++j)
+                if (all.vertices[i].lone && all.vertices[j].lone)
+                    test(FeatureKind::vertex_vertex, all.vertices[i], all.vertices[j]);
     }
 
    private:
     void test(FeatureKind kind, const Feature& a, const Feature& b) {
         if (query_.extent == Extent::any && answer_.any) return;
         if (far(a, b)) return;
-        if (std::any_of(a.names.begin(), a.names.end(), [&](std::int32_t v) { return b.names.count(v) > 0; })) return;
-        if (!query_.rule(scene_.group(a.owner), scene_.group(b.owner))) return;
+        if (Everything::incident(a, b) || !query_.rule(a.group, b.group)) return;
         cancellation_.check();
         ++answer_.statistics.rational_tests;
         const Row row = decide(kind, a, b);
@@ -116,11 +166,36 @@ class Search {
             return {true, distance.squared(), distance.touching()};
         }
         const Separation separation{query_.distance, query_.share};
-        const bool plain = query_.distance == 0 && query_.share == 0, face = kind == FeatureKind::vertex_face;
-        const Impact impact = plain  ? (face ? vertex_face(p[0], p[1], p[2], p[3]) : edge_edge(p[0], p[1], p[2], p[3]))
-                              : face ? vertex_face(p[0], p[1], p[2], p[3], separation)
-                                     : edge_edge(p[0], p[1], p[2], p[3], separation);
+        const bool plain = query_.distance == 0 && query_.share == 0;
+        const Impact impact = plain ? first_contact(kind, p) : first_approach(kind, p, separation);
         return {impact.meets, impact.toi, impact.start};
+    }
+
+    static Impact first_contact(FeatureKind kind, const FeaturePoints& p) {
+        switch (kind) {
+            case FeatureKind::vertex_face:
+                return vertex_face(p[0], p[1], p[2], p[3]);
+            case FeatureKind::edge_edge:
+                return edge_edge(p[0], p[1], p[2], p[3]);
+            case FeatureKind::vertex_edge:
+                return vertex_edge(p[0], p[1], p[2]);
+            case FeatureKind::vertex_vertex:
+                break;
+        }
+        return vertex_vertex(p[0], p[1]);
+    }
+    static Impact first_approach(FeatureKind kind, const FeaturePoints& p, const Separation& separation) {
+        switch (kind) {
+            case FeatureKind::vertex_face:
+                return vertex_face(p[0], p[1], p[2], p[3], separation);
+            case FeatureKind::edge_edge:
+                return edge_edge(p[0], p[1], p[2], p[3], separation);
+            case FeatureKind::vertex_edge:
+                return vertex_edge(p[0], p[1], p[2], separation);
+            case FeatureKind::vertex_vertex:
+                break;
+        }
+        return vertex_vertex(p[0], p[1], separation);
     }
 
     const Scene& scene_;

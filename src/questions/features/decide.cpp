@@ -7,19 +7,22 @@
 namespace crumple {
 namespace {
 
-FeatureDecision impact(FeatureKind kind, const FeaturePoints& p, FeatureCounts& counts) {
-    ImpactCounts by;
-    const Impact impact = kind == FeatureKind::vertex_face ? vertex_face_impact(p[0], p[1], p[2], p[3], by)
-                                                           : edge_edge_impact(p[0], p[1], p[2], p[3], by);
-    counts.rational += by.exact;
-    return {impact.meets, impact.toi, impact.start};
-}
-
 FeatureDecision separated_impact(FeatureKind kind, const FeaturePoints& p, const Separation& separation,
                                  FeatureCounts& counts) {
     SeparationCounts by;
     const Impact impact = decide_separation(kinds_of(kind), p, separation, by);
     counts.rational += by.rational;
+    return {impact.meets, impact.toi, impact.start};
+}
+
+// Of vertices with edges and vertices next to none touch, and to tell how far they stay apart is quick.
+FeatureDecision impact(FeatureKind kind, const FeaturePoints& p, FeatureCounts& counts) {
+    if (kind == FeatureKind::vertex_edge || kind == FeatureKind::vertex_vertex)
+        return separated_impact(kind, p, {}, counts);
+    ImpactCounts by;
+    const Impact impact = kind == FeatureKind::vertex_face ? vertex_face_impact(p[0], p[1], p[2], p[3], by)
+                                                           : edge_edge_impact(p[0], p[1], p[2], p[3], by);
+    counts.rational += by.exact;
     return {impact.meets, impact.toi, impact.start};
 }
 

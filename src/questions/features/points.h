@@ -11,7 +11,9 @@
 
 namespace crumple {
 
-/// vertex_face: the vertex, then the face's corners. edge_edge: a b of the first edge, c d of the second.
+/// vertex_face: the vertex, then the face's corners. edge_edge: a b of the first edge, c d of the second. vertex_edge:
+/// the vertex, a and b of the edge, and b again, vertex_vertex: the one, and the other three times: a vertex and a face
+/// that is an edge, or a vertex.
 using FeaturePoints = std::array<MovingPoint, 4>;
 
 /// Exact: what the caller gave.
@@ -26,7 +28,7 @@ inline FeaturePoints points_of(const Scene& scene, const std::int32_t (&vertex)[
 }
 
 inline FeatureKinds kinds_of(FeatureKind kind) {
-    return kind == FeatureKind::vertex_face ? FeatureKinds::vertex_face : FeatureKinds::edge_edge;
+    return static_cast<FeatureKinds>(kind);  // in the same order
 }
 
 /// The points at rest, where they are at the start.

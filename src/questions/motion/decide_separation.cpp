@@ -1,6 +1,7 @@
 #include "questions/motion/decide_separation.h"
 
 #include "questions/motion/quick_separation.h"
+#include "questions/motion/rational_impact.h"
 #include "questions/motion/rational_separation.h"
 
 namespace crumple {
@@ -20,8 +21,24 @@ QuickImpact quick(FeatureKinds kinds, const std::array<MovingPoint, 4>& points, 
     return quick_separation<FeatureKinds::vertex_vertex>(points, separation);
 }
 
+Impact rational(FeatureKinds kinds, const std::array<MovingPoint, 4>& points) {
+    const auto& [p, q, r, s] = points;
+    switch (kinds) {
+        case FeatureKinds::vertex_face:
+            return vertex_face(p, q, r, s);
+        case FeatureKinds::edge_edge:
+            return edge_edge(p, q, r, s);
+        case FeatureKinds::vertex_edge:
+            return vertex_edge(p, q, r);
+        case FeatureKinds::vertex_vertex:
+            break;
+    }
+    return vertex_vertex(p, q);
+}
+
 Impact rational(FeatureKinds kinds, const std::array<MovingPoint, 4>& points, const Separation& separation) {
     const auto& [p, q, r, s] = points;
+    if (separation.distance == 0 && separation.share == 0) return rational(kinds, points);
     switch (kinds) {
         case FeatureKinds::vertex_face:
             return vertex_face(p, q, r, s, separation);

@@ -18,7 +18,7 @@ struct SeparationCounts {
 };
 
 /// The points as in Features: of a vertex and a face, two edges, a vertex and an edge, or two vertices. Without a
-/// separation this is an impact, and better asked for as such: then all that touches takes rational arithmetic.
+/// separation this is an impact, and all that touches takes rational arithmetic.
 Impact decide_separation(FeatureKinds kinds, const std::array<MovingPoint, 4>& points, const Separation& separation,
                          SeparationCounts& counts);
 

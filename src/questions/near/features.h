@@ -32,16 +32,13 @@ struct Reach {
     bool strict = false;
 };
 
-// Which parts of two features are closest, with the names and the order of IPC Toolkit. E0 is the edge from a to b, E1
-// that from b to c, E2 that from c to a; EA is a b, EB is c d, and EA0 is a.
-enum class VertexEdgeType : std::uint8_t { P_E0, P_E1, P_E };
-
 /// Where two features are closest.
 ///
-/// `type` is a VertexFaceType, an EdgeEdgeType or a VertexEdgeType; 0 for two vertices. It is the first in that
-/// enumeration whose parts are as close to each other as the features are: of lowest dimension, then first by index.
-/// So it is never a part where a smaller one would do, and its parts have one pair of closest points, also where the
-/// features have many, as parallel edges do, or are collapsed.
+/// `type` is a VertexFaceType, an EdgeEdgeType, a VertexEdgeType or a VertexVertexType, E0 being the edge from a to b,
+/// E1 that from b to c, E2 that from c to a, EA a b, EB c d, and EA0 a. It is the first in that enumeration whose parts
+/// are as close to each other as the features are: of lowest dimension, then first by index. So it is never a part
+/// where a smaller one would do, and its parts have one pair of closest points, also where the features have many, as
+/// parallel edges do, or are collapsed.
 ///
 /// `at` are the parameters of that pair, exact ones rounded to the nearest float64. Vertex and face: (u, v) for the
 /// point a + u (b - a) + v (c - a). Two edges: (s, t) for a + s (b - a) and c + t (d - c). Vertex and edge: (t, 0) for

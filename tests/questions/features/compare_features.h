@@ -42,6 +42,8 @@ testing::AssertionResult same_features(const Answer& found, const Answer& expect
     }
     if (same) same = same_bytes(found.edges, expected.edges, "edges");
     if (same) same = same_bytes(found.first_edge, expected.first_edge, "first edges");
+    if (same) same = same_bytes(found.points, expected.points, "points");
+    if (same) same = same_bytes(found.first_point, expected.first_point, "first points");
     if (same) same = same_bytes(found.world_hit, expected.world_hit, "flags of worlds");
     if (same && (found.any != expected.any || found.count != expected.count))
         same = testing::AssertionFailure() << "any " << found.any << ", count " << found.count << " instead of "

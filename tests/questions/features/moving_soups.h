@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -23,8 +24,15 @@ struct MovingSoup {
     std::vector<PointOf<Scalar>> start, end;
     std::vector<std::array<std::int32_t, 3>> triangles;
     std::vector<std::int32_t> groups;
+    std::optional<std::vector<Edge>> edges = {};
+    std::optional<std::vector<std::int32_t>> points = {};
 
-    MeshView view() const { return {start, triangles, groups}; }
+    MeshView view() const {
+        MeshView view(start, triangles, groups);
+        if (edges) view.edges = *edges;
+        if (points) view.points = *points;
+        return view;
+    }
     MeshView view_at_end() const { return {end, triangles, groups}; }
     VertexView end_view() const { return view_at_end().vertices; }
 
@@ -44,7 +52,7 @@ struct MovingSoup {
 /// The same with every coordinate changed, the result rounded to another precision.
 template <class To, class From, class Change>
 MovingSoup<To> changed(const MovingSoup<From>& soup, Change change) {
-    MovingSoup<To> out{{}, {}, soup.triangles, soup.groups};
+    MovingSoup<To> out{{}, {}, soup.triangles, soup.groups, soup.edges, soup.points};
     const auto all = [&](const auto& points, auto& into) {
         for (const auto& p : points) {
             PointOf<To> q;

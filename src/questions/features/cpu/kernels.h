@@ -29,8 +29,9 @@ struct FeatureKernels {
     /// many. `record`: by physical row. Writes up to `padding` more.
     std::size_t (*separate)(const Record* record, const Candidates& candidates, float gap, std::uint32_t* left);
 
-    /// By kind: keeps the tests that may be an answer: moves them to the front, in order, and returns how many. `ends`
-    /// as in BuildInput; `distance`: what is asked for, in normalised coordinates, rounded up.
+    /// By kind, of which the last two are vertices and faces that are edges and vertices: keeps the tests that may be
+    /// an answer: moves them to the front, in order, and returns how many. `ends` as in BuildInput; `distance`: what is
+    /// asked for, in normalised coordinates, rounded up.
     std::size_t (*filter[feature_kinds])(const PointRows& points, std::int64_t ends, float distance, FeatureTest* test,
                                          std::size_t count);
 };

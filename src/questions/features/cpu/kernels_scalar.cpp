@@ -81,7 +81,8 @@ constexpr FeatureKernels<moments> table{
     build<moments>,
     scatter<moments>,
     separate<moments>,
-    {filter<FeatureKind::vertex_face, moments>, filter<FeatureKind::edge_edge, moments>}};
+    {filter<FeatureKind::vertex_face, moments>, filter<FeatureKind::edge_edge, moments>,
+     filter<FeatureKind::vertex_face, moments>, filter<FeatureKind::vertex_face, moments>}};
 
 }  // namespace
 

@@ -28,7 +28,8 @@ FeatureKernels<moments> kernels() {
     return {plain.build,
             plain.scatter,
             separate<moments>,
-            {filter<FeatureKind::vertex_face, moments>, filter<FeatureKind::edge_edge, moments>}};
+            {filter<FeatureKind::vertex_face, moments>, filter<FeatureKind::edge_edge, moments>,
+             filter<FeatureKind::vertex_face, moments>, filter<FeatureKind::vertex_face, moments>}};
 }
 const FeatureTables table{kernels<1>(), kernels<2>()};
 

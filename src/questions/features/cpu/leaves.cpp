@@ -8,7 +8,7 @@
 #include "engine/cpu/order.h"
 #include "engine/output.h"
 #include "questions/features/separation.h"
-#include "questions/features/tests_of_pair.h"
+#include "questions/features/tests_of_listed.h"
 
 namespace crumple::cpu {
 namespace {
@@ -145,26 +145,31 @@ void FeatureLeaves<moments>::list_tests(std::span<const std::uint32_t> pairs, co
     const Record* rows = builder.sorted.data() + worker.candidates.rows;
     const Record* columns = builder.sorted.data() + worker.candidates.columns;
     const SceneFeatures& features = query_->features;
-    auto& [vertex_faces, edge_edges] = worker.tests;
-    vertex_faces.resize_discard(6 * batch);
-    edge_edges.resize_discard(9 * batch);
-    FeatureTest *next_face = vertex_faces.data(), *next_edge = edge_edges.data();
+    constexpr std::array<std::size_t, feature_kinds> most{6, 9, 4, 1};
+    std::array<FeatureTest*, feature_kinds> next;
+    for (std::size_t k = 0; k < feature_kinds; ++k) next[k] = worker.tests[k].resize_discard(most[k] * batch);
     const auto list = [&](auto name) {
+        if (!features.plain()) {
+            for (const std::uint32_t packed : pairs)
+                list_tests_of_listed(rows[packed & 0xffff], columns[packed >> 16], features, name, next);
+            return;
+        }
         for (const std::uint32_t packed : pairs)
-            list_tests_of_pair(rows[packed & 0xffff], columns[packed >> 16], name, next_face, next_edge);
+            list_tests_of_pair(rows[packed & 0xffff], columns[packed >> 16], name, next[0], next[1]);
     };
     if (features.renames())
         list([&](std::int32_t vertex) { return features.name(vertex); });
     else
         list([](std::int32_t vertex) { return vertex; });
-    vertex_faces.resize(static_cast<std::size_t>(next_face - vertex_faces.data()));
-    edge_edges.resize(static_cast<std::size_t>(next_edge - edge_edges.data()));
+    for (std::size_t k = 0; k < feature_kinds; ++k)
+        worker.tests[k].resize(static_cast<std::size_t>(next[k] - worker.tests[k].data()));
 }
 
 template <int moments>
 void FeatureLeaves<moments>::decide_tests(FeatureKind kind, Worker& worker) {
     const auto k = static_cast<std::size_t>(kind);
     Array<FeatureTest>& tests = worker.tests[k];
+    if (tests.empty()) return;
     worker.statistics.edge_tests += static_cast<std::int64_t>(tests.size());
     if (query_->share == 0) {
         const FlushToZero mode;

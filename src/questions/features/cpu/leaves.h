@@ -55,8 +55,8 @@ class FeatureLeaves final : public LeafQuestion {
               sorted(m),
               candidates(m),
               left(m),
-              tests{Array<FeatureTest>(m), Array<FeatureTest>(m)},
-              hits{Array<FeatureHit>(m), Array<FeatureHit>(m)} {}
+              tests{Array<FeatureTest>(m), Array<FeatureTest>(m), Array<FeatureTest>(m), Array<FeatureTest>(m)},
+              hits{Array<FeatureHit>(m), Array<FeatureHit>(m), Array<FeatureHit>(m), Array<FeatureHit>(m)} {}
         Array<Record> built;   ///< in the order of LeafMembers
         Array<Record> sorted;  ///< by physical row
         float reach = 0;       ///< the leaf's largest |coordinate|
