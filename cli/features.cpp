@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "cli/bodies.h"
+#include "io/feature_answer.h"
 
 namespace crumple::cli {
 
@@ -81,11 +82,9 @@ void add_output_options(CLI::App& app, FeatureOutputs& outputs, const std::strin
 }
 
 std::string text_of(const io::FeatureRow& row, bool has_bodies) {
-    const bool face = row.kind == FeatureKind::vertex_face;
-    std::string text = face ? "vf" : "ee";
-    const std::size_t ids = face ? 2 : 4;
-    for (std::size_t k = 0; k < ids; ++k) {
-        const std::int32_t body = 2 * k < ids ? row.bodies.first : row.bodies.second;
+    std::string text(io::short_name(row.kind));
+    for (std::size_t k = 0; k < io::id_count(row.kind); ++k) {
+        const std::int32_t body = k < io::first_ids(row.kind) ? row.bodies.first : row.bodies.second;
         text += ' ' + (has_bodies ? fmt::format("{}:", body) : "") + std::to_string(row.ids[k]);
     }
     return text + fmt::format(" {}", row.value);

@@ -14,14 +14,16 @@
 
 namespace crumple::io {
 
-/// A row of a list of impacts, or of near pairs. Edges are named by their vertices, so that lists can be compared
-/// whoever has numbered the edges.
+/// A row of a list of impacts, or of near pairs. Edges are named by their vertices, and points are vertices, so that
+/// lists can be compared whoever has numbered edges and points.
 struct FeatureRow {
     FeatureKind kind = FeatureKind::vertex_face;
-    BodyPair bodies{0, 0};              ///< of the first and of the second feature
-    std::array<std::int32_t, 4> ids{};  ///< vertex, face, 0, 0; or both edges, each with its lower vertex first
-    double value = 0;                   ///< time of contact; squared distance
-    bool flag = false;                  ///< they touch at the start; they touch
+    BodyPair bodies{0, 0};  ///< of the first and of the second feature
+    /// Vertex, face; both edges, the lesser first; vertex, edge; both vertices, the lesser first. Of an edge the lower
+    /// vertex is first. The rest is 0.
+    std::array<std::int32_t, 4> ids{};
+    double value = 0;   ///< time of contact; squared distance
+    bool flag = false;  ///< they touch at the start; they touch
     friend bool operator==(const FeatureRow&, const FeatureRow&) = default;
 };
 
@@ -36,15 +38,17 @@ FeatureList list_of(const Nearby& nearby);
 
 /// Writes impacts in the order of the answer, as txt, csv, json or npz.
 ///
-///     txt   vf V F TOI START, ee A B C D TOI START: a line each, edges by their vertices, START 0 or 1
-///     csv   the same in the columns kind,vertex,face,a,b,c,d,toi,start, of which those of the other kind stay empty
+///     txt   vf V F TOI START, ee A B C D TOI START, ve V A B TOI START, vv V A TOI START: a line each, points and
+///     edges
+///           by their vertices, START 0 or 1
+///     csv   the same in the columns kind,vertex,face,a,b,c,d,toi,start, of which those of the other kinds stay empty
 ///     json  vertex_faces, vertex_face_toi, vertex_face_start; edges, edge_edges (by index into edges), edge_edge_toi,
-///           edge_edge_start; earliest, an object or null; statistics
+///           edge_edge_start; the same of vertex_edges and vertex_vertices; earliest, an object or null; statistics
 ///     npz   the same arrays, without earliest and statistics
 ///
-/// An answer of several bodies has ids `body:id` in txt and csv; json and npz have also vertex_face_bodies,
-/// edge_edge_bodies and first_edge. Numbers are the shortest decimals that give the same float64 back. Throws
-/// crumple::Error (file, invalid_argument); the file then stays as it was.
+/// An answer of several bodies has ids `body:id` in txt and csv; json and npz have also vertex_face_bodies and so on,
+/// and first_edge. Numbers are the shortest decimals that give the same float64 back. Throws crumple::Error (file,
+/// invalid_argument); the file then stays as it was.
 void write_impacts(const std::filesystem::path& path, const Impacts& impacts,
                    PairFormat format = PairFormat::automatic);
 

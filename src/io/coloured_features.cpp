@@ -78,13 +78,16 @@ void add(std::vector<Least>& meshes, const FeatureRow& row, double value) {
         return meshes[static_cast<std::size_t>(body)];
     };
     Least &first = mesh(row.bodies.first), &second = mesh(row.bodies.second);
-    if (row.kind == FeatureKind::vertex_face) {
-        first.add_vertex(row.ids[0], value);
-        second.add_face(row.ids[1], value);
-    } else {
-        first.add_edge({row.ids[0], row.ids[1]}, value);
-        second.add_edge({row.ids[2], row.ids[3]}, value);
-    }
+    const auto add_feature = [&](Least& least, std::size_t side, std::size_t at) {
+        if (is_edge(row.kind, side))
+            least.add_edge({row.ids[at], row.ids[at + 1]}, value);
+        else if (row.kind == FeatureKind::vertex_face && side == 1)
+            least.add_face(row.ids[at], value);
+        else
+            least.add_vertex(row.ids[at], value);
+    };
+    add_feature(first, 0, 0);
+    add_feature(second, 1, first_ids(row.kind));
 }
 
 /// 0, grey, for what is in no row; 1 for the least values to 8 for those about `most`.

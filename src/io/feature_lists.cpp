@@ -17,21 +17,19 @@ void for_each_row(const FeatureAnswer& answer, Use use) {
             use(answer.row(kind, i));
 }
 
-/// Ids of a row, with `before` before each of them.
-void add_ids(Sink& sink, const FeatureRow& row, bool has_bodies, char before) {
-    const std::size_t ids = id_count(row.kind);
-    for (std::size_t k = 0; k < ids; ++k) {
-        sink << before;
-        if (has_bodies) sink << (2 * k < ids ? row.bodies.first : row.bodies.second) << ':';
-        sink << row.ids[k];
-    }
+void add_id(Sink& sink, const FeatureRow& row, bool has_bodies, std::size_t k) {
+    if (has_bodies) sink << (k < first_ids(row.kind) ? row.bodies.first : row.bodies.second) << ':';
+    sink << row.ids[k];
 }
 
 void write_txt(Sink& sink, const FeatureAnswer& answer) {
     const bool has_bodies = answer.has_bodies();
     for_each_row(answer, [&](const FeatureRow& row) {
         sink << short_name(row.kind);
-        add_ids(sink, row, has_bodies, ' ');
+        for (std::size_t k = 0; k < id_count(row.kind); ++k) {
+            sink << ' ';
+            add_id(sink, row, has_bodies, k);
+        }
         sink << ' ' << row.value;
         if (answer.words.text_has_flag) sink << ' ' << (row.flag ? '1' : '0');
         sink << '\n';
@@ -42,10 +40,14 @@ void write_csv(Sink& sink, const FeatureAnswer& answer) {
     const bool has_bodies = answer.has_bodies();
     sink << "kind,vertex,face,a,b,c,d," << answer.words.value << ',' << answer.words.flag << '\n';
     for_each_row(answer, [&](const FeatureRow& row) {
-        const bool face = row.kind == FeatureKind::vertex_face;
-        sink << short_name(row.kind) << (face ? "" : ",,");
-        add_ids(sink, row, has_bodies, ',');
-        sink << (face ? ",,,," : "") << ',' << row.value << ',' << (row.flag ? '1' : '0') << '\n';
+        sink << short_name(row.kind);
+        const auto columns = id_columns(row.kind);
+        std::size_t k = 0;
+        for (std::size_t column = 0; column < most_id_columns; ++column) {
+            sink << ',';
+            if (k < columns.size() && columns[k] == column) add_id(sink, row, has_bodies, k++);
+        }
+        sink << ',' << row.value << ',' << (row.flag ? '1' : '0') << '\n';
     });
 }
 

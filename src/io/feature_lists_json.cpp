@@ -33,7 +33,10 @@ class Members {
 void add_list(Members& members, Sink& sink, const FeatureAnswer& answer, FeatureKind kind) {
     const auto pair = [&](std::int32_t a, std::int32_t b) { sink << '[' << a << ',' << b << ']'; };
     const FeatureListView& list = answer.lists[static_cast<std::size_t>(kind)];
-    members.array(array_of(kind), list.pairs, [&](const Pair& p) { pair(p.a, p.b); });
+    write_json_array(members.member(array_of(kind)), list.pairs.size(), [&](std::size_t i) {
+        const Pair p = answer.by_vertex(kind, i);
+        pair(p.a, p.b);
+    });
     if (answer.has_bodies())
         members.array(array_of(kind, "bodies"), list.bodies, [&](const BodyPair& p) { pair(p.first, p.second); });
     members.array(array_of(kind, answer.words.value), list.values, [&](double value) {
@@ -48,8 +51,8 @@ void add_earliest(Sink& sink, const FeatureAnswer& answer) {
         sink << "null";
         return;
     }
-    sink << R"({"kind":")" << feature_kind_name(first.kind) << R"(","pair":[)" << first.pair.a << ',' << first.pair.b
-         << ']';
+    const Pair pair = answer.by_vertex(first.kind, first.pair, first.bodies);
+    sink << R"({"kind":")" << feature_kind_name(first.kind) << R"(","pair":[)" << pair.a << ',' << pair.b << ']';
     if (answer.has_bodies()) sink << R"(,"bodies":[)" << first.bodies.first << ',' << first.bodies.second << ']';
     sink << R"(,"toi":)" << first.toi << R"(,"start":)" << int{first.start} << '}';
 }
@@ -63,6 +66,8 @@ void write_features_json(std::ostream& out, const FeatureAnswer& answer) {
     members.array("edges", answer.edges, [&](const Edge& e) { sink << '[' << e.a << ',' << e.b << ']'; });
     if (answer.has_bodies()) members.array("first_edge", answer.first_edge, [&](std::int64_t i) { sink << i; });
     add_list(members, sink, answer, FeatureKind::edge_edge);
+    add_list(members, sink, answer, FeatureKind::vertex_edge);
+    add_list(members, sink, answer, FeatureKind::vertex_vertex);
     if (answer.first) {
         members.member("earliest");
         add_earliest(sink, answer);

@@ -12,7 +12,7 @@ namespace crumple::io {
 namespace {
 
 // The arrays of one kind, then those of edges.
-enum Of { pairs, bodies, values, flags, arrays_of_a_kind, edges = 2 * arrays_of_a_kind, first_edge };
+enum Of { pairs, bodies, values, flags, arrays_of_a_kind, edges = feature_kinds * arrays_of_a_kind, first_edge };
 
 std::optional<std::int32_t> index_of(double value) {
     if (!(value >= 0 && value <= INT32_MAX) || value != std::floor(value)) return std::nullopt;
@@ -51,8 +51,9 @@ class Lists {
 
     void add(FeatureKind kind) {
         const std::size_t base = arrays_of_a_kind * static_cast<std::size_t>(kind);
+        if (kind >= FeatureKind::vertex_edge && !arrays_[base + pairs]) return;  // of lists without rods or particles
         const std::size_t count = need(base + pairs).size() / 2;
-        if (kind == FeatureKind::edge_edge && count > 0) need(edges);
+        if (is_edge(kind, 1) && count > 0) need(edges);
         const bool has_bodies = arrays_[base + bodies].has_value();
         for (const std::size_t array : {base + bodies, base + values, base + flags}) {
             const bool optional = array == base + bodies || array == base + flags;
@@ -64,7 +65,8 @@ class Lists {
             FeatureRow row;
             row.kind = kind;
             if (has_bodies) row.bodies = {index(base + bodies, i, 0, "body"), index(base + bodies, i, 1, "body")};
-            for (std::size_t side = 0; side < 2; ++side) take_ids(base, i, side, row);
+            take_ids(base, i, 0, row, 0);
+            take_ids(base, i, 1, row, first_ids(kind));
             row.value = (*arrays_[base + values])[i];
             row.flag = arrays_[base + flags] ? (*arrays_[base + flags])[i] != 0 : row.value == 0;
             const std::string mistake = rows_.add(row, has_bodies);
@@ -72,9 +74,11 @@ class Lists {
         }
     }
 
-    void take_ids(std::size_t base, std::size_t i, std::size_t side, FeatureRow& row) const {
-        if (row.kind == FeatureKind::vertex_face) {
-            row.ids[side] = index(base + pairs, i, side, side ? "face" : "vertex");
+    /// Of the feature on one side of row i: `at` is where its ids begin.
+    void take_ids(std::size_t base, std::size_t i, std::size_t side, FeatureRow& row, std::size_t at) const {
+        if (!is_edge(row.kind, side)) {
+            const bool face = row.kind == FeatureKind::vertex_face && side == 1;
+            row.ids[at] = index(base + pairs, i, side, face ? "face" : "vertex");
             return;
         }
         std::int64_t edge = index(base + pairs, i, side, "edge");
@@ -87,7 +91,7 @@ class Lists {
         if (static_cast<std::size_t>(edge) >= arrays_[edges]->size() / 2)
             fail_at(base + pairs, i, "there is no such edge");
         for (std::size_t end = 0; end < 2; ++end)
-            row.ids[2 * side + end] = index(edges, static_cast<std::size_t>(edge), end, "vertex");
+            row.ids[at + end] = index(edges, static_cast<std::size_t>(edge), end, "vertex");
     }
 
     const Source& source_;

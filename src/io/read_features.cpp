@@ -42,12 +42,14 @@ std::optional<Id> id_of(std::string_view word) {
 std::string take_ids(std::span<const std::string_view> words, FeatureRow& row, bool& has_bodies) {
     for (std::size_t k = 0; k < words.size(); ++k) {
         const std::optional<Id> id = id_of(words[k]);
-        const bool edges = row.kind == FeatureKind::edge_edge;
-        if (!id) return in_quotes(words[k]) + " names no " + (edges || k == 0 ? "vertex" : "face");
+        const bool face = row.kind == FeatureKind::vertex_face && k == 1;
+        if (!id) return in_quotes(words[k]) + " names no " + (face ? "face" : "vertex");
         if (k > 0 && id->has_body != has_bodies) return "some ids have the number of a file and some do not";
         has_bodies = id->has_body;
-        std::int32_t& body = 2 * k < words.size() ? row.bodies.first : row.bodies.second;
-        if (edges && k % 2 == 1 && body != id->body) return "an edge has vertices of two files";
+        const std::size_t first = first_ids(row.kind), side = k < first ? 0 : 1;
+        std::int32_t& body = side == 0 ? row.bodies.first : row.bodies.second;
+        const bool second_end = is_edge(row.kind, side) && k == (side == 0 ? 1 : first + 1);
+        if (second_end && body != id->body) return "an edge has vertices of two files";
         body = id->body;
         row.ids[k] = id->index;
     }
@@ -82,6 +84,8 @@ std::optional<FeatureKind> kind_of(std::string_view word) {
     return std::nullopt;
 }
 
+std::string no_kind(std::string_view word) { return in_quotes(word) + " is none of vf, ee, ve and vv"; }
+
 FeatureList read_txt(const Source& source, FeatureRows rows) {
     Scanner in(source, {.lines = true, .comments = true});
     std::vector<std::string_view> words;
@@ -89,7 +93,7 @@ FeatureList read_txt(const Source& source, FeatureRows rows) {
         const char* const line = in.position();
         const std::string_view name = in.word();
         const auto kind = kind_of(name);
-        if (!kind) in.fail(line, in_quotes(name) + " is neither vf nor ee");
+        if (!kind) in.fail(line, no_kind(name));
         words.clear();
         while (!in.finished()) words.push_back(in.word());
         const std::string mistake = add_row(rows, *kind, words);
@@ -112,18 +116,18 @@ std::vector<std::string_view> fields_of(std::string_view line) {
     return fields;
 }
 
-/// kind, vertex, face, a, b, c, d, value, flag: cells of the other kind are empty, the last column may be missing.
+/// kind, vertex, face, a, b, c, d, value, flag: cells of other kinds are empty, the last column may be missing.
 std::string add_fields(FeatureRows& rows, const std::vector<std::string_view>& fields) {
     const auto kind = kind_of(fields[0]);
-    if (!kind) return in_quotes(fields[0]) + " is neither vf nor ee";
-    constexpr std::size_t vertex = 1, a = 3, value = 7, columns = 9;
+    if (!kind) return no_kind(fields[0]);
+    constexpr std::size_t first_id = 1, value = first_id + most_id_columns, columns = value + 2;
     if (fields.size() <= value || fields.size() > columns)
         return std::to_string(fields.size()) + " columns in place of " + std::to_string(columns);
-    const bool face = *kind == FeatureKind::vertex_face;
+    const auto ids = id_columns(*kind);
     std::vector<std::string_view> words;
-    for (std::size_t i = vertex; i < fields.size(); ++i) {
-        const bool wanted = i >= value || (i < a) == face;
-        if (!wanted && !fields[i].empty()) return in_quotes(fields[i]) + " is in a column of the other kind";
+    for (std::size_t i = first_id; i < fields.size(); ++i) {
+        const bool wanted = i >= value || std::find(ids.begin(), ids.end(), i - first_id) != ids.end();
+        if (!wanted && !fields[i].empty()) return in_quotes(fields[i]) + " is in a column of another kind";
         if (wanted) words.push_back(fields[i]);
     }
     return add_row(rows, *kind, words);
@@ -167,17 +171,11 @@ std::string FeatureRows::add(FeatureRow row, bool has_bodies) {
     if (!list_.rows.empty() && has_bodies != list_.has_bodies)
         return "some ids have the number of a file and some do not";
     list_.has_bodies = has_bodies;
-    if (row.kind == FeatureKind::edge_edge) {
-        auto& [a, b, c, d] = row.ids;
-        if (a == b || c == d) return "an edge names a vertex twice";
-        if (a > b) std::swap(a, b);
-        if (c > d) std::swap(c, d);
-        if (std::tuple(row.bodies.second, c, d) < std::tuple(row.bodies.first, a, b)) {
-            std::swap(row.bodies.first, row.bodies.second);
-            std::swap(a, c);
-            std::swap(b, d);
-        }
-    }
+    const std::size_t second = first_ids(row.kind);
+    if ((is_edge(row.kind, 0) && row.ids[0] == row.ids[1]) ||
+        (is_edge(row.kind, 1) && row.ids[second] == row.ids[second + 1]))
+        return "an edge names a vertex twice";
+    put_in_order(row);
     list_.rows.push_back(row);
     return {};
 }

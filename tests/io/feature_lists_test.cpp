@@ -81,6 +81,59 @@ TEST(FeatureLists, EveryFormatComesBackAsItWasWritten) {
     }
 }
 
+/// Rods and particles, points as listed: of one body, or of two of which the second has no list of its own.
+Impacts example_rods(bool has_bodies) {
+    Impacts a = example_impacts(has_bodies);
+    a.edges[1] = {7, 0};  // as listed
+    a.points = array<std::int32_t>({0, 0, 0, 0, 0, 0, 0, 17, 18, 19});
+    a.first_point = array<std::int64_t>({0, 10});
+    if (has_bodies) a.first_point.push_back(10);
+    const auto set = [&](FeatureKind kind, Pair pair, BodyPair bodies) {
+        add(a[kind], pair, bodies, has_bodies);
+        a[kind].toi.push_back(0.25);
+        a[kind].start.push_back(0);
+    };
+    set(FeatureKind::vertex_edge, {9, 1}, {0, 0});
+    set(FeatureKind::vertex_vertex, {7, 8}, {0, has_bodies ? 1 : 0});
+    return a;
+}
+
+TEST(FeatureLists, RodsAndParticlesAreNamedByTheirVertices) {
+    const auto text = [](bool has_bodies, PairFormat format) {
+        std::ostringstream out;
+        write_impacts(out, example_rods(has_bodies), format);
+        return out.str();
+    };
+    EXPECT_EQ(text(false, PairFormat::txt),
+              "vf 17 1 0.1 0\nvf 19 0 1 0\nee 0 7 2 9 0 1\nve 19 0 7 0.25 0\nvv 17 18 0.25 0\n");
+    EXPECT_EQ(text(true, PairFormat::txt),
+              "vf 0:17 1:1 0.1 0\nvf 1:9 0:0 1 0\nee 0:0 0:7 1:2 1:9 0 1\nve 0:19 0:0 0:7 0.25 0\n"
+              "vv 0:17 1:8 0.25 0\n");
+    EXPECT_EQ(text(false, PairFormat::csv),
+              "kind,vertex,face,a,b,c,d,toi,start\nvf,17,1,,,,,0.1,0\nvf,19,0,,,,,1,0\nee,,,0,7,2,9,0,1\n"
+              "ve,19,,0,7,,,0.25,0\nvv,17,,18,,,,0.25,0\n");
+    const auto json = nlohmann::json::parse(text(true, PairFormat::json));
+    EXPECT_EQ(json["vertex_edges"], nlohmann::json::parse("[[19,1]]"));
+    EXPECT_EQ(json["vertex_vertices"], nlohmann::json::parse("[[17,8]]"));
+    EXPECT_EQ(json["vertex_vertex_bodies"], nlohmann::json::parse("[[0,1]]"));
+    EXPECT_EQ(json["vertex_edge_toi"], nlohmann::json::parse("[0.25]"));
+    EXPECT_EQ(json["vertex_faces"], nlohmann::json::parse("[[17,1],[9,0]]"));
+    const Folder folder;
+    for (const char* const name : {"a.txt", "a.csv", "a.json", "a.npz"})
+        for (const bool has_bodies : {false, true}) {
+            write_impacts(folder / name, example_rods(has_bodies));
+            EXPECT_EQ(read_impacts(folder / name).rows, list_of(example_rods(has_bodies)).rows) << name;
+        }
+    for (const std::int32_t point : {-1, 10}) {
+        Impacts impacts = example_rods(false);
+        impacts[FeatureKind::vertex_vertex].pairs[0].b = point;
+        EXPECT_EQ(error_of([&] { list_of(impacts); }).code, ErrorCode::invalid_argument);
+        impacts = example_rods(false);
+        impacts[FeatureKind::vertex_edge].pairs[0] = {0, point};
+        EXPECT_EQ(error_of([&] { list_of(impacts); }).code, ErrorCode::invalid_argument);
+    }
+}
+
 TEST(FeatureLists, ThatDoNotFitTogetherAreRefused) {
     const Folder folder;
     const auto refused = [&](const Impacts& impacts) {
