@@ -10,7 +10,7 @@ class Error(Exception):
         code: "invalid_argument", "not_finite", "index_out_of_range", "memory_limit", "backend_unavailable", "file",
             "format", "cancelled" or "device".
         element: what `index` counts: "vertex", "triangle", "group", "option", "line", "byte", "body",
-            "shape" or "none".
+            "shape", "edge", "point" or "none".
         index: the first offending element, -1 if there is none.
         bytes_needed: MemoryLimit: the limit, in bytes, that suffices, or a lower bound on it; otherwise 0.
         bytes_needed_at_least: `bytes_needed` is a lower bound; Detector(count_bytes_needed=True) names what suffices.

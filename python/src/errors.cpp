@@ -23,7 +23,8 @@ const char* name_of(ErrorCode code) {
 }
 
 const char* name_of(Element element) {
-    constexpr std::array names{"none", "vertex", "triangle", "group", "option", "line", "byte", "body", "shape"};
+    constexpr std::array names{"none", "vertex", "triangle", "group", "option", "line",
+                               "byte", "body",   "shape",    "edge",  "point"};
     return names[static_cast<std::size_t>(element)];
 }
 
