@@ -1,13 +1,11 @@
 """Every example runs and says what its documentation says; with PyVista it also paints its picture."""
 
-import importlib
 import importlib.util
 import re
 import subprocess
 import sys
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from conftest import peer
@@ -24,45 +22,20 @@ SAYS = {
     "kinds_of_contact": r"crossing: segment \(1, 1, 0\) \(1.66667, 1, 0\)\n(.*\n)*.*hexagon: area( \(\S+ \S+ 0\)){6}\n",
     "parts_in_processes": r"together: \d+ pairs, each once, the same bytes as from one detector",
     "cloth_that_never_passes_through_itself": r"2330 triangles, 18 frames: 0 pairs .*\nimpacts held back: \d+;",
-    "ipc_broad_phase": r"frame 0\n.*clean\n  Crumple         0 candidates: clean\nframe 60\n(.*intersects\n){2}",
+    "ipc_toolkit": r"LBVH .* intersects at the start\nCrumple        2 candidates, .* intersects .*\nexact    0.164",
 }
 MORE_ARGUMENTS = {"cloth_that_never_passes_through_itself": ["0.6"]}
 ANIMATED = {"cloth_that_never_passes_through_itself"}
-WITHOUT_PICTURE = {"parts_in_processes", "ipc_broad_phase"}
+WITHOUT_PICTURE = {"parts_in_processes", "ipc_toolkit"}
 
 
 def test_every_example_is_tested():
     assert {path.stem for path in EXAMPLES.glob("*.py")} == set(SAYS)
 
 
-CROSSED = np.array([[0, 0, 0], [4, 0, 0], [0, 4, 0], [1, 1, -1], [1, 1, 2], [3, 1, 2.0]])
-BOTH = np.array([[0, 1, 2], [3, 4, 5]])
-
-
-@pytest.fixture
-def broad_phase(monkeypatch):
-    peer("ipctk")
-    monkeypatch.syspath_prepend(EXAMPLES)
-    return importlib.import_module("ipc_broad_phase").CrumpleBroadPhase()
-
-
-@pytest.mark.parametrize("faces, rods", [(BOTH, []), (BOTH[:1], [[3, 4]]), (BOTH[:1], [[4, 5]]), (BOTH[:0], [[3, 4]])])
-def test_the_broad_phase_finds_edges_of_no_triangle(faces, rods, broad_phase):
-    ipctk = peer("ipctk")
-    edges = np.array([*ipctk.edges(faces).tolist(), *rods]) if len(faces) else np.array(rods)
-    mesh = ipctk.CollisionMesh(CROSSED, edges, faces)
-    assert ipctk.has_intersections(mesh, CROSSED, broad_phase) == ipctk.has_intersections(mesh, CROSSED, ipctk.LBVH())
-
-
-@pytest.mark.parametrize("edges, found", [([[0, 1], [5, 3]], [(0, 1), (1, 0)]), ([[5, 3]], [(0, 0)]), ([], [])])
-def test_the_broad_phase_leaves_out_edges_without_a_number(edges, found, broad_phase):
-    broad_phase.build(CROSSED, np.reshape(edges, (-1, 2)).astype(int), BOTH)
-    assert [(c.edge_id, c.face_id) for c in broad_phase.detect_edge_face_candidates()] == found
-
-
 @pytest.mark.parametrize("name", SAYS)
 def test_example(name, tmp_path):
-    if name == "ipc_broad_phase":
+    if name == "ipc_toolkit":
         peer("ipctk")
     painted = ("gif" if name in ANIMATED else "png") if importlib.util.find_spec("pyvista") else "html"
     pictures = [] if name in WITHOUT_PICTURE else [f"picture.{painted}"]

@@ -1,0 +1,340 @@
+"""Crumple within the IPC Toolkit (pip install ipctk): an exact broad phase, an exact narrow phase, exact step sizes.
+
+    from crumple.adapters.ipctk import BroadPhase
+
+    ipctk.compute_collision_free_stepsize(mesh, v0, v1, broad_phase=BroadPhase())
+
+Which is for what: docs/coming_from_ipc_toolkit.md. Works with ipctk 1.6.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import ipctk
+import numpy as np
+
+from .._detector import Detector
+from .._errors import InvalidInput
+from .._feature_pairs import (
+    edge_edge_impacts,
+    vertex_edge_impacts,
+    vertex_face_impacts,
+    vertex_vertex_impacts,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from .._feature_pairs import PairImpacts
+
+__all__ = ["BroadPhase", "NarrowPhaseCCD", "compute_collision_free_stepsize", "is_step_collision_free"]
+
+
+def _in_space(vertices: Any) -> np.ndarray:
+    """(n, 3) of one's own; vertices in the plane get z = 0."""
+    vertices = np.array(vertices, np.float64, order="C")
+    return np.pad(vertices, ((0, 0), (0, 3 - vertices.shape[1])))
+
+
+class BroadPhase(ipctk.BroadPhase):
+    """A broad phase without a false candidate: pairs that are within twice the inflation radius, exactly.
+
+    The IPC Toolkit asks its broad phases for boxes that overlap, each grown by the radius, for what is within twice the
+    radius has such boxes. This one answers with what is within twice the radius itself: at rest, or at some time on
+    the way from one moment to the other. That is all that a narrow phase, a barrier or a distance needs, and some
+    hundred times less.
+
+    Edges of no face and vertices of neither are found, too. `can_vertices_collide` is asked for each pair found. Edges
+    against faces, which has_intersections asks for, are those of triangles that intersect, faces against faces those
+    that intersect themselves; both at one moment only. Sorted, the same on every machine.
+
+    Args:
+        options: those of crumple.Detector.
+
+    Cost: that of find_near or find_impacts, and about a microsecond for each candidate, which Python makes an object.
+    """
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__()
+        self.detector = Detector(**options)
+        self.clear()
+
+    def name(self) -> str:
+        return "Crumple"
+
+    def build(self, *given: Any) -> None:
+        """build(vertices, edges, faces, inflation_radius=0), or build(vertices_t0, vertices_t1, edges, faces, ...).
+
+        Raises InvalidInput for an edge that is listed twice, or that names a vertex twice.
+        """
+        self.clear()
+        *arrays, radius = given if np.ndim(given[-1]) == 0 else (*given, 0.0)
+        if len(arrays) not in (3, 4):
+            raise TypeError(f"build takes three or four arrays and a radius, not {len(arrays)} arrays")
+        self._start = _in_space(arrays[0])
+        self._end = _in_space(arrays[1]) if len(arrays) == 4 else None
+        self._edges = np.array(arrays[-2], np.int64).reshape(-1, 2)
+        self._faces = np.array(arrays[-1], np.int64).reshape(-1, 3)
+        self._within = 2.0 * float(radius)
+        keys = self._keys(self._edges)
+        self._order = np.argsort(keys, kind="stable")
+        self._sorted = keys[self._order]
+        self._check_edges()
+
+    def clear(self) -> None:
+        self._start, self._end, self._within = np.empty((0, 3)), None, 0.0
+        self._edges, self._faces = np.empty((0, 2), np.int64), np.empty((0, 3), np.int64)
+        self._order = self._sorted = np.empty(0, np.int64)
+        self._found: Any = None
+
+    def detect_face_vertex_candidates(self) -> list[Any]:
+        vertex, face = self._features().vertex_faces.T
+        return self._made(ipctk.FaceVertexCandidate, face, vertex, self._faces[face], vertex[:, None])
+
+    def detect_edge_edge_candidates(self) -> list[Any]:
+        found = self._features()
+        numbers = self._numbers(found.edges)[found.edge_edges]
+        a, b = np.sort(numbers[(numbers >= 0).all(axis=1)], axis=1).T
+        return self._made(ipctk.EdgeEdgeCandidate, a, b, self._edges[a], self._edges[b])
+
+    def detect_edge_vertex_candidates(self) -> list[Any]:
+        vertex, edge = self._search(self._edges[:, [0, 1, 1]]).vertex_faces.T
+        return self._made(ipctk.EdgeVertexCandidate, edge, vertex, self._edges[edge], vertex[:, None])
+
+    def detect_vertex_vertex_candidates(self) -> list[Any]:
+        pairs = self._search(np.empty((0, 3), np.int64), all_vertices=True).vertex_faces
+        a, b = pairs[pairs[:, 0] < pairs[:, 1]].T
+        return self._made(ipctk.VertexVertexCandidate, a, b, a[:, None], b[:, None])
+
+    def detect_edge_face_candidates(self) -> list[Any]:
+        faces, pairs = self._intersecting()
+        # If two triangles intersect, an edge of one meets the other: each edge of each, with the other's face.
+        both = np.concatenate([pairs, pairs[:, ::-1]])
+        both = both[both[:, 1] < len(self._faces)]
+        edge = self._numbers(faces[both[:, 0]][:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2))
+        listed = np.stack([edge, np.repeat(both[:, 1], 3)], axis=1)[edge >= 0]
+        edge, face = np.unique(listed, axis=0).T
+        apart = (self._edges[edge][:, :, None] != self._faces[face][:, None, :]).all(axis=(1, 2))
+        edge, face = edge[apart], face[apart]
+        return self._made(ipctk.EdgeFaceCandidate, edge, face, self._edges[edge], self._faces[face])
+
+    def detect_face_face_candidates(self) -> list[Any]:
+        pairs = self._intersecting()[1]
+        a, b = pairs[(pairs < len(self._faces)).all(axis=1)].T
+        apart = (self._faces[a][:, :, None] != self._faces[b][:, None, :]).all(axis=(1, 2))
+        a, b = a[apart], b[apart]
+        return self._made(ipctk.FaceFaceCandidate, a, b, self._faces[a], self._faces[b])
+
+    def _keys(self, ends: np.ndarray) -> np.ndarray:
+        """One number for an edge, whichever way round."""
+        return ends.min(axis=-1) * np.int64(len(self._start)) + ends.max(axis=-1)
+
+    def _check_edges(self) -> None:
+        point = np.flatnonzero(self._edges[:, 0] == self._edges[:, 1])
+        if len(point):
+            raise InvalidInput(f"edge {point[0]} names vertex {self._edges[point[0], 0]} twice")
+        again = np.flatnonzero(self._sorted[1:] == self._sorted[:-1])
+        if len(again):
+            raise InvalidInput(f"edges {self._order[again[0]]} and {self._order[again[0] + 1]} are one edge")
+
+    def _numbers(self, edges: np.ndarray) -> np.ndarray:
+        """Which of the listed edges these are, -1: none."""
+        if not len(self._edges):
+            return np.full(len(edges), -1)
+        keys = self._keys(edges.astype(np.int64))
+        place = np.searchsorted(self._sorted, keys).clip(max=len(self._sorted) - 1)
+        return np.where(self._sorted[place] == keys, self._order[place], -1)
+
+    def _loose_edges(self) -> np.ndarray:
+        """Triangles without area, of edges that no face has."""
+        sides = self._keys(self._faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2))
+        return self._edges[~np.isin(self._keys(self._edges), sides)][:, [0, 1, 1]]
+
+    def _features(self) -> Any:
+        """What is near of the faces, and of edges of no face, searched once for both lists."""
+        if self._found is None:
+            self._found = self._search(self._faces, self._loose_edges())
+        return self._found
+
+    def _search(self, faces: np.ndarray, more: Any = None, all_vertices: bool = False) -> Any:
+        """Near features of these faces, pairs with a further one left out; a vertex of none is a face, too."""
+        named = np.zeros(len(self._start), bool)
+        parts = [faces] if more is None else [faces, more]
+        for part in parts:
+            named[part.ravel()] = True
+        single = np.flatnonzero(~named)
+        parts.append(np.stack([single] * 3, axis=1))
+        every = np.concatenate(parts)
+        if self._end is None:
+            found = self.detector.find_near(self._start, every, radius=self._within)
+        else:
+            found = self.detector.find_impacts(self._start, self._end, every, separation=self._within)
+        return _Found(found, len(every) if all_vertices else len(faces))
+
+    def _intersecting(self) -> tuple[np.ndarray, np.ndarray]:
+        if self._end is not None:
+            raise NotImplementedError("edges against faces are searched at one moment, not between two")
+        faces = np.concatenate([self._faces, self._loose_edges()])
+        return faces, self.detector.find_self(self._start, faces).pairs.astype(np.int64)
+
+    def _made(self, kind: Any, first: Any, second: Any, of_first: np.ndarray, of_second: np.ndarray) -> list[Any]:
+        """Candidates of these numbers, unless no vertex of the one may collide with any of the other."""
+        may = self.can_vertices_collide
+        vertices = zip(of_first.tolist(), of_second.tolist())
+        allowed = (any(may(v, w) for v in a for w in b) for a, b in vertices)
+        return [kind(i, j) for i, j, wanted in zip(first.tolist(), second.tolist(), allowed) if wanted]
+
+
+class _Found:
+    """The lists of a search, of the first faces only."""
+
+    def __init__(self, found: Any, faces: int) -> None:
+        pairs = found.vertex_faces
+        self.vertex_faces = pairs[pairs[:, 1] < faces].astype(np.int64)
+        self.edge_edges, self.edges = found.edge_edges, found.edges
+
+
+class NarrowPhaseCCD(ipctk.NarrowPhaseCCD):
+    """Exact continuous collision detection of one pair at a time: no false hit, times to the last bit.
+
+    `min_distance` is an exact distance (docs/motion.md, separation). A time is the first, rounded down; infinite where
+    there is no hit up to `tmax`.
+
+    Candidates call their narrow phase from all of ipctk's threads at once, and hold Python's lock meanwhile: no class
+    written in Python answers then. So ipctk.set_num_threads(1) must come first, and stay. Mind the cost: each pair is a
+    call of Python, some 30 us. compute_collision_free_stepsize, of this module, has neither drawback.
+
+    Args:
+        separation_share: the share of a pair's own distance at the start that is to be kept, in [0, 1): what ipctk's
+            CCDs call 1 - conservative_rescaling.
+
+    Raises InvalidInput while ipctk has more than one thread.
+    """
+
+    def __init__(self, separation_share: float = 0.0) -> None:
+        super().__init__()
+        if ipctk.get_num_threads() != 1:
+            raise InvalidInput(
+                "ipctk.set_num_threads(1) must come before NarrowPhaseCCD: with more threads it would hang"
+            )
+        self.separation_share = separation_share
+
+    def point_triangle_ccd(
+        self,
+        p_t0: Any,
+        t0_t0: Any,
+        t1_t0: Any,
+        t2_t0: Any,
+        p_t1: Any,
+        t0_t1: Any,
+        t1_t1: Any,
+        t2_t1: Any,
+        min_distance: float = 0.0,
+        tmax: float = 1.0,
+    ) -> tuple[bool, float]:
+        start, end = [p_t0, t0_t0, t1_t0, t2_t0], [p_t1, t0_t1, t1_t1, t2_t1]
+        return self._ccd(vertex_face_impacts, start, end, min_distance, tmax)
+
+    def edge_edge_ccd(
+        self,
+        ea0_t0: Any,
+        ea1_t0: Any,
+        eb0_t0: Any,
+        eb1_t0: Any,
+        ea0_t1: Any,
+        ea1_t1: Any,
+        eb0_t1: Any,
+        eb1_t1: Any,
+        min_distance: float = 0.0,
+        tmax: float = 1.0,
+    ) -> tuple[bool, float]:
+        start, end = [ea0_t0, ea1_t0, eb0_t0, eb1_t0], [ea0_t1, ea1_t1, eb0_t1, eb1_t1]
+        return self._ccd(edge_edge_impacts, start, end, min_distance, tmax)
+
+    def point_edge_ccd(
+        self,
+        p_t0: Any,
+        e0_t0: Any,
+        e1_t0: Any,
+        p_t1: Any,
+        e0_t1: Any,
+        e1_t1: Any,
+        min_distance: float = 0.0,
+        tmax: float = 1.0,
+    ) -> tuple[bool, float]:
+        return self._ccd(vertex_edge_impacts, [p_t0, e0_t0, e1_t0], [p_t1, e0_t1, e1_t1], min_distance, tmax)
+
+    def point_point_ccd(
+        self, p0_t0: Any, p1_t0: Any, p0_t1: Any, p1_t1: Any, min_distance: float = 0.0, tmax: float = 1.0
+    ) -> tuple[bool, float]:
+        return self._ccd(vertex_vertex_impacts, [p0_t0, p1_t0], [p0_t1, p1_t1], min_distance, tmax)
+
+    def _ccd(self, decide: Any, start: Any, end: Any, min_distance: float, tmax: float) -> tuple[bool, float]:
+        options = {"separation": min_distance, "separation_share": self.separation_share, "threads": 1}
+        toi = float(decide([_in_space(start)], [_in_space(end)], **options).toi[0])
+        return (True, toi) if toi <= tmax else (False, float("inf"))
+
+
+def _numbers(candidates: list[Any], *names: str) -> Iterator[np.ndarray]:
+    for name in names:
+        yield np.array([getattr(candidate, name) for candidate in candidates], np.int64)
+
+
+def _impacts(candidates: Any, mesh: Any, t0: Any, t1: Any, options: dict[str, Any]) -> Iterator[PairImpacts]:
+    """Of each list of candidates that is not empty."""
+    t0, t1, edges, faces = _in_space(t0), _in_space(t1), mesh.edges, mesh.faces
+    lists = (
+        (vertex_face_impacts, candidates.fv_candidates, ("vertex_id", "face_id"), (None, faces)),
+        (edge_edge_impacts, candidates.ee_candidates, ("edge0_id", "edge1_id"), (edges, edges)),
+        (vertex_edge_impacts, candidates.ev_candidates, ("vertex_id", "edge_id"), (None, edges)),
+        (vertex_vertex_impacts, candidates.vv_candidates, ("vertex0_id", "vertex1_id"), (None, None)),
+    )
+    for decide, listed, names, corners in lists:
+        if listed:
+            numbers = zip(_numbers(listed, *names), corners)
+            points = np.column_stack([number if of is None else of[number] for number, of in numbers])
+            yield decide(t0[points], t1[points], **options)
+
+
+def compute_collision_free_stepsize(
+    candidates: Any,
+    mesh: Any,
+    vertices_t0: Any,
+    vertices_t1: Any,
+    min_distance: float = 0.0,
+    *,
+    separation_share: float = 0.0,
+    threads: int = 0,
+) -> float:
+    """What candidates.compute_collision_free_stepsize gives, by exact decisions: the first contact's time, or 1.
+
+    Args:
+        candidates: an ipctk.Candidates, made by any broad phase.
+        mesh: the ipctk.CollisionMesh.
+        vertices_t0, vertices_t1: (n, 3), or (n, 2), at the start and at the end.
+        min_distance: what counts as contact, exactly.
+        separation_share: or this share of a pair's own distance at the start; see NarrowPhaseCCD.
+        threads: 0: as many as the machine has.
+
+    Cost: a microsecond or two a candidate, of which reading ipctk's objects is the most. Who has no candidates yet asks
+    crumple.time_of_first_impact, which needs none.
+    """
+    options = {"separation": min_distance, "separation_share": separation_share, "threads": threads}
+    times = [impacts.toi.min() for impacts in _impacts(candidates, mesh, vertices_t0, vertices_t1, options)]
+    return float(min([1.0, *times]))
+
+
+def is_step_collision_free(
+    candidates: Any,
+    mesh: Any,
+    vertices_t0: Any,
+    vertices_t1: Any,
+    min_distance: float = 0.0,
+    *,
+    separation_share: float = 0.0,
+    threads: int = 0,
+) -> bool:
+    """Whether no candidate touches on the way, both ends included. Arguments: compute_collision_free_stepsize."""
+    options = {"separation": min_distance, "separation_share": separation_share, "threads": threads}
+    return not any(impacts.hit.any() for impacts in _impacts(candidates, mesh, vertices_t0, vertices_t1, options))

@@ -1,0 +1,239 @@
+"""The adapters of the IPC Toolkit: candidates are exactly what is near, and ipctk asks its own questions of them."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import crumple
+from conftest import peer, soup
+
+ipctk = peer("ipctk")
+from crumple.adapters import ipctk as adapter  # noqa: E402
+
+DATA = Path(os.environ.get("CRUMPLE_DATA", Path(__file__).parents[3] / "shared" / "data")) / "scalable-ccd"
+LISTS = {
+    "face_vertex": (("vertex_id", "face_id"), "vertex_face"),
+    "edge_edge": (("edge0_id", "edge1_id"), "edge_edge"),
+    "edge_vertex": (("vertex_id", "edge_id"), "vertex_edge"),
+    "vertex_vertex": (("vertex0_id", "vertex1_id"), "vertex_vertex"),
+}
+
+
+def columns(array):
+    return np.asfortranarray(array)
+
+
+def scene(rods=True):
+    """Triangles, and rods and points beside them; edges in an order and a direction of their own."""
+    mesh = soup(40, size=0.4, dtype=np.float64)
+    random = np.random.default_rng(5)
+    vertices = np.concatenate([mesh.vertices, 0.3 * random.random((8 if rods else 0, 3)) + 0.3])
+    edges = ipctk.edges(columns(mesh.faces))[:, ::-1]
+    if rods:
+        edges = np.concatenate([edges, [[120, 121], [122, 121], [3, 123]]])
+    edges = random.permutation(edges)
+    return columns(vertices), columns(edges), columns(mesh.faces)
+
+
+def numbers(candidates, kind):
+    names = LISTS[kind][0]
+    pairs = [tuple(getattr(c, name) for name in names) for c in candidates]
+    if kind in ("edge_edge", "vertex_vertex"):
+        pairs = [tuple(sorted(pair)) for pair in pairs]
+    assert len(set(pairs)) == len(pairs)
+    return set(pairs)
+
+
+def points_of(kind, pairs, edges, faces):
+    corners = {"face_vertex": (None, faces), "edge_edge": (edges, edges), "edge_vertex": (None, edges)}
+    pairs = np.array(sorted(pairs))
+    first, second = corners.get(kind, (None, None))
+    return pairs, np.column_stack([i if of is None else of[i] for i, of in zip(pairs.T, (first, second))])
+
+
+@pytest.mark.parametrize("kind", LISTS)
+@pytest.mark.parametrize("moving", [False, True])
+def test_candidates_are_those_of_boxes_that_are_near(kind, moving):
+    vertices, edges, faces = scene()
+    radius = 0.04
+    end = columns(vertices + 0.1 * np.random.default_rng(2).random(vertices.shape)) if moving else None
+    arrays = (vertices, end, edges, faces) if moving else (vertices, edges, faces)
+    boxes, ours = ipctk.LBVH(), adapter.BroadPhase(threads=1)
+    found = []
+    for broad_phase in (boxes, ours):
+        broad_phase.build(*arrays, radius)
+        found.append(numbers(getattr(broad_phase, f"detect_{kind}_candidates")(), kind))
+    pairs, points = points_of(kind, found[0], edges, faces)
+    if moving:
+        near = getattr(crumple, f"{LISTS[kind][1]}_impacts")(vertices[points], end[points], separation=2 * radius).hit
+    else:
+        near = getattr(crumple, f"{LISTS[kind][1]}_distances")(vertices[points]).squared_distance <= (2 * radius) ** 2
+    assert near.any() and not near.all()
+    assert found[1] == {tuple(pair) for pair in pairs[near].tolist()}
+
+
+def test_steps_are_exact_and_no_shorter_than_ipctks():
+    vertices, edges, faces = scene(rods=False)
+    end = columns(vertices + 0.02 * (np.random.default_rng(2).random(vertices.shape) - 0.5))
+    mesh, candidates, steps = ipctk.CollisionMesh(vertices, edges, faces), ipctk.Candidates(), []
+    exact = crumple.time_of_first_impact(vertices, end, faces)
+    assert 0 < exact < 1
+    for broad_phase in (adapter.BroadPhase(), ipctk.LBVH()):
+        candidates.build(mesh, vertices, end, 0.0, broad_phase)
+        assert adapter.compute_collision_free_stepsize(candidates, mesh, vertices, end) == exact
+        assert adapter.compute_collision_free_stepsize(candidates, mesh, vertices, vertices) == 1
+        assert not adapter.is_step_collision_free(candidates, mesh, vertices, end)
+        assert adapter.is_step_collision_free(candidates, mesh, vertices, vertices)
+        assert not ipctk.is_step_collision_free(mesh, vertices, end, broad_phase=broad_phase)
+        steps.append(ipctk.compute_collision_free_stepsize(mesh, vertices, end, broad_phase=broad_phase))
+    assert 0 < steps[1] <= steps[0] <= exact
+
+    share = {"separation_share": 0.2}  # of all boxes, for what does not touch may come near
+    first = adapter.compute_collision_free_stepsize(candidates, mesh, vertices, end, **share)
+    assert first == crumple.time_of_first_impact(vertices, end, faces, **share) < exact
+    assert not adapter.is_step_collision_free(candidates, mesh, vertices, end, **share)
+
+
+def test_a_minimum_distance_is_a_separation():
+    vertices, edges, faces = scene(rods=False)
+    end = columns(vertices + 0.02 * (np.random.default_rng(2).random(vertices.shape) - 0.5))
+    least = float(np.sqrt(crumple.find_near(vertices, faces, radius=0.05).edge_edge_squared_distance.min()))
+    mesh, candidates = ipctk.CollisionMesh(vertices, edges, faces), ipctk.Candidates()
+    candidates.build(mesh, vertices, end, least / 4, adapter.BroadPhase())
+    first = adapter.compute_collision_free_stepsize(candidates, mesh, vertices, end, least / 2)
+    assert first == crumple.time_of_first_impact(vertices, end, faces, separation=least / 2) > 0
+
+
+def test_rods_and_points_go_through_ipctks_candidates():
+    vertices, edges, faces = scene()
+    end = columns(vertices + 0.3 * (np.random.default_rng(2).random(vertices.shape) - 0.5))
+    mesh = ipctk.CollisionMesh(vertices, edges, faces)
+    times = []
+    for broad_phase in (ipctk.LBVH(), adapter.BroadPhase()):
+        candidates = ipctk.Candidates()
+        candidates.build(mesh, vertices, end, 0.1, broad_phase)
+        assert candidates.vv_candidates and candidates.ev_candidates
+        times.append(adapter.compute_collision_free_stepsize(candidates, mesh, vertices, end, 0.05))
+    assert times[0] == times[1] < 1
+
+
+def test_normal_collisions_are_the_same():
+    vertices, edges, faces = scene(rods=False)
+    mesh, least = ipctk.CollisionMesh(vertices, edges, faces), []
+    for broad_phase in (ipctk.LBVH(), adapter.BroadPhase()):
+        collisions = ipctk.NormalCollisions()
+        collisions.build(mesh, vertices, 0.05, 0.0, broad_phase)
+        least.append((len(collisions), collisions.compute_minimum_distance(mesh, vertices)))
+    assert least[0] == least[1] and least[0][0] > 10
+
+
+def test_pairs_that_may_not_collide_are_left_out():
+    vertices, edges, faces = scene(rods=False)
+    broad_phase = adapter.BroadPhase()
+    broad_phase.build(vertices, edges, faces, 0.05)
+    group = np.arange(len(vertices)) // 3 % 2
+    every = numbers(broad_phase.detect_edge_edge_candidates(), "edge_edge")
+    broad_phase.can_vertices_collide = ipctk.CollisionFilter(lambda a, b: bool(group[a] != group[b]))
+    wanted = {(a, b) for a, b in every if group[edges[a, 0]] != group[edges[b, 0]]}
+    assert numbers(broad_phase.detect_edge_edge_candidates(), "edge_edge") == wanted
+    assert 0 < len(wanted) < len(every)
+
+
+CROSSED = np.array([[0, 0, 0], [4, 0, 0], [0, 4, 0], [1, 1, -1], [1, 1, 2], [3, 1, 2.0]])
+BOTH = np.array([[0, 1, 2], [3, 4, 5]])
+
+
+@pytest.mark.parametrize("faces, rods", [(BOTH, []), (BOTH[:1], [[3, 4]]), (BOTH[:1], [[4, 5]]), (BOTH[:0], [[3, 4]])])
+def test_intersections_are_found_with_edges_of_no_triangle(faces, rods):
+    edges = np.array([*ipctk.edges(faces).tolist(), *rods]) if len(faces) else np.array(rods)
+    mesh = ipctk.CollisionMesh(CROSSED, edges, faces)
+    theirs = ipctk.has_intersections(mesh, CROSSED, ipctk.LBVH())
+    assert ipctk.has_intersections(mesh, CROSSED, adapter.BroadPhase()) == theirs
+
+
+@pytest.mark.parametrize("edges, found", [([[0, 1], [5, 3]], [(0, 1), (1, 0)]), ([[5, 3]], [(0, 0)]), ([], [])])
+def test_edges_that_are_not_listed_have_no_number(edges, found):
+    broad_phase = adapter.BroadPhase()
+    broad_phase.build(CROSSED, np.reshape(edges, (-1, 2)).astype(int), BOTH)
+    assert [(c.edge_id, c.face_id) for c in broad_phase.detect_edge_face_candidates()] == found
+    assert [(c.face0_id, c.face1_id) for c in broad_phase.detect_face_face_candidates()] == [(0, 1)]
+
+
+def test_errors():
+    broad_phase = adapter.BroadPhase()
+    with pytest.raises(crumple.InvalidInput, match="edges 1 and 2 are one edge"):
+        broad_phase.build(CROSSED, [[0, 2], [0, 1], [1, 0]], BOTH)
+    with pytest.raises(crumple.InvalidInput, match="edge 1 names vertex 4 twice"):
+        broad_phase.build(CROSSED, [[0, 2], [4, 4]], BOTH)
+    with pytest.raises(TypeError, match="three or four arrays"):
+        broad_phase.build(CROSSED, BOTH)
+    broad_phase.build(CROSSED, CROSSED, [[0, 1]], BOTH, 0.1)
+    with pytest.raises(NotImplementedError, match="at one moment"):
+        broad_phase.detect_edge_face_candidates()
+    broad_phase.clear()
+    assert broad_phase.detect_face_vertex_candidates() == broad_phase.detect_edge_edge_candidates() == []
+    assert broad_phase.detect_edge_vertex_candidates() == broad_phase.detect_vertex_vertex_candidates() == []
+
+
+ONE_THREAD = """
+import sys
+import numpy as np
+import ipctk
+import crumple
+from crumple.adapters.ipctk import BroadPhase, NarrowPhaseCCD
+
+try:
+    ipctk.set_num_threads(2)
+    NarrowPhaseCCD()
+    raise SystemExit("it would hang")
+except crumple.InvalidInput as error:
+    assert "set_num_threads(1)" in str(error)
+ipctk.set_num_threads(1)
+random = np.random.default_rng(1)
+vertices = random.random((24, 3))
+faces = np.arange(24).reshape(8, 3)
+vertices = vertices[faces].mean(1).repeat(3, 0) + 0.3 * (vertices - 0.5)
+end = vertices + 0.2 * (random.random((24, 3)) - 0.5)
+vertices, end, faces = map(np.asfortranarray, (vertices, end, faces))
+mesh = ipctk.CollisionMesh(vertices, np.asfortranarray(ipctk.edges(faces)), faces)
+for share in (0, 0.1):
+    exact = crumple.time_of_first_impact(vertices, end, faces, separation_share=share)
+    ccd = NarrowPhaseCCD(separation_share=share)
+    found = ipctk.compute_collision_free_stepsize(mesh, vertices, end, narrow_phase_ccd=ccd)
+    assert found == exact and 0 < exact < 1, (found, exact)
+assert not ipctk.is_step_collision_free(mesh, vertices, end, narrow_phase_ccd=NarrowPhaseCCD())
+assert ipctk.is_step_collision_free(mesh, vertices, vertices, narrow_phase_ccd=NarrowPhaseCCD())
+
+ccd, far = NarrowPhaseCCD(), float("inf")
+points = np.array([[0, 0], [2, 0], [1, -1], [1, 1.0]])  # a vertex goes from the first to the second; an edge at rest
+assert ccd.point_edge_ccd(points[0], *points[2:], points[1], *points[2:]) == (True, 0.5)
+assert ccd.point_edge_ccd(points[0], *points[2:], points[1], *points[2:], tmax=0.25) == (False, far)
+assert ccd.point_edge_ccd(points[0], *points[2:], points[1], *points[2:], min_distance=0.5) == (True, 0.25)
+assert ccd.point_point_ccd(points[0], points[1], points[1], points[1], 0.5) == (True, 0.75)
+assert ccd.point_point_ccd(points[0], points[1], points[0], points[1]) == (False, far)
+print("done")
+"""
+
+
+def test_the_narrow_phase_answers_on_one_thread():
+    done = subprocess.run([sys.executable, "-c", ONE_THREAD], capture_output=True, text=True, timeout=100)
+    assert done.stdout.endswith("done\n"), done.stderr
+
+
+@pytest.mark.skipif(not DATA.exists(), reason=f"no frames in {DATA}")
+def test_frames_of_a_simulation():
+    first, second = (crumple.read_mesh(DATA / "cloth-funnel" / "frames" / f"{frame}.ply") for frame in (227, 228))
+    start, end = columns(first.vertices.astype(float)), columns(second.vertices.astype(float))
+    mesh = ipctk.CollisionMesh(start, columns(ipctk.edges(columns(first.faces))), columns(first.faces))
+    exact, steps = crumple.time_of_first_impact(start, end, first.faces), []
+    for broad_phase in (ipctk.LBVH(), adapter.BroadPhase()):
+        steps.append(ipctk.compute_collision_free_stepsize(mesh, start, end, broad_phase=broad_phase))
+        candidates = ipctk.Candidates()
+        candidates.build(mesh, start, end, 0.0, broad_phase)
+        assert adapter.compute_collision_free_stepsize(candidates, mesh, start, end) == exact
+    assert 0 < steps[0] <= steps[1] <= exact
+    assert len(candidates) == 134
