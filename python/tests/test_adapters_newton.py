@@ -1,0 +1,123 @@
+"""Self-contact lists for Newton: those of brute force, from all sides, and readable by Warp."""
+
+import numpy as np
+import pytest
+
+import crumple
+from conftest import peer
+from crumple.adapters.newton import SelfContactDetector
+
+RADIUS = 0.08
+
+
+def cloth():
+    """Pressed flat, so that much of it is near."""
+    mesh = crumple.make_scene("cloth", triangles=600, frame=60)
+    mesh = crumple.Mesh(mesh.vertices * np.float32([1, 0.05, 1]), mesh.faces)
+    edges = crumple.find_near(mesh, radius=0).edges
+    return mesh.vertices, mesh.faces, np.random.default_rng(1).permutation(edges)[:, ::-1]
+
+
+def lists(kind, contacts, width):
+    """The entries of each element, and its least distance."""
+    flat, offsets, sizes, counts, least = (
+        getattr(contacts, kind + part) for part in ("", "_offsets", "_buffer_sizes", "_count", "_min_dist")
+    )
+    entries = flat.reshape(-1, width)
+    np.testing.assert_array_equal(np.diff(offsets), counts)
+    np.testing.assert_array_equal(sizes, counts)
+    assert offsets[0] == 0 and offsets[-1] == len(entries)
+    assert {a.dtype for a in (flat, offsets, sizes, counts)} == {np.dtype(np.int32)} and least.dtype == np.float32
+    rows = [entries[offsets[i] : offsets[i + 1]] for i in range(len(counts))]
+    if width == 2:
+        assert all((row[:, 0] == i).all() for i, row in enumerate(rows))
+    return [row[:, -1].tolist() for row in rows], least
+
+
+def near(points, kind):
+    """Which pairs are near, and how far apart they are."""
+    squared = getattr(crumple, f"{kind}_distances")(points).squared_distance
+    return squared < RADIUS**2, np.sqrt(squared)
+
+
+def check_least(least, distances):
+    """Rounded down, and the radius without a pair."""
+    expected = min([RADIUS, *distances])
+    assert least <= expected and least >= np.float32(expected) * np.float32(1 - 2**-22)
+
+
+@pytest.mark.parametrize("listed", [True, False])
+def test_lists_are_those_of_brute_force(listed):
+    vertices, faces, edges = cloth()
+    if not listed:
+        edges = crumple.find_near((vertices, faces), radius=0).edges
+    contacts = SelfContactDetector(faces, edges if listed else None, threads=1).detect(vertices, RADIUS)
+
+    by_vertex, vertex_least = lists("vertex_colliding_triangles", contacts, 2)
+    by_triangle, triangle_least = lists("triangle_colliding_vertices", contacts, 1)
+    assert len(by_vertex) == len(vertices) and len(by_triangle) == len(faces)
+    assert sum(map(len, by_vertex)) == sum(map(len, by_triangle)) > 100
+    from_triangles = [[] for _ in faces]
+    distances_of_triangles = [[] for _ in faces]
+    for v in range(len(vertices)):
+        others = np.flatnonzero((faces != v).all(axis=1))
+        hit, distance = near(vertices[np.insert(faces[others], 0, v, axis=1)], "vertex_face")
+        assert by_vertex[v] == others[hit].tolist()
+        check_least(vertex_least[v], distance[hit])
+        for face, apart in zip(others[hit], distance[hit]):
+            from_triangles[face].append(v)
+            distances_of_triangles[face].append(apart)
+    assert by_triangle == from_triangles
+    for least, distances in zip(triangle_least, distances_of_triangles):
+        check_least(least, distances)
+
+    by_edge, edge_least = lists("edge_colliding_edges", contacts, 2)
+    assert len(by_edge) == len(edges) and sum(map(len, by_edge)) > 100
+    for e, ends in enumerate(edges):
+        others = np.flatnonzero((edges[:, :, None] != ends).all(axis=(1, 2)))
+        points = np.column_stack([np.broadcast_to(ends, (len(others), 2)), edges[others]])
+        hit, distance = near(vertices[points], "edge_edge")
+        assert by_edge[e] == others[hit].tolist()
+        check_least(edge_least[e], distance[hit])
+
+
+def test_the_radius_itself_is_no_contact():
+    vertices = np.array([[0, 0, 0], [4, 0, 0], [0, 4, 0], [1, 1, 0.5], [9, 9, 9], [8, 9, 9]])
+    detector = SelfContactDetector([[0, 1, 2], [3, 4, 5]])
+    assert detector.detect(vertices, 0.5).vertex_colliding_triangles.tolist() == []
+    contacts = detector.detect(vertices, np.nextafter(0.5, 1))
+    assert contacts.vertex_colliding_triangles.tolist() == [3, 0]
+    assert contacts.triangle_colliding_vertices.tolist() == [3]
+    assert contacts.triangle_colliding_vertices_min_dist.tolist() == [0.5, 0.5]
+
+
+def test_warp_reads_them_and_is_read():
+    wp = peer("warp")
+    wp.config.quiet = True
+    vertices, faces, edges = cloth()
+    ends = np.concatenate([np.full_like(edges, -1), edges], axis=1)  # as Newton has them
+    with wp.ScopedDevice("cpu"):
+        positions = wp.array(vertices, dtype=wp.vec3)
+        detector = SelfContactDetector(wp.array(faces, dtype=wp.int32), wp.array(ends, dtype=wp.int32))
+        contacts = detector.detect(positions, RADIUS)
+        expected = SelfContactDetector(faces, edges).detect(vertices, RADIUS)
+        arrays = contacts.warp_arrays()
+        assert set(arrays) == set(expected._fields)
+        for name, array in arrays.items():
+            np.testing.assert_array_equal(array.numpy(), getattr(expected, name), name)
+            assert array.ptr == getattr(contacts, name).ctypes.data or not len(array), "no copy"
+            assert array.dtype in (wp.int32, wp.float32)
+
+
+def test_errors():
+    vertices, faces, edges = cloth()
+    with pytest.raises(crumple.InvalidInput, match=r"edges must have shape \(n, 2\) or \(n, 4\), not \(5, 3\)"):
+        SelfContactDetector(faces, np.zeros((5, 3), int))
+    odd = edges.copy()
+    odd[7] = [0, 0]
+    with pytest.raises(crumple.InvalidInput, match=r"each once, and edge 7, \(0, 0\), is none of them"):
+        SelfContactDetector(faces, odd).detect(vertices, RADIUS)
+    with pytest.raises(crumple.InvalidInput, match=rf"the {len(edges)} edges of .* is missing"):
+        SelfContactDetector(faces, edges[1:]).detect(vertices, RADIUS)
+    with pytest.raises(crumple.InvalidInput, match="radius must be finite"):
+        SelfContactDetector(faces, edges).detect(vertices, -1)
