@@ -19,7 +19,7 @@ def sections(page):
             yield page, part.splitlines()[0], programs
 
 
-PAGES = ("python.md", "python_coming_from.md", "worlds.md", "given_pairs.md")
+PAGES = ("python.md", "python_coming_from.md", "worlds.md", "given_pairs.md", "coming_from_ipc_toolkit.md")
 SECTIONS = [section for page in PAGES for section in sections(page)]
 
 
@@ -57,7 +57,7 @@ def test_there_are_programs():
 def test_programs_of(page, heading, programs, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     start = next(programs for other, _, programs in SECTIONS if other == page)
-    for package in re.findall(r"^import (\w+)", "\n".join(programs), flags=re.M):
+    for package in re.findall(r"^import (\w+)", "\n".join([*start, *programs]), flags=re.M):
         peer(package)
     names = {}
     for program in [*start, *programs]:
