@@ -37,7 +37,7 @@ from ._feature_pairs import (
 from ._files import Scene, make_scene, read_mesh, read_pairs, scenes, write_mesh
 from ._mesh import FileMesh, Mesh, Polygons, as_mesh
 from ._motion import FirstImpact, FreeStep, Impacts
-from ._near import EdgeEdgeType, Nearby, VertexFaceType
+from ._near import EdgeEdgeType, Nearby, VertexEdgeType, VertexFaceType, VertexVertexType
 from ._result import Block, ContactKind, Contacts, Result
 from ._short_forms import (
     find_free_step,
@@ -84,7 +84,9 @@ __all__ = [
     "Scene",
     "Shape",
     "Statistics",
+    "VertexEdgeType",
     "VertexFaceType",
+    "VertexVertexType",
     "World",
     "WorldResult",
     "__version__",

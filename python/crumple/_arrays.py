@@ -49,6 +49,8 @@ def refuse_masked(array: Any, kind: str, which: str) -> None:
         "groups": ("groups are", "group"),
         "group_pairs": ("excluded_groups are", "group"),
         "poses": ("poses are", "body"),
+        "edges": ("edges are", "edge"),
+        "points": ("points are", "point"),
     }[kind]
     _refuse_mask(array, which + name, element=element)
 
@@ -200,13 +202,13 @@ def faces(array: Any, which: str) -> np.ndarray:
     return _native(result, np.int64)
 
 
-def _int32(array: np.ndarray, name: str) -> np.ndarray:
+def _int32(array: np.ndarray, name: str, what: str = "group id", element: str = "group") -> np.ndarray:
     limits = np.iinfo(np.int32)
     outside = np.argwhere((array > limits.max) | (array < limits.min))
     if len(outside):
         index = int(outside[0][0])
         raise InvalidInput(
-            f"{name}: group id {array[tuple(outside[0])]} at {index} does not fit int32", element="group", index=index
+            f"{name}: {what} {array[tuple(outside[0])]} at {index} does not fit int32", element=element, index=index
         )
     return _native(array, np.int32)
 
@@ -218,6 +220,21 @@ def groups(array: Any, which: str) -> np.ndarray:
     if result.ndim != 1:
         raise InvalidInput(f"{name} must have shape (faces,), not {result.shape}")
     return _int32(result, name)
+
+
+def edges(array: Any, which: str) -> np.ndarray:
+    """(k, 2) of int32, without gaps."""
+    name = which + "edges"
+    return _int32(_rows(_integers(array, name), 2, name), name, "vertex", "edge")
+
+
+def points(array: Any, which: str) -> np.ndarray:
+    """(k) of int32, without gaps."""
+    name = which + "points"
+    result = _integers(array, name)
+    if result.ndim != 1:
+        raise InvalidInput(f"{name} must have shape (n,), indices of vertices, not {result.shape}")
+    return _int32(result, name, "vertex", "point")
 
 
 def poses(array: Any, which: str) -> np.ndarray:

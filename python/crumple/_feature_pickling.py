@@ -10,10 +10,18 @@ from ._core import Statistics
 from ._errors import InvalidInput, InvalidType
 from ._feature_result import FeatureResult
 from ._motion import FirstImpact, Impacts
-from ._near import EdgeEdgeType, Nearby, VertexFaceType
+from ._near import EdgeEdgeType, Nearby, VertexEdgeType, VertexFaceType, VertexVertexType
 
 _TYPES = {"Impacts": Impacts, "Nearby": Nearby}
 _VALUES = {"Impacts": ("toi", "start"), "Nearby": ("squared_distance", "touching")}
+
+# The kinds of pairs, and the array of each.
+_LISTS = {
+    "vertex_face": "vertex_faces",
+    "edge_edge": "edge_edges",
+    "vertex_edge": "vertex_edges",
+    "vertex_vertex": "vertex_vertices",
+}
 
 # Type and columns of each array that both have; what was not asked for is empty.
 _ARRAYS = {
@@ -24,18 +32,34 @@ _ARRAYS = {
     "vertex_face_bodies": (np.int32, (2,)),
     "edge_edges": (np.int32, (2,)),
     "edge_edge_bodies": (np.int32, (2,)),
+    "points": (np.int32, ()),
+    "first_point": (np.int64, ()),
+    "vertex_edges": (np.int32, (2,)),
+    "vertex_edge_bodies": (np.int32, (2,)),
+    "vertex_vertices": (np.int32, (2,)),
+    "vertex_vertex_bodies": (np.int32, (2,)),
     "vertex_offsets": (np.int64, ()),
     "face_offsets": (np.int64, ()),
     "by_face": (np.int64, ()),
     "edge_offsets": (np.int64, ()),
     "second_edge_offsets": (np.int64, ()),
     "by_second_edge": (np.int64, ()),
+    "vertex_edge_offsets": (np.int64, ()),
+    "edge_vertex_offsets": (np.int64, ()),
+    "by_edge": (np.int64, ()),
+    "vertex_vertex_offsets": (np.int64, ()),
+    "second_vertex_offsets": (np.int64, ()),
+    "by_second_vertex": (np.int64, ()),
 }
 _OF_NEARNESS = {
     "vertex_face_type": (np.uint8, ()),
     "vertex_face_at": (np.float64, (2,)),
     "edge_edge_type": (np.uint8, ()),
     "edge_edge_at": (np.float64, (2,)),
+    "vertex_edge_type": (np.uint8, ()),
+    "vertex_edge_at": (np.float64, (2,)),
+    "vertex_vertex_type": (np.uint8, ()),
+    "vertex_vertex_at": (np.float64, (2,)),
     "vertex_distance": (np.float64, ()),
     "face_distance": (np.float64, ()),
     "edge_distance": (np.float64, ()),
@@ -49,10 +73,9 @@ def _flags_of(kind: str) -> tuple[str, ...]:
 
 def _arrays_of(kind: str) -> dict[str, tuple[Any, tuple[int, ...]]]:
     value, flag = _VALUES[kind]
-    lists = ("vertex_face", "edge_edge")
-    values = {f"{name}_{value}": (np.float64, ()) for name in lists}
+    values = {f"{name}_{value}": (np.float64, ()) for name in _LISTS}
     more = _OF_NEARNESS if kind == "Nearby" else {}
-    return {**_ARRAYS, **more, **values, **{f"{name}_{flag}": (np.bool_, ()) for name in lists}}
+    return {**_ARRAYS, **more, **values, **{f"{name}_{flag}": (np.bool_, ()) for name in _LISTS}}
 
 
 class StoredAnswer:
@@ -117,17 +140,19 @@ class _Check:
         answer, wants = self._answer, _TYPES[self._kind]._wants
         self._that(answer.wants in wants, "wants")
         self._listed = answer.wants == wants[-1]
-        rows = len(answer.vertex_faces) + len(answer.edge_edges)
+        rows = sum(len(getattr(answer, pairs)) for pairs in _LISTS.values())
         self._that(answer.count == rows and (self._listed or not rows), "count")
         self._that(not self._listed or answer.any == (rows > 0), "any")
         self._that(answer.wants != "any" or not len(answer.world_hit), "world_hit")
         self._that(not answer.has_index or (self._listed and not answer.of_world), "has_index")
         self._edges()
-        for name in ("vertex_face", "edge_edge"):
-            self._list(name, getattr(answer, f"{name}s"))
+        for name, pairs in _LISTS.items():
+            self._list(name, pairs)
         for offsets, second, by_second, pairs in (
             ("vertex_offsets", "face_offsets", "by_face", "vertex_faces"),
             ("edge_offsets", "second_edge_offsets", "by_second_edge", "edge_edges"),
+            ("vertex_edge_offsets", "edge_vertex_offsets", "by_edge", "vertex_edges"),
+            ("vertex_vertex_offsets", "second_vertex_offsets", "by_second_vertex", "vertex_vertices"),
         ):
             self._index(offsets, second, by_second, getattr(answer, pairs))
         if self._kind == "Impacts":
@@ -141,22 +166,36 @@ class _Check:
         if len(first):
             self._that(first[0] == 0 and first[-1] == len(edges) and (np.diff(first) >= 0).all(), "first_edge")
             self._that(self._answer.of_world or len(first) == 2, "first_edge")
-        self._that(((edges[:, 0] >= 0) & (edges[:, 0] < edges[:, 1])).all(), "edges")
+        self._that(((edges >= 0).all(axis=1) & (edges[:, 0] != edges[:, 1])).all(), "edges")
+        first_point, points = self._answer.first_point, self._answer.points
+        self._that(len(first_point) == len(first), "first_point")
+        if len(first_point):
+            self._that(first_point[0] == 0 and first_point[-1] == len(points), "first_point")
+        self._that((np.diff(first_point) >= 0).all() and (len(first_point) or not len(points)), "first_point")
+        self._that((points >= 0).all(), "points")
 
-    def _list(self, name: str, pairs: np.ndarray) -> None:
-        answer, rows = self._answer, len(pairs)
+    def _list(self, name: str, array: str) -> None:
+        answer, pairs = self._answer, getattr(self._answer, array)
+        rows = len(pairs)
         value, flag = (getattr(answer, f"{name}_{word}") for word in _VALUES[self._kind])
         bodies = getattr(answer, f"{name}_bodies")
-        self._that(len(value) == len(flag) == rows, f"the lengths of {name}s")
-        self._that((value >= 0).all() and (self._kind == "Nearby" or (value <= 1).all()), f"the values of {name}s")
-        self._that((value[flag] == 0).all(), f"the flags of {name}s")
-        self._that((pairs >= 0).all(), f"{name}s")
+        self._that(len(value) == len(flag) == rows, f"the lengths of {array}")
+        self._that((value >= 0).all() and (self._kind == "Nearby" or (value <= 1).all()), f"the values of {array}")
+        self._that((value[flag] == 0).all(), f"the flags of {array}")
+        self._that((pairs >= 0).all(), array)
         self._that(len(bodies) == (rows if answer.of_world else 0), f"{name}_bodies")
         if not answer.of_world:
             bodies = np.zeros((rows, 2), np.int32)
         self._that(((bodies >= 0) & (bodies < max(len(answer.first_edge) - 1, 0))).all(), f"{name}_bodies")
-        if name == "edge_edge" and rows:
-            self._that((pairs < np.diff(answer.first_edge)[bodies]).all(), "edge_edges and edges")
+        if not rows:
+            return
+        edges, points = np.diff(answer.first_edge), np.diff(answer.first_point)
+        for column, of in enumerate(name.split("_")):
+            index, body = pairs[:, column], bodies[:, column]
+            if of == "edge":
+                self._that((index < edges[body]).all(), f"{array} and edges")
+            if of == "vertex":
+                self._that(((index < points[body]) | (points[body] == 0)).all(), f"{array} and points")
 
     def _index(self, offsets: str, second: str, by_second: str, pairs: np.ndarray) -> None:
         first, last, order = (getattr(self._answer, name) for name in (offsets, second, by_second))
@@ -177,7 +216,7 @@ class _Check:
         for first in firsts:
             self._that(isinstance(first, tuple) and len(first) == len(FirstImpact._fields), "first")
             impact = FirstImpact(*first)
-            self._that(impact.kind in ("vertex_face", "edge_edge"), "the kind of the first impact")
+            self._that(impact.kind in _LISTS, "the kind of the first impact")
             self._that((impact.bodies is not None) == answer.of_world, "the bodies of the first impact")
             self._that(0 <= impact.toi <= 1 and isinstance(impact.start, bool), "the time of the first impact")
         self._that((answer.first is not None) == (told and answer.any), "first")
@@ -188,6 +227,8 @@ class _Check:
         for name, pairs, most in (
             ("vertex_face", answer.vertex_faces, VertexFaceType.P_T),
             ("edge_edge", answer.edge_edges, EdgeEdgeType.EA_EB),
+            ("vertex_edge", answer.vertex_edges, VertexEdgeType.P_E),
+            ("vertex_vertex", answer.vertex_vertices, VertexVertexType.P_P),
         ):
             types, at = getattr(answer, f"{name}_type"), getattr(answer, f"{name}_at")
             rows = len(pairs) if answer.has_closest else 0

@@ -18,8 +18,13 @@ if TYPE_CHECKING:
 
     from ._core import Statistics
 
-_INDEX = ("vertex_offsets", "face_offsets", "by_face", "edge_offsets", "second_edge_offsets", "by_second_edge")
-_BODIES = ("vertex_face_bodies", "edge_edge_bodies")
+_INDEX = (
+    *("vertex_offsets", "face_offsets", "by_face"),
+    *("edge_offsets", "second_edge_offsets", "by_second_edge"),
+    *("vertex_edge_offsets", "edge_vertex_offsets", "by_edge"),
+    *("vertex_vertex_offsets", "second_vertex_offsets", "by_second_vertex"),
+)
+_BODIES = ("vertex_face_bodies", "edge_edge_bodies", "vertex_edge_bodies", "vertex_vertex_bodies")
 
 
 class FeatureResult:
@@ -74,6 +79,7 @@ class FeatureResult:
     def edges(self) -> NDArray[np.int32]:
         """(n, 2) int32: the vertices of each edge, the lower first; each edge once, in lexicographic order.
 
+        Or as they were listed (`edges`).
         Of a world those of body b are edges[first_edge[b]:first_edge[b + 1]], and an edge counts within its body.
         """
         return self._array("edges")
@@ -82,6 +88,39 @@ class FeatureResult:
     def first_edge(self) -> NDArray[np.int64]:
         """(bodies + 1,) int64: where each body's edges begin in `edges`; one mesh is one body."""
         return self._array("first_edge")
+
+    @cached_property
+    def points(self) -> NDArray[np.int32]:
+        """(n,) int32: the vertices that were listed as points, in their order; then rows name vertices by place here.
+
+        Of a world those of body b are points[first_point[b]:first_point[b + 1]]; a body without any names its vertices.
+        """
+        return self._array("points")
+
+    @cached_property
+    def first_point(self) -> NDArray[np.int64]:
+        """(bodies + 1,) int64: where each body's listed points begin in `points`."""
+        return self._array("first_point")
+
+    @cached_property
+    def vertex_edges(self) -> NDArray[np.int32]:
+        """(k, 2) int32: each a vertex and one of `edges` that is of no face, sorted; see docs/motion.md."""
+        return self._array("vertex_edges")
+
+    @cached_property
+    def vertex_edge_bodies(self) -> NDArray[np.int32]:
+        """(k, 2) int32, of a world: the vertex's body and the edge's."""
+        return self._array("vertex_edge_bodies")
+
+    @cached_property
+    def vertex_vertices(self) -> NDArray[np.int32]:
+        """(k, 2) int32: each two vertices of no face and no edge, sorted."""
+        return self._array("vertex_vertices")
+
+    @cached_property
+    def vertex_vertex_bodies(self) -> NDArray[np.int32]:
+        """(k, 2) int32, of a world: the body of each of the two vertices."""
+        return self._array("vertex_vertex_bodies")
 
     @cached_property
     def vertex_offsets(self) -> NDArray[np.int64]:
@@ -114,6 +153,36 @@ class FeatureResult:
         return self._array("by_second_edge")
 
     @cached_property
+    def vertex_edge_offsets(self) -> NDArray[np.int64]:
+        """(vertices + 1,), with `index`: as vertex_offsets, of `vertex_edges`."""
+        return self._array("vertex_edge_offsets")
+
+    @cached_property
+    def edge_vertex_offsets(self) -> NDArray[np.int64]:
+        """(n + 1,), with `index`: rows of edge e, as ranges of `by_edge`."""
+        return self._array("edge_vertex_offsets")
+
+    @cached_property
+    def by_edge(self) -> NDArray[np.int64]:
+        """(k,) int64, with `index`: positions in `vertex_edges`, sorted by edge, then by vertex."""
+        return self._array("by_edge")
+
+    @cached_property
+    def vertex_vertex_offsets(self) -> NDArray[np.int64]:
+        """(vertices + 1,), with `index`: rows whose first vertex is v, of `vertex_vertices`."""
+        return self._array("vertex_vertex_offsets")
+
+    @cached_property
+    def second_vertex_offsets(self) -> NDArray[np.int64]:
+        """(vertices + 1,), with `index`: the same for the second vertex, as ranges of `by_second_vertex`."""
+        return self._array("second_vertex_offsets")
+
+    @cached_property
+    def by_second_vertex(self) -> NDArray[np.int64]:
+        """(k,) int64, with `index`: positions in `vertex_vertices`, sorted by the second vertex, then by the first."""
+        return self._array("by_second_vertex")
+
+    @cached_property
     def world_hit(self) -> NDArray[np.bool_]:
         """(worlds,) bool: in which worlds there is anything. From wants="any_by_world" on."""
         return self._array("world_hit")
@@ -125,7 +194,7 @@ class FeatureResult:
 
     @property
     def count(self) -> int:
-        """How many pairs of features are listed, of both kinds."""
+        """How many pairs of features are listed, of all kinds."""
         self._check_wanted("count")
         return self._answer.count
 
@@ -145,7 +214,7 @@ class FeatureResult:
     def save(self, path: str | os.PathLike[str], mesh: Any = None) -> None:
         """Writes a file of the kind that its extension names.
 
-        - .txt, .csv, .json, .npz: the two lists; of worlds ids are body:id in .txt and .csv
+        - .txt, .csv, .json, .npz: the lists; of worlds ids are body:id in .txt and .csv
         - .glb: the `mesh` that was asked about, its triangles coloured by time or by distance, the darkest first
 
         A file appears when it is complete; the old one stays until then. Ctrl-C waits until the file is written. Raises
@@ -172,6 +241,8 @@ class FeatureResult:
         if answer.wants == self._wants[-1]:
             faces, edges = len(answer.vertex_faces), len(answer.edge_edges)
             found = f"{answer.count} {found}, {faces} of vertex and face, {edges} of edge and edge"
+            for pairs, kind in ((answer.vertex_edges, "edge"), (answer.vertex_vertices, "vertex")):
+                found += f", {len(pairs)} of vertex and {kind}" if len(pairs) else ""
         return f"<crumple.{type(self).__name__}: {found}, {self.statistics.milliseconds:.3g} ms>"
 
     def __reduce__(self) -> Any:

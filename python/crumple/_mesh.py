@@ -93,6 +93,14 @@ def soup_of(vertices: Any, faces: Any = None, groups: Any = None) -> Mesh:
     return mesh if groups is None else mesh._replace(groups=groups)
 
 
+def listing_of(vertices: Any, faces: Any, groups: Any, edges: Any, points: Any) -> Mesh:
+    """The same, or an array of vertices alone where edges or points are listed: a mesh without faces."""
+    alone = isinstance(vertices, list) or hasattr(vertices, "__array_interface__") or hasattr(vertices, "__dlpack__")
+    if faces is None and alone and not (edges is None and points is None):
+        return Mesh(vertices, [], groups)
+    return soup_of(vertices, faces, groups)
+
+
 def _name_of_type(thing: Any) -> str:
     return f"{type(thing).__module__}.{type(thing).__qualname__}".removeprefix("builtins.")
 

@@ -9,7 +9,7 @@ from . import _core
 from ._errors import InvalidType
 from ._feature_question import or_of_world
 from ._feature_result import FeatureResult
-from ._mesh import soup_of
+from ._mesh import listing_of
 from ._names import suggesting
 from ._world import World
 from ._world_search import excluded_in, with_names
@@ -27,14 +27,14 @@ class FirstImpact(NamedTuple):
     """The first impact of a step: that of least time as rounded, then the first in the order of the answer.
 
     Attributes:
-        kind: "vertex_face" or "edge_edge".
-        pair: as a row of Impacts.vertex_faces or Impacts.edge_edges.
+        kind: "vertex_face", "edge_edge", "vertex_edge" or "vertex_vertex".
+        pair: as a row of Impacts.vertex_faces, edge_edges, vertex_edges or vertex_vertices.
         bodies: of a world, the bodies of the pair; else None.
         toi: first time of contact in [0, 1], rounded down.
         start: whether they touch at the start.
     """
 
-    kind: Literal["vertex_face", "edge_edge"]
+    kind: Literal["vertex_face", "edge_edge", "vertex_edge", "vertex_vertex"]
     pair: tuple[int, int]
     bodies: tuple[int, int] | None
     toi: float
@@ -61,7 +61,9 @@ class Impacts(FeatureResult):
     """What touches what on its way, and when, as much as `wants` asked for: the same bytes wherever it is computed.
 
     Two lists, of vertices with faces and of edges with edges, sorted and unique; of worlds by body before vertex, face
-    or edge. A time is in [0, 1], the exact one rounded down: toi <= exact < next number.
+    or edge. Where edges or points are listed two more, of what no face and no edge covers: vertices with edges of no
+    face, and vertices with vertices of neither. A time is in [0, 1], the exact one rounded down: toi <= exact < next
+    number.
 
     An answer is true if anything touches; `len(impacts)` is the number of impacts. What was not asked for is an
     InvalidInput that says how to ask. It outlives its detector, and no later call changes it. Its arrays are read-only
@@ -73,7 +75,15 @@ class Impacts(FeatureResult):
     _find = "find_impacts"
     _write = staticmethod(_core.write_impacts)
     _wants = ("any", "any_by_world", "earliest", "impacts")
-    _from: ClassVar = {"world_hit": 1, "first": 2, "world_first": 2, "edges": 2, "first_edge": 2}
+    _from: ClassVar = {
+        "world_hit": 1,
+        "first": 2,
+        "world_first": 2,
+        "edges": 2,
+        "first_edge": 2,
+        "points": 2,
+        "first_point": 2,
+    }
 
     @cached_property
     def vertex_face_toi(self) -> NDArray[np.float64]:
@@ -94,6 +104,26 @@ class Impacts(FeatureResult):
     def edge_edge_start(self) -> NDArray[np.bool_]:
         """(k,) bool: whether they touch at the start."""
         return self._array("edge_edge_start")
+
+    @cached_property
+    def vertex_edge_toi(self) -> NDArray[np.float64]:
+        """(k,) float64: when vertex and edge first touch."""
+        return self._array("vertex_edge_toi")
+
+    @cached_property
+    def vertex_edge_start(self) -> NDArray[np.bool_]:
+        """(k,) bool: whether they touch at the start."""
+        return self._array("vertex_edge_start")
+
+    @cached_property
+    def vertex_vertex_toi(self) -> NDArray[np.float64]:
+        """(k,) float64: when the two vertices first touch."""
+        return self._array("vertex_vertex_toi")
+
+    @cached_property
+    def vertex_vertex_start(self) -> NDArray[np.bool_]:
+        """(k,) bool: whether they touch at the start."""
+        return self._array("vertex_vertex_start")
 
     @property
     def first(self) -> FirstImpact | None:
@@ -153,6 +183,8 @@ def find_impacts(
     separation_share: float = 0.0,
     weld: bool = False,
     groups: Any = None,
+    edges: Any = None,
+    points: Any = None,
     wanted: Wanted = "both",
     excluded_groups: GroupPairs | None = None,
     index: bool = False,
@@ -192,6 +224,8 @@ def find_impacts(
     separation_share: float = 0.0,
     weld: bool = False,
     groups: Any = None,
+    edges: Any = None,
+    points: Any = None,
     wanted: Wanted = "both",
     excluded_groups: GroupPairs | None = None,
     index: bool = False,
@@ -215,6 +249,9 @@ def find_impacts(
         groups: (m,) integers that fit int32, one a triangle; a vertex or edge is in the group of its lowest triangle.
         wanted: which pairs, by their groups: "both", "between" different groups, "within" one.
         excluded_groups: pairs of groups that are not tested against each other: an array or any iterable.
+        edges: (k, 2) integers: what is meant by edges, instead of those of the faces. Rows name them by their place.
+        points: (k,) indices of vertices: what is meant by vertices, instead of those that a face or an edge names. Rows
+            name them by their place. With either, `faces` may be left out: rods, hair, particles.
         index: also make offsets by vertex, face and edge, where impacts are wanted.
         copy: the answer gets writable arrays of its own instead of read-only views.
 
@@ -228,7 +265,8 @@ def find_impacts(
     """
     rules = _core.rules_of_mesh(wanted, excluded_groups)
     question = _core.Motion(wants, separation, separation_share, weld, rules, index)
-    return Impacts(self._find_impacts(soup_of(vertices, faces, groups), end, question, copy))
+    mesh = listing_of(vertices, faces, groups, edges, points)
+    return Impacts(self._find_impacts(mesh, end, question, copy, (edges, points)))
 
 
 def _first_in_world(self: Detector, world: World, **question: Any) -> float | None:
@@ -247,6 +285,8 @@ def time_of_first_impact(
     separation_share: float = 0.0,
     weld: bool = False,
     groups: Any = None,
+    edges: Any = None,
+    points: Any = None,
     wanted: Wanted = "both",
     excluded_groups: GroupPairs | None = None,
 ) -> float | None: ...
@@ -281,6 +321,8 @@ def time_of_first_impact(
     separation_share: float = 0.0,
     weld: bool = False,
     groups: Any = None,
+    edges: Any = None,
+    points: Any = None,
     wanted: Wanted = "both",
     excluded_groups: GroupPairs | None = None,
 ) -> float | None:
@@ -299,6 +341,8 @@ def time_of_first_impact(
         separation_share=separation_share,
         weld=weld,
         groups=groups,
+        edges=edges,
+        points=points,
         wanted=wanted,
         excluded_groups=excluded_groups,
     ).first
@@ -320,6 +364,8 @@ def is_free(
     separation_share: float = 0.0,
     weld: bool = False,
     groups: Any = None,
+    edges: Any = None,
+    points: Any = None,
     wanted: Wanted = "both",
     excluded_groups: GroupPairs | None = None,
 ) -> bool: ...
@@ -354,6 +400,8 @@ def is_free(
     separation_share: float = 0.0,
     weld: bool = False,
     groups: Any = None,
+    edges: Any = None,
+    points: Any = None,
     wanted: Wanted = "both",
     excluded_groups: GroupPairs | None = None,
 ) -> bool:
@@ -372,6 +420,8 @@ def is_free(
         separation_share=separation_share,
         weld=weld,
         groups=groups,
+        edges=edges,
+        points=points,
         wanted=wanted,
         excluded_groups=excluded_groups,
     ).any
@@ -387,6 +437,8 @@ def find_free_step(
     separation_share: float = 0.0,
     weld: bool = False,
     groups: Any = None,
+    edges: Any = None,
+    points: Any = None,
     wanted: Wanted = "both",
     excluded_groups: GroupPairs | None = None,
 ) -> FreeStep:
@@ -402,7 +454,8 @@ def find_free_step(
         raise InvalidType("find_free_step takes a mesh, not a crumple.World")
     rules = _core.rules_of_mesh(wanted, excluded_groups)
     question = _core.Motion("any", separation, separation_share, weld, rules, False)
-    return FreeStep(*self._find_free_step(soup_of(vertices, faces, groups), end, question))
+    mesh = listing_of(vertices, faces, groups, edges, points)
+    return FreeStep(*self._find_free_step(mesh, end, question, (edges, points)))
 
 
 find_free_step.__qualname__ = "Detector.find_free_step"

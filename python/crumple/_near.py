@@ -10,7 +10,7 @@ from . import _core
 from ._errors import InvalidInput
 from ._feature_question import or_of_world
 from ._feature_result import FeatureResult
-from ._mesh import soup_of
+from ._mesh import listing_of
 from ._world_search import excluded_in, with_names
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ class VertexFaceType(IntEnum):
 class EdgeEdgeType(IntEnum):
     """Which parts of two edges are closest: of lowest dimension, then first in this order.
 
-    EA and EB are the edges, EA0 is the lesser vertex of EA: IPC Toolkit's names.
+    EA and EB are the edges, EA0 is the first vertex of EA in `edges`: IPC Toolkit's names.
     """
 
     EA0_EB0 = 0
@@ -55,7 +55,22 @@ class EdgeEdgeType(IntEnum):
     EA_EB = 8
 
 
-_CLOSEST = ("vertex_face_type", "vertex_face_at", "edge_edge_type", "edge_edge_at")
+class VertexEdgeType(IntEnum):
+    """Which part of an edge is closest to a vertex: its first vertex in `edges`, its second one, or the edge."""
+
+    P_E0 = 0
+    P_E1 = 1
+    P_E = 2
+
+
+class VertexVertexType(IntEnum):
+    """Which parts of two vertices are closest: there is one answer."""
+
+    P_P = 0
+
+
+_KINDS = ("vertex_face", "edge_edge", "vertex_edge", "vertex_vertex")
+_CLOSEST = tuple(f"{kind}_{what}" for kind in _KINDS for what in ("type", "at"))
 _LEAST = ("vertex_distance", "face_distance", "edge_distance")
 
 
@@ -125,18 +140,61 @@ class Nearby(FeatureResult):
         return self._array("edge_edge_at")
 
     @cached_property
+    def vertex_edge_squared_distance(self) -> NDArray[np.float64]:
+        """(k,) float64: the squared distance of vertex and edge."""
+        return self._array("vertex_edge_squared_distance")
+
+    @cached_property
+    def vertex_edge_touching(self) -> NDArray[np.bool_]:
+        """(k,) bool: whether their distance is 0 exactly."""
+        return self._array("vertex_edge_touching")
+
+    @cached_property
+    def vertex_vertex_squared_distance(self) -> NDArray[np.float64]:
+        """(k,) float64: the squared distance of the two vertices."""
+        return self._array("vertex_vertex_squared_distance")
+
+    @cached_property
+    def vertex_vertex_touching(self) -> NDArray[np.bool_]:
+        """(k,) bool: whether their distance is 0 exactly."""
+        return self._array("vertex_vertex_touching")
+
+    @cached_property
+    def vertex_edge_type(self) -> NDArray[np.uint8]:
+        """(k,) uint8, with `closest`: a VertexEdgeType each."""
+        return self._array("vertex_edge_type")
+
+    @cached_property
+    def vertex_edge_at(self) -> NDArray[np.float64]:
+        """(k, 2), with `closest`: (s, 0) of the edge's point a + s (b - a), rounded."""
+        return self._array("vertex_edge_at")
+
+    @cached_property
+    def vertex_vertex_type(self) -> NDArray[np.uint8]:
+        """(k,) uint8, with `closest`: a VertexVertexType each, 0."""
+        return self._array("vertex_vertex_type")
+
+    @cached_property
+    def vertex_vertex_at(self) -> NDArray[np.float64]:
+        """(k, 2), with `closest`: zeros."""
+        return self._array("vertex_vertex_at")
+
+    @cached_property
     def vertex_distance(self) -> NDArray[np.float64]:
-        """(vertices,), with `least`: the least distance from a face, of the pairs listed; rounded down; or infinite."""
+        """(vertices,), with `least`: each one's least distance, over the pairs listed; rounded down; or infinite.
+
+        Of listed points in their order.
+        """
         return self._array("vertex_distance")
 
     @cached_property
     def face_distance(self) -> NDArray[np.float64]:
-        """(faces,), with `least`: the same from a vertex."""
+        """(faces,), with `least`: the same of each face."""
         return self._array("face_distance")
 
     @cached_property
     def edge_distance(self) -> NDArray[np.float64]:
-        """(n,), with `least`: the same of each of `edges` from another edge."""
+        """(n,), with `least`: the same of each of `edges`."""
         return self._array("edge_distance")
 
     def __repr__(self) -> str:
@@ -182,6 +240,8 @@ def find_near(
     least: bool = False,
     weld: bool = False,
     groups: Any = None,
+    edges: Any = None,
+    points: Any = None,
     wanted: Wanted = "both",
     excluded_groups: GroupPairs | None = None,
     index: bool = False,
@@ -222,6 +282,8 @@ def find_near(
     least: bool = False,
     weld: bool = False,
     groups: Any = None,
+    edges: Any = None,
+    points: Any = None,
     wanted: Wanted = "both",
     excluded_groups: GroupPairs | None = None,
     index: bool = False,
@@ -243,7 +305,7 @@ def find_near(
         closest: also tell where the features of each pair are closest.
         least: also tell the least distance of each vertex, face and edge.
         weld: vertices at equal positions count as one: their features are neighbours.
-        groups, wanted, excluded_groups, index, copy: as find_impacts has them.
+        groups, edges, points, wanted, excluded_groups, index, copy: as find_impacts has them.
 
     Of a world (crumple.World): find_near(world, radius=r), as it is at the start of a step.
         bodies, groups, excluded, excluded_groups, poses: as find_impacts has them. There is no `least`, and no `index`.
@@ -253,4 +315,5 @@ def find_near(
     """
     rules = _core.rules_of_mesh(wanted, excluded_groups)
     question = _core.Near(wants, radius, strict, closest, least, weld, rules, index)
-    return Nearby(self._find_near(soup_of(vertices, faces, groups), question, copy))
+    mesh = listing_of(vertices, faces, groups, edges, points)
+    return Nearby(self._find_near(mesh, question, copy, (edges, points)))

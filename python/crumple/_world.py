@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from . import _core
 from ._errors import Error, InvalidInput, InvalidType
-from ._mesh import Mesh, as_mesh, soup_of
+from ._mesh import Mesh, as_mesh, listing_of
 from ._names import suggesting
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ def _number_of(name: Any) -> int:
 
 
 class Shape(_core.Shape):
-    """Triangles that bodies are made of. Nothing is copied.
+    """Triangles, and edges and points, that bodies are made of. Nothing is copied.
 
     Args:
         vertices: (n, 3) float32 or float64; or a mesh that as_mesh knows, and then no `faces`. On the host.
@@ -56,21 +56,31 @@ class Shape(_core.Shape):
             vertices move gets no name, or a new one with each change.
         end: (n, 3) float32 or float64: where they are at the end of a step, for Detector.find_impacts; None: they stay.
             What a name promises says nothing of it.
+        edges, points: as Detector.find_impacts has them, for that and for Detector.find_near. What no face names is of
+            the body's group where the shape has no groups, else of none.
 
     Raises InvalidInput, which names the argument. Whether coordinates are finite and indices in range is looked at when
     a search first reads the shape.
     """
 
-    __slots__ = ("__weakref__", "_end", "_mesh", "_name")
+    __slots__ = ("__weakref__", "_end", "_lists", "_mesh", "_name")
 
     @suggesting
     def __init__(
-        self, vertices: Any, faces: Any = None, groups: Any = None, name: int | str | None = None, end: Any = None
+        self,
+        vertices: Any,
+        faces: Any = None,
+        groups: Any = None,
+        name: int | str | None = None,
+        end: Any = None,
+        edges: Any = None,
+        points: Any = None,
     ) -> None:
-        self._make(soup_of(vertices, faces, groups), name, "", end)
+        self._make(listing_of(vertices, faces, groups, edges, points), name, "", end, (edges, points))
 
-    def _make(self, mesh: Mesh, name: Any, which: str, end: Any = None) -> None:
-        super().__init__(mesh, which, _number_of(name), end)
+    def _make(self, mesh: Mesh, name: Any, which: str, end: Any = None, lists: tuple[Any, Any] = (None, None)) -> None:
+        super().__init__(mesh, which, _number_of(name), end, lists)
+        self._lists = lists
         self._mesh = mesh
         self._name = name
         self._end = end
@@ -89,6 +99,16 @@ class Shape(_core.Shape):
     def end(self) -> Any:
         """Where the vertices are at the end of a step, as given; None: they stay."""
         return self._end
+
+    @property
+    def edges(self) -> Any:
+        """The edges that are meant, as given; None: those of the faces."""
+        return self._lists[0]
+
+    @property
+    def points(self) -> Any:
+        """The vertices that are meant as points, as given; None: those that a face or an edge names."""
+        return self._lists[1]
 
     def __reduce__(self) -> Any:
         from ._world_pickling import restore_shape, state_of_shape

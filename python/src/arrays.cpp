@@ -9,6 +9,7 @@
 #define NPY_TARGET_VERSION NPY_1_22_API_VERSION
 #include <numpy/arrayobject.h>
 
+#include <algorithm>
 #include <cstring>
 #include <stdexcept>
 #include <string>
@@ -91,6 +92,17 @@ bool are_group_pairs(const BorrowedArray& a) {
     constexpr std::int64_t size = sizeof(std::int32_t);
     return has_rows_of(2, a) && a.device == BorrowedArray::on_host && a.number == Number::int32 &&
            a.strides[0] % size == 0 && a.strides[1] % size == 0 && reinterpret_cast<std::uintptr_t>(a.data) % size == 0;
+}
+
+// One behind the other, as the library has them.
+bool are_edges(const BorrowedArray& a) {
+    return has_rows_of(2, a) && a.device == BorrowedArray::on_host && a.number == Number::int32 && is_contiguous(a) &&
+           reinterpret_cast<std::uintptr_t>(a.data) % alignof(Edge) == 0;
+}
+
+bool are_points(const BorrowedArray& a) {
+    return a.dimensions == 1 && a.device == BorrowedArray::on_host && a.number == Number::int32 && is_contiguous(a) &&
+           reinterpret_cast<std::uintptr_t>(a.data) % alignof(std::int32_t) == 0;
 }
 
 bool are_poses(const BorrowedArray& a) {
@@ -232,6 +244,17 @@ BorrowedEnd::BorrowedEnd(nb::handle end, const BorrowedMesh& mesh, const char* w
                ", not " + std::to_string(view_.rows));
 }
 
+BorrowedLists::BorrowedLists(const nb::tuple& lists, const char* which) : kept_{lists} {
+    if (!lists[0].is_none()) {
+        const BorrowedArray edges = borrow_array(lists[0], are_edges, "edges", which, kept_);
+        edges_ = std::span(static_cast<const Edge*>(edges.data), static_cast<std::size_t>(edges.shape[0]));
+    }
+    if (!lists[1].is_none()) {
+        const BorrowedArray points = borrow_array(lists[1], are_points, "points", which, kept_);
+        points_ = std::span(static_cast<const std::int32_t*>(points.data), static_cast<std::size_t>(points.shape[0]));
+    }
+}
+
 BorrowedMeshes::BorrowedMeshes(const nb::tuple& one, const std::optional<nb::tuple>& other)
     : first(one, other ? "first mesh: " : "") {
     if (other) second.emplace(*other, "second mesh: ");
@@ -243,6 +266,8 @@ BorrowedArray borrow_poses(nb::handle poses, const char* which, Kept& kept) {
 }
 
 bool is_contiguous(const BorrowedArray& array) {
+    const auto begin = array.shape.begin(), end = begin + array.dimensions;
+    if (std::find(begin, end, 0) != end) return true;  // of no elements strides say nothing
     std::int64_t size = array.number == Number::float64 || array.number == Number::int64 ? 8 : 4;
     for (auto i = static_cast<std::size_t>(array.dimensions); i-- > 0; size *= array.shape[i])
         if (array.shape[i] != 1 && array.strides[i] != size) return false;

@@ -16,6 +16,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "crumple/mesh.h"
@@ -71,6 +72,24 @@ class BorrowedEnd {
    private:
     Kept kept_;
     VertexView view_;
+};
+
+/// Edges and points that a caller lists (MeshView::edges, MeshView::points), in place, in host memory.
+class BorrowedLists {
+   public:
+    /// `lists` is (edges or None, points or None). `which` leads every message.
+    explicit BorrowedLists(const nanobind::tuple& lists, const char* which = "");
+    /// Of a MeshView or a Shape.
+    template <class Listing>
+    void put_into(Listing& listing) const {
+        listing.edges = edges_;
+        listing.points = points_;
+    }
+
+   private:
+    Kept kept_;
+    std::optional<std::span<const Edge>> edges_;
+    std::optional<std::span<const std::int32_t>> points_;
 };
 
 /// The meshes of one call, in place; without a second one, one soup.

@@ -50,6 +50,10 @@ void bind_answer_about_features(nb::class_<A>& type) {
             "edges", [](const A& a) { return view<std::int32_t>(a.found().edges, 2U); }, owner)
         .def_prop_ro(
             "first_edge", [](const A& a) { return view<std::int64_t>(a.found().first_edge); }, owner)
+        .def_prop_ro(
+            "points", [](const A& a) { return view<std::int32_t>(a.found().points); }, owner)
+        .def_prop_ro(
+            "first_point", [](const A& a) { return view<std::int64_t>(a.found().first_point); }, owner)
         .def_prop_ro("statistics", [](const A& a) { return Statistics(a.found().statistics); })
         .def_ro("of_world", &A::of_world)
         .def_ro("has_index", &A::has_index)
@@ -79,6 +83,12 @@ void bind_feature_answers(nb::module_& module) {
     bind_list(impacts, FeatureKind::edge_edge,
               {"edge_edges", "edge_edge_bodies", "edge_edge_toi", "edge_edge_start", "edge_offsets",
                "second_edge_offsets", "by_second_edge"});
+    bind_list(impacts, FeatureKind::vertex_edge,
+              {"vertex_edges", "vertex_edge_bodies", "vertex_edge_toi", "vertex_edge_start", "vertex_edge_offsets",
+               "edge_vertex_offsets", "by_edge"});
+    bind_list(impacts, FeatureKind::vertex_vertex,
+              {"vertex_vertices", "vertex_vertex_bodies", "vertex_vertex_toi", "vertex_vertex_start",
+               "vertex_vertex_offsets", "second_vertex_offsets", "by_second_vertex"});
     impacts.def_prop_ro("first", [](const I& a) { return told(a.found().first, a.of_world); })
         .def_prop_ro("world_first",
                      [](const I& a) {
@@ -98,6 +108,12 @@ void bind_feature_answers(nb::module_& module) {
     bind_list(nearby, FeatureKind::edge_edge,
               {"edge_edges", "edge_edge_bodies", "edge_edge_squared_distance", "edge_edge_touching", "edge_offsets",
                "second_edge_offsets", "by_second_edge"});
+    bind_list(nearby, FeatureKind::vertex_edge,
+              {"vertex_edges", "vertex_edge_bodies", "vertex_edge_squared_distance", "vertex_edge_touching",
+               "vertex_edge_offsets", "edge_vertex_offsets", "by_edge"});
+    bind_list(nearby, FeatureKind::vertex_vertex,
+              {"vertex_vertices", "vertex_vertex_bodies", "vertex_vertex_squared_distance", "vertex_vertex_touching",
+               "vertex_vertex_offsets", "second_vertex_offsets", "by_second_vertex"});
     const auto show = [&](const char* name, auto as_numpy) {
         nearby.def_prop_ro(
             name, [as_numpy](const N& a) { return as_numpy(a.found()); }, owner);
@@ -106,6 +122,10 @@ void bind_feature_answers(nb::module_& module) {
     show("vertex_face_at", [](const Nearby& n) { return view<double>(n.vertex_faces().at, 2U); });
     show("edge_edge_type", [](const Nearby& n) { return view<std::uint8_t>(n.edge_edges().type); });
     show("edge_edge_at", [](const Nearby& n) { return view<double>(n.edge_edges().at, 2U); });
+    show("vertex_edge_type", [](const Nearby& n) { return view<std::uint8_t>(n.vertex_edges().type); });
+    show("vertex_edge_at", [](const Nearby& n) { return view<double>(n.vertex_edges().at, 2U); });
+    show("vertex_vertex_type", [](const Nearby& n) { return view<std::uint8_t>(n.vertex_vertices().type); });
+    show("vertex_vertex_at", [](const Nearby& n) { return view<double>(n.vertex_vertices().at, 2U); });
     show("vertex_distance", [](const Nearby& n) { return view<double>(n.vertex_distance); });
     show("face_distance", [](const Nearby& n) { return view<double>(n.face_distance); });
     show("edge_distance", [](const Nearby& n) { return view<double>(n.edge_distance); });

@@ -1,5 +1,6 @@
 #include "feature_files.h"
 
+#include <array>
 #include <cstring>
 #include <filesystem>
 #include <memory>
@@ -24,6 +25,9 @@ using namespace nb::literals;
 namespace crumple::python {
 namespace {
 
+constexpr std::array<FeatureKind, feature_kinds> all_kinds{FeatureKind::vertex_face, FeatureKind::edge_edge,
+                                                           FeatureKind::vertex_edge, FeatureKind::vertex_vertex};
+
 // An array of crumple/_feature_pickling.py's StoredAnswer, which has checked it.
 template <class Number, class Element>
 void take(nb::handle answer, const std::string& name, Array<Element>& array) {
@@ -38,7 +42,7 @@ template <class List>
 void take_list(nb::handle answer, FeatureKind kind, Array<double>& values, const char* value,
                Array<std::uint8_t>& flags, const char* flag, List& list) {
     const std::string name(feature_kind_name(kind));
-    take<std::int32_t>(answer, name + "s", list.pairs);
+    take<std::int32_t>(answer, kind == FeatureKind::vertex_vertex ? "vertex_vertices" : name + "s", list.pairs);
     take<std::int32_t>(answer, name + "_bodies", list.bodies);
     take<double>(answer, name + "_" + value, values);
     take<bool>(answer, name + "_" + flag, flags);
@@ -50,6 +54,8 @@ void take_both(nb::handle answer, Storage& storage) {
     storage.count = nb::cast<std::int64_t>(answer.attr("count"));
     take<std::int32_t>(answer, "edges", storage.edges);
     take<std::int64_t>(answer, "first_edge", storage.first_edge);
+    take<std::int32_t>(answer, "points", storage.points);
+    take<std::int64_t>(answer, "first_point", storage.first_point);
     storage.statistics = nb::cast<Statistics>(answer.attr("statistics"));
 }
 
@@ -58,8 +64,8 @@ FirstImpact taken_first(nb::handle given) {
     if (given.is_none()) return first;
     const nb::object pair = given[1], bodies = given[2];
     first.found = true;
-    if (nb::cast<std::string>(given[0]) == feature_kind_name(FeatureKind::edge_edge))
-        first.kind = FeatureKind::edge_edge;
+    for (const FeatureKind kind : all_kinds)
+        if (nb::cast<std::string>(given[0]) == feature_kind_name(kind)) first.kind = kind;
     first.pair = {nb::cast<std::int32_t>(pair[0]), nb::cast<std::int32_t>(pair[1])};
     if (!bodies.is_none()) first.bodies = {nb::cast<std::int32_t>(bodies[0]), nb::cast<std::int32_t>(bodies[1])};
     first.toi = nb::cast<double>(given[3]);
@@ -72,7 +78,7 @@ std::shared_ptr<const Impacts> impacts_of(nb::handle answer) {
     if (nb::isinstance<ImpactsAnswer>(answer)) return nb::cast<const ImpactsAnswer&>(answer).storage;
     const auto made = std::make_shared<Impacts>();
     take_both(answer, *made);
-    for (const FeatureKind kind : {FeatureKind::vertex_face, FeatureKind::edge_edge}) {
+    for (const FeatureKind kind : all_kinds) {
         ImpactList& list = (*made)[kind];
         take_list(answer, kind, list.toi, "toi", list.start, "start", list);
     }
@@ -84,7 +90,7 @@ std::shared_ptr<const Nearby> nearby_of(nb::handle answer) {
     if (nb::isinstance<NearbyAnswer>(answer)) return nb::cast<const NearbyAnswer&>(answer).storage;
     const auto made = std::make_shared<Nearby>();
     take_both(answer, *made);
-    for (const FeatureKind kind : {FeatureKind::vertex_face, FeatureKind::edge_edge}) {
+    for (const FeatureKind kind : all_kinds) {
         NearList& list = (*made)[kind];
         take_list(answer, kind, list.squared_distance, "squared_distance", list.touching, "touching", list);
     }

@@ -69,6 +69,12 @@ void check_on_host(const BorrowedMesh& mesh) {
                copy_to_host);
 }
 
+MeshView with_lists(const BorrowedMesh& mesh, const BorrowedLists& lists) {
+    MeshView view = mesh.view();
+    lists.put_into(view);
+    return view;
+}
+
 // The bodies and exclusions of one call on a world, which may get other poses while the call runs without the GIL.
 template <class Question>
 struct Asked {
@@ -92,15 +98,17 @@ nb::object give_rows(const Array<double>& values) {
 }  // namespace
 
 ImpactsAnswer find_impacts(nb::handle self, const nb::tuple& mesh, nb::handle end, const Motion& question,
-                           nb::handle copy) {
+                           nb::handle copy, const nb::tuple& lists) {
     SharedDetector& detector = detector_of(self);
     const BorrowedMesh start(mesh);
     check_on_host(start);
     const BorrowedEnd at_end(end, start);
+    const BorrowedLists listed(lists);
+    const MeshView view = with_lists(start, listed);
     const bool copied = flag("copy", copy), index = question.index && question.wants == MotionWants::impacts;
     const SharedDetector::Turn turn(detector);
     ImpactsAnswer answer{detector.storage<Impacts>(), question.wants, false, index, false, false, copied};
-    without_gil([&] { detector.find(start.view(), at_end.view(), question, *answer.storage); }, detector.stop());
+    without_gil([&] { detector.find(view, at_end.view(), question, *answer.storage); }, detector.stop());
     return answer;
 }
 
@@ -119,28 +127,34 @@ ImpactsAnswer find_impacts_in_world(nb::handle self, nb::handle world, nb::handl
     return answer;
 }
 
-nb::tuple find_free_step(nb::handle self, const nb::tuple& mesh, nb::handle end, const Motion& question) {
+nb::tuple find_free_step(nb::handle self, const nb::tuple& mesh, nb::handle end, const Motion& question,
+                         const nb::tuple& lists) {
     SharedDetector& detector = detector_of(self);
     const BorrowedMesh start(mesh);
     check_on_host(start);
     const BorrowedEnd at_end(end, start);
+    const BorrowedLists listed(lists);
+    const MeshView view = with_lists(start, listed);
     const SharedDetector::Turn turn(detector);
     const FreeStep step =
-        without_gil([&] { return detector.find_free_step(start.view(), at_end.view(), question); }, detector.stop());
+        without_gil([&] { return detector.find_free_step(view, at_end.view(), question); }, detector.stop());
     const bool single = start.view().vertices.type == ScalarType::float32 && at_end.view().type == ScalarType::float32;
     return nb::make_tuple(step.share, single ? give_rows<float>(step.positions) : give_rows<double>(step.positions));
 }
 
-NearbyAnswer find_near(nb::handle self, const nb::tuple& mesh, const Near& question, nb::handle copy) {
+NearbyAnswer find_near(nb::handle self, const nb::tuple& mesh, const Near& question, nb::handle copy,
+                       const nb::tuple& lists) {
     SharedDetector& detector = detector_of(self);
     const BorrowedMesh borrowed(mesh);
     check_on_host(borrowed);
+    const BorrowedLists given(lists);
+    const MeshView view = with_lists(borrowed, given);
     const bool copied = flag("copy", copy), index = question.index && question.wants == NearWants::pairs;
     const SharedDetector::Turn turn(detector);
     const bool listed = question.wants == NearWants::pairs;
     NearbyAnswer answer{detector.storage<Nearby>(), question.wants,           false, index,
                         listed && question.closest, listed && question.least, copied};
-    without_gil([&] { detector.find(borrowed.view(), question, *answer.storage); }, detector.stop());
+    without_gil([&] { detector.find(view, question, *answer.storage); }, detector.stop());
     return answer;
 }
 

@@ -9,14 +9,15 @@
 namespace crumple::python {
 
 ImpactsAnswer find_impacts(nanobind::handle self, const nanobind::tuple& mesh, nanobind::handle end,
-                           const Motion& question, nanobind::handle copy);
+                           const Motion& question, nanobind::handle copy, const nanobind::tuple& lists);
 ImpactsAnswer find_impacts_in_world(nanobind::handle self, nanobind::handle world, nanobind::handle poses,
                                     nanobind::handle end_poses, const Motion& question, nanobind::handle excluded,
                                     nanobind::handle copy);
 /// (share, positions)
 nanobind::tuple find_free_step(nanobind::handle self, const nanobind::tuple& mesh, nanobind::handle end,
-                               const Motion& question);
-NearbyAnswer find_near(nanobind::handle self, const nanobind::tuple& mesh, const Near& question, nanobind::handle copy);
+                               const Motion& question, const nanobind::tuple& lists);
+NearbyAnswer find_near(nanobind::handle self, const nanobind::tuple& mesh, const Near& question, nanobind::handle copy,
+                       const nanobind::tuple& lists);
 NearbyAnswer find_near_in_world(nanobind::handle self, nanobind::handle world, nanobind::handle poses,
                                 const Near& question, nanobind::handle excluded, nanobind::handle copy);
 

@@ -36,9 +36,10 @@ void construct(nb::handle self, const char* type, Arguments&&... arguments) {
     nb::inst_mark_ready(self);
 }
 
-void make_shape(nb::handle self, const nb::tuple& mesh, const char* which, std::uint64_t name, nb::handle end) {
+void make_shape(nb::handle self, const nb::tuple& mesh, const char* which, std::uint64_t name, nb::handle end,
+                const nb::tuple& lists) {
     if (!nb::isinstance<BorrowedShape>(self)) refuse_type("self", "a crumple.Shape", self);
-    construct<BorrowedShape>(self, "crumple.Shape", mesh, which, name, end);
+    construct<BorrowedShape>(self, "crumple.Shape", mesh, which, name, end, lists);
 }
 
 void make_world(nb::handle self, const nb::list& shapes, const Column<std::int32_t>& shape_of,
@@ -116,8 +117,10 @@ double number(const std::byte* at, BorrowedArray::Number type) {
 
 }  // namespace
 
-BorrowedShape::BorrowedShape(const nb::tuple& given, const char* which, std::uint64_t name, nb::handle at_end)
-    : mesh(given, which), shape(mesh.view(), name) {
+BorrowedShape::BorrowedShape(const nb::tuple& given, const char* which, std::uint64_t name, nb::handle at_end,
+                             const nb::tuple& listed)
+    : mesh(given, which), lists(listed, which), shape(mesh.view(), name) {
+    lists.put_into(shape);
     if (mesh.device() != BorrowedArray::on_host)
         refuse(std::string(which) +
                "vertices lie in CUDA memory, but those of a world are wanted in the host's: " + copy_to_host);
@@ -224,7 +227,7 @@ std::vector<BodyPair> excluded_bodies(const Bodies& bodies, nb::handle pairs) {
 
 void bind_world(nb::module_& module) {
     nb::class_<BorrowedShape>(module, "Shape", "Triangles that bodies are made of; crumple.Shape is one.")
-        .def("__init__", make_shape, "mesh"_a, "which"_a, "name"_a, "end"_a.none())
+        .def("__init__", make_shape, "mesh"_a, "which"_a, "name"_a, "end"_a.none(), "lists"_a)
         .def_prop_ro("triangles", [](nb::handle self) {
             return instance<BorrowedShape>(self, "self", "crumple.Shape").shape.triangles.rows;
         });

@@ -14,13 +14,17 @@
 
 namespace crumple::python {
 
-/// crumple.Shape: a mesh in place, the number that names it, and where its vertices are at the end of a step.
+/// crumple.Shape: a mesh in place, the number that names it, where its vertices are at the end of a step, and what
+/// edges and points it lists.
 struct BorrowedShape {
-    /// `mesh` is (vertices, faces, groups or None); `end` may be None. `which` leads every message.
-    BorrowedShape(const nanobind::tuple& mesh, const char* which, std::uint64_t name, nanobind::handle end);
+    /// `mesh` is (vertices, faces, groups or None), `lists` (edges or None, points or None); `end` may be None. `which`
+    /// leads every message.
+    BorrowedShape(const nanobind::tuple& mesh, const char* which, std::uint64_t name, nanobind::handle end,
+                  const nanobind::tuple& lists);
 
     BorrowedMesh mesh;
     std::optional<BorrowedEnd> end;
+    BorrowedLists lists;
     Shape shape;
 };
 

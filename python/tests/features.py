@@ -9,23 +9,26 @@ START = np.array([[0, 0, 0], [4, 0, 0], [0, 4, 0], [1, 1, 1], [2, 1, 2], [1, 2, 
 END = np.array([[0, 0, 0], [4, 0, 0], [0, 4, 0], [1, 1, -1], [2, 1, 0.5], [1, 2, 0.5]], np.float64)
 FACES = np.array([[0, 1, 2], [3, 4, 5]], np.int32)
 
-_OF_MOTION = [f"{kind}_{value}" for kind in ("vertex_face", "edge_edge") for value in ("toi", "start")]
-_OF_NEARNESS = [
-    f"{kind}_{value}" for kind in ("vertex_face", "edge_edge") for value in ("squared_distance", "touching")
-]
+_KINDS = ("vertex_face", "edge_edge", "vertex_edge", "vertex_vertex")
+_PAIRS = ["vertex_faces", "edge_edges", "vertex_edges", "vertex_vertices"]
 LISTS = {
-    "Impacts": ["vertex_faces", "edge_edges", *_OF_MOTION],
-    "Nearby": ["vertex_faces", "edge_edges", *_OF_NEARNESS],
+    "Impacts": [*_PAIRS, *(f"{kind}_{value}" for kind in _KINDS for value in ("toi", "start"))],
+    "Nearby": [*_PAIRS, *(f"{kind}_{value}" for kind in _KINDS for value in ("squared_distance", "touching"))],
 }
-BODIES = ["vertex_face_bodies", "edge_edge_bodies", "world_hit"]
-CLOSEST = ["vertex_face_type", "vertex_face_at", "edge_edge_type", "edge_edge_at"]
+BODIES = [*(f"{kind}_bodies" for kind in _KINDS), "world_hit"]
+CLOSEST = [f"{kind}_{what}" for kind in _KINDS for what in ("type", "at")]
 LEAST = ["vertex_distance", "face_distance", "edge_distance"]
-INDEX = ["vertex_offsets", "face_offsets", "by_face", "edge_offsets", "second_edge_offsets", "by_second_edge"]
+INDEX = [
+    *("vertex_offsets", "face_offsets", "by_face"),
+    *("edge_offsets", "second_edge_offsets", "by_second_edge"),
+    *("vertex_edge_offsets", "edge_vertex_offsets", "by_edge"),
+    *("vertex_vertex_offsets", "second_vertex_offsets", "by_second_vertex"),
+]
 
 
 def assert_same(found, expected, more=()):
     """Two answers with everything listed, and with the arrays `more`."""
-    for name in (*LISTS[type(expected).__name__], "edges", "first_edge", *more):
+    for name in (*LISTS[type(expected).__name__], "edges", "first_edge", "points", "first_point", *more):
         np.testing.assert_array_equal(getattr(found, name), getattr(expected, name), name, strict=True)
     assert (found.any, found.count, len(found)) == (expected.any, expected.count, len(expected))
 

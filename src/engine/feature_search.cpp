@@ -131,7 +131,7 @@ void FeatureSearch::search_in_place(BackendBase& backend, const Question& questi
     Scene scene = prepare_scene(mesh, nullptr, false, backend, buffers_);
     if (is_motion<Question> && shape.end.data) add_motion(shape.end, backend, buffers_, scene);
     rule_.prepare({});
-    features_.prepare(scene, question.weld, backend, checked_lists(shape, ""));
+    features_.prepare(scene, question.weld, backend, checked_lists(shape, bodies_ ? WorldOutline::name(0) : ""));
     scene = features_.with_carriers(scene);
     backend.find(scene, query_of(question, frugal_, features_, rule_), found_);
     add_pass(found_.statistics, answer.statistics);
