@@ -181,9 +181,13 @@ class BroadPhase(ipctk.BroadPhase):
     def _made(self, kind: Any, first: Any, second: Any, of_first: np.ndarray, of_second: np.ndarray) -> list[Any]:
         """Candidates of these numbers, unless no vertex of the one may collide with any of the other."""
         may = self.can_vertices_collide
-        vertices = zip(of_first.tolist(), of_second.tolist())
-        allowed = (any(may(v, w) for v in a for w in b) for a, b in vertices)
-        return [kind(i, j) for i, j, wanted in zip(first.tolist(), second.tolist(), allowed) if wanted]
+        wanted = np.zeros(len(first), bool)
+        for v in of_first.T:
+            for w in of_second.T:
+                open_ones = np.flatnonzero(~wanted)
+                if len(open_ones):
+                    wanted[open_ones] = list(map(may, v[open_ones].tolist(), w[open_ones].tolist()))
+        return list(map(kind, first[wanted].tolist(), second[wanted].tolist()))
 
 
 class _Found:
