@@ -131,16 +131,43 @@ def test_normal_collisions_are_the_same():
     assert least[0] == least[1] and least[0][0] > 10
 
 
+def test_points_meet_points_and_rods():
+    vertices = columns([[0, 0, 0], [4, 0, 0], [9, 0, 0], [9, 5, 0], [6.0, 1, 0]])
+    end = vertices.copy(order="F")
+    end[[0, 4], 0] += [3, 6]
+    mesh = ipctk.CollisionMesh(vertices, columns([[2, 3]]), np.empty((0, 3), np.int32))
+    for broad_phase in (ipctk.LBVH(), adapter.BroadPhase()):
+        candidates = ipctk.Candidates()
+        candidates.build(mesh, vertices, end, 0.5, broad_phase)
+        assert numbers(candidates.vv_candidates, "vertex_vertex") == {(0, 1)}
+        assert numbers(candidates.ev_candidates, "edge_vertex") == {(4, 0)}
+        assert adapter.compute_collision_free_stepsize(candidates, mesh, vertices, end) == 0.5
+        assert adapter.compute_collision_free_stepsize(candidates, mesh, vertices, end, 1.5) == 0.25
+        candidates.ev_candidates = []
+        assert adapter.compute_collision_free_stepsize(candidates, mesh, vertices, end) == 1
+        assert adapter.compute_collision_free_stepsize(candidates, mesh, vertices, end, 2.5) == 0.5
+
+
 def test_pairs_that_may_not_collide_are_left_out():
     vertices, edges, faces = scene(rods=False)
     broad_phase = adapter.BroadPhase()
     broad_phase.build(vertices, edges, faces, 0.05)
-    group = np.arange(len(vertices)) // 3 % 2
     every = numbers(broad_phase.detect_edge_edge_candidates(), "edge_edge")
-    broad_phase.can_vertices_collide = ipctk.CollisionFilter(lambda a, b: bool(group[a] != group[b]))
-    wanted = {(a, b) for a, b in every if group[edges[a, 0]] != group[edges[b, 0]]}
+    broad_phase.can_vertices_collide = ipctk.CollisionFilter(lambda a, b: (5 * a + b) % 7 == 0)
+    wanted = {(i, j) for i, j in every if any((5 * a + b) % 7 == 0 for a in edges[i] for b in edges[j])}
     assert numbers(broad_phase.detect_edge_edge_candidates(), "edge_edge") == wanted
     assert 0 < len(wanted) < len(every)
+
+
+def test_edges_that_are_not_listed_are_no_candidates():
+    vertices, edges, faces = scene(rods=False)
+    broad_phase, few = adapter.BroadPhase(), edges[::3]
+    broad_phase.build(vertices, edges, faces, 0.05)
+    every = numbers(broad_phase.detect_edge_edge_candidates(), "edge_edge")
+    broad_phase.build(vertices, few, faces, 0.05)
+    found = numbers(broad_phase.detect_edge_edge_candidates(), "edge_edge")
+    assert found == {(a // 3, b // 3) for a, b in every if a % 3 == b % 3 == 0}
+    assert found
 
 
 CROSSED = np.array([[0, 0, 0], [4, 0, 0], [0, 4, 0], [1, 1, -1], [1, 1, 2], [3, 1, 2.0]])
