@@ -33,8 +33,8 @@ class PairDistances(NamedTuple):
     Attributes:
         squared_distance: (k,) float64: the exact one, rounded to the nearest number; infinite beyond the largest.
         touching: (k,) bool: whether the distance is 0 exactly.
-        type: (k,) uint8: which parts are closest: a VertexFaceType; an EdgeEdgeType, of which EA0 is the first end
-            given; of a vertex and an edge 0 for the first end, 1 for the second, 2 for the edge; 0 of two vertices.
+        type: (k,) uint8: which parts are closest: a VertexFaceType, an EdgeEdgeType or a VertexEdgeType, whose EA0 and
+            E0 are the first end given, or a VertexVertexType.
         at: (k, 2) float64: (u, v) of the face's point a + u (b - a) + v (c - a); (s, t) of the edges' points
             a + s (b - a) and c + t (d - c); (t, 0) of the one edge's a + t (b - a); (0, 0) of two vertices.
     """
