@@ -1,55 +1,7 @@
 #include "engine/cpu/output.h"
 
-#include <algorithm>
-#include <bit>
-#include <utility>
-
 namespace crumple::cpu {
 namespace {
-
-constexpr int most_bucket_bits = 12, most_digit_bits = 11;
-
-// Of the size of a bucket: small ones share the work evenly, but a histogram of many for each piece is long.
-int bucket_bits_for(std::int32_t triangles) {
-    int bits = 10;
-    while (bits < most_bucket_bits && triangles >> bits > 2048) ++bits;
-    return bits;
-}
-
-// Turns counts into places: where the first of each digit goes.
-void to_places(std::int64_t* count, std::int64_t digits) {
-    std::int64_t sum = 0;
-    for (std::int64_t digit = 0; digit < digits; ++digit) sum += std::exchange(count[digit], sum);
-}
-
-// Sorts the pairs of one bucket of first triangles, [first, last), into out[begin, ...) and writes their offsets: a
-// counting sort by digits of the second triangle, an even number of passes to and fro, then by the first one. All
-// passes are stable, and all are counted at once.
-void sort_bucket(Pair* pairs, std::int64_t count, std::int32_t first, std::int32_t last, int second_bits,
-                 std::int64_t begin, Collisions& result) {
-    if (count == 0) {
-        std::fill_n(result.offsets.begin() + first, last - first, begin);
-        return;
-    }
-    const int passes = second_bits <= 2 * most_digit_bits ? 2 : 4, bits = (second_bits + passes - 1) / passes;
-    const std::int32_t digits = 1 << bits, firsts = last - first;
-    const auto digit = [&](const Pair& pair, int pass) { return pair.b >> pass * bits & (digits - 1); };
-    std::int64_t next_digit[4][1 << most_digit_bits], next_first[1 << most_bucket_bits];
-    for (int pass = 0; pass < passes; ++pass) std::fill_n(next_digit[pass], digits, 0);
-    std::fill_n(next_first, firsts, 0);
-    for (std::int64_t i = 0; i < count; ++i) {
-        for (int pass = 0; pass < passes; ++pass) ++next_digit[pass][digit(pairs[i], pass)];
-        ++next_first[pairs[i].a - first];
-    }
-    Pair *from = pairs, *to = result.pairs.data() + begin;
-    for (int pass = 0; pass < passes; ++pass, std::swap(from, to)) {
-        to_places(next_digit[pass], digits);
-        for (std::int64_t i = 0; i < count; ++i) to[next_digit[pass][digit(from[i], pass)]++] = from[i];
-    }
-    to_places(next_first, firsts);
-    for (std::int32_t k = 0; k < firsts; ++k) result.offsets[first + k] = begin + next_first[k];
-    for (std::int64_t i = 0; i < count; ++i) to[next_first[from[i].a - first]++] = from[i];
-}
 
 void mark_hits(std::span<const std::span<const Pair>> pieces, bool between, std::int32_t second, Collisions& result) {
     std::uint8_t* first_hit = result.hit.data();
@@ -64,66 +16,14 @@ void write_output(const Scene& scene, Workers& workers, std::span<const Array<Pa
                   OutputScratch& scratch, Collisions& result) {
     const auto n = static_cast<std::int32_t>(scene.triangles[0]);
     const auto second = static_cast<std::int32_t>(scene.between ? scene.triangles[0] : 0);
-    const int bucket_bits = bucket_bits_for(n);
-    const std::int64_t bucket_size = std::int64_t{1} << bucket_bits;
-    const auto buckets = static_cast<std::size_t>((n + bucket_size - 1) / bucket_size);
-
-    // The workers' lists are of any length, so they are cut into pieces.
-    std::size_t all = 0;
-    for (const auto* list : found) all += list->size();
-    const std::size_t piece_size = std::max<std::size_t>(8192, all / (8 * found.size()) + 1);
-    const std::size_t most_pieces = all / piece_size + found.size();  // room for any distribution among workers
-    scratch.pieces.clear();
-    scratch.pieces.reserve(most_pieces);
-    scratch.histogram.reserve(most_pieces * buckets);
-    for (const auto* list : found)
-        for (std::size_t i = 0; i < list->size(); i += piece_size)
-            scratch.pieces.push_back({list->data() + i, std::min(piece_size, list->size() - i)});
-    const std::size_t pieces = scratch.pieces.size();
-    scratch.histogram.assign(pieces * buckets, 0);
-    workers.parallel_for(pieces, [&](std::size_t p, std::size_t) {
-        std::int64_t* count = scratch.histogram.data() + p * buckets;
-        for (const Pair& pair : scratch.pieces[p]) ++count[pair.a >> bucket_bits];
-    });
-    std::int64_t total = 0;
-    scratch.begin.resize_discard(buckets + 1);
-    std::int64_t* begin = scratch.begin.data();
-    for (std::size_t b = 0; b < buckets; ++b) {
-        begin[b] = total;
-        for (std::size_t p = 0; p < pieces; ++p) {
-            std::int64_t& count = scratch.histogram[p * buckets + b];
-            const std::int64_t here = count;
-            count = total;
-            total += here;
-        }
-    }
-    begin[buckets] = total;
-
-    result.pairs.resize_discard(static_cast<std::size_t>(total));
-    result.offsets.resize_discard(static_cast<std::size_t>(n) + 1);
+    const auto seconds = static_cast<std::int32_t>(scene.between ? scene.triangles[1] : scene.triangles[0]);
     result.hit.assign(static_cast<std::size_t>(n), 0);
     result.hit_second.assign(static_cast<std::size_t>(scene.triangles[1]), 0);
-    scratch.bucketed.resize_discard(static_cast<std::size_t>(total));
-    workers.parallel_for(pieces, [&](std::size_t p, std::size_t) {
-        std::int64_t* next = scratch.histogram.data() + p * buckets;
-        for (const Pair& pair : scratch.pieces[p])
-            scratch.bucketed[next[pair.a >> bucket_bits]++] = {pair.a, pair.b - second};
-    });
-    result.offsets[static_cast<std::size_t>(n)] = total;
-    const auto second_bits = static_cast<int>(
-        std::bit_width(static_cast<std::uint32_t>(scene.between ? scene.triangles[1] : scene.triangles[0])));
     // Flags are a task of their own: one thread writes them all, while the others sort.
-    workers.parallel_for(buckets + 1, [&](std::size_t task, std::size_t) {
-        if (task == 0) {
-            mark_hits(scratch.pieces.span(), scene.between, second, result);
-            return;
-        }
-        const std::size_t b = task - 1;
-        const auto first = static_cast<std::int32_t>(b << bucket_bits);
-        const auto last = static_cast<std::int32_t>(std::min<std::int64_t>(n, first + bucket_size));
-        sort_bucket(scratch.bucketed.data() + begin[b], begin[b + 1] - begin[b], first, last, second_bits, begin[b],
-                    result);
-    });
+    const auto mark = [&](std::span<const std::span<const Pair>> pieces) {
+        mark_hits(pieces, scene.between, second, result);
+    };
+    sort_pairs(workers, found, {n, seconds, second}, scratch, result.pairs, result.offsets, mark);
 }
 
 }  // namespace crumple::cpu
