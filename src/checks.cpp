@@ -41,6 +41,13 @@ void check_question(const Near& q, bool world) {
     check(q.radius >= 0 && std::isfinite(q.radius), "radius must be finite and 0 or more");
 }
 
+void check_question(const CandidateQuestion& q, bool) {
+    check(!q.kinds.empty(), "kinds names no kind of candidates");
+    for (const CandidateKind kind : q.kinds)
+        check(static_cast<int>(kind) < candidate_kinds, "kinds names a kind of candidates that there is not");
+    check(q.inflation >= 0 && std::isfinite(q.inflation), "inflation must be finite and 0 or more");
+}
+
 void check_query(const MeshView& a, const MeshView* b, const Query& q) {
     check(q.wanted == Wanted::both || q.wanted == Wanted::between || q.wanted == Wanted::within,
           "wanted must be both, between or within");

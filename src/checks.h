@@ -2,6 +2,7 @@
 
 // What a detector's options and questions must be; each function throws Error (invalid_argument) if they are not.
 
+#include "crumple/candidates.h"
 #include "crumple/mesh.h"
 #include "crumple/motion.h"
 #include "crumple/near.h"
@@ -18,6 +19,7 @@ void check_query(const MeshView& a, const MeshView* b, const Query& query);
 /// `world`: asked of a world, else of a single mesh.
 void check_question(const Motion& question, bool world);
 void check_question(const Near& question, bool world);
+void check_question(const CandidateQuestion& question, bool world);
 void check_blocks(const Streaming& how);
 
 }  // namespace crumple

@@ -34,6 +34,7 @@ struct Detector::Implementation {
     WorldCollisions world_result = metered_world(&meter);
     Impacts impacts = metered_impacts(&meter);
     Nearby nearby = metered_nearby(&meter);
+    CandidateLists candidates = metered_candidates(&meter);
     Cancellation cancellation;
     WorldSearch worlds{meter, cancellation};
     FeatureSearch features{meter, cancellation};
@@ -79,6 +80,7 @@ struct Detector::Implementation {
         features.release();
         impacts = metered_impacts(&meter);
         nearby = metered_nearby(&meter);
+        candidates = metered_candidates(&meter);
     }
 
     // Runs `work` on the prepared scene, or on_device() where the meshes lie on a device; a detector that throws holds
@@ -246,9 +248,7 @@ struct Detector::Implementation {
     // One mesh is a world of one body.
     const Impacts& find_impacts(const MeshView& mesh, const VertexView& end, const Motion& question,
                                 std::stop_token stop) {
-        Shape shape = host_shape(mesh);
-        shape.end = end;
-        if (!end.data && end.rows == 0 && mesh.vertices.rows > 0) refuse("the vertices at the end are missing");
+        const Shape shape = moving_shape(mesh, end);
         const Body body;
         return find({{&shape, 1}, {&body, 1}, {}, {}}, question, false, impacts, std::move(stop));
     }
@@ -257,9 +257,22 @@ struct Detector::Implementation {
         const Body body;
         return find({{&shape, 1}, {&body, 1}, {}, {}}, question, false, nearby, std::move(stop));
     }
+    /// `end`: null at rest.
+    const CandidateLists& find_candidates(const MeshView& mesh, const VertexView* end,
+                                          const CandidateQuestion& question, std::stop_token stop) {
+        const Shape shape = end ? moving_shape(mesh, *end) : host_shape(mesh);
+        const Body body;
+        return find({{&shape, 1}, {&body, 1}, {}, {}}, question, false, candidates, std::move(stop));
+    }
     Shape host_shape(const MeshView& mesh) {
-        if (mesh.memory != MemorySpace::host) refuse("motion and nearness take meshes in host memory");
+        if (mesh.memory != MemorySpace::host) refuse("motion, nearness and candidates take meshes in host memory");
         return Shape(mesh);
+    }
+    Shape moving_shape(const MeshView& mesh, const VertexView& end) {
+        Shape shape = host_shape(mesh);
+        shape.end = end;
+        if (!end.data && end.rows == 0 && mesh.vertices.rows > 0) refuse("the vertices at the end are missing");
+        return shape;
     }
     [[noreturn]] void refuse(const char* message) {
         forget();
@@ -466,6 +479,18 @@ const Nearby& Detector::find_near(const World& world, const Near& question, std:
 const Nearby& Detector::find_near(const MeshView& mesh, const Near& question, std::stop_token stop) {
     return implementation_->find_near(mesh, question, std::move(stop));
 }
+const CandidateLists& Detector::find_candidates(const World& world, const CandidateQuestion& question,
+                                                std::stop_token stop) {
+    return implementation_->find(world, question, true, implementation_->candidates, std::move(stop));
+}
+const CandidateLists& Detector::find_candidates(const MeshView& mesh, const CandidateQuestion& question,
+                                                std::stop_token stop) {
+    return implementation_->find_candidates(mesh, nullptr, question, std::move(stop));
+}
+const CandidateLists& Detector::find_candidates(const MeshView& mesh, const VertexView& end,
+                                                const CandidateQuestion& question, std::stop_token stop) {
+    return implementation_->find_candidates(mesh, &end, question, std::move(stop));
+}
 Statistics Detector::stream(const World& world, TakeWorldBlock take, const Intersect& question, const Streaming& how,
                             std::stop_token stop) {
     return implementation_->stream(world, take, question, how, std::move(stop));
@@ -495,6 +520,7 @@ void Detector::swap_result(Collisions& other) { implementation_->swap_result(oth
 void Detector::swap_result(WorldCollisions& other) { implementation_->swap_result(other); }
 void Detector::swap_result(Impacts& other) { implementation_->swap_answer(implementation_->impacts, other); }
 void Detector::swap_result(Nearby& other) { implementation_->swap_answer(implementation_->nearby, other); }
+void Detector::swap_result(CandidateLists& other) { implementation_->swap_answer(implementation_->candidates, other); }
 void Detector::set_poll(std::function<void()> poll) { implementation_->cancellation.set_poll(std::move(poll)); }
 const Options& Detector::options() const { return implementation_->options; }
 Backend Detector::backend() const { return implementation_->working; }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "crumple/array.h"
+#include "crumple/candidates.h"
 #include "crumple/collisions.h"
 #include "crumple/detector.h"
 #include "crumple/device.h"

@@ -20,6 +20,9 @@ void BackendBase::find(const Scene&, const FeatureQuery&, FeatureAnswer&) {
     throw Error(ErrorCode::invalid_argument, "motion and nearness need the cpu backend (Options::backend)",
                 Element::option);
 }
+void BackendBase::find_candidates(const Scene&, const CandidateQuery&, CandidateAnswer&) {
+    throw Error(ErrorCode::invalid_argument, "candidates need the cpu backend (Options::backend)", Element::option);
+}
 void BackendBase::find(const MeshView&, const MeshView*, const Query&, Collisions&) { refuse(); }
 std::int64_t BackendBase::bytes_needed(const MeshView&, const MeshView*, const Query&) { refuse(); }
 bool BackendBase::any(const MeshView&, const MeshView*, const Query&) { refuse(); }

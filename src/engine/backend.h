@@ -12,6 +12,7 @@
 #include "crumple/detector.h"
 #include "crumple/function_ref.h"
 #include "crumple/options.h"
+#include "engine/candidate_query.h"
 #include "engine/feature_query.h"
 #include "model/scene.h"
 
@@ -42,6 +43,9 @@ class BackendBase : public ParallelFor {
     /// Pairs of features that touch or are near, of a scene of one mesh. Fills rows, counts and stage times. Not on
     /// cuda.
     virtual void find(const Scene& scene, const FeatureQuery& query, FeatureAnswer& answer);
+
+    /// Pairs of features whose grown boxes overlap, likewise.
+    virtual void find_candidates(const Scene& scene, const CandidateQuery& query, CandidateAnswer& answer);
 
     /// Whether the rules of a scene that is made of a world (Scene::bodies) are heeded; else its answer has pairs that
     /// they do not want, too.

@@ -23,6 +23,14 @@ auto arrays(Nearby& a) {
                           arrays(a.lists[0]), arrays(a.lists[1]), arrays(a.lists[2]), arrays(a.lists[3]));
 }
 static_assert(feature_kinds == 4);
+auto arrays(CandidateLists& a) {
+    const auto list = [&](CandidateKind kind) { return std::tie(a[kind].pairs, a[kind].bodies); };
+    return std::tuple_cat(std::tie(a.edges, a.first_edge, a.points, a.first_point), list(CandidateKind::vertex_face),
+                          list(CandidateKind::edge_edge), list(CandidateKind::edge_face),
+                          list(CandidateKind::face_face), list(CandidateKind::vertex_edge),
+                          list(CandidateKind::vertex_vertex));
+}
+static_assert(candidate_kinds == 6);
 
 template <class Answer, class Visit>
 void for_each_array(Answer& answer, Visit visit) {
@@ -39,7 +47,7 @@ Answer metered_answer(MemoryMeter* meter) {
 template <class Answer>
 void clear_arrays(Answer& answer) {
     for_each_array(answer, [](auto& array) { array.clear(); });
-    answer.any = false;
+    if constexpr (requires { answer.any; }) answer.any = false;
     answer.count = 0;
     answer.statistics = {};
 }
@@ -49,7 +57,7 @@ void swap_arrays(Answer& mine, Answer& theirs) {
     auto to = arrays(theirs);
     std::apply([&](auto&... from) { std::apply([&](auto&... other) { (from.swap_elements(other), ...); }, to); },
                arrays(mine));
-    theirs.any = mine.any;
+    if constexpr (requires { mine.any; }) theirs.any = mine.any;
     theirs.count = mine.count;
     theirs.statistics = mine.statistics;
 }
@@ -76,12 +84,14 @@ void index_list(List& list, std::int64_t firsts, std::int64_t seconds) {
 
 Impacts metered_impacts(MemoryMeter* meter) { return metered_answer<Impacts>(meter); }
 Nearby metered_nearby(MemoryMeter* meter) { return metered_answer<Nearby>(meter); }
+CandidateLists metered_candidates(MemoryMeter* meter) { return metered_answer<CandidateLists>(meter); }
 
 void clear(Impacts& answer) {
     clear_arrays(answer);
     answer.first = {};
 }
 void clear(Nearby& answer) { clear_arrays(answer); }
+void clear(CandidateLists& answer) { clear_arrays(answer); }
 
 void hand_over(Impacts& mine, Impacts& theirs) {
     swap_arrays(mine, theirs);
@@ -89,6 +99,11 @@ void hand_over(Impacts& mine, Impacts& theirs) {
     clear(mine);
 }
 void hand_over(Nearby& mine, Nearby& theirs) {
+    swap_arrays(mine, theirs);
+    clear(mine);
+}
+
+void hand_over(CandidateLists& mine, CandidateLists& theirs) {
     swap_arrays(mine, theirs);
     clear(mine);
 }

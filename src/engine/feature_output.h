@@ -1,7 +1,9 @@
 #pragma once
 
-// From the rows of one scene to the public answers on motion and nearness: the same for both but for their names.
+// From the rows of one scene to the public answers on motion, nearness and candidates: the same for all but for their
+// names.
 
+#include "crumple/candidates.h"
 #include "crumple/motion.h"
 #include "crumple/near.h"
 #include "engine/feature_query.h"
@@ -11,14 +13,17 @@ namespace crumple {
 /// Empty answers whose arrays the meter counts.
 Impacts metered_impacts(MemoryMeter* meter);
 Nearby metered_nearby(MemoryMeter* meter);
+CandidateLists metered_candidates(MemoryMeter* meter);
 
 /// Swaps the contents of two answers, and clears `mine`.
 void hand_over(Impacts& mine, Impacts& theirs);
 void hand_over(Nearby& mine, Nearby& theirs);
+void hand_over(CandidateLists& mine, CandidateLists& theirs);
 
 /// Forgets what an answer says, keeps its memory.
 void clear(Impacts& answer);
 void clear(Nearby& answer);
+void clear(CandidateLists& answer);
 
 // The arrays of a list, by what they are in both answers.
 inline Array<double>& values(ImpactList& list) { return list.toi; }

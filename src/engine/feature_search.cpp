@@ -27,8 +27,22 @@ FeatureQuery query_of(const Near& question, bool frugal, const SceneFeatures& fe
     return {false, extent(question), question.radius, 0, question.strict, frugal, features, rule};
 }
 
+CandidateQuery query_of(const CandidateQuestion& question, bool frugal, const SceneFeatures& features,
+                        const GroupRule& rule) {
+    CandidateQuery query{{}, question.inflation, frugal, features, rule};
+    for (const CandidateKind kind : question.kinds) query.wanted[static_cast<std::size_t>(kind)] = true;
+    return query;
+}
+
 template <class Question>
 constexpr bool is_motion = std::is_same_v<Question, Motion>;
+
+constexpr FeatureTypes types_of(FeatureKind kind) {
+    constexpr auto vertex = FeatureType::vertex, edge = FeatureType::edge;
+    constexpr FeatureTypes types[feature_kinds] = {
+        {vertex, FeatureType::face}, {edge, edge}, {vertex, edge}, {vertex, vertex}};
+    return types[static_cast<std::size_t>(kind)];
+}
 
 // Whether every pair of the one body is wanted, as if there were no bodies.
 bool all_wanted(const Rules& rules) {
@@ -56,6 +70,7 @@ FeatureSearch::FeatureSearch(MemoryMeter& meter, Cancellation& cancellation)
       buffers_(&meter),
       features_(&meter),
       found_(&meter),
+      found_candidates_(&meter),
       first_edge_(&meter),
       first_point_(&meter) {}
 
@@ -68,6 +83,7 @@ void FeatureSearch::release() {
     buffers_ = SceneBuffers(&meter_);
     features_.release();
     found_ = FeatureAnswer(&meter_);
+    found_candidates_ = CandidateAnswer(&meter_);
     first_edge_.release();
     first_point_.release();
 }
@@ -87,8 +103,7 @@ void FeatureSearch::find(BackendBase& backend, const World& world, const Near& q
 
 template <class Question, class Answer>
 void FeatureSearch::search(BackendBase& backend, const World& world, const Question& question, Answer& answer) {
-    outline_.read(world, question.rules);
-    rules_.prepare(question.rules);
+    read(world, question.rules);
     clear(answer);
     answer.statistics.triangles = outline_.triangles();
     const auto worlds = static_cast<std::size_t>(outline_.worlds());
@@ -100,9 +115,7 @@ void FeatureSearch::search(BackendBase& backend, const World& world, const Quest
         answer.first_point.push_back(0);
     }
 
-    const bool in_place = outline_.bodies() == 1 && outline_.placement(0).identity() &&
-                          outline_.end_placement(0).identity() && outline_.body(0).self && all_wanted(question.rules);
-    if (in_place) {
+    if (in_place(question.rules)) {
         search_in_place(backend, question, answer);
     } else {
         for (std::int32_t pass = 0; pass <= outline_.worlds(); ++pass) {
@@ -124,15 +137,55 @@ void FeatureSearch::search(BackendBase& backend, const World& world, const Quest
     answer.statistics.pairs = answer.count;
 }
 
-template <class Question, class Answer>
-void FeatureSearch::search_in_place(BackendBase& backend, const Question& question, Answer& answer) {
+void FeatureSearch::read(const World& world, const Rules& rules) {
+    outline_.read(world, rules);
+    rules_.prepare(rules);
+}
+
+bool FeatureSearch::in_place(const Rules& rules) const {
+    return outline_.bodies() == 1 && outline_.placement(0).identity() && outline_.end_placement(0).identity() &&
+           outline_.body(0).self && all_wanted(rules);
+}
+
+Scene FeatureSearch::prepare_in_place(BackendBase& backend, bool step, bool weld) {
     const Shape& shape = outline_.shape(0);
     const MeshView mesh(shape.vertices, shape.triangles);
     Scene scene = prepare_scene(mesh, nullptr, false, backend, buffers_);
-    if (is_motion<Question> && shape.end.data) add_motion(shape.end, backend, buffers_, scene);
+    if (step && shape.end.data) add_motion(shape.end, backend, buffers_, scene);
     rule_.prepare({});
-    features_.prepare(scene, question.weld, backend, checked_lists(shape, bodies_ ? WorldOutline::name(0) : ""));
-    scene = features_.with_carriers(scene);
+    features_.prepare(scene, weld, backend, checked_lists(shape, bodies_ ? WorldOutline::name(0) : ""));
+    return features_.with_carriers(scene);
+}
+
+std::int32_t FeatureSearch::own_bodies(std::int32_t pass) const {
+    const std::int32_t end = pass < outline_.worlds() ? outline_.first_body(pass + 1) : outline_.bodies();
+    return end - outline_.first_body(pass);
+}
+
+std::optional<Scene> FeatureSearch::prepare_pass(BackendBase& backend, std::int32_t pass, bool step, bool weld) {
+    const std::int32_t worlds = outline_.worlds(), everywhere = outline_.first_body(worlds);
+    const auto float32 = [](const Shape& s) {
+        return s.vertices.type == ScalarType::float32 && (!s.end.data || s.end.type == ScalarType::float32);
+    };
+    const auto& shapes = outline_.world().shapes;
+    scene_.begin(std::all_of(shapes.begin(), shapes.end(), float32), rules_, step && outline_.moving());
+    const std::int32_t begin = outline_.first_body(pass), end = begin + own_bodies(pass);
+    if (begin == end) return {};
+    for (std::int32_t b = begin; b < end; ++b) scene_.add(outline_, b, false, backend);
+    if (pass < worlds)
+        for (std::int32_t b = everywhere; b < outline_.bodies(); ++b) scene_.add(outline_, b, true, backend);
+    const Scene triangles = scene_.scene(outline_, false, backend);
+    const ListedFeatures listed = lists_.join(outline_, scene_, triangles, backend, features_);
+    features_.prepare(triangles, weld, backend, listed);
+    const Scene scene = scene_.with_carriers(outline_, features_, triangles);
+    rule_.prepare({}, &rules_);
+    place_features();
+    return scene;
+}
+
+template <class Question, class Answer>
+void FeatureSearch::search_in_place(BackendBase& backend, const Question& question, Answer& answer) {
+    const Scene scene = prepare_in_place(backend, is_motion<Question>, question.weld);
     backend.find(scene, query_of(question, frugal_, features_, rule_), found_);
     add_pass(found_.statistics, answer.statistics);
     answer.any = found_.any;
@@ -144,7 +197,7 @@ void FeatureSearch::search_in_place(BackendBase& backend, const Question& questi
     }
     answer.edges = features_.edges();
     answer.first_edge.push_back(static_cast<std::int64_t>(answer.edges.size()));
-    append_listed_points(shape, answer);
+    append_listed_points(outline_.shape(0), answer);
     if (extent(question) != Extent::all) return;
     for (std::size_t kind = 0; kind < feature_kinds; ++kind) {
         auto& list = answer.lists[kind];
@@ -163,33 +216,17 @@ void FeatureSearch::search_in_place(BackendBase& backend, const Question& questi
 
 template <class Question, class Answer>
 void FeatureSearch::search_world(BackendBase& backend, std::int32_t pass, const Question& question, Answer& answer) {
-    const std::int32_t worlds = outline_.worlds(), everywhere = outline_.first_body(worlds);
-    const bool moving = is_motion<Question> && outline_.moving();
-    const auto float32 = [](const Shape& s) {
-        return s.vertices.type == ScalarType::float32 && (!s.end.data || s.end.type == ScalarType::float32);
-    };
-    const auto& shapes = outline_.world().shapes;
-    scene_.begin(std::all_of(shapes.begin(), shapes.end(), float32), rules_, moving);
-    const std::int32_t begin = outline_.first_body(pass),
-                       end = pass < worlds ? outline_.first_body(pass + 1) : outline_.bodies();
-    if (begin == end) return;
-    for (std::int32_t b = begin; b < end; ++b) scene_.add(outline_, b, false, backend);
-    if (pass < worlds)
-        for (std::int32_t b = everywhere; b < outline_.bodies(); ++b) scene_.add(outline_, b, true, backend);
-    const Scene triangles = scene_.scene(outline_, false, backend);
-    const ListedFeatures listed = lists_.join(outline_, scene_, triangles, backend, features_);
-    features_.prepare(triangles, question.weld, backend, listed);
-    const Scene scene = scene_.with_carriers(outline_, features_, triangles);
-    rule_.prepare({}, &rules_);
-    place_features();
+    const std::optional<Scene> made = prepare_pass(backend, pass, is_motion<Question>, question.weld);
+    if (!made) return;
+    const Scene& scene = *made;
     backend.find(scene, query_of(question, frugal_, features_, rule_), found_);
     add_pass(found_.statistics, answer.statistics);
     answer.any = answer.any || found_.any;
-    if (!answer.world_hit.empty() && pass < worlds) answer.world_hit[pass] = found_.any;
+    if (!answer.world_hit.empty() && pass < outline_.worlds()) answer.world_hit[pass] = found_.any;
     if (extent(question) == Extent::any) return;
     if constexpr (is_motion<Question>) add_first(pass, answer);
-    append_edges(static_cast<std::size_t>(end - begin), answer);
-    append_points(static_cast<std::size_t>(end - begin), answer);
+    append_edges(static_cast<std::size_t>(own_bodies(pass)), answer);
+    append_points(static_cast<std::size_t>(own_bodies(pass)), answer);
     if (extent(question) != Extent::all) return;
     if constexpr (!is_motion<Question>)
         if (question.closest)
@@ -229,11 +266,12 @@ FeatureSearch::Place FeatureSearch::edge(std::int32_t e) const {
 }
 FeatureSearch::Place FeatureSearch::triangle(std::int32_t t) const { return {scene_.body(t), scene_.triangle(t)}; }
 
-void FeatureSearch::place(FeatureKind kind, const Pair& found, Pair& pair, BodyPair& bodies) const {
-    const Place a = kind == FeatureKind::edge_edge ? edge(found.a) : point(found.a);
-    const Place b = kind == FeatureKind::vertex_face     ? triangle(found.b)
-                    : kind == FeatureKind::vertex_vertex ? point(found.b)
-                                                         : edge(found.b);
+FeatureSearch::Place FeatureSearch::place(FeatureType type, std::int32_t i) const {
+    return type == FeatureType::vertex ? point(i) : type == FeatureType::edge ? edge(i) : triangle(i);
+}
+
+void FeatureSearch::place(FeatureTypes types, const Pair& found, Pair& pair, BodyPair& bodies) const {
+    const Place a = place(types.first, found.a), b = place(types.second, found.b);
     pair = {a.index, b.index};
     bodies = {a.body, b.body};
 }
@@ -270,7 +308,7 @@ void FeatureSearch::append_rows(Answer& answer) {
         for (std::size_t i = 0; i < more; ++i) {
             Pair pair;
             BodyPair bodies;
-            place(static_cast<FeatureKind>(k), rows.pairs[i], pair, bodies);
+            place(types_of(static_cast<FeatureKind>(k)), rows.pairs[i], pair, bodies);
             list.pairs.push_back(pair);
             if (bodies_) list.bodies.push_back(bodies);
             values(list).push_back(rows.value[i]);
@@ -279,10 +317,68 @@ void FeatureSearch::append_rows(Answer& answer) {
     }
 }
 
+void FeatureSearch::find(BackendBase& backend, const World& world, const CandidateQuestion& question, bool bodies,
+                         bool frugal, CandidateLists& answer) {
+    bodies_ = bodies;
+    frugal_ = frugal;
+    read(world, question.rules);
+    clear(answer);
+    answer.statistics.triangles = outline_.triangles();
+    answer.first_edge.push_back(0);
+    answer.first_point.push_back(0);
+    if (in_place(question.rules)) {
+        search_in_place(backend, question, answer);
+    } else {
+        for (std::int32_t pass = 0; pass <= outline_.worlds(); ++pass) {
+            cancellation_.check();
+            search_world(backend, pass, question, answer);
+        }
+    }
+    for (const CandidateList& list : answer.lists) answer.count += static_cast<std::int64_t>(list.pairs.size());
+    answer.statistics.pairs = answer.count;
+}
+
+void FeatureSearch::search_in_place(BackendBase& backend, const CandidateQuestion& question, CandidateLists& answer) {
+    const Scene scene = prepare_in_place(backend, true, question.weld);
+    backend.find_candidates(scene, query_of(question, frugal_, features_, rule_), found_candidates_);
+    add_pass(found_candidates_.statistics, answer.statistics);
+    answer.edges = features_.edges();
+    answer.first_edge.push_back(static_cast<std::int64_t>(answer.edges.size()));
+    append_listed_points(outline_.shape(0), answer);
+    for (std::size_t k = 0; k < candidate_kinds; ++k) {
+        CandidateList& list = answer.lists[k];
+        list.pairs.swap_elements(found_candidates_.pairs[k]);
+        if (bodies_) list.bodies.assign(list.pairs.size(), BodyPair{0, 0});
+    }
+}
+
+void FeatureSearch::search_world(BackendBase& backend, std::int32_t pass, const CandidateQuestion& question,
+                                 CandidateLists& answer) {
+    const std::optional<Scene> scene = prepare_pass(backend, pass, true, question.weld);
+    if (!scene) return;
+    backend.find_candidates(*scene, query_of(question, frugal_, features_, rule_), found_candidates_);
+    add_pass(found_candidates_.statistics, answer.statistics);
+    append_edges(static_cast<std::size_t>(own_bodies(pass)), answer);
+    append_points(static_cast<std::size_t>(own_bodies(pass)), answer);
+    for (std::size_t k = 0; k < candidate_kinds; ++k) {
+        CandidateList& list = answer.lists[k];
+        const Array<Pair>& found = found_candidates_.pairs[k];
+        list.pairs.make_room_for(found.size());
+        if (bodies_) list.bodies.make_room_for(found.size());
+        for (const Pair& pair : found) {
+            Pair placed;
+            BodyPair bodies;
+            place(crumple::types_of(static_cast<CandidateKind>(k)), pair, placed, bodies);
+            list.pairs.push_back(placed);
+            if (bodies_) list.bodies.push_back(bodies);
+        }
+    }
+}
+
 void FeatureSearch::add_first(std::int32_t pass, Impacts& answer) const {
     FirstImpact first = found_.first;
     if (!first.found) return;
-    place(first.kind, found_.first.pair, first.pair, first.bodies);
+    place(types_of(first.kind), found_.first.pair, first.pair, first.bodies);
     if (pass < outline_.worlds()) answer.world_first[pass] = first;
     const auto key = [](const FirstImpact& f) { return std::pair(f.toi, f.kind); };
     if (!answer.first.found || key(first) < key(answer.first)) answer.first = first;

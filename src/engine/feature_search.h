@@ -4,7 +4,10 @@
 // are posed at the start and at the end, and the backend searches it. A single body in place is searched where the
 // caller has it.
 
+#include <optional>
+
 #include "base/cancellation.h"
+#include "crumple/candidates.h"
 #include "crumple/motion.h"
 #include "crumple/near.h"
 #include "engine/backend.h"
@@ -25,6 +28,8 @@ class FeatureSearch {
     void find(BackendBase& backend, const World& world, const Motion& question, bool bodies, bool frugal,
               Impacts& answer);
     void find(BackendBase& backend, const World& world, const Near& question, bool bodies, bool frugal, Nearby& answer);
+    void find(BackendBase& backend, const World& world, const CandidateQuestion& question, bool bodies, bool frugal,
+              CandidateLists& answer);
 
     /// Gives all memory back.
     void release();
@@ -36,6 +41,20 @@ class FeatureSearch {
     void search_in_place(BackendBase& backend, const Question& question, Answer& answer);
     template <class Question, class Answer>
     void search_world(BackendBase& backend, std::int32_t pass, const Question& question, Answer& answer);
+    void search_in_place(BackendBase& backend, const CandidateQuestion& question, CandidateLists& answer);
+    void search_world(BackendBase& backend, std::int32_t pass, const CandidateQuestion& question,
+                      CandidateLists& answer);
+
+    /// Reads the world.
+    void read(const World& world, const Rules& rules);
+    /// Whether it is one body that is searched where the caller has it.
+    bool in_place(const Rules& rules) const;
+    /// Makes a scene of that body, or of the bodies of a pass, none if there are none; and prepares what it is searched
+    /// with. `step`: from the start to the end, else at the start.
+    Scene prepare_in_place(BackendBase& backend, bool step, bool weld);
+    std::optional<Scene> prepare_pass(BackendBase& backend, std::int32_t pass, bool step, bool weld);
+    /// How many bodies a pass has of its own.
+    std::int32_t own_bodies(std::int32_t pass) const;
     template <class Answer>
     void append_edges(std::size_t bodies, Answer& answer);
     template <class Answer>
@@ -52,7 +71,8 @@ class FeatureSearch {
     Place point(std::int32_t p) const;
     Place edge(std::int32_t e) const;
     Place triangle(std::int32_t t) const;
-    void place(FeatureKind kind, const Pair& found, Pair& pair, BodyPair& bodies) const;
+    Place place(FeatureType type, std::int32_t i) const;
+    void place(FeatureTypes types, const Pair& found, Pair& pair, BodyPair& bodies) const;
 
     MemoryMeter& meter_;
     Cancellation& cancellation_;
@@ -65,6 +85,7 @@ class FeatureSearch {
     SceneBuffers buffers_;
     SceneFeatures features_;
     FeatureAnswer found_;
+    CandidateAnswer found_candidates_;
     // Of each body that was added to the scene; and how many there are:
     Array<std::int64_t> first_edge_, first_point_;
 };

@@ -35,6 +35,16 @@ CRUMPLE_HD inline Ball ball_of_way(const Vec3f (&start)[3], const Vec3f (&end)[3
     return {c.x, c.y, c.z, std::sqrt(r2) * ball_factor + ball_slack + more};
 }
 
+/// A ball that holds the box of a triangle's points all the way, widened on all sides.
+CRUMPLE_HD inline Ball ball_of_box(const Vec3f (&start)[3], const Vec3f (&end)[3], const Inflation& inflation) {
+    Vec3f low = min(start[0], end[0]), high = max(start[0], end[0]);
+    for (int k = 1; k < 3; ++k) low = min(low, min(start[k], end[k])), high = max(high, max(start[k], end[k]));
+    const Vec3f c = 0.5f * (low + high);
+    const float more = inflation(0);
+    const Vec3f half = max(high - c, c - low) + Vec3f{more, more, more};
+    return {c.x, c.y, c.z, std::sqrt(dot(half, half)) * ball_factor + ball_slack};
+}
+
 /// Twice the distance of two centres, widened.
 CRUMPLE_HD inline float bisector_reach(const Vec3f& between) {
     return 2.00001f * std::sqrt(dot(between, between)) + 1e-22f;

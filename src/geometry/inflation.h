@@ -15,8 +15,9 @@ inline constexpr float lost_way = 2e-19f;
 /// (docs/features.md).
 struct Inflation {
     float half = 0, of_way = 0;
+    bool of_box = false;  ///< what is widened is the box of a primitive's points, along the axes of the coordinates
 
-    CRUMPLE_HD bool none() const { return half == 0 && of_way == 0; }
+    CRUMPLE_HD bool none() const { return half == 0 && of_way == 0 && !of_box; }
     /// Of a primitive whose corners move by so much. Rounded up; coordinates are at most 1, so no more than 4 matters.
     CRUMPLE_HD float operator()(float way) const { return min(4.0f, (half + of_way * (way + lost_way)) * 1.000002f); }
 };

@@ -6,6 +6,7 @@
 #include <limits>
 #include <memory>
 
+#include "engine/cpu/candidates.h"
 #include "engine/cpu/features.h"
 #include "engine/cpu/intersections.h"
 #include "engine/cpu/limit.h"
@@ -23,6 +24,7 @@ class CpuBackend final : public BackendBase {
           kernels_(stage_kernels(options.simd)),
           intersect_(intersect_kernels(options.simd)),
           features_(feature_kernels(options.simd)),
+          candidates_(candidate_kernels(options.simd)),
           cancellation_(cancellation),
           workers_(options, cancellation),
           meter_(meter) {
@@ -96,6 +98,20 @@ class CpuBackend final : public BackendBase {
         answer.statistics = statistics_;
     }
 
+    void find_candidates(const Scene& scene, const CandidateQuery& query, CandidateAnswer& answer) override {
+        clear(answer);
+        statistics_ = {};
+        workers_.run([&] {
+            Kept& k = *kept_;
+            Call call{scene, query.rule,    Levels(nullptr), options_,  kernels_,    workers_,
+                      *this, cancellation_, meter_,          k.buffers, statistics_, k.candidates.leaves};
+            call.frugal = query.frugal;
+            call.inflation = inflation_of(scene, query);
+            cpu::find(call, query, k.candidates, answer);
+        });
+        answer.statistics = statistics_;
+    }
+
     bool heeds_bodies() const override { return true; }
 
     void parallel_for(std::size_t n, Task task) override {
@@ -104,19 +120,26 @@ class CpuBackend final : public BackendBase {
 
     void release() override {
         kept_.reset();
-        kept_ = std::make_unique<Kept>(&meter_, workers_.workers(), intersect_, features_);
+        kept_ = std::make_unique<Kept>(&meter_, workers_.workers(), intersect_, features_, candidates_);
     }
 
    private:
     /// From call to call.
     struct Kept {
-        Kept(MemoryMeter* m, int workers, const IntersectKernels& kernels, const FeatureTables& features)
-            : rule(m), buffers(m, workers), leaves(m, workers, kernels), output(m), features(m, workers, features) {}
+        Kept(MemoryMeter* m, int workers, const IntersectKernels& kernels, const FeatureTables& features,
+             const CandidateKernels& candidates)
+            : rule(m),
+              buffers(m, workers),
+              leaves(m, workers, kernels),
+              output(m),
+              features(m, workers, features),
+              candidates(m, workers, candidates) {}
         GroupRule rule;
         Buffers buffers;
         IntersectLeaves leaves;
         OutputScratch output;
         FeatureBuffers features;
+        CandidateBuffers candidates;
     };
 
     IntersectCall make_call(const Scene& scene, const Query& query, const Part* part) {
@@ -146,6 +169,7 @@ class CpuBackend final : public BackendBase {
     const StageKernels& kernels_;
     const IntersectKernels& intersect_;
     const FeatureTables& features_;
+    const CandidateKernels& candidates_;
     Cancellation& cancellation_;
     Workers workers_;
     MemoryMeter& meter_;

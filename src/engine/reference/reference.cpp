@@ -8,6 +8,7 @@
 #include "engine/backend.h"
 #include "engine/output.h"
 #include "engine/pair_budget.h"
+#include "engine/reference/candidates.h"
 #include "engine/reference/features.h"
 #include "model/levels.h"
 #include "model/rules.h"
@@ -105,6 +106,15 @@ class Reference final : public BackendBase {
         answer.statistics.simd = "scalar";
         Stopwatch watch;
         find_features_by_brute_force(scene, query, cancellation_, answer);
+        answer.statistics[Stage::narrow] = watch.lap();
+    }
+
+    void find_candidates(const Scene& scene, const CandidateQuery& query, CandidateAnswer& answer) override {
+        clear(answer);
+        answer.statistics.backend = "reference";
+        answer.statistics.simd = "scalar";
+        Stopwatch watch;
+        find_candidates_by_brute_force(scene, query, cancellation_, answer);
         answer.statistics[Stage::narrow] = watch.lap();
     }
 

@@ -1,5 +1,5 @@
-// Impacts and near pairs of worlds: what is found of all bodies as one soup, less what the worlds and rules do not
-// want, by body.
+// Impacts, near pairs and candidates of worlds: what is found of all bodies as one soup, less what the worlds and rules
+// do not want, by body.
 
 #include <gtest/gtest.h>
 
@@ -7,6 +7,8 @@
 #include <set>
 #include <tuple>
 
+#include "engine/candidate_query.h"
+#include "questions/candidates/compare_candidates.h"
 #include "questions/features/compare_features.h"
 #include "questions/features/moving_soups.h"
 #include "worlds/random_worlds.h"
@@ -24,11 +26,28 @@ struct Line {
     bool flag;
     friend auto operator<=>(const Line&, const Line&) = default;
     friend std::ostream& operator<<(std::ostream& out, const Line& line) {
-        return out << feature_kind_name(static_cast<FeatureKind>(line.kind)) << ' ' << line.first << " of body "
+        return out << candidate_kind_name(static_cast<CandidateKind>(line.kind)) << ' ' << line.first << " of body "
                    << line.first_body << " with " << line.second << " of body " << line.second_body << " of world "
                    << line.world << ": " << line.value << ' ' << line.flag;
     }
 };
+
+// Impacts and near pairs are of the first two kinds of candidates. Candidates have neither value nor flag.
+static_assert(static_cast<int>(CandidateKind::edge_edge) == static_cast<int>(FeatureKind::edge_edge));
+template <class List>
+double value_of(const List& list, std::size_t i) {
+    if constexpr (std::is_same_v<List, CandidateList>)
+        return 0;
+    else
+        return values_of(list)[i];
+}
+template <class List>
+bool flag_of(const List& list, std::size_t i) {
+    if constexpr (std::is_same_v<List, CandidateList>)
+        return false;
+    else
+        return flags_of(list)[i] != 0;
+}
 
 constexpr std::int64_t everywhere = std::numeric_limits<std::int32_t>::max();
 
@@ -109,19 +128,22 @@ class Together {
     template <class Answer>
     std::vector<Line> lines(const Answer& answer, const Rules& rules) const {
         std::vector<Line> lines;
-        for (std::size_t kind = 0; kind < feature_kinds; ++kind) {
+        for (std::size_t kind = 0; kind < answer.lists.size(); ++kind) {
             const auto& list = answer.lists[kind];
+            const FeatureTypes types = types_of(static_cast<CandidateKind>(kind));
+            const auto place = [&](FeatureType type, std::int32_t i) {
+                return type == FeatureType::vertex ? vertex(i)
+                       : type == FeatureType::edge ? edge(answer.edges[i])
+                                                   : triangle(i);
+            };
             for (std::size_t i = 0; i < list.pairs.size(); ++i) {
                 const Pair pair = list.pairs[i];
-                const bool edges = kind == static_cast<std::size_t>(FeatureKind::edge_edge);
-                const Place a = edges ? edge(answer.edges[pair.a]) : vertex(pair.a);
-                const Place b = edges ? edge(answer.edges[pair.b]) : triangle(pair.b);
+                const Place a = place(types.first, pair.a), b = place(types.second, pair.b);
                 if (!wanted(a, b, rules)) continue;
                 const std::int32_t in_a = world_.bodies[a.body].world, in_b = world_.bodies[b.body].world;
                 const std::int64_t world = std::max(in_a, in_b) < 0 ? everywhere : std::max(in_a, in_b);
                 lines.push_back({kind, world, static_cast<std::int32_t>(a.body), a.index,
-                                 static_cast<std::int32_t>(b.body), b.index, values_of(list)[i],
-                                 flags_of(list)[i] != 0});
+                                 static_cast<std::int32_t>(b.body), b.index, value_of(list, i), flag_of(list, i)});
             }
         }
         std::sort(lines.begin(), lines.end());
@@ -195,15 +217,14 @@ class Together {
 template <class Answer>
 std::vector<Line> lines_of(const World& world, const Answer& answer) {
     std::vector<Line> lines;
-    for (std::size_t kind = 0; kind < feature_kinds; ++kind) {
+    for (std::size_t kind = 0; kind < answer.lists.size(); ++kind) {
         const auto& list = answer.lists[kind];
         EXPECT_EQ(list.bodies.size(), list.pairs.size());
         for (std::size_t i = 0; i < list.pairs.size(); ++i) {
             const auto [a, b] = list.bodies[i];
             const auto in = [&](std::int32_t body) { return world.bodies[static_cast<std::size_t>(body)].world; };
             const std::int64_t of = std::max(in(a), in(b)) < 0 ? everywhere : std::max(in(a), in(b));
-            lines.push_back(
-                {kind, of, a, list.pairs[i].a, b, list.pairs[i].b, values_of(list)[i], flags_of(list)[i] != 0});
+            lines.push_back({kind, of, a, list.pairs[i].a, b, list.pairs[i].b, value_of(list, i), flag_of(list, i)});
         }
     }
     return lines;
@@ -277,6 +298,16 @@ class FeaturesOfWorlds : public testing::TestWithParam<unsigned> {
             expect_hits(detector.find(world, near).world_hit, near_lines);
             near.wants = NearWants::any;
             EXPECT_EQ(detector.find(world, near).any, !near_lines.empty());
+            const CandidateQuestion candidates{
+                .kinds = all_candidate_kinds(), .inflation = i * 0.05, .weld = rules.weld, .rules = rules.rules};
+            CandidateQuestion of_soup = candidates;
+            of_soup.rules = {};
+            const std::vector<Line> candidate_lines =
+                together.lines(single.find_candidates(soup.view(), soup.end_view(), of_soup), rules.rules);
+            const CandidateLists& lists = detector.find(world, candidates);
+            expect_same(lines_of(world, lists), candidate_lines);
+            expect_edges(lists, together.edges());
+            EXPECT_EQ(lists.count, static_cast<std::int64_t>(candidate_lines.size()));
             if (HasFatalFailure()) return;
         }
     }

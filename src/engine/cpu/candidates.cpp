@@ -1,0 +1,72 @@
+#include "engine/cpu/candidates.h"
+
+#include <algorithm>
+
+#include "base/stopwatch.h"
+#include "geometry/normaliser.h"
+
+namespace crumple::cpu {
+namespace {
+
+constexpr std::int64_t chunk = 4096;
+
+// What no two points of normalised coordinates exceed.
+constexpr float everything = 4;
+
+// Pairs of features that one triangle owns: two vertices, or a vertex and the edge across.
+void search_within(const Call& call, const CandidateQuery& query, CandidateLeaves& leaves) {
+    if (!query.wants(CandidateKind::vertex_vertex) && !query.wants(CandidateKind::vertex_edge)) return;
+    const std::int64_t n = call.scene.triangle_count();
+    if (call.frugal) return leaves.search_within(0, n, 0);
+    call.workers.parallel_for(static_cast<std::size_t>((n + chunk - 1) / chunk), [&](std::size_t c, std::size_t w) {
+        const std::int64_t begin = static_cast<std::int64_t>(c) * chunk;
+        leaves.search_within(begin, std::min(n, begin + chunk), w);
+    });
+}
+
+std::int32_t features(const CandidateQuery& query, FeatureType type) {
+    switch (type) {
+        case FeatureType::vertex:
+            return static_cast<std::int32_t>(query.features.points());
+        case FeatureType::edge:
+            return static_cast<std::int32_t>(query.features.edges().size());
+        default:
+            return static_cast<std::int32_t>(query.features.faces());
+    }
+}
+
+}  // namespace
+
+Inflation inflation_of(const Scene& scene, const CandidateQuery& query) {
+    Inflation inflation;
+    inflation.of_box = true;
+    if (query.inflation > 0) {
+        const Normaliser normaliser(scene.low, scene.high);
+        const double r = std::min<double>(everything, query.inflation * normaliser.pre * normaliser.post);
+        inflation.half = static_cast<float>(r) * 1.000001f + 1e-30f;
+    }
+    return inflation;
+}
+
+void find(const Call& call, const CandidateQuery& query, CandidateBuffers& buffers, CandidateAnswer& answer) {
+    CandidateLeaves& leaves = buffers.leaves;
+    leaves.ask(query);
+    measure(call);
+    search(call);
+    search_within(call, query, leaves);
+    Stopwatch watch;
+    const auto nothing = [](std::span<const std::span<const Pair>>) {};
+    for (std::size_t k = 0; k < candidate_kinds; ++k) {
+        const auto kind = static_cast<CandidateKind>(k);
+        if (!query.wants(kind)) continue;
+        const FeatureTypes types = types_of(kind);
+        const PairCounts counts{features(query, types.first), features(query, types.second)};
+        // What one worker has found all alone does not depend on how many there are.
+        const auto found = leaves.found(kind);
+        sort_pairs(call.workers, call.frugal ? found.first(1) : found, counts, buffers.sorting, answer.pairs[k],
+                   buffers.offsets, nothing);
+    }
+    call.statistics[Stage::output] += watch.lap();
+}
+
+}  // namespace crumple::cpu

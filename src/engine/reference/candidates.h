@@ -1,0 +1,14 @@
+#pragma once
+
+// Candidates by brute force: the boxes of all pairs of features, compared in rational numbers. Features are listed here
+// anew. One thread, O(features²).
+
+#include "base/cancellation.h"
+#include "engine/candidate_query.h"
+
+namespace crumple {
+
+void find_candidates_by_brute_force(const Scene& scene, const CandidateQuery& query, Cancellation& cancellation,
+                                    CandidateAnswer& answer);
+
+}  // namespace crumple

@@ -1,0 +1,51 @@
+#pragma once
+
+// The definition of a candidate: whether two boxes that are grown by r overlap, in real numbers. On each axis and in
+// either order that is low - r <= high + r. Rounding keeps the order, so unequal sums tell; of equal ones what rounding
+// has left out tells, and that is a float64 number.
+
+#include <cmath>
+
+#include "geometry/expansion.h"
+#include "geometry/vec.h"
+#include "model/scene.h"
+
+namespace crumple {
+
+/// The box of some points, not grown.
+struct FeatureBox {
+    Vec3d low, high;
+
+    explicit FeatureBox(const Vec3d& p) : low(p), high(p) {}
+    void add(const Vec3d& p) { low = min(low, p), high = max(high, p); }
+};
+
+/// The box of so many vertices all the way. Exact: what the caller gave.
+inline FeatureBox box_of_way(const Scene& scene, const std::int32_t* vertex, int count) {
+    FeatureBox box(scene.position(vertex[0]));
+    for (int k = 0; k < count; ++k) {
+        if (k > 0) box.add(scene.position(vertex[k]));
+        if (scene.moving) box.add(scene.end(vertex[k]));
+    }
+    return box;
+}
+
+/// What the rounded sum a + b lacks, where that is finite. The larger summand comes first: so nothing overflows.
+inline double lost_in_sum(double a, double b) {
+    return std::abs(a) < std::abs(b) ? fast_two_sum(b, a).low : fast_two_sum(a, b).low;
+}
+
+/// low - r <= high + r. A sum that overflows is on the right side of any other.
+inline bool reaches(double low, double high, double r) {
+    const double from = low - r, to = high + r;
+    if (from != to) return from < to;
+    return lost_in_sum(low, -r) <= lost_in_sum(high, r);
+}
+
+inline bool grown_boxes_overlap(const FeatureBox& a, const FeatureBox& b, double r) {
+    for (int axis = 0; axis < 3; ++axis)
+        if (!reaches(a.low[axis], b.high[axis], r) || !reaches(b.low[axis], a.high[axis], r)) return false;
+    return true;
+}
+
+}  // namespace crumple

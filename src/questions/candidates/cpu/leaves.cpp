@@ -1,0 +1,276 @@
+#include "questions/candidates/cpu/leaves.h"
+
+#include <algorithm>
+#include <bit>
+
+#include "base/float_environment.h"
+#include "base/stopwatch.h"
+#include "engine/cpu/order.h"
+#include "engine/cpu/sweep.h"
+#include "engine/output.h"
+
+namespace crumple::cpu {
+namespace {
+
+// Candidates whose hits are listed at once, so that they stay in the cache.
+constexpr std::int64_t batch = 256;
+constexpr std::size_t most_hits = 7 * batch + 1;
+
+FeatureType type_of(int lane) {
+    return lane < 3 ? FeatureType::vertex : lane < 6 ? FeatureType::edge : FeatureType::face;
+}
+
+// The kind of a pair of features by their types, in either order.
+constexpr CandidateKind kind_of[3][3] = {
+    {CandidateKind::vertex_vertex, CandidateKind::vertex_edge, CandidateKind::vertex_face},
+    {CandidateKind::vertex_edge, CandidateKind::edge_edge, CandidateKind::edge_face},
+    {CandidateKind::vertex_face, CandidateKind::edge_face, CandidateKind::face_face}};
+
+// The corners that a feature has, as bits.
+unsigned corners_of(int lane) {
+    constexpr std::uint8_t corners[candidate_lanes] = {0b001, 0b010, 0b100, 0b011, 0b110, 0b101, 0b111, 0};
+    return corners[lane];
+}
+
+// The lanes that have any of these corners.
+unsigned lanes_at(unsigned corners) {
+    unsigned lanes = 0;
+    for (int lane = 0; lane < candidate_lanes; ++lane) lanes |= unsigned{(corners_of(lane) & corners) != 0} << lane;
+    return lanes;
+}
+
+// What features of b have a vertex in common with a feature of a.
+unsigned incident_lanes(const CandidateRecord& a, int lane, const CandidateRecord& b) {
+    unsigned shared = 0;  // corners of b
+    for (unsigned corners = corners_of(lane); corners; corners &= corners - 1) {
+        const std::int32_t name = a.name[std::countr_zero(corners)];
+        for (int k = 0; k < 3; ++k) shared |= unsigned{name == b.name[k]} << k;
+    }
+    return shared ? lanes_at(shared) : 0;
+}
+
+CandidateRecord dummy_record() {
+    CandidateRecord record{};
+    for (int axis = 0; axis < 3; ++axis)
+        for (int lane = 0; lane < candidate_lanes; ++lane)
+            record.low[axis][lane] = beyond, record.high[axis][lane] = -beyond;
+    std::fill_n(record.id, candidate_lanes, -1);
+    std::fill_n(record.name, 3, -1);
+    return record;
+}
+
+}  // namespace
+
+CandidateLeaves::Worker::Worker(MemoryMeter* m)
+    : built(m), sorted(m), candidates(m), hits(m), found{Array<Pair>(m), Array<Pair>(m), Array<Pair>(m),
+                                                         Array<Pair>(m), Array<Pair>(m), Array<Pair>(m)} {}
+
+CandidateLeaves::CandidateLeaves(MemoryMeter* meter, int workers, const CandidateKernels& kernels) : kernels_(kernels) {
+    for (int w = 0; w < workers; ++w) {
+        worker_.push_back(std::make_unique<Worker>(meter));
+        for (std::size_t kind = 0; kind < candidate_kinds; ++kind) found_[kind].push_back(&worker_.back()->found[kind]);
+    }
+}
+
+void CandidateLeaves::ask(const CandidateQuery& query) {
+    query_ = &query;
+    for (int row = 0; row < candidate_lanes; ++row) {
+        asked_[row] = 0;
+        for (int column = 0; column < candidate_lanes - 1 && row < candidate_lanes - 1; ++column) {
+            const CandidateKind kind =
+                kind_of[static_cast<std::size_t>(type_of(row))][static_cast<std::size_t>(type_of(column))];
+            asked_[row] = static_cast<std::uint8_t>(asked_[row] | unsigned{query.wants(kind)} << column);
+        }
+    }
+}
+
+void CandidateLeaves::begin(const Call& call) {
+    call_ = &call;
+    normaliser_ = Normaliser(call.scene.low, call.scene.high);
+    for (const auto& worker : worker_) {
+        for (auto& list : worker->found) list.clear();
+        worker->statistics = {};
+    }
+}
+
+bool CandidateLeaves::stop() const {
+    call_->cancellation.check();
+    return false;
+}
+
+CandidateLeaves::Member CandidateLeaves::member_of(std::int32_t triangle, const CandidateKey& key) const {
+    const SceneFeatures& features = query_->features;
+    const std::int32_t* corner = call_->scene.corners + 3 * std::int64_t{triangle};
+    const TriangleEdges& edges = features.edges_of(triangle);
+    const double r = query_->inflation;
+    Member member{dummy_record(), {}, {}};
+    CandidateRecord& record = member.record;
+    record.owned = owned_lanes(triangle);
+    record.id[6] = triangle;
+    Vec3f low[3], high[3];
+    for (int k = 0; k < 3; ++k) {
+        record.vertex[k] = corner[k];
+        record.name[k] = features.name(corner[k]);
+        record.id[k] = features.point_of(triangle, k);
+        record.id[3 + k] = edges[static_cast<std::size_t>(k)];
+        const FeatureBox box = box_of_way(call_->scene, corner + k, 1);
+        low[k] = key(box.low - Vec3d{r, r, r});
+        high[k] = key(box.high + Vec3d{r, r, r});
+    }
+    const auto write = [&](int lane, const Vec3f& from, const Vec3f& to) {
+        if (!(record.owned >> lane & 1)) return;
+        for (int axis = 0; axis < 3; ++axis) record.low[axis][lane] = from[axis], record.high[axis][lane] = to[axis];
+    };
+    for (int k = 0; k < 3; ++k) {
+        write(k, low[k], high[k]);
+        write(3 + k, min(low[k], low[(k + 1) % 3]), max(high[k], high[(k + 1) % 3]));
+    }
+    member.low = min(low[0], min(low[1], low[2]));
+    member.high = max(high[0], max(high[1], high[2]));
+    write(6, member.low, member.high);
+    return member;
+}
+
+unsigned CandidateLeaves::owned_lanes(std::int32_t triangle) const {
+    const bool face = triangle < query_->features.faces();
+    return (query_->features.owned(triangle) & (vertex_lanes | edge_lanes)) | (face ? face_lane : 0);
+}
+
+// The leaf is swept along the axis of the coordinates that its own first axis is nearest to. Keys are of numbers that
+// may be subnormal.
+void CandidateLeaves::build(const BuildInput& input, LeafMembers& members, std::size_t w) {
+    const FloatEnvironment environment;
+    Worker& worker = *worker_[w];
+    worker.built.resize_discard(static_cast<std::size_t>(input.members + padding));
+    const LeafFrame& frame = input.frame;
+    const Vec3f along = abs(frame.axis[0]);
+    const int first = along.x == largest(along) ? 0 : along.y == largest(along) ? 1 : 2;
+    const CandidateKey key{normaliser_, {frame.origin.x, frame.origin.y, frame.origin.z}};
+    LeafBounds& bounds = members.bounds;
+    bounds = {};
+    for (std::int64_t i = 0; i < input.members; ++i) {
+        const Member member = member_of(input.triangle[i], key);
+        worker.built[i] = member.record;
+        Vec3f low, high;
+        for (int axis = 0; axis < 3; ++axis) {
+            low[axis] = member.low[(first + axis) % 3];
+            high[axis] = member.high[(first + axis) % 3];
+        }
+        members.boxes.low[i] = {low.x, low.y, low.z, 0};
+        members.boxes.high[i] = {high.x, high.y, high.z, 0};
+        const float reach = max(largest(abs(low)), largest(abs(high)));
+        const bool big = reach > frame.big;
+        bounds.reach = max(bounds.reach, big ? big_share * reach : reach);
+        bounds.big += big;
+        if (big) continue;
+        bounds.low = min(bounds.low, low);
+        bounds.high = max(bounds.high, high);
+    }
+}
+
+void CandidateLeaves::place(const SortedLeaf& leaf, std::size_t w) {
+    Worker& worker = *worker_[w];
+    worker.sorted.resize_discard(static_cast<std::size_t>(leaf.rows + padding));
+    for_each_dummy(leaf, [&](std::int64_t row) { worker.sorted[row] = dummy_record(); });
+    for (std::int64_t i = 0; i < leaf.members; ++i) worker.sorted[leaf.position[i]] = worker.built[i];
+}
+
+void CandidateLeaves::sweep(const SortedLeaf& leaf, const Ownership& ownership, std::int64_t first, std::int64_t last,
+                            std::size_t builder, std::size_t w) {
+    Worker& worker = *worker_[w];
+    Statistics& statistics = worker.statistics;
+    Stopwatch watch;
+    const auto asked_to_stop = [&] {
+        watch.lap();
+        return stop();
+    };
+    sweep_chunks(call_->kernels, leaf, first, last, worker.candidates, asked_to_stop, [&] {
+        statistics[Stage::sweep] += watch.lap();
+        if (worker.candidates.pairs == 0) return;
+        statistics.box_overlaps += worker.candidates.pairs;
+        if (!ownership.complete() || !call_->rule.trivial()) drop_foreign(leaf, ownership, worker);
+        narrow(*worker_[builder], worker);
+        statistics[Stage::narrow] += watch.lap();
+    });
+}
+
+// Candidates that are another leaf's, or not wanted, become padding.
+void CandidateLeaves::drop_foreign(const SortedLeaf& leaf, const Ownership& ownership, Worker& worker) const {
+    const Scene& scene = call_->scene;
+    const GroupRule& rule = call_->rule;
+    Candidates& candidates = worker.candidates;
+    for (std::int64_t k = 0; k < candidates.count; ++k) {
+        if (candidates.column[k] == candidates.dummy) continue;
+        const std::int64_t row = candidates.rows + candidates.row[k],
+                           column = candidates.columns + candidates.column[k];
+        const std::int32_t a = leaf.link[row].triangle, b = leaf.link[column].triangle;
+        const bool ours = (ownership.complete() || ownership.owns(a, leaf.member[row], b, leaf.member[column])) &&
+                          (rule.trivial() || rule(scene.group(a), scene.group(b)));
+        if (!ours) candidates.column[k] = candidates.dummy;
+    }
+}
+
+void CandidateLeaves::narrow(const Worker& builder, Worker& worker) const {
+    const Candidates& candidates = worker.candidates;
+    const CandidateRecord* record = builder.sorted.data();
+    worker.hits.resize_discard(most_hits);
+    for (std::int64_t begin = 0; begin < candidates.count; begin += batch) {
+        const std::int64_t end = std::min(candidates.count, begin + batch);
+        const std::size_t hits = kernels_.overlaps(record, candidates, begin, end, asked_, worker.hits.data());
+        for (std::size_t h = 0; h < hits; ++h) {
+            const BoxHit& hit = worker.hits[h];
+            list(hit, record[candidates.rows + hit.row], record[candidates.columns + hit.column], worker);
+        }
+    }
+}
+
+void CandidateLeaves::list(const BoxHit& hit, const CandidateRecord& a, const CandidateRecord& b,
+                           Worker& worker) const {
+    unsigned lanes = hit.overlaps & ~incident_lanes(a, hit.lane, b);
+    for (unsigned unsure = hit.unsure & lanes; unsure; unsure &= unsure - 1) {
+        const int lane = std::countr_zero(unsure);
+        if (!grown_boxes_overlap(box(a, hit.lane), box(b, lane), query_->inflation)) lanes &= ~(1u << lane);
+    }
+    for (; lanes; lanes &= lanes - 1) list(a, hit.lane, b, std::countr_zero(lanes), worker);
+}
+
+// Of two kinds the lower one comes first, of one the lesser index.
+void CandidateLeaves::list(const CandidateRecord& a, int lane_a, const CandidateRecord& b, int lane_b,
+                           Worker& worker) const {
+    const auto first = static_cast<std::size_t>(type_of(lane_a)), second = static_cast<std::size_t>(type_of(lane_b));
+    Pair pair{a.id[lane_a], b.id[lane_b]};
+    if (second < first || (second == first && pair.b < pair.a)) std::swap(pair.a, pair.b);
+    worker.found[static_cast<std::size_t>(kind_of[first][second])].push_back(pair);
+}
+
+FeatureBox CandidateLeaves::box(const CandidateRecord& record, int lane) const {
+    std::int32_t vertex[3];
+    int count = 0;
+    for (unsigned corners = corners_of(lane); corners; corners &= corners - 1)
+        vertex[count++] = record.vertex[std::countr_zero(corners)];
+    return box_of_way(call_->scene, vertex, count);
+}
+
+void CandidateLeaves::search_within(std::int64_t begin, std::int64_t end, std::size_t w) {
+    const CandidateKey key{normaliser_, {}};
+    for (std::int64_t t = begin; t < end; ++t) {
+        const unsigned owned = owned_lanes(static_cast<std::int32_t>(t));
+        if ((owned & vertex_lanes) == 0 || !call_->rule(call_->scene.group(t), call_->scene.group(t))) continue;
+        const CandidateRecord record = member_of(static_cast<std::int32_t>(t), key).record;
+        for (int a = 0; a < 3; ++a) {
+            unsigned lanes = asked_[a] & owned & ~incident_lanes(record, a, record) & ~((2u << a) - 1);
+            if (!(owned >> a & 1)) continue;
+            for (; lanes; lanes &= lanes - 1) {
+                const int b = std::countr_zero(lanes);
+                if (grown_boxes_overlap(box(record, a), box(record, b), query_->inflation))
+                    list(record, a, record, b, *worker_[w]);
+            }
+        }
+    }
+}
+
+void CandidateLeaves::finish(Statistics& statistics) {
+    for (const auto& worker : worker_) add(worker->statistics, statistics);
+}
+
+}  // namespace crumple::cpu

@@ -1,0 +1,75 @@
+#pragma once
+
+// Candidates in the order of the stages. Triangles are swept as boxes along the axes of the coordinates; of a pair of
+// triangles whose boxes overlap the features that the one owns are held against those that the other owns.
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "engine/candidate_query.h"
+#include "engine/cpu/question.h"
+#include "geometry/normaliser.h"
+#include "questions/candidates/box_test.h"
+#include "questions/candidates/cpu/kernels.h"
+
+namespace crumple::cpu {
+
+class CandidateLeaves final : public LeafQuestion {
+   public:
+    CandidateLeaves(MemoryMeter* meter, int workers, const CandidateKernels& kernels);
+
+    /// What is asked, from begin() on.
+    void ask(const CandidateQuery& query);
+
+    void begin(const Call& call) override;
+    bool stop() const override;
+    void build(const BuildInput& input, LeafMembers& members, std::size_t worker) override;
+    void place(const SortedLeaf& leaf, std::size_t worker) override;
+    void sweep(const SortedLeaf& leaf, const Ownership& ownership, std::int64_t first, std::int64_t last,
+               std::size_t builder, std::size_t worker) override;
+    void finish(Statistics& statistics) override;
+
+    /// Candidates of which one triangle owns both features, of triangles [begin, end): no pair of triangles has them.
+    void search_within(std::int64_t begin, std::int64_t end, std::size_t worker);
+
+    /// What each worker has found.
+    std::span<const Array<Pair>* const> found(CandidateKind kind) const {
+        return found_[static_cast<std::size_t>(kind)];
+    }
+
+   private:
+    struct Worker {
+        explicit Worker(MemoryMeter* m);
+        Array<CandidateRecord> built;   ///< in the order of LeafMembers
+        Array<CandidateRecord> sorted;  ///< by physical row
+        Candidates candidates;
+        Array<BoxHit> hits;  ///< of a batch
+        std::array<Array<Pair>, candidate_kinds> found;
+        Statistics statistics;
+    };
+
+    /// A triangle with its box.
+    struct Member {
+        CandidateRecord record;
+        Vec3f low, high;
+    };
+    Member member_of(std::int32_t triangle, const CandidateKey& key) const;
+    unsigned owned_lanes(std::int32_t triangle) const;
+    void drop_foreign(const SortedLeaf& leaf, const Ownership& ownership, Worker& worker) const;
+    void narrow(const Worker& builder, Worker& worker) const;
+    void list(const BoxHit& hit, const CandidateRecord& a, const CandidateRecord& b, Worker& worker) const;
+    void list(const CandidateRecord& a, int lane_a, const CandidateRecord& b, int lane_b, Worker& worker) const;
+    FeatureBox box(const CandidateRecord& record, int lane) const;
+
+    const CandidateKernels& kernels_;
+    std::vector<std::unique_ptr<Worker>> worker_;
+    std::array<std::vector<const Array<Pair>*>, candidate_kinds> found_;
+    // Of the call:
+    const Call* call_ = nullptr;
+    const CandidateQuery* query_ = nullptr;
+    Normaliser normaliser_;
+    AskedLanes asked_{};  ///< against each lane of a row
+};
+
+}  // namespace crumple::cpu

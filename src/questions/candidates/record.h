@@ -1,0 +1,49 @@
+#pragma once
+
+// What candidates keep of a triangle in a leaf: the boxes of the features that it owns, seven at most, in lanes, and
+// what they are called.
+//
+//   lane    0 1 2      3 4 5    6        7
+//   holds   vertices   edges    itself   nothing
+//
+// A coordinate of a grown box is a key: the sum is rounded, then normalised, taken relative to the leaf's origin and
+// rounded to float32, each of which keeps the order of numbers. So unequal keys tell the order of the exact sums
+// (box_test.h); equal ones tell nothing. The lane of a feature that another triangle owns overlaps nothing; nor does
+// lane 7, and that of a carrier itself, which is no face (model/scene_features.h).
+
+#include <cstdint>
+
+#include "geometry/leaf_frame.h"
+#include "geometry/normaliser.h"
+
+namespace crumple {
+
+inline constexpr int candidate_lanes = 8;
+inline constexpr unsigned vertex_lanes = 0b111, edge_lanes = 0b111000, face_lane = 0b1000000;
+
+struct alignas(64) CandidateRecord {
+    float low[3][candidate_lanes], high[3][candidate_lanes];  ///< by axis
+    std::int32_t id[candidate_lanes];                         ///< of points, edges, the triangle
+    std::int32_t vertex[3], name[3];                          ///< of the corners; names are what is compared
+    std::uint32_t owned;                                      ///< a bit for each lane
+};
+
+/// What a lane that overlaps nothing has: lows above it, highs below.
+inline constexpr float beyond = 3e38f;
+
+/// Normalised coordinates lie within 1 of 0, origins as well; where a grown box ends beyond them does not matter.
+inline constexpr double farthest_key = 8;
+
+/// The key of a grown coordinate.
+struct CandidateKey {
+    const Normaliser& normaliser;
+    Vec3d origin;
+
+    Vec3f operator()(const Vec3d& grown) const {
+        const Vec3d p = normaliser(grown) - origin;
+        return to_float(max(Vec3d{-farthest_key, -farthest_key, -farthest_key},
+                            min(Vec3d{farthest_key, farthest_key, farthest_key}, p)));
+    }
+};
+
+}  // namespace crumple
