@@ -18,6 +18,7 @@ Vertices are (n, 3) float32 or float64, faces (m, 3) integers or flat: NumPy arr
 Any triangle soup will do. What counts as a collision: docs/contract.md.
 """
 
+from ._candidates import Candidates
 from ._core import Part, Statistics, __version__
 from ._detector import Detector
 from ._devices import DeviceInfo, DeviceList, list_devices
@@ -40,6 +41,7 @@ from ._motion import FirstImpact, FreeStep, Impacts
 from ._near import EdgeEdgeType, Nearby, VertexEdgeType, VertexFaceType, VertexVertexType
 from ._result import Block, ContactKind, Contacts, Result
 from ._short_forms import (
+    find_candidates,
     find_free_step,
     find_impacts,
     find_intersections_between,
@@ -58,6 +60,7 @@ __all__ = [
     "BackendUnavailable",
     "Block",
     "Body",
+    "Candidates",
     "ContactKind",
     "Contacts",
     "Detector",
@@ -93,6 +96,7 @@ __all__ = [
     "as_mesh",
     "edge_edge_distances",
     "edge_edge_impacts",
+    "find_candidates",
     "find_free_step",
     "find_impacts",
     "find_intersections_between",

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable
 from typing import Any, Literal, overload
 
 from . import _core
+from ._candidates import find_candidates
 from ._core import Statistics
 from ._errors import InvalidInput, InvalidType
 from ._mesh import Mesh, as_mesh, soup_of
@@ -37,7 +38,8 @@ class Detector(_core.Detector):
     Keeps buffers and cluster centres between calls, so one detector for all frames of a simulation is faster than a new
     one for each; the topology may change freely. Any triangle soup will do.
 
-    find_impacts and its like tell what touches on its way from one frame to the next, and when; find_near what is near.
+    find_impacts and its like tell what touches on its way from one frame to the next, and when; find_near what is near;
+    find_candidates lists what a narrow phase of your own would look at.
 
     Meshes are given as (vertices, faces), or as one object that as_mesh knows: crumple.Mesh, a tuple, a mesh of
     trimesh, meshio, Open3D or PyVista. Arrays are read in place: NumPy or anything on the host that speaks DLPack or
@@ -393,6 +395,7 @@ class Detector(_core.Detector):
     is_free = is_free
     find_free_step = find_free_step
     find_near = find_near
+    find_candidates = find_candidates
 
 
 def _find_in_part(

@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from ._candidates import Candidates
     from ._motion import FreeStep, Impacts
     from ._near import Nearby
 
@@ -64,3 +65,8 @@ def find_free_step(*scene: Any, **question: Any) -> FreeStep:
 def find_near(*scene: Any, radius: float, **question: Any) -> Nearby:
     """What is near what in (vertices, faces) or in a world, and how near. All else: Detector.find_near."""
     return Detector().find_near(*scene, radius=radius, **question)
+
+
+def find_candidates(*scene: Any, **question: Any) -> Candidates:
+    """Which features of (vertices, faces) or of a world have boxes that overlap. All else: Detector.find_candidates."""
+    return Detector().find_candidates(*scene, **question)

@@ -14,6 +14,7 @@
 #include "answer.h"
 #include "arguments.h"
 #include "arrays.h"
+#include "candidates.h"
 #include "crumple/device.h"
 #include "feature_search.h"
 #include "gil.h"
@@ -104,6 +105,19 @@ void SharedDetector::find(const MeshView& mesh, const VertexView& end, const Mot
 
 void SharedDetector::find(const MeshView& mesh, const Near& question, Nearby& answer) {
     answer_into(answer, [&](std::stop_token stop) { detector_.find_near(mesh, question, std::move(stop)); });
+}
+
+void SharedDetector::find(const World& world, const CandidateQuestion& question, CandidateLists& answer) {
+    answer_into(answer, [&](std::stop_token stop) { detector_.find(world, question, std::move(stop)); });
+}
+
+void SharedDetector::find(const MeshView& mesh, const CandidateQuestion& question, CandidateLists& answer) {
+    answer_into(answer, [&](std::stop_token stop) { detector_.find_candidates(mesh, question, std::move(stop)); });
+}
+
+void SharedDetector::find(const MeshView& mesh, const VertexView& end, const CandidateQuestion& question,
+                          CandidateLists& answer) {
+    answer_into(answer, [&](std::stop_token stop) { detector_.find_candidates(mesh, end, question, std::move(stop)); });
 }
 
 FreeStep SharedDetector::find_free_step(const MeshView& mesh, const VertexView& end, const Motion& question) {
@@ -314,6 +328,9 @@ void bind_detector(nb::module_& module) {
         .def("_find_near", find_near, "mesh"_a, "question"_a, "copy"_a.none(), "lists"_a)
         .def("_find_near_in_world", find_near_in_world, "world"_a, "poses"_a.none(), "question"_a, "excluded"_a.none(),
              "copy"_a.none())
+        .def("_find_candidates", find_candidates, "mesh"_a, "end"_a.none(), "question"_a, "copy"_a.none(), "lists"_a)
+        .def("_find_candidates_in_world", find_candidates_in_world, "world"_a, "poses"_a.none(), "end_poses"_a.none(),
+             "question"_a, "excluded"_a.none(), "copy"_a.none())
         .def("_stream", stream, "take"_a, "first"_a, "second"_a.none(), "query"_a, "block_pairs"_a.none(),
              "ordered"_a.none())
         .def("_any", any, "first"_a, "second"_a.none(), "query"_a)

@@ -63,29 +63,6 @@ void make_near(Near* place, nb::handle wants, nb::handle radius, nb::handle stri
     new (place) Near(std::move(question));
 }
 
-void check_on_host(const BorrowedMesh& mesh) {
-    if (mesh.device() != BorrowedArray::on_host)
-        refuse(std::string("vertices lie in CUDA memory, but those of motion and nearness are wanted in the host's: ") +
-               copy_to_host);
-}
-
-MeshView with_lists(const BorrowedMesh& mesh, const BorrowedLists& lists) {
-    MeshView view = mesh.view();
-    lists.put_into(view);
-    return view;
-}
-
-// The bodies and exclusions of one call on a world, which may get other poses while the call runs without the GIL.
-template <class Question>
-struct Asked {
-    Asked(nb::handle world, const Question& given, nb::handle excluded)
-        : bodies(given_world(world).bodies), question(given) {
-        question.rules.excluded_bodies = excluded_bodies(*bodies, excluded);
-    }
-    std::shared_ptr<const Bodies> bodies;
-    Question question;
-};
-
 // (n, 3), which owns its memory.
 template <class Number>
 nb::object give_rows(const Array<double>& values) {
@@ -96,6 +73,19 @@ nb::object give_rows(const Array<double>& values) {
 }
 
 }  // namespace
+
+void check_on_host(const BorrowedMesh& mesh) {
+    if (mesh.device() != BorrowedArray::on_host)
+        refuse(std::string("vertices lie in CUDA memory, but those of motion, nearness and candidates are wanted in "
+                           "the host's: ") +
+               copy_to_host);
+}
+
+MeshView with_lists(const BorrowedMesh& mesh, const BorrowedLists& lists) {
+    MeshView view = mesh.view();
+    lists.put_into(view);
+    return view;
+}
 
 ImpactsAnswer find_impacts(nb::handle self, const nb::tuple& mesh, nb::handle end, const Motion& question,
                            nb::handle copy, const nb::tuple& lists) {
@@ -115,7 +105,7 @@ ImpactsAnswer find_impacts(nb::handle self, const nb::tuple& mesh, nb::handle en
 ImpactsAnswer find_impacts_in_world(nb::handle self, nb::handle world, nb::handle poses, nb::handle end_poses,
                                     const Motion& question, nb::handle excluded, nb::handle copy) {
     SharedDetector& detector = detector_of(self);
-    const Asked<Motion> asked(world, question, excluded);
+    const AskedOfWorld<Motion> asked(world, question, excluded);
     const Bodies& bodies = *asked.bodies;
     const BorrowedPoses start(poses, bodies), end(end_poses, bodies, BorrowedPoses::When::end);
     const bool copied = flag("copy", copy);
@@ -161,7 +151,7 @@ NearbyAnswer find_near(nb::handle self, const nb::tuple& mesh, const Near& quest
 NearbyAnswer find_near_in_world(nb::handle self, nb::handle world, nb::handle poses, const Near& question,
                                 nb::handle excluded, nb::handle copy) {
     SharedDetector& detector = detector_of(self);
-    const Asked<Near> asked(world, question, excluded);
+    const AskedOfWorld<Near> asked(world, question, excluded);
     const BorrowedPoses at(poses, *asked.bodies);
     const bool copied = flag("copy", copy);
     const SharedDetector::Turn turn(detector);

@@ -4,9 +4,26 @@
 
 #include <nanobind/nanobind.h>
 
+#include "arrays.h"
 #include "feature_answer.h"
+#include "world.h"
 
 namespace crumple::python {
+
+/// Refuses meshes in device memory.
+void check_on_host(const BorrowedMesh& mesh);
+MeshView with_lists(const BorrowedMesh& mesh, const BorrowedLists& lists);
+
+/// The bodies and exclusions of one call on a world, which may get other poses while the call runs without the GIL.
+template <class Question>
+struct AskedOfWorld {
+    AskedOfWorld(nanobind::handle world, const Question& given, nanobind::handle excluded)
+        : bodies(given_world(world).bodies), question(given) {
+        question.rules.excluded_bodies = excluded_bodies(*bodies, excluded);
+    }
+    std::shared_ptr<const Bodies> bodies;
+    Question question;
+};
 
 ImpactsAnswer find_impacts(nanobind::handle self, const nanobind::tuple& mesh, nanobind::handle end,
                            const Motion& question, nanobind::handle copy, const nanobind::tuple& lists);

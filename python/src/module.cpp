@@ -3,6 +3,7 @@
 #include <nanobind/nanobind.h>
 
 #include "answer.h"
+#include "candidates.h"
 #include "crumple/version.h"
 #include "detector.h"
 #include "errors.h"
@@ -29,6 +30,7 @@ NB_MODULE(_core, module) {
     crumple::python::bind_world(module);
     crumple::python::bind_world_answer(module);
     crumple::python::bind_feature_answers(module);
+    crumple::python::bind_candidates(module);
     crumple::python::bind_detector(module);
     crumple::python::bind_files(module);
     crumple::python::bind_world_files(module);

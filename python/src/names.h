@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "arguments.h"
+#include "crumple/candidates.h"
 #include "crumple/io.h"
 #include "crumple/motion.h"
 #include "crumple/near.h"
@@ -47,6 +48,12 @@ inline constexpr Names<MotionWants, 4> motion_wants_names{{{"any", MotionWants::
                                                            {"impacts", MotionWants::impacts}}};
 inline constexpr Names<NearWants, 3> near_wants_names{
     {{"any", NearWants::any}, {"any_by_world", NearWants::any_by_world}, {"pairs", NearWants::pairs}}};
+inline constexpr Names<CandidateKind, 6> candidate_kind_names{{{"vertex_face", CandidateKind::vertex_face},
+                                                               {"edge_edge", CandidateKind::edge_edge},
+                                                               {"edge_face", CandidateKind::edge_face},
+                                                               {"face_face", CandidateKind::face_face},
+                                                               {"vertex_edge", CandidateKind::vertex_edge},
+                                                               {"vertex_vertex", CandidateKind::vertex_vertex}}};
 inline constexpr Names<io::Precision, 3> precision_names{{{"automatic", io::Precision::automatic},
                                                           {"float32", io::Precision::float32},
                                                           {"float64", io::Precision::float64}}};

@@ -1,0 +1,115 @@
+#include "candidates.h"
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "arguments.h"
+#include "arrays.h"
+#include "detector.h"
+#include "feature_search.h"
+#include "gil.h"
+#include "names.h"
+#include "views.h"
+#include "world.h"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+
+namespace crumple::python {
+namespace {
+
+void make_question(CandidateQuestion* place, const nb::tuple& kinds, nb::handle inflation, nb::handle weld,
+                   const Rules& rules) {
+    CandidateQuestion question;
+    question.kinds.clear();
+    for (const nb::handle kind : kinds) question.kinds.push_back(named(candidate_kind_names, "kinds", kind));
+    question.inflation = real("inflation", inflation);
+    question.weld = flag("weld", weld);
+    question.rules = rules;
+    new (place) CandidateQuestion(std::move(question));
+}
+
+std::string plural(CandidateKind kind) {
+    const std::string name(name_of(candidate_kind_names, kind));
+    return kind == CandidateKind::vertex_vertex ? "vertex_vertices" : name + 's';
+}
+
+}  // namespace
+
+CandidatesAnswer find_candidates(nb::handle self, const nb::tuple& mesh, nb::handle end,
+                                 const CandidateQuestion& question, nb::handle copy, const nb::tuple& lists) {
+    SharedDetector& detector = detector_of(self);
+    const BorrowedMesh start(mesh);
+    check_on_host(start);
+    std::optional<BorrowedEnd> at_end;
+    if (!end.is_none()) at_end.emplace(end, start);
+    const BorrowedLists listed(lists);
+    const MeshView view = with_lists(start, listed);
+    const bool copied = flag("copy", copy);
+    const SharedDetector::Turn turn(detector);
+    CandidatesAnswer answer{detector.storage<CandidateLists>(), question.kinds, false, copied};
+    const auto find = [&] {
+        if (at_end)
+            detector.find(view, at_end->view(), question, *answer.storage);
+        else
+            detector.find(view, question, *answer.storage);
+    };
+    without_gil(find, detector.stop());
+    return answer;
+}
+
+CandidatesAnswer find_candidates_in_world(nb::handle self, nb::handle world, nb::handle poses, nb::handle end_poses,
+                                          const CandidateQuestion& question, nb::handle excluded, nb::handle copy) {
+    SharedDetector& detector = detector_of(self);
+    const AskedOfWorld<CandidateQuestion> asked(world, question, excluded);
+    const Bodies& bodies = *asked.bodies;
+    const BorrowedPoses start(poses, bodies), end(end_poses, bodies, BorrowedPoses::When::end);
+    const bool copied = flag("copy", copy);
+    const SharedDetector::Turn turn(detector);
+    World view{bodies.shapes, bodies.bodies, start.read(bodies, detector.poses())};
+    if (end.given()) view.end_poses = end.read(bodies, detector.end_poses());
+    CandidatesAnswer answer{detector.storage<CandidateLists>(), question.kinds, true, copied};
+    without_gil([&] { detector.find(view, asked.question, *answer.storage); }, detector.stop());
+    return answer;
+}
+
+void bind_candidates(nb::module_& module) {
+    constexpr auto owner = nb::rv_policy::reference_internal;
+    using A = CandidatesAnswer;
+    nb::class_<CandidateQuestion>(module, "CandidateQuestion", "What is asked about candidates.")
+        .def("__init__", make_question, "kinds"_a, "inflation"_a.none(), "weld"_a.none(), "rules"_a);
+    nb::class_<A> type(module, "CandidatesAnswer",
+                       "The library's answer about candidates; crumple.Candidates gives access to it.");
+    for (const auto& [name, kind] : candidate_kind_names) {
+        const CandidateKind of = kind;
+        type.def_prop_ro(
+            plural(of).c_str(), [of](const A& a) { return view<std::int32_t>(a.found()[of].pairs, 2U); }, owner);
+        type.def_prop_ro((std::string(name) + "_bodies").c_str(),
+                         [of](const A& a) { return view<std::int32_t>(a.found()[of].bodies, 2U); }, owner);
+    }
+    type.def_prop_ro(
+            "edges", [](const A& a) { return view<std::int32_t>(a.found().edges, 2U); }, owner)
+        .def_prop_ro(
+            "first_edge", [](const A& a) { return view<std::int64_t>(a.found().first_edge); }, owner)
+        .def_prop_ro(
+            "points", [](const A& a) { return view<std::int32_t>(a.found().points); }, owner)
+        .def_prop_ro(
+            "first_point", [](const A& a) { return view<std::int64_t>(a.found().first_point); }, owner)
+        .def_prop_ro("kinds",
+                     [](const A& a) {
+                         nb::list names;
+                         for (const CandidateKind kind : a.kinds) {
+                             const std::string_view name = name_of(candidate_kind_names, kind);
+                             names.append(nb::str(name.data(), name.size()));
+                         }
+                         return nb::tuple(names);
+                     })
+        .def_prop_ro("count", [](const A& a) { return a.found().count; })
+        .def_prop_ro("statistics", [](const A& a) { return Statistics(a.found().statistics); })
+        .def_ro("of_world", &A::of_world)
+        .def_ro("copy", &A::copy);
+}
+
+}  // namespace crumple::python
