@@ -77,6 +77,7 @@ class SceneFeatures {
 
     /// What vertices are called where it is asked whether two are the same: mostly by their index.
     bool renames() const { return !names_.empty(); }
+    const Array<std::int32_t>& names() const { return names_; }  ///< empty: their index
     std::int32_t name(std::int32_t vertex) const { return names_.empty() ? vertex : names_[vertex]; }
     /// Whether a face or an edge and a vertex, or two edges, have a vertex in common.
     bool incident(std::int32_t vertex, const std::int32_t* corners) const {
