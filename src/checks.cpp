@@ -39,6 +39,10 @@ void check_question(const Near& q, bool world) {
     check(!world || !q.index, "offsets by feature are made of a single mesh");
     check(!world || !q.least, "least distances are told of a single mesh");
     check(q.radius >= 0 && std::isfinite(q.radius), "radius must be finite and 0 or more");
+    check(!world || q.radii.empty(), "radii of a world are those of its shapes");
+    check(!world || (!q.rest.data && q.rest.rows == 0), "the rest shape of a world is that of each of its shapes");
+    check(q.rings >= 0, "rings must be 0 or more");
+    check(q.rest_radius >= 0 && std::isfinite(q.rest_radius), "rest_radius must be finite and 0 or more");
 }
 
 void check_question(const CandidateQuestion& q, bool) {

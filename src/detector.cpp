@@ -253,7 +253,9 @@ struct Detector::Implementation {
         return find({{&shape, 1}, {&body, 1}, {}, {}}, question, false, impacts, std::move(stop));
     }
     const Nearby& find_near(const MeshView& mesh, const Near& question, std::stop_token stop) {
-        const Shape shape = host_shape(mesh);
+        Shape shape = host_shape(mesh);
+        shape.radii = question.radii;
+        shape.rest = question.rest;
         const Body body;
         return find({{&shape, 1}, {&body, 1}, {}, {}}, question, false, nearby, std::move(stop));
     }

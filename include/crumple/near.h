@@ -2,11 +2,13 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "crumple/array.h"
 #include "crumple/collisions.h"
 #include "crumple/features.h"
+#include "crumple/mesh.h"
 #include "crumple/world.h"
 
 namespace crumple {
@@ -18,16 +20,28 @@ enum class NearWants : std::uint8_t {
     pairs,         ///< all pairs with their distances
 };
 
-/// What is near what (docs/nearness.md). A value: it owns what it names.
+/// What is near what (docs/nearness.md). A value, but for the views `radii` and `rest`, which are read during the call.
 struct Near {
     NearWants wants = NearWants::pairs;
     /// Features are near whose distance is at most this: Euclidean, finite, 0 or more; in the units of the coordinates.
     /// Exact as given.
     double radius = 0;
+    /// Instead of `radius`: one a vertex, finite, 0 or more. That of an edge or a face is the largest of its vertices';
+    /// features are near whose distance is at most the sum of both, in real numbers. Half a cloth's thickness, say. Of
+    /// a single mesh; a world has Shape::radii.
+    std::span<const double> radii = {};
     bool strict = false;   ///< less, not equal
     bool closest = false;  ///< also tell where they are closest: NearList::type and at
     bool least = false;    ///< also tell each feature's least distance: Nearby::vertex_distance and so on; single mesh
     bool weld = false;     ///< vertices at equal positions count as one, for neighbours
+    /// Neighbours, which are never near: features of which two vertices are joined by a path of at most so many edges.
+    /// 0: those with a common vertex. Cost: 4 bytes for each vertex and each that is as close to it, kept for the next
+    /// call; some 150 bytes a vertex for 3 rings.
+    std::int32_t rings = 0;
+    /// Where the vertices are at rest: (n, 3), float32 or float64, finite. Features whose distance there is at most
+    /// `rest_radius` are never near. Of a single mesh; a world has Shape::rest. Without data there is no such shape.
+    VertexView rest = {};
+    double rest_radius = 0;  ///< finite, 0 or more; exact as given
     Rules rules = {};
     bool index = false;  ///< also make the offsets of NearList, where pairs are wanted
 };

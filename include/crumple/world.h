@@ -42,6 +42,12 @@ struct Shape {
     std::optional<std::span<const Edge>> edges = {};
     std::optional<std::span<const std::int32_t>> points = {};
 
+    /// For Near: see Near::radii. In the units of the world, whatever the pose. If any shape has some, those of shapes
+    /// without are 0.
+    std::span<const double> radii = {};
+    /// For Near: see Near::rest. Before poses, and for pairs within a body only.
+    VertexView rest = {};
+
     Shape() = default;
     Shape(VertexView vertices, TriangleView triangles, std::span<const std::int32_t> groups = {},
           std::uint64_t name = 0)

@@ -5,15 +5,18 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 
 #include "crumple/array.h"
 #include "crumple/collisions.h"
 #include "crumple/features.h"
 #include "crumple/motion.h"
 #include "crumple/near.h"
+#include "model/rest_shape.h"
 #include "model/rules.h"
 #include "model/scene.h"
 #include "model/scene_features.h"
+#include "model/vertex_rings.h"
 
 namespace crumple {
 
@@ -29,6 +32,9 @@ struct FeatureQuery {
     bool frugal = false;  ///< with as little memory as can be, and always as much
     const SceneFeatures& features;
     const GroupRule& rule;
+    std::span<const double> radii = {};  ///< Near::radii of the scene's vertices; empty: `distance` is asked for
+    const VertexRings* rings = nullptr;  ///< neighbours that have no vertex in common; null: there are none
+    const RestShape* rest = nullptr;     ///< null: there is none
 };
 
 /// Pairs of one kind: indices of the scene's points, edges, triangles. Sorted, unique.

@@ -69,6 +69,7 @@ FeatureSearch::FeatureSearch(MemoryMeter& meter, Cancellation& cancellation)
       lists_(&meter),
       buffers_(&meter),
       features_(&meter),
+      near_input_(&meter),
       found_(&meter),
       found_candidates_(&meter),
       first_edge_(&meter),
@@ -82,6 +83,7 @@ void FeatureSearch::release() {
     lists_ = JoinedLists(&meter_);
     buffers_ = SceneBuffers(&meter_);
     features_.release();
+    near_input_.release();
     found_ = FeatureAnswer(&meter_);
     found_candidates_ = CandidateAnswer(&meter_);
     first_edge_.release();
@@ -114,6 +116,7 @@ void FeatureSearch::search(BackendBase& backend, const World& world, const Quest
         answer.first_edge.push_back(0);
         answer.first_point.push_back(0);
     }
+    if constexpr (!is_motion<Question>) near_input_.begin(outline_, question, bodies_, backend, buffers_);
 
     if (in_place(question.rules)) {
         search_in_place(backend, question, answer);
@@ -186,7 +189,8 @@ std::optional<Scene> FeatureSearch::prepare_pass(BackendBase& backend, std::int3
 template <class Question, class Answer>
 void FeatureSearch::search_in_place(BackendBase& backend, const Question& question, Answer& answer) {
     const Scene scene = prepare_in_place(backend, is_motion<Question>, question.weld);
-    backend.find(scene, query_of(question, frugal_, features_, rule_), found_);
+    if constexpr (!is_motion<Question>) near_input_.place(outline_.shape(0));
+    ask(backend, scene, question);
     add_pass(found_.statistics, answer.statistics);
     answer.any = found_.any;
     if (!answer.world_hit.empty() && outline_.body(0).world >= 0) answer.world_hit[outline_.body(0).world] = found_.any;
@@ -219,7 +223,8 @@ void FeatureSearch::search_world(BackendBase& backend, std::int32_t pass, const 
     const std::optional<Scene> made = prepare_pass(backend, pass, is_motion<Question>, question.weld);
     if (!made) return;
     const Scene& scene = *made;
-    backend.find(scene, query_of(question, frugal_, features_, rule_), found_);
+    if constexpr (!is_motion<Question>) near_input_.place(outline_, scene_);
+    ask(backend, scene, question);
     add_pass(found_.statistics, answer.statistics);
     answer.any = answer.any || found_.any;
     if (!answer.world_hit.empty() && pass < outline_.worlds()) answer.world_hit[pass] = found_.any;
@@ -236,6 +241,13 @@ void FeatureSearch::search_world(BackendBase& backend, std::int32_t pass, const 
     append_rows(answer);
     if constexpr (!is_motion<Question>)
         if (question.least) tell_least(scene, features_, backend, answer);
+}
+
+template <class Question>
+void FeatureSearch::ask(BackendBase& backend, const Scene& scene, const Question& question) {
+    FeatureQuery query = query_of(question, frugal_, features_, rule_);
+    if constexpr (!is_motion<Question>) near_input_.tell(scene.vertex_count(), backend, cancellation_, query);
+    backend.find(scene, query, found_);
 }
 
 // Edges and points of each body lie together, in the order of the bodies.

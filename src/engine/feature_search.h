@@ -12,6 +12,7 @@
 #include "crumple/near.h"
 #include "engine/backend.h"
 #include "engine/joined_lists.h"
+#include "engine/near_input.h"
 #include "engine/world_scene.h"
 #include "model/body_rules.h"
 #include "model/rules.h"
@@ -55,6 +56,8 @@ class FeatureSearch {
     std::optional<Scene> prepare_pass(BackendBase& backend, std::int32_t pass, bool step, bool weld);
     /// How many bodies a pass has of its own.
     std::int32_t own_bodies(std::int32_t pass) const;
+    template <class Question>
+    void ask(BackendBase& backend, const Scene& scene, const Question& question);
     template <class Answer>
     void append_edges(std::size_t bodies, Answer& answer);
     template <class Answer>
@@ -84,6 +87,7 @@ class FeatureSearch {
     JoinedLists lists_;
     SceneBuffers buffers_;
     SceneFeatures features_;
+    NearInput near_input_;
     FeatureAnswer found_;
     CandidateAnswer found_candidates_;
     // Of each body that was added to the scene; and how many there are:

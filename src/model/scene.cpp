@@ -203,6 +203,13 @@ void add_motion(const VertexView& end, ParallelFor& workers, SceneBuffers& buffe
     if (end.rows > 0) scene.low = low, scene.high = high;
 }
 
+void check_finite(const VertexView& vertices, const std::string& which, ParallelFor& workers, SceneBuffers& buffers) {
+    const VertexReader reader{static_cast<const std::byte*>(vertices.data), vertices.row_stride, vertices.column_stride,
+                              vertices.type == ScalarType::float32};
+    Vec3d low, high;
+    check_content(MeshView(vertices, {}), reader, which, workers, buffers.checks, low, high);
+}
+
 Scene prepare_scene(const MeshView& a, const MeshView* b, bool weld, ParallelFor& workers, SceneBuffers& buffers) {
     Scene scene = outline_scene(a, b, MemorySpace::host);
     const std::array<const MeshView*, 2> meshes{&a, b};

@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <cstring>
 #include <span>
+#include <string>
 
 #include "base/parallel_for.h"
 #include "crumple/array.h"
@@ -97,6 +98,9 @@ struct SceneBuffers {
 
 /// Gives each vertex of a scene of one mesh an end. Throws Error: not_finite, invalid_argument.
 void add_motion(const VertexView& end, ParallelFor& workers, SceneBuffers& buffers, Scene& scene);
+
+/// Throws Error (not_finite) that names the first vertex that is not finite, after `which`.
+void check_finite(const VertexView& vertices, const std::string& which, ParallelFor& workers, SceneBuffers& buffers);
 
 /// names[v]: the lowest vertex at v's position, at the start and, if the scene moves, at the end. -0 equals +0.
 /// `table` is scratch.

@@ -92,7 +92,8 @@ class CpuBackend final : public BackendBase {
             Call call{scene, query.rule,    Levels(nullptr), options_,  kernels_,    workers_,
                       *this, cancellation_, meter_,          k.buffers, statistics_, question};
             call.frugal = query.frugal;
-            call.inflation = inflation_of(scene, query);
+            call.inflation = query.radii.empty() ? inflation_of(scene, query)
+                                                 : inflation_of_radii(scene, query.radii, workers_, k.features);
             cpu::find(call, query, k.features, answer);
         });
         answer.statistics = statistics_;

@@ -41,7 +41,7 @@ void swept_balls(const Scene& scene, const PointRows& rows, const Inflation& inf
             start[k] = to_float(rows[v]);
             stop[k] = to_float(rows[static_cast<std::int32_t>(v + ends)]);
         }
-        ball[t] = inflation.of_box ? ball_of_box(start, stop, inflation) : ball_of_way(start, stop, inflation);
+        ball[t] = inflation.of_box ? ball_of_box(start, stop, inflation) : ball_of_way(start, stop, inflation.of(t));
     }
 }
 

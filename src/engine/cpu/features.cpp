@@ -60,7 +60,7 @@ FirstImpact first_of(std::span<const Array<FeatureHit>* const> found, FeatureKin
 template <int moments>
 void find(const Call& call, const FeatureQuery& query, FeatureLeaves<moments>& leaves, FeatureBuffers& buffers,
           FeatureAnswer& answer) {
-    leaves.ask(query, 2 * call.inflation.half);
+    leaves.ask(query, 2 * call.inflation.half, query.radii.empty() ? nullptr : buffers.vertex_radius.data());
     measure(call);
     search(call);
     Stopwatch watch;
@@ -91,6 +91,30 @@ Inflation inflation_of(const Scene& scene, const FeatureQuery& query) {
     if (query.share > 0)
         inflation.of_way = static_cast<float>(std::min(1e30, query.share / (1 - query.share))) * 1.000001f;
     return inflation;
+}
+
+Inflation inflation_of_radii(const Scene& scene, std::span<const double> radii, Workers& workers,
+                             FeatureBuffers& buffers) {
+    const Normaliser normaliser(scene.low, scene.high);
+    Array<float>&vertex = buffers.vertex_radius, &triangle = buffers.triangle_radius;
+    vertex.resize_discard(radii.size());
+    triangle.resize_discard(static_cast<std::size_t>(scene.triangle_count()));
+    const auto for_each = [&](std::size_t n, auto visit) {
+        constexpr auto some = static_cast<std::size_t>(chunk);
+        workers.parallel_for((n + some - 1) / some, [&](std::size_t c, std::size_t) {
+            for (std::size_t i = c * some; i < std::min(n, (c + 1) * some); ++i) visit(i);
+        });
+    };
+    for_each(vertex.size(), [&](std::size_t v) {
+        const double radius = radii[v] * normaliser.pre * normaliser.post;
+        vertex[v] = static_cast<float>(std::min<double>(everything, radius)) * 1.000002f + 1e-30f;
+    });
+    for_each(triangle.size(), [&](std::size_t t) {
+        const std::int32_t* c = scene.corners + 3 * t;
+        triangle[t] = std::max(vertex[c[0]], std::max(vertex[c[1]], vertex[c[2]]));
+    });
+    const auto largest = std::max_element(triangle.begin(), triangle.end());
+    return {largest == triangle.end() ? 0 : *largest, 0, false, triangle.data()};
 }
 
 void find(const Call& call, const FeatureQuery& query, FeatureBuffers& buffers, FeatureAnswer& answer) {

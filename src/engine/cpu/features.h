@@ -2,6 +2,8 @@
 
 // The stages in the service of questions about features: what touches what in a step, what is near what.
 
+#include <span>
+
 #include "engine/cpu/order.h"
 #include "questions/features/cpu/leaves.h"
 
@@ -10,9 +12,15 @@ namespace crumple::cpu {
 /// What is kept from call to call, beside the stages' buffers.
 struct FeatureBuffers {
     FeatureBuffers(MemoryMeter* m, int workers, const FeatureTables& kernels)
-        : at_rest(m, workers, kernels), moving(m, workers, kernels), place(m), placed(m) {}
+        : at_rest(m, workers, kernels),
+          moving(m, workers, kernels),
+          vertex_radius(m),
+          triangle_radius(m),
+          place(m),
+          placed(m) {}
     FeatureLeaves<1> at_rest;
     FeatureLeaves<2> moving;
+    Array<float> vertex_radius, triangle_radius;  ///< FeatureQuery::radii in normalised coordinates, rounded up
     // Of `output`:
     Array<std::int64_t> place;  ///< of the rows of each first feature
     Array<FeatureHit> placed;
@@ -20,6 +28,10 @@ struct FeatureBuffers {
 
 /// How much `query` asks for in the normalised coordinates of the scene: rounded up, and at most what holds everything.
 Inflation inflation_of(const Scene& scene, const FeatureQuery& query);
+
+/// The same where each vertex has a radius; of each triangle that is in the buffers, which are to stay.
+Inflation inflation_of_radii(const Scene& scene, std::span<const double> radii, Workers& workers,
+                             FeatureBuffers& buffers);
 
 /// All stages; call.question is one of the buffers', as the scene moves.
 void find(const Call& call, const FeatureQuery& query, FeatureBuffers& buffers, FeatureAnswer& answer);

@@ -20,7 +20,8 @@ struct Feature {
     std::int32_t index;
     std::int32_t group;
     std::set<std::int32_t> names;
-    Vec3d low, high;   ///< box of its way
+    Vec3d low, high;  ///< box of its way
+    double radius = 0;
     bool lone = true;  ///< on no face; a vertex: and on no edge
 };
 
@@ -67,7 +68,7 @@ class Everything {
    private:
     /// `face`: the lowest that names it, or -1.
     Feature feature(Points vertices, std::int32_t index, std::int32_t face) const {
-        Feature f{std::move(vertices), index, 0, {}, {}, {}, face < 0};
+        Feature f{std::move(vertices), index, 0, {}, {}, {}, 0, face < 0};
         if (face >= 0)
             f.group = scene_.group(face);
         else if (scene_.lone_groups)
@@ -78,6 +79,7 @@ class Everything {
             f.names.insert(query_.features.name(v));
             f.low = min(first ? p.start : f.low, min(p.start, p.end));
             f.high = max(first ? p.start : f.high, max(p.start, p.end));
+            if (!query_.radii.empty()) f.radius = std::max(f.radius, query_.radii[static_cast<std::size_t>(v)]);
         }
         return f;
     }
@@ -100,6 +102,33 @@ class Everything {
     std::map<std::int32_t, std::vector<std::size_t>> edges_of_vertex_;
 };
 
+/// Who is joined to whom by an edge, of a face or listed, by name.
+using Next = std::map<std::int32_t, std::set<std::int32_t>>;
+
+Next next_of(const Everything& all) {
+    Next next;
+    for (const auto* features : {&all.edges, &all.faces})
+        for (const Feature& feature : *features)
+            for (const std::int32_t a : feature.names)
+                for (const std::int32_t b : feature.names) next[a].insert(b);
+    return next;
+}
+
+/// Whether a path of at most so many edges joins one name to another. Each way has a path of none.
+bool joined(const Next& next, std::set<std::int32_t> from, const std::set<std::int32_t>& to, std::int32_t edges) {
+    for (;; --edges) {
+        for (const std::int32_t v : from)
+            if (to.count(v) > 0) return true;
+        if (edges == 0) return false;
+        const std::size_t before = from.size();
+        const std::set<std::int32_t> ring = from;
+        for (const std::int32_t v : ring)
+            if (const auto found = next.find(v); found != next.end())
+                from.insert(found->second.begin(), found->second.end());
+        if (from.size() == before) return false;
+    }
+}
+
 class Search {
    public:
     Search(const Scene& scene, const FeatureQuery& query, Cancellation& cancellation, FeatureAnswer& answer)
@@ -107,6 +136,7 @@ class Search {
 
     void run() {
         const Everything all(scene_, query_);
+        next_ = next_of(all);
         for (const Feature& v : all.vertices)
             for (const Feature& f : all.faces) test(FeatureKind::vertex_face, v, f);
         for (std::size_t i = 0; i < all.edges.size(); ++i)
@@ -125,7 +155,8 @@ class Search {
     void test(FeatureKind kind, const Feature& a, const Feature& b) {
         if (query_.extent == Extent::any && answer_.any) return;
         if (far(a, b)) return;
-        if (Everything::incident(a, b) || !query_.rule(a.group, b.group)) return;
+        if (joined(next_, a.names, b.names, query_.rings ? query_.rings->rings() : 0)) return;
+        if (!query_.rule(a.group, b.group)) return;
         cancellation_.check();
         ++answer_.statistics.rational_tests;
         const Row row = decide(kind, a, b);
@@ -145,7 +176,8 @@ class Search {
     bool far(const Feature& a, const Feature& b) const {
         for (int axis = 0; axis < 3; ++axis) {
             const double gap = std::max(a.low[axis] - b.high[axis], b.low[axis] - a.high[axis]);
-            if (gap > 0 && gap * (1 - 0x1p-50) > query_.distance) return query_.share == 0;
+            const double reach = query_.radii.empty() ? query_.distance : a.radius + b.radius;
+            if (gap > 0 && gap * (1 - 0x1p-50) > reach) return query_.share == 0;
         }
         return false;
     }
@@ -162,7 +194,8 @@ class Search {
             for (const std::int32_t v : f->vertices) p[n++] = moving_point(scene_, v);
         if (!query_.motion) {
             const RationalDistance distance(at_start(kind, p));
-            if (!distance.within({query_.distance, 0, query_.strict})) return {};
+            const Reach one{query_.distance, 0, query_.strict}, sum{a.radius, b.radius, query_.strict};
+            if (!distance.within(query_.radii.empty() ? one : sum) || close_at_rest(kind, a, b)) return {};
             return {true, distance.squared(), distance.touching()};
         }
         const Separation separation{query_.distance, query_.share};
@@ -198,10 +231,20 @@ class Search {
         return vertex_vertex(p[0], p[1], separation);
     }
 
+    bool close_at_rest(FeatureKind kind, const Feature& a, const Feature& b) const {
+        if (!query_.rest || !query_.rest->knows(a.vertices[0], b.vertices[0])) return false;
+        Features features{kinds_of(kind), {}};
+        std::size_t n = 0;
+        for (const Feature* f : {&a, &b})
+            for (const std::int32_t v : f->vertices) features.point[n++] = query_.rest->position(v);
+        return RationalDistance(features).within({query_.rest->radius, 0});
+    }
+
     const Scene& scene_;
     const FeatureQuery& query_;
     Cancellation& cancellation_;
     FeatureAnswer& answer_;
+    Next next_;
 };
 
 }  // namespace

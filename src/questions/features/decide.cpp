@@ -1,5 +1,7 @@
 #include "questions/features/decide.h"
 
+#include <algorithm>
+
 #include "questions/motion/decide_impact.h"
 #include "questions/motion/decide_separation.h"
 #include "questions/near/decide_distance.h"
@@ -26,23 +28,55 @@ FeatureDecision impact(FeatureKind kind, const FeaturePoints& p, FeatureCounts& 
     return {impact.meets, impact.toi, impact.start};
 }
 
-FeatureDecision nearness(FeatureKind kind, const FeaturePoints& p, const Reach& reach, FeatureCounts& counts) {
+// How many of the four vertices are the first feature's.
+std::size_t split_of(FeatureKind kind) { return kind == FeatureKind::edge_edge ? 2 : 1; }
+
+Reach reach_of(FeatureKind kind, const std::int32_t (&vertex)[4], const FeatureQuery& query) {
+    if (query.radii.empty()) return {query.distance, 0, query.strict};
+    const auto radius = [&](std::size_t i) { return query.radii[static_cast<std::size_t>(vertex[i])]; };
+    Reach reach{0, 0, query.strict};
+    for (std::size_t i = 0; i < 4; ++i) {
+        double& side = i < split_of(kind) ? reach.a : reach.b;
+        side = std::max(side, radius(i));
+    }
+    return reach;
+}
+
+bool close_at_rest(FeatureKind kind, const std::int32_t (&vertex)[4], const RestShape& rest, DistanceCounts& by) {
+    if (!rest.knows(vertex[0], vertex[3])) return false;
+    Features features{kinds_of(kind), {}};
+    for (std::size_t i = 0; i < 4; ++i) features.point[i] = rest.position(vertex[i]);
+    return Distance(features, by).within({rest.radius, 0});
+}
+
+FeatureDecision nearness(FeatureKind kind, const FeaturePoints& p, const std::int32_t (&vertex)[4],
+                         const FeatureQuery& query, FeatureCounts& counts) {
     DistanceCounts by;
     Distance distance(at_start(kind, p), by);
     FeatureDecision decision;
-    if (distance.within(reach)) decision = {true, distance.squared(), distance.touching()};
+    const bool near =
+        distance.within(reach_of(kind, vertex, query)) && !(query.rest && close_at_rest(kind, vertex, *query.rest, by));
+    if (near) decision = {true, distance.squared(), distance.touching()};
     counts.rational += by.rational;
     return decision;
 }
 
 }  // namespace
 
-FeatureDecision decide(FeatureKind kind, const FeaturePoints& points, const FeatureQuery& query,
+FeatureDecision decide(FeatureKind kind, const Scene& scene, const std::int32_t (&vertex)[4], const FeatureQuery& query,
                        FeatureCounts& counts) {
     ++counts.tests;
-    if (!query.motion) return nearness(kind, points, {query.distance, 0, query.strict}, counts);
+    const FeaturePoints points = points_of(scene, vertex);
+    if (!query.motion) return nearness(kind, points, vertex, query, counts);
     if (query.distance == 0 && query.share == 0) return impact(kind, points, counts);
     return separated_impact(kind, points, {query.distance, query.share}, counts);
+}
+
+bool are_neighbours(FeatureKind kind, const std::int32_t (&vertex)[4], const FeatureQuery& query) {
+    for (std::size_t i = 0; i < split_of(kind); ++i)
+        for (std::size_t k = split_of(kind); k < 4; ++k)
+            if (query.rings->joined(query.features.name(vertex[i]), query.features.name(vertex[k]))) return true;
+    return false;
 }
 
 }  // namespace crumple

@@ -21,6 +21,11 @@ struct FeatureCounts {
     std::int64_t rational = 0;  ///< by rational arithmetic
 };
 
-FeatureDecision decide(FeatureKind kind, const FeaturePoints& points, const FeatureQuery& query, FeatureCounts& counts);
+/// `vertex`: of the two features, in the order of FeaturePoints.
+FeatureDecision decide(FeatureKind kind, const Scene& scene, const std::int32_t (&vertex)[4], const FeatureQuery& query,
+                       FeatureCounts& counts);
+
+/// Whether the features are neighbours, though they have no vertex in common.
+bool are_neighbours(FeatureKind kind, const std::int32_t (&vertex)[4], const FeatureQuery& query);
 
 }  // namespace crumple

@@ -224,6 +224,8 @@ TEST(FeatureCalls, DoNotDependOnThoseBefore) {
                                       fresh.find_impacts(soup.view(), soup.end_view(), motion)));
             ASSERT_TRUE(same_features(warm.find_near(soup.view(), {.radius = 0.1}),
                                       fresh.find_near(soup.view(), {.radius = 0.1})));
+            const Near filtered{.radius = 0.1, .rings = 1 + round, .rest = soup.end_view(), .rest_radius = 0.05};
+            ASSERT_TRUE(same_features(warm.find_near(soup.view(), filtered), fresh.find_near(soup.view(), filtered)));
             ASSERT_TRUE(same_answer(warm.find_self(soup.view()), fresh.find_self(soup.view())));
             std::vector<Shape> shapes{Shape(soup.view())};
             shapes[0].end = soup.end_view();
@@ -239,11 +241,14 @@ class FeatureMemory : public testing::TestWithParam<int> {};
 TEST_P(FeatureMemory, IsBounded) {
     const MovingSoup<> soup = in_general(1500, 0.07, 0.06, 6);
     const Options options{.backend = Backend::cpu, .threads = GetParam(), .leaf_size = 40};
-    const auto questions = {0, 1};
+    const std::vector<double> radii(soup.start.size(), 0.005);
+    const Near one{.radius = 0.01}, filtered{.radii = radii, .rings = 3, .rest = soup.end_view(), .rest_radius = 0.01};
+    const auto questions = {0, 1, 2};
     for (const int question : questions) {
         const auto ask = [&](Detector& detector) -> std::int64_t {
-            return question ? detector.find_near(soup.view(), {.radius = 0.01}).statistics.peak_memory_bytes
-                            : detector.find_impacts(soup.view(), soup.end_view()).statistics.peak_memory_bytes;
+            return question
+                       ? detector.find_near(soup.view(), question == 1 ? one : filtered).statistics.peak_memory_bytes
+                       : detector.find_impacts(soup.view(), soup.end_view()).statistics.peak_memory_bytes;
         };
         Detector free(options);
         const std::int64_t peak = ask(free);

@@ -33,12 +33,15 @@ class Rows {
     }
     std::int64_t ends() const { return ends_; }
 
-    /// Of each case whether the table keeps it. `flush`: subnormal numbers are 0, as where it is called; not so on
-    /// devices, which run the per-pair sources.
-    std::vector<bool> kept(const cpu::FeatureTables& table, std::span<const FeatureCase> cases,
-                           bool flush = true) const {
+    /// Of each case whether the table keeps it; they have one distance, or `each` its own. `flush`: subnormal numbers
+    /// are 0, as where it is called; not so on devices, which run the per-pair sources.
+    std::vector<bool> kept(const cpu::FeatureTables& table, std::span<const FeatureCase> cases, bool flush = true,
+                           bool each = false) const {
         const auto kind = static_cast<std::size_t>(cases.front().kind);
-        const float distance = cases.front().distance;
+        std::vector<float> distances(cases.size() + cpu::padding);
+        for (std::size_t i = 0; i < cases.size(); ++i) distances[i] = cases[i].distance;
+        const cpu::AskedDistance distance =
+            each ? cpu::AskedDistance(distances.data()) : cpu::AskedDistance(distances.front());
         std::vector<FeatureTest> test;
         for (std::int32_t i = 0; i < static_cast<std::int32_t>(cases.size()); ++i)
             test.push_back({{i, i}, {4 * i, 4 * i + 1, 4 * i + 2, 4 * i + 3}});
@@ -104,6 +107,22 @@ TEST(FeatureFiltersOfManyTests, AnswerAsForOne) {
                         ASSERT_EQ(kept[i], keeps(*table, cases[i], float32)) << cases[i];
                 }
             }
+}
+
+TEST(FeatureFiltersOfManyTests, AskEachForItsOwnDistance) {
+    for (const bool float32 : {true, false})
+        for (const FeatureKind kind : kinds) {
+            RandomCases random(Hard::opposite, float32, 109);
+            std::vector<FeatureCase> cases;
+            for (int i = 0; i < 1003; ++i) cases.push_back(random(kind, 1));
+            const Rows rows(cases, float32);
+            for (const auto* table : feature_tables()) {
+                const std::vector<bool> kept = rows.kept(*table, cases, true, true);
+                EXPECT_EQ(std::count(kept.begin(), kept.end(), true) % 1003 != 0, true) << "some are kept";
+                for (std::size_t i = 0; i < cases.size(); ++i)
+                    ASSERT_EQ(kept[i], keeps(*table, cases[i], float32)) << cases[i];
+            }
+        }
 }
 
 void expect_rejected(const FeatureCase& c) {

@@ -109,6 +109,73 @@ TEST(Inflation, IsHalfOfTheDistanceRoundedUp) {
     EXPECT_TRUE(inflation_of({0, 0}).none());
 }
 
+/// Radii of two triangles' vertices, of which three and three are theirs.
+struct RadiiOfTwo {
+    explicit RadiiOfTwo(const std::vector<double>& radii) {
+        Scene scene;
+        scene.low = {-0.75, -0.75, -0.75};
+        scene.high = {0.75, 0.75, 0.75};
+        scene.triangles = {2, 0};
+        scene.corners = corners.data();
+        inflation = cpu::inflation_of_radii(scene, radii, workers, buffers);
+    }
+    double of(std::size_t triangle) const {
+        return static_cast<double>(inflation.of(static_cast<std::int64_t>(triangle))(0));
+    }
+
+    static constexpr std::array<std::int32_t, 6> corners{0, 1, 2, 3, 4, 5};
+    Options options{.threads = 1};
+    Cancellation cancellation;
+    cpu::Workers workers{options, cancellation};
+    cpu::FeatureBuffers buffers{nullptr, 1, cpu::scalar_features};
+    Inflation inflation;
+};
+
+TEST(InflationOfRadii, IsTheLargestOfATriangleRoundedUp) {
+    for (const double radius : {0.0, 1e-300, 1e-38, 1e-7, 0.3, 1.0, 3.4}) {
+        std::vector<double> radii(6, radius / 3);
+        radii[1] = radius;
+        radii[5] = 2 * radius;
+        const RadiiOfTwo two(radii);
+        EXPECT_GE(two.of(0), radius);
+        EXPECT_LE(two.of(0), radius * 1.00001 + 4e-30);
+        EXPECT_GE(two.of(1), std::min(4.0, 2 * radius));
+        EXPECT_LE(two.of(1), 2 * radius * 1.00001 + 4e-30);
+        EXPECT_EQ(two.inflation.half, std::max(two.inflation.of(0).half, two.inflation.of(1).half));
+        for (std::size_t v = 0; v < 6; ++v)
+            EXPECT_GE(static_cast<double>(two.buffers.vertex_radius[v]), std::min(4.0, radii[v]));
+    }
+    EXPECT_GE(RadiiOfTwo(std::vector<double>(6, 1e308)).of(0), 3.5) << "no two points are further apart";
+    EXPECT_LE(RadiiOfTwo(std::vector<double>(6, 1e308)).of(0), 4);
+}
+
+// One is widened by all of the distance but a part, the other by that.
+TEST_P(InflationOf, RadiiMakesBallsAndBoxesOfAnswersOverlap) {
+    int near = 0;
+    for (const bool float32 : {true, false})
+        for (const FeatureKind kind : {FeatureKind::vertex_face, FeatureKind::edge_edge}) {
+            RandomTriangles random(GetParam(), float32, 113);
+            for (int i = 0; i < 120; ++i) {
+                const TriangleCase c = random(kind, 1);
+                RandomCases& features = random.features();
+                const double part[] = {0, 0x1p-30, 0.25, 0.5, 1};
+                const double first = part[features.below(5)] * c.separation.distance;  // exact, and so is the rest
+                const double second = c.separation.distance - first;
+                const RadiiOfTwo radii({first, 0, first / 2, second, second, 0});
+                const Ball a = ball_of(c, 0, radii.inflation.of(0)), b = ball_of(c, 3, radii.inflation.of(1));
+                const Vec3d between = Vec3d{a.x, a.y, a.z} - Vec3d{b.x, b.y, b.z};
+                const double reach = static_cast<double>(a.r) + static_cast<double>(b.r);
+                const LeafFrame frame = i % 3 ? any_frame(features) : straight;
+                const bool overlap =
+                    dot(between, between) <= reach * reach && boxes_overlap(c, float32, frame, radii.inflation);
+                const bool answer = c.near();
+                ASSERT_TRUE(overlap || !answer) << c << (float32 ? ", float32" : ", float64");
+                near += answer;
+            }
+        }
+    EXPECT_GT(near, 50);
+}
+
 // Its square is flushed to zero, yet it brings the vertex to the share: 1e-19 of a half of a thousandth.
 TEST(Inflation, SeesTheShortestWay) {
     TriangleCase c{2, {}, {0, 1 - 0x1p-53}};

@@ -308,8 +308,43 @@ class FeaturesOfWorlds : public testing::TestWithParam<unsigned> {
             expect_same(lines_of(world, lists), candidate_lines);
             expect_edges(lists, together.edges());
             EXPECT_EQ(lists.count, static_cast<std::int64_t>(candidate_lines.size()));
+            if (!HasFatalFailure()) compare_radii(world, together, near.rules, detector, single);
             if (HasFatalFailure()) return;
         }
+    }
+
+    // Radii of shapes, and neighbours, which are those of the soup. At rest a shape is where it ends.
+    static void compare_radii(const World& world, const Together& together, const Rules& rules, Detector& detector,
+                              Detector& single) {
+        Dice dice(GetParam());
+        std::vector<std::vector<double>> of_shape;
+        for (const Shape& shape : world.shapes) {
+            of_shape.emplace_back(static_cast<std::size_t>(shape.vertices.rows));
+            for (double& r : of_shape.back()) r = dice.chance(0.3) ? 0 : dice.between(0, 0.1);
+        }
+        std::vector<Shape> shapes(world.shapes.begin(), world.shapes.end());
+        std::vector<double> radii;
+        for (std::size_t s = 0; s < shapes.size(); ++s)
+            if (s != 1) shapes[s].radii = of_shape[s];
+        for (const Body& body : world.bodies) {
+            const auto s = static_cast<std::size_t>(body.shape);
+            const std::size_t before = radii.size();
+            radii.insert(radii.end(), of_shape[s].begin(), of_shape[s].end());
+            if (s == 1) std::fill(radii.begin() + static_cast<std::ptrdiff_t>(before), radii.end(), 0);
+        }
+        const World with_radii{shapes, world.bodies, world.poses};
+        for (const bool weld : {false, true}) {
+            const Nearby& all = single.find_near(together.soup().view(), {.radii = radii, .weld = weld, .rings = 1});
+            const Near question{.weld = weld, .rings = 1, .rules = rules};
+            expect_same(lines_of(world, detector.find(with_radii, question)), together.lines(all, rules));
+        }
+        for (std::size_t s = 0; s < shapes.size(); ++s)
+            if (s != 2) shapes[s].rest = world.shapes[s].end;
+        const bool any_rest = std::any_of(shapes.begin(), shapes.end(), [](const Shape& s) { return s.rest.data; });
+        Detector brute({.backend = Backend::reference});
+        const Near question{.rest_radius = any_rest ? 0.1 : 0, .rules = rules};
+        const Nearby& expected = brute.find(with_radii, question);
+        EXPECT_TRUE(same_features(detector.find(with_radii, question), expected));
     }
 
     static void expect_hits(const Array<std::uint8_t>& hits, const std::vector<Line>& lines) {

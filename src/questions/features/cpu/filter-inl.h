@@ -124,15 +124,16 @@ HWY_INLINE auto plane_is_far(const Seen<V, 1>& seen, V magnitude, V distance) {
 }
 
 template <FeatureKind kind, int moments, class D, class Points>
-HWY_INLINE std::size_t filter_from(D d, const Points& points, std::int64_t ends, float distance, FeatureTest* test,
-                                   std::size_t count) {
+HWY_INLINE std::size_t filter_from(D d, const Points& points, std::int64_t ends, AskedDistance distance,
+                                   FeatureTest* test, std::size_t count) {
     using V = hn::Vec<D>;
     constexpr std::size_t lanes = hn::MaxLanes(d);
-    const V zero = hn::Zero(d), one = hn::Set(d, 1.0f), asked = hn::Set(d, distance * up);
+    const V zero = hn::Zero(d), one = hn::Set(d, 1.0f), of_all = hn::Set(d, distance.all * up);
     std::size_t left = 0;
     for (std::size_t first = 0; first < count; first += lanes) {
         const FeatureTest* of_lane[lanes];
         for (std::size_t lane = 0; lane < lanes; ++lane) of_lane[lane] = test + std::min(first + lane, count - 1);
+        const V asked = distance.each ? hn::Mul(hn::LoadU(d, distance.each + first), hn::Set(d, up)) : of_all;
         Seen<V, moments> seen;
         load_seen<moments>(d, points, ends, of_lane, seen);
         const Point<V> reach[3] = {seen.reach(0), seen.reach(1), seen.reach(2)};
@@ -141,7 +142,7 @@ HWY_INLINE std::size_t filter_from(D d, const Points& points, std::int64_t ends,
         auto far = hn::Gt(zero, zero);
         if constexpr (moments == 1)
             far = plane_is_far<kind>(seen, magnitude, asked);
-        else if (distance == 0)
+        else if (!distance.each && distance.all == 0)
             far = never_in_a_plane(seen, magnitude);
         for (int m = 0; m < moments; ++m)
             far = hn::Or(far, separates<kind>(between_middles<kind>(seen.to[m]), seen, all, asked));
@@ -155,7 +156,8 @@ HWY_INLINE std::size_t filter_from(D d, const Points& points, std::int64_t ends,
 }
 
 template <FeatureKind kind, int moments>
-std::size_t filter(const PointRows& points, std::int64_t ends, float distance, FeatureTest* test, std::size_t count) {
+std::size_t filter(const PointRows& points, std::int64_t ends, AskedDistance distance, FeatureTest* test,
+                   std::size_t count) {
     const hn::ScalableTag<float> d;
     if (points.f) return filter_from<kind, moments>(d, Points32(points.f), ends, distance, test, count);
     return filter_from<kind, moments>(d, Points64(points.d), ends, distance, test, count);

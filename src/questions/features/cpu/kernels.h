@@ -14,6 +14,17 @@
 
 namespace crumple::cpu {
 
+/// What is asked of tests, in normalised coordinates, rounded up: one distance of all, or one of each, with `padding`
+/// more that may be read.
+struct AskedDistance {
+    float all = 0;
+    const float* each = nullptr;
+
+    AskedDistance(float distance) : all(distance) {}
+    explicit AskedDistance(const float* of_each) : each(of_each) {}
+    float of(std::size_t test) const { return each ? each[test] : all; }
+};
+
 template <int moments>
 struct FeatureKernels {
     using Record = FeatureRecord<moments>;
@@ -30,10 +41,9 @@ struct FeatureKernels {
     std::size_t (*separate)(const Record* record, const Candidates& candidates, float gap, std::uint32_t* left);
 
     /// By kind, of which the last two are vertices and faces that are edges and vertices: keeps the tests that may be
-    /// an answer: moves them to the front, in order, and returns how many. `ends` as in BuildInput; `distance`: what is
-    /// asked for, in normalised coordinates, rounded up.
-    std::size_t (*filter[feature_kinds])(const PointRows& points, std::int64_t ends, float distance, FeatureTest* test,
-                                         std::size_t count);
+    /// an answer: moves them to the front, in order, and returns how many. `ends` as in BuildInput.
+    std::size_t (*filter[feature_kinds])(const PointRows& points, std::int64_t ends, AskedDistance distance,
+                                         FeatureTest* test, std::size_t count);
 };
 
 /// For questions at rest, and for steps.

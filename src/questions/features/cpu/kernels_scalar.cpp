@@ -27,7 +27,7 @@ void build(const BuildInput& in, const SceneFeatures& features, FeatureRecord<mo
             }
         }
         InFrame<3 * moments> member(p, in.frame);
-        const float more = in.inflation(way);
+        const float more = in.inflation.of(t)(way);
         member.low = member.low - Vec3f{more, more, more};
         member.high = member.high + Vec3f{more, more, more};
         member.reach += more;
@@ -63,7 +63,8 @@ std::size_t separate(const FeatureRecord<moments>* record, const Candidates& can
 }
 
 template <FeatureKind kind, int moments>
-std::size_t filter(const PointRows& points, std::int64_t ends, float distance, FeatureTest* test, std::size_t count) {
+std::size_t filter(const PointRows& points, std::int64_t ends, AskedDistance distance, FeatureTest* test,
+                   std::size_t count) {
     std::size_t left = 0;
     for (std::size_t i = 0; i < count; ++i) {
         SeenFeatures<moments> seen;
@@ -71,7 +72,7 @@ std::size_t filter(const PointRows& points, std::int64_t ends, float distance, F
             const auto at = [&](int k) { return points[static_cast<std::int32_t>(test[i].vertex[k] + m * ends)]; };
             for (int k = 0; k < 3; ++k) seen.to[m][k] = to_float(at(k + 1) - at(0));
         }
-        if (!surely_far<kind>(seen, distance)) test[left++] = test[i];
+        if (!surely_far<kind>(seen, distance.of(i))) test[left++] = test[i];
     }
     return left;
 }

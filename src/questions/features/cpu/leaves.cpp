@@ -25,6 +25,26 @@ FeatureRecord<moments> dummy_record() {
     return record;
 }
 
+float largest_radius(const BuildInput& input) {
+    float largest = 0;
+    for (std::int64_t i = 0; i < input.members; ++i)
+        largest = std::max(largest, input.inflation.radius[input.triangle[i]]);
+    return largest;
+}
+
+// What is asked of each test: the sum of both features' radii, which are those of their vertices. Sums round by less
+// than radii are in excess.
+void add_radii(FeatureKind kind, const Array<FeatureTest>& tests, const float* radius, Array<float>& distance) {
+    distance.resize_discard(tests.size() + padding);
+    for (std::size_t i = 0; i < tests.size(); ++i) {
+        const std::int32_t* v = tests[i].vertex;
+        const float second = radius[v[1]], last = std::max(radius[v[2]], radius[v[3]]);
+        distance[i] = kind == FeatureKind::edge_edge ? std::max(radius[v[0]], second) + last
+                                                     : radius[v[0]] + std::max(second, last);
+    }
+    std::fill(distance.end() - padding, distance.end(), 0.0f);
+}
+
 }  // namespace
 
 template <int moments>
@@ -37,9 +57,10 @@ FeatureLeaves<moments>::FeatureLeaves(MemoryMeter* meter, int workers, const Fea
 }
 
 template <int moments>
-void FeatureLeaves<moments>::ask(const FeatureQuery& query, float distance) {
+void FeatureLeaves<moments>::ask(const FeatureQuery& query, float distance, const float* radius) {
     query_ = &query;
     distance_ = distance;
+    radius_ = radius;
 }
 
 template <int moments>
@@ -64,6 +85,7 @@ void FeatureLeaves<moments>::build(const BuildInput& input, LeafMembers& members
     worker.built.resize_discard(static_cast<std::size_t>(input.members + padding));
     kernels_.build(input, query_->features, worker.built.data(), members.boxes, members.bounds);
     worker.reach = members.bounds.reach;
+    worker.farthest = radius_ ? 2 * largest_radius(input) : distance_;
 }
 
 template <int moments>
@@ -118,7 +140,8 @@ template <int moments>
 std::size_t FeatureLeaves<moments>::separate(const Worker& builder, Worker& worker) const {
     worker.left.resize_discard(static_cast<std::size_t>(worker.candidates.count + padding));
     const FlushToZero mode;
-    const float gap = query_->share == 0 ? needed_gap(distance_, builder.reach) : std::numeric_limits<float>::max();
+    const float gap =
+        query_->share == 0 ? needed_gap(builder.farthest, builder.reach) : std::numeric_limits<float>::max();
     return kernels_.separate(builder.sorted.data(), worker.candidates, gap, worker.left.data());
 }
 
@@ -166,21 +189,33 @@ void FeatureLeaves<moments>::list_tests(std::span<const std::uint32_t> pairs, co
 }
 
 template <int moments>
-void FeatureLeaves<moments>::decide_tests(FeatureKind kind, Worker& worker) {
+void FeatureLeaves<moments>::filter_tests(FeatureKind kind, Worker& worker) const {
     const auto k = static_cast<std::size_t>(kind);
     Array<FeatureTest>& tests = worker.tests[k];
-    if (tests.empty()) return;
-    worker.statistics.edge_tests += static_cast<std::int64_t>(tests.size());
     if (query_->share == 0) {
         const FlushToZero mode;
         const std::int64_t ends = call_->scene.moving ? call_->scene.vertex_count() : 0;
-        tests.resize(kernels_.filter[k](call_->points(), ends, distance_, tests.data(), tests.size()));
+        if (radius_) add_radii(kind, tests, radius_, worker.distance);
+        const AskedDistance asked = radius_ ? AskedDistance(worker.distance.data()) : AskedDistance(distance_);
+        tests.resize(kernels_.filter[k](call_->points(), ends, asked, tests.data(), tests.size()));
     }
+    if (!query_->rings) return;
+    const auto neighbours = [&](const FeatureTest& test) { return are_neighbours(kind, test.vertex, *query_); };
+    tests.resize(static_cast<std::size_t>(std::remove_if(tests.begin(), tests.end(), neighbours) - tests.begin()));
+}
+
+template <int moments>
+void FeatureLeaves<moments>::decide_tests(FeatureKind kind, Worker& worker) {
+    const auto k = static_cast<std::size_t>(kind);
+    const Array<FeatureTest>& tests = worker.tests[k];
+    if (tests.empty()) return;
+    worker.statistics.edge_tests += static_cast<std::int64_t>(tests.size());
+    filter_tests(kind, worker);
     worker.statistics.double_tests += static_cast<std::int64_t>(tests.size());
     FeatureCounts counts;
     for (const FeatureTest& test : tests) {
         const std::int64_t rational = counts.rational;
-        const FeatureDecision decision = decide(kind, points_of(call_->scene, test.vertex), *query_, counts);
+        const FeatureDecision decision = decide(kind, call_->scene, test.vertex, *query_, counts);
         if (counts.rational != rational) call_->cancellation.check();  // some take a millisecond
         if (!decision.hit) continue;
         any_.store(true, std::memory_order_relaxed);

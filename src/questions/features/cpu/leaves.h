@@ -29,8 +29,9 @@ class FeatureLeaves final : public LeafQuestion {
    public:
     FeatureLeaves(MemoryMeter* meter, int workers, const FeatureTables& kernels);
 
-    /// What is asked, from begin() on. `distance`: what is asked for in normalised coordinates, rounded up.
-    void ask(const FeatureQuery& query, float distance);
+    /// What is asked, from begin() on. `distance`: what is asked for in normalised coordinates, rounded up; `radius`:
+    /// the same of FeatureQuery::radii, one a vertex, or null.
+    void ask(const FeatureQuery& query, float distance, const float* radius);
 
     void begin(const Call& call) override;
     bool stop() const override;
@@ -55,13 +56,16 @@ class FeatureLeaves final : public LeafQuestion {
               sorted(m),
               candidates(m),
               left(m),
+              distance(m),
               tests{Array<FeatureTest>(m), Array<FeatureTest>(m), Array<FeatureTest>(m), Array<FeatureTest>(m)},
               hits{Array<FeatureHit>(m), Array<FeatureHit>(m), Array<FeatureHit>(m), Array<FeatureHit>(m)} {}
         Array<Record> built;   ///< in the order of LeafMembers
         Array<Record> sorted;  ///< by physical row
         float reach = 0;       ///< the leaf's largest |coordinate|
+        float farthest = 0;    ///< what is asked of any pair in the leaf
         Candidates candidates;
         Array<std::uint32_t> left;  ///< candidates that no direction separates, packed
+        Array<float> distance;      ///< of each test, where vertices have radii
         std::array<Array<FeatureTest>, feature_kinds> tests;
         std::array<Array<FeatureHit>, feature_kinds> hits;
         Statistics statistics;
@@ -72,6 +76,7 @@ class FeatureLeaves final : public LeafQuestion {
     std::size_t separate(const Worker& builder, Worker& worker) const;
     std::size_t own_pairs(const SortedLeaf& leaf, const Ownership& ownership, std::size_t left, Worker& worker) const;
     void list_tests(std::span<const std::uint32_t> pairs, const Worker& builder, Worker& worker) const;
+    void filter_tests(FeatureKind kind, Worker& worker) const;
     void decide_tests(FeatureKind kind, Worker& worker);
 
     const FeatureKernels<moments>& kernels_;
@@ -81,6 +86,7 @@ class FeatureLeaves final : public LeafQuestion {
     const Call* call_ = nullptr;
     const FeatureQuery* query_ = nullptr;
     float distance_ = 0;
+    const float* radius_ = nullptr;
     std::atomic<bool> any_{false};
 };
 

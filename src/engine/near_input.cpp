@@ -1,0 +1,116 @@
+#include "engine/near_input.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "crumple/error.h"
+
+namespace crumple {
+namespace {
+
+/// "shape 2: ", or nothing for a single mesh.
+std::string name_of(std::size_t shape, bool bodies) { return bodies ? "shape " + std::to_string(shape) + ": " : ""; }
+
+void check_count(const std::string& which, const char* what, std::int64_t given, std::int64_t vertices) {
+    if (given != vertices)
+        throw Error(ErrorCode::invalid_argument, which + "there are " + std::to_string(given) + what + " for " +
+                                                     std::to_string(vertices) + " vertices");
+}
+
+void check_radii(const std::string& which, std::span<const double> radii, std::int64_t vertices) {
+    check_count(which, " radii", static_cast<std::int64_t>(radii.size()), vertices);
+    const auto wrong =
+        std::find_if_not(radii.begin(), radii.end(), [](double r) { return r >= 0 && std::isfinite(r); });
+    if (wrong == radii.end()) return;
+    const auto vertex = wrong - radii.begin();
+    throw Error(ErrorCode::invalid_argument,
+                which + "the radius of vertex " + std::to_string(vertex) + " must be finite and 0 or more",
+                Element::vertex, vertex);
+}
+
+VertexReader reader_at_rest(const Shape& shape) {
+    return {static_cast<const std::byte*>(shape.rest.data), shape.rest.row_stride, shape.rest.column_stride,
+            shape.rest.type == ScalarType::float32};
+}
+
+bool has_rest(const Shape& shape) { return shape.rest.data || shape.rest.rows > 0; }
+
+void check_rest(const std::string& which, const Shape& shape, ParallelFor& workers, SceneBuffers& buffers) {
+    check_count(which, " vertices at rest", shape.rest.rows, shape.vertices.rows);
+    if (!shape.rest.data && shape.rest.rows > 0)
+        throw Error(ErrorCode::invalid_argument, which + "the vertices at rest have no data");
+    check_finite(shape.rest, which + "at rest: ", workers, buffers);
+}
+
+}  // namespace
+
+void NearInput::release() {
+    given_radii_.release();
+    points_.release();
+    body_.release();
+    rings_.release();
+}
+
+void NearInput::begin(const WorldOutline& outline, const Near& question, bool bodies, ParallelFor& workers,
+                      SceneBuffers& buffers) {
+    any_radii_ = any_rest_ = false;
+    ring_count_ = question.rings;
+    rest_.radius = question.rest_radius;
+    bool any_vertices = false;
+    const auto& shapes = outline.world().shapes;
+    for (std::size_t s = 0; s < shapes.size(); ++s) {
+        const Shape& shape = shapes[s];
+        if (!shape.radii.empty()) check_radii(name_of(s, bodies), shape.radii, shape.vertices.rows);
+        if (has_rest(shape)) check_rest(name_of(s, bodies), shape, workers, buffers);
+        any_radii_ = any_radii_ || !shape.radii.empty();
+        any_rest_ = any_rest_ || has_rest(shape);
+        any_vertices = any_vertices || shape.vertices.rows > 0;
+    }
+    if (any_radii_ && question.radius > 0)
+        throw Error(ErrorCode::invalid_argument, "radius is not asked for beside radii", Element::option);
+    if (any_vertices && !any_rest_ && question.rest_radius > 0)
+        throw Error(ErrorCode::invalid_argument, "rest_radius needs a shape at rest", Element::option);
+}
+
+void NearInput::place(const Shape& only) {
+    radii_ = only.radii;
+    rest_.position = reader_at_rest(only);
+    rest_.body = nullptr;
+}
+
+void NearInput::place(const WorldOutline& outline, const WorldScene& scene) {
+    const auto vertices = [&](std::size_t i) { return outline.shape(scene.added_body(i)).vertices.rows; };
+    const std::size_t last = scene.added() - 1;
+    const auto all = static_cast<std::size_t>(scene.first_vertex(last) + vertices(last));
+    if (any_radii_) given_radii_.assign(all, 0);
+    if (any_rest_) {
+        points_.resize_discard(3 * all);
+        body_.assign(all, -1);
+    }
+    for (std::size_t i = 0; i < scene.added(); ++i) {
+        const Shape& shape = outline.shape(scene.added_body(i));
+        const std::int64_t first = scene.first_vertex(i);
+        std::copy(shape.radii.begin(), shape.radii.end(), given_radii_.begin() + first);
+        if (!has_rest(shape)) continue;
+        const VertexReader position = reader_at_rest(shape);
+        for (std::int64_t v = 0; v < shape.rest.rows; ++v) {
+            const Vec3d p = position(v);
+            for (int axis = 0; axis < 3; ++axis) points_[3 * (first + v) + axis] = p[axis];
+            body_[first + v] = static_cast<std::int32_t>(i);
+        }
+    }
+    radii_ = any_radii_ ? given_radii_.span() : std::span<double>();
+    rest_.position = {reinterpret_cast<const std::byte*>(points_.data()), 3 * sizeof(double), sizeof(double), false};
+    rest_.body = body_.data();
+}
+
+void NearInput::tell(std::int64_t vertices, ParallelFor& workers, Cancellation& cancellation, FeatureQuery& query) {
+    query.radii = radii_;
+    if (any_rest_) query.rest = &rest_;
+    if (ring_count_ == 0) return;
+    rings_.prepare(query.features, vertices, ring_count_, workers, cancellation);
+    query.rings = &rings_;
+}
+
+}  // namespace crumple
