@@ -4,8 +4,10 @@
 
 #include <fmt/format.h>
 
+#include "cli/bodies.h"
 #include "cli/commands.h"
 #include "cli/features.h"
+#include "cli/near_filters.h"
 #include "cli/search.h"
 #include "cli/statistics_table.h"
 
@@ -17,6 +19,7 @@ struct NearCommand {
     FeatureOutputs outputs;
     AnswerOptions answer;
     NearOptions near;
+    NearFilterOptions filters;
     Options options;
     bool check = false, stats = false;
 
@@ -31,12 +34,20 @@ struct NearCommand {
 
     int run() const {
         outputs.check("near pairs");
-        check_outputs(outputs.paths, files, answer);
+        if (!near.radius && filters.radii.empty()) refuse("near: --radius is required, or --radii");
+        std::vector<std::string> inputs = files;
+        for (const std::string& file : filters.files()) inputs.push_back(file);
+        check_outputs(outputs.paths, inputs, answer);
+        check_standard_input(inputs);
         Search search(answer, feature_options(options));
-        const Input input = read_input(files, answer);
+        const AnswerOptions reading = filters.rest.empty() ? answer : reading_of_motion(answer);
+        const Input input = read_input(files, reading);
+        const NearFilters given(filters, input, reading);
         const bool only_status = check && outputs.paths.empty();
         const NearWants wants = only_status && !stats ? NearWants::any : NearWants::pairs;
-        const Nearby& found = search.find(input, near.question(answer, wants));
+        Near question = near.question(answer, wants);
+        given.tell(question);
+        const Nearby& found = search.find(input, question);
         if (stats) print_statistics(found.statistics, kinds_of(found));
         if (only_status) return report(found.any);
         outputs.write([&](auto& to, io::PairFormat format) { io::write_near(to, found, format); },
@@ -62,12 +73,14 @@ Command add_near(CLI::App& app) {
         ->type_name("FILE [FILE_B]")
         ->required()
         ->expected(1, 2);
-    add_number_option(
-        command, "--radius", [&options = near->near](double value) { options.radius = value; }, any_distance,
-        "Near is what is at most so far away, in the units of the coordinates")
-        ->type_name("R")
-        ->required();
+    CLI::Option* const radius =
+        add_number_option(
+            command, "--radius", [&options = near->near](double value) { options.radius = value; }, any_distance,
+            "Near is what is at most so far away, in the units of the coordinates")
+            ->type_name("R");
     add_below_option(command, near->near);
+    add_near_filter_options(command, near->filters);
+    radius->excludes("--radii");
     add_output_options(command, near->outputs, "Near pairs", "the mesh with what is near coloured by distance");
     command.add_flag(
         "--check", near->check,
@@ -81,6 +94,7 @@ Command add_near(CLI::App& app) {
         "A line `vf V F Q`: vertex V and face F are near, Q is the square of their distance, rounded to nearest.\n"
         "`ee A B C D Q`: the edge from A to B and that from C to D. Between two files an id is 0:ID or 1:ID. What\n"
         "shares a vertex is not near.\n"
+        "Cloth of some thickness: --radii with half of it, --rings 2, and the cloth as it was cut as --rest.\n"
         "Example: crumple near dress.ply body.obj --radius 0.005 -o near.csv");
     return {&command, [near] { return near->run(); }};
 }

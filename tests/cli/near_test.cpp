@@ -69,8 +69,49 @@ TEST_F(Near, GroupsAndStatistics) {
     EXPECT_TRUE(contains(crumple("near above.off --radius 1 --stats").err, "1 vertex-face, 0 edge-edge"));
 }
 
+TEST_F(Near, RadiiAreThoseOfVertices) {
+    write("radii.txt", "# of the face, then of the corner above it\n0.75\n0\n0\n\n0.25\n0\n0\n");
+    EXPECT_EQ(list("near above.off --radii radii.txt"), closest);
+    EXPECT_EQ(list("near above.off --radii radii.txt --backend reference"), closest);
+    EXPECT_EQ(list("near above.off --radii radii.txt --below"), "");
+    EXPECT_EQ(crumple("near above.off --radii radii.txt --check").out, "something is near\n");
+    expect_refused("near above.off --radii radii.txt --radius 1", "--radi");
+    expect_refused("near above.off below.off --radii radii.txt", "--radii are of one mesh");
+    expect_refused("near above.off --radii radii.txt -o radii.txt", "would overwrite the input radii.txt");
+    write("few.txt", "1\n2\n");
+    expect_refused("near above.off --radii few.txt", "few.txt: 2 radii for 6 vertices");
+    for (const char* const bad : {"-1", "inf", "nan", "x"}) {
+        write("bad.txt", "1\n" + std::string(bad) + "\n");
+        expect_refused("near above.off --radii bad.txt", "is no radius of 0 or more");
+        expect_refused("near above.off --radii bad.txt", "line 2");
+    }
+    write("two.txt", "1 2\n");
+    expect_refused("near above.off --radii two.txt", "a radius of one vertex a line is expected");
+    expect_refused("near above.off --radii missing.txt", "missing.txt");
+}
+
+TEST_F(Near, WhatIsCloseAtRestIsLeftOut) {
+    EXPECT_EQ(list("near above.off --radius 1 --rest above.off"), closest) << "it does not touch there";
+    EXPECT_EQ(list("near above.off --radius 1 --rest above.off --rest-radius 1"), "");
+    EXPECT_EQ(list("near above.off --radius 1 --rest above.off --rest-radius 0.99"), closest);
+    EXPECT_EQ(crumple("near above.off --radius 1 --rest above.off --rest-radius 1 --check").out, "nothing is near\n");
+    expect_refused("near above.off --radius 1 --rest-radius 1", "--rest-radius needs --rest");
+    expect_refused("near above.off below.off --radius 1 --rest above.off", "--rest is of one mesh");
+    write("other.off", "OFF\n6 2 0\n0 0 0\n4 0 0\n0 4 0\n1 1 1\n2 1 2\n1 2 2\n3 0 1 2\n3 3 5 4\n");
+    expect_refused("near above.off --radius 1 --rest other.off", "triangle 1 has other vertices");
+}
+
+TEST_F(Near, NeighboursAreLeftOut) {
+    write("square.off", "OFF\n4 2 0\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n3 0 1 2\n3 2 1 3\n");
+    EXPECT_EQ(list("near square.off --radius 1"), "vf 0 1 0.5\nvf 3 0 0.5\nee 0 1 2 3 1\nee 0 2 1 3 1\n");
+    EXPECT_EQ(list("near square.off --radius 1 --rings 0"), list("near square.off --radius 1"));
+    EXPECT_EQ(list("near square.off --radius 1 --rings 1"), "");
+    EXPECT_EQ(list("near above.off --radius 1 --rings 5"), closest) << "no edge leads there";
+    expect_refused("near above.off --radius 1 --rings -1", "-1 is no integer from 0 to 2147483647");
+}
+
 TEST_F(Near, IsRefusedWhereItMakesNoSense) {
-    expect_refused("near above.off", "near: --radius is required");
+    expect_refused("near above.off", "near: --radius is required, or --radii");
     expect_refused("near above.off --radius", "near: --radius: 1 required R missing");
     for (const char* const bad : {"-1", "inf", "nan", "1m"})
         expect_refused(std::string("near above.off --radius ") + bad,

@@ -1,0 +1,74 @@
+#include "cli/near_filters.h"
+
+#include <limits>
+
+#include "cli/bodies.h"
+#include "crumple/error.h"
+#include "io/text.h"
+
+namespace crumple::cli {
+namespace {
+
+/// One number a line; blank lines and comments (#) are skipped. Throws Error (file, format) that names the line.
+std::vector<double> read_radii(const std::string& path, std::int64_t vertices) {
+    const io::Source source(path);
+    io::Scanner in(source, {.lines = true, .comments = true});
+    std::vector<double> radii;
+    for (; in.next_line_with_items(); in.skip_line()) {
+        const char* const line = in.position();
+        const std::string word(in.word());
+        const auto radius = io::number_of(word);
+        if (!radius || !(*radius >= 0 && *radius < std::numeric_limits<double>::infinity()))
+            source.fail_at_line(line, io::in_quotes(word) + " is no radius of 0 or more");
+        if (!in.finished()) in.fail("a radius of one vertex a line is expected, and the line goes on");
+        radii.push_back(*radius);
+    }
+    if (static_cast<std::int64_t>(radii.size()) != vertices)
+        throw Error(ErrorCode::format, path + ": " + std::to_string(radii.size()) + " radii for " +
+                                           std::to_string(vertices) + " vertices");
+    return radii;
+}
+
+}  // namespace
+
+std::vector<std::string> NearFilterOptions::files() const { return {radii, rest}; }
+
+void add_near_filter_options(CLI::App& app, NearFilterOptions& options) {
+    app.add_option("--radii", options.radii,
+                   "Instead of --radius: a file with a radius for each vertex, one a line. An edge or a face has the "
+                   "largest of its vertices', and near is what is at most as far away as both radii together")
+        ->type_name("FILE");
+    app.add_option("--rings", options.rings,
+                   "Nothing is near its neighbours: those that at most N edges lead to from one of its vertices to one "
+                   "of theirs. 0, the default: those with a common vertex")
+        ->type_name("N")
+        ->check(integer(0, std::numeric_limits<std::int32_t>::max()));
+    app.add_option("--rest", options.rest,
+                   "The same mesh at rest: what is within the --rest-radius there is not listed")
+        ->type_name("FILE");
+    add_number_option(
+        app, "--rest-radius", [&options](double value) { options.rest_radius = value; }, any_distance,
+        "With --rest; 0, the default: what touches at rest")
+        ->type_name("R");
+}
+
+NearFilters::NearFilters(const NearFilterOptions& options, const Input& input, const AnswerOptions& answer)
+    : options_(options) {
+    if (options.rest.empty() && options.rest_radius > 0) refuse("--rest-radius needs --rest");
+    if (input.second && !options.radii.empty()) refuse("--radii are of one mesh");
+    if (input.second && !options.rest.empty()) refuse("--rest is of one mesh");
+    if (!options.radii.empty()) radii_ = read_radii(options.radii, input.first.vertex_count());
+    if (options.rest.empty()) return;
+    rest_ = read_mesh(options.rest, answer);
+    check_same_faces(input, options.rest, rest_);
+}
+
+void NearFilters::tell(Near& question) const {
+    question.radii = radii_;
+    question.rings = options_.rings;
+    if (options_.rest.empty()) return;
+    question.rest = rest_.view().vertices;
+    question.rest_radius = options_.rest_radius;
+}
+
+}  // namespace crumple::cli
