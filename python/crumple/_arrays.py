@@ -45,6 +45,8 @@ def refuse_masked(array: Any, kind: str, which: str) -> None:
     name, element = {
         "vertices": ("vertices are", "vertex"),
         "end_vertices": ("end vertices are", "vertex"),
+        "rest_vertices": ("rest vertices are", "vertex"),
+        "radii": ("radii are", "vertex"),
         "faces": ("faces are", "triangle"),
         "groups": ("groups are", "group"),
         "group_pairs": ("excluded_groups are", "group"),
@@ -183,6 +185,24 @@ def vertices(array: Any, which: str) -> np.ndarray:
 def end_vertices(array: Any, which: str) -> np.ndarray:
     """The same, and on the host."""
     return _positions(array, which + "end vertices")
+
+
+def rest_vertices(array: Any, which: str) -> np.ndarray:
+    """The same, and on the host."""
+    return _positions(array, which + "rest vertices")
+
+
+def radii(array: Any, which: str) -> np.ndarray:
+    """(n) of float64 without gaps."""
+    name = which + "radii"
+    result = host_array(array, name)
+    if result.ndim != 1:
+        raise InvalidInput(f"{name} must have shape (vertices,), not {result.shape}")
+    if _is_sequence(array) and result.dtype.kind in "iu":
+        result = result.astype(np.float64)
+    if result.dtype.kind != "f" or result.dtype.itemsize not in (4, 8):
+        raise InvalidInput(f"{name} must be float64 or float32, not {result.dtype}")
+    return _native(result, np.float64)
 
 
 def faces(array: Any, which: str) -> np.ndarray:

@@ -7,7 +7,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, overload
 
 from . import _core
-from ._errors import InvalidInput
+from ._errors import InvalidInput, InvalidType
 from ._feature_question import or_of_world
 from ._feature_result import FeatureResult
 from ._mesh import listing_of
@@ -204,15 +204,28 @@ class Nearby(FeatureResult):
         return self._told(found)
 
 
+def _radius(radius: float | None, radii: bool) -> float:
+    """The radius as given, or 0 beside radii of vertices."""
+    if radius is None:
+        if not radii:
+            raise InvalidType("find_near needs a radius, or radii of the vertices")
+        return 0.0
+    if radii:
+        raise InvalidInput("radius is not asked for beside radii")
+    return radius
+
+
 def _near_in_world(
     self: Detector,
     world: World,
     *,
-    radius: float,
+    radius: float | None = None,
     wants: NearWants = "pairs",
     strict: bool = False,
     closest: bool = False,
     weld: bool = False,
+    rings: int = 0,
+    rest_radius: float = 0,
     bodies: Wanted = "both",
     groups: Wanted = "both",
     excluded: Any = None,
@@ -221,7 +234,8 @@ def _near_in_world(
     copy: bool = False,
 ) -> Nearby:
     rules = _core.rules_of_world(bodies, groups, excluded_groups)
-    question = _core.Near(wants, radius, strict, closest, False, weld, rules, False)
+    radius = _radius(radius, any(shape.radii is not None for shape in world.shapes))
+    question = _core.Near(wants, radius, strict, closest, False, weld, rings, rest_radius, rules, False)
     poses = world.poses if poses is None else poses
     excluded = excluded_in(world, excluded)
     return Nearby(with_names(world, self._find_near_in_world, world, poses, question, excluded, copy))
@@ -233,12 +247,16 @@ def find_near(
     vertices: Any,
     faces: Any = None,
     *,
-    radius: float,
+    radius: float | None = None,
+    radii: Any = None,
     wants: NearWants = "pairs",
     strict: bool = False,
     closest: bool = False,
     least: bool = False,
     weld: bool = False,
+    rings: int = 0,
+    rest: Any = None,
+    rest_radius: float = 0,
     groups: Any = None,
     edges: Any = None,
     points: Any = None,
@@ -255,11 +273,13 @@ def find_near(
     world: World,
     /,
     *,
-    radius: float,
+    radius: float | None = None,
     wants: NearWants = "pairs",
     strict: bool = False,
     closest: bool = False,
     weld: bool = False,
+    rings: int = 0,
+    rest_radius: float = 0,
     bodies: Wanted = "both",
     groups: Wanted = "both",
     excluded: Any = None,
@@ -275,12 +295,16 @@ def find_near(
     vertices: Any,
     faces: Any = None,
     *,
-    radius: float,
+    radius: float | None = None,
+    radii: Any = None,
     wants: NearWants = "pairs",
     strict: bool = False,
     closest: bool = False,
     least: bool = False,
     weld: bool = False,
+    rings: int = 0,
+    rest: Any = None,
+    rest_radius: float = 0,
     groups: Any = None,
     edges: Any = None,
     points: Any = None,
@@ -299,21 +323,30 @@ def find_near(
         vertices: (n, 3) float32 or float64; or a mesh, and then no `faces`. On the host.
         faces: (m, 3) integers, or flat: three a triangle.
         radius: Euclidean, 0 or more, in the units of the coordinates.
+        radii: (n,) float64 or float32, instead of `radius`: one a vertex, such as half the thickness of a cloth. An
+            edge or a face has the largest of its vertices'; features are near whose distance is at most the sum of
+            both, in real numbers.
         wants: how much is made; the first two end as soon as they may. "any": whether anything is near;
             "any_by_world": in which worlds; "pairs": all pairs.
-        strict: distances less than `radius`, not equal to it.
+        strict: distances less than the radius, or the sum of radii, not equal to it.
         closest: also tell where the features of each pair are closest.
         least: also tell the least distance of each vertex, face and edge.
         weld: vertices at equal positions count as one: their features are neighbours.
+        rings: neighbours, which are never near, are also those from one of whose vertices at most so many edges lead
+            to one of the other's: Newton's topological filter. Kept while the edges stay the same.
+        rest: (n, 3) float32 or float64: where the vertices are at rest.
+        rest_radius: features whose distance at rest is at most this are not near.
         groups, edges, points, wanted, excluded_groups, index, copy: as find_impacts has them.
 
     Of a world (crumple.World): find_near(world, radius=r), as it is at the start of a step.
         bodies, groups, excluded, excluded_groups, poses: as find_impacts has them. There is no `least`, and no `index`.
+        Radii and vertices at rest are those of its shapes; what is close at rest is within a body.
 
     Raises InvalidInput, which names the argument and the place; MemoryLimit; BackendUnavailable on a detector of the
     cuda backend. What nearness is: docs/nearness.md.
     """
     rules = _core.rules_of_mesh(wanted, excluded_groups)
-    question = _core.Near(wants, radius, strict, closest, least, weld, rules, index)
+    radius = _radius(radius, radii is not None)
+    question = _core.Near(wants, radius, strict, closest, least, weld, rings, rest_radius, rules, index)
     mesh = listing_of(vertices, faces, groups, edges, points)
-    return Nearby(self._find_near(mesh, question, copy, (edges, points)))
+    return Nearby(self._find_near(mesh, question, radii, rest, copy, (edges, points)))

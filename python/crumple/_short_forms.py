@@ -62,9 +62,9 @@ def find_free_step(*scene: Any, **question: Any) -> FreeStep:
     return Detector().find_free_step(*scene, **question)
 
 
-def find_near(*scene: Any, radius: float, **question: Any) -> Nearby:
+def find_near(*scene: Any, **question: Any) -> Nearby:
     """What is near what in (vertices, faces) or in a world, and how near. All else: Detector.find_near."""
-    return Detector().find_near(*scene, radius=radius, **question)
+    return Detector().find_near(*scene, **question)
 
 
 def find_candidates(*scene: Any, **question: Any) -> Candidates:

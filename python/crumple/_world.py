@@ -55,15 +55,19 @@ class Shape(_core.Shape):
             count for a whole process; another size or precision under a known name is an InvalidInput. A shape whose
             vertices move gets no name, or a new one with each change.
         end: (n, 3) float32 or float64: where they are at the end of a step, for Detector.find_impacts; None: they stay.
-            What a name promises says nothing of it.
+            What a name promises says nothing of it, nor of what follows.
         edges, points: as Detector.find_impacts has them, for that and for Detector.find_near. What no face names is of
             the body's group where the shape has no groups, else of none.
+        radii: (n,) float64 or float32, one a vertex, for Detector.find_near, which tells what they are; None: 0, where
+            another shape has some. In the units of the world, whatever the pose.
+        rest: (n, 3) float32 or float64: where the vertices are at rest, before poses, for `rest_radius` of
+            Detector.find_near; None: there is no such shape.
 
     Raises InvalidInput, which names the argument. Whether coordinates are finite and indices in range is looked at when
     a search first reads the shape.
     """
 
-    __slots__ = ("__weakref__", "_end", "_lists", "_mesh", "_name")
+    __slots__ = ("__weakref__", "_end", "_lists", "_mesh", "_name", "_radii", "_rest")
 
     @suggesting
     def __init__(
@@ -75,15 +79,29 @@ class Shape(_core.Shape):
         end: Any = None,
         edges: Any = None,
         points: Any = None,
+        radii: Any = None,
+        rest: Any = None,
     ) -> None:
-        self._make(listing_of(vertices, faces, groups, edges, points), name, "", end, (edges, points))
+        mesh = listing_of(vertices, faces, groups, edges, points)
+        self._make(mesh, name, "", end, (edges, points), radii, rest)
 
-    def _make(self, mesh: Mesh, name: Any, which: str, end: Any = None, lists: tuple[Any, Any] = (None, None)) -> None:
-        super().__init__(mesh, which, _number_of(name), end, lists)
+    def _make(
+        self,
+        mesh: Mesh,
+        name: Any,
+        which: str,
+        end: Any = None,
+        lists: tuple[Any, Any] = (None, None),
+        radii: Any = None,
+        rest: Any = None,
+    ) -> None:
+        super().__init__(mesh, which, _number_of(name), end, lists, radii, rest)
         self._lists = lists
         self._mesh = mesh
         self._name = name
         self._end = end
+        self._radii = radii
+        self._rest = rest
 
     @property
     def mesh(self) -> Mesh:
@@ -109,6 +127,16 @@ class Shape(_core.Shape):
     def points(self) -> Any:
         """The vertices that are meant as points, as given; None: those that a face or an edge names."""
         return self._lists[1]
+
+    @property
+    def radii(self) -> Any:
+        """The radii of the vertices, as given, or None."""
+        return self._radii
+
+    @property
+    def rest(self) -> Any:
+        """Where the vertices are at rest, as given, or None."""
+        return self._rest
 
     def __reduce__(self) -> Any:
         from ._world_pickling import restore_shape, state_of_shape

@@ -118,23 +118,33 @@ def _check_fit(answer: StoredAnswer, world: World) -> None:
 
 
 def state_of_shape(shape: Shape, name: Any) -> tuple[Any, ...]:
-    """Vertices, faces, groups, name, the vertices at the end, edges and points; arrays are NumPy's."""
+    """Vertices, faces, groups, name, vertices at the end, edges, points, radii, vertices at rest; as NumPy has them."""
     vertices, faces, groups = shape.mesh
     faces = _arrays.faces(faces, "") if len(_arrays.host_array(faces, "faces")) else np.empty((0, 3), np.int32)
     groups = None if groups is None else _arrays.groups(groups, "")
     end = None if shape.end is None else _arrays.end_vertices(shape.end, "")
     edges = None if shape.edges is None else _arrays.edges(shape.edges, "")
     points = None if shape.points is None else _arrays.points(shape.points, "")
-    return _arrays.vertices(vertices, ""), faces, groups, name, end, edges, points
+    radii = None if shape.radii is None else _arrays.radii(shape.radii, "")
+    rest = None if shape.rest is None else _arrays.rest_vertices(shape.rest, "")
+    return _arrays.vertices(vertices, ""), faces, groups, name, end, edges, points, radii, rest
 
 
 def restore_shape(
-    vertices: Any, faces: Any, groups: Any, name: Any, end: Any = None, edges: Any = None, points: Any = None
+    vertices: Any,
+    faces: Any,
+    groups: Any,
+    name: Any,
+    end: Any = None,
+    edges: Any = None,
+    points: Any = None,
+    radii: Any = None,
+    rest: Any = None,
 ) -> Shape:
     """A shape whose own name is nobody else's has another number here."""
     shape = Shape.__new__(Shape)
     name = OwnName() if isinstance(name, OwnName) else name
-    shape._make(Mesh(vertices, faces, groups), name, "", end, (edges, points))
+    shape._make(Mesh(vertices, faces, groups), name, "", end, (edges, points), radii, rest)
     return shape
 
 

@@ -88,6 +88,12 @@ bool are_groups(const BorrowedArray& a) {
            reinterpret_cast<std::uintptr_t>(a.data) % size == 0;
 }
 
+bool are_radii(const BorrowedArray& a) {
+    constexpr std::int64_t size = sizeof(double);
+    return a.dimensions == 1 && a.device == BorrowedArray::on_host && a.number == Number::float64 &&
+           (a.shape[0] < 2 || a.strides[0] == size) && reinterpret_cast<std::uintptr_t>(a.data) % size == 0;
+}
+
 bool are_group_pairs(const BorrowedArray& a) {
     constexpr std::int64_t size = sizeof(std::int32_t);
     return has_rows_of(2, a) && a.device == BorrowedArray::on_host && a.number == Number::int32 &&
@@ -235,13 +241,26 @@ BorrowedMesh::BorrowedMesh(const nb::tuple& mesh, const char* which)
     view_.groups = {static_cast<const std::int32_t*>(groups_.data), static_cast<std::size_t>(groups_.shape[0])};
 }
 
-BorrowedEnd::BorrowedEnd(nb::handle end, const BorrowedMesh& mesh, const char* which) : kept_{nb::borrow(end)} {
-    const BorrowedArray array = borrow_array(end, are_host_vertices, "end_vertices", which, kept_);
+BorrowedEnd::BorrowedEnd(nb::handle end, const BorrowedMesh& mesh, const char* which, When when)
+    : kept_{nb::borrow(end)} {
+    const bool at_rest = when == When::rest;
+    const BorrowedArray array =
+        borrow_array(end, are_host_vertices, at_rest ? "rest_vertices" : "end_vertices", which, kept_);
     view_ = rows_of_three(array, scalar_type(array));
     const std::int64_t wanted = mesh.view().vertices.rows;
     if (view_.rows != wanted)
-        refuse(std::string(which) + "end vertices must be as many as those at the start, " + std::to_string(wanted) +
-               ", not " + std::to_string(view_.rows));
+        refuse(std::string(which) + (at_rest ? "rest" : "end") + " vertices must be as many as those " +
+               (at_rest ? "of the mesh, " : "at the start, ") + std::to_string(wanted) + ", not " +
+               std::to_string(view_.rows));
+}
+
+BorrowedRadii::BorrowedRadii(nb::handle radii, const BorrowedMesh& mesh, const char* which) : kept_{nb::borrow(radii)} {
+    const BorrowedArray array = borrow_array(radii, are_radii, "radii", which, kept_);
+    const std::int64_t wanted = mesh.view().vertices.rows;
+    if (array.shape[0] != wanted)
+        refuse(std::string(which) + "radii must be one for each of the " + std::to_string(wanted) + " vertices, not " +
+               std::to_string(array.shape[0]));
+    view_ = {static_cast<const double*>(array.data), static_cast<std::size_t>(wanted)};
 }
 
 BorrowedLists::BorrowedLists(const nb::tuple& lists, const char* which) : kept_{lists} {

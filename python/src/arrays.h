@@ -62,11 +62,12 @@ class BorrowedMesh {
     MeshView view_;
 };
 
-/// Where a mesh's vertices are at the end of a step, in place, in host memory.
+/// Where a mesh's vertices are at the end of a step, or at rest, in place, in host memory.
 class BorrowedEnd {
    public:
+    enum class When : std::uint8_t { end, rest };
     /// Throws where they are not as many as those of the mesh.
-    BorrowedEnd(nanobind::handle end, const BorrowedMesh& mesh, const char* which = "");
+    BorrowedEnd(nanobind::handle end, const BorrowedMesh& mesh, const char* which = "", When when = When::end);
     const VertexView& view() const { return view_; }
 
    private:
@@ -90,6 +91,17 @@ class BorrowedLists {
     Kept kept_;
     std::optional<std::span<const Edge>> edges_;
     std::optional<std::span<const std::int32_t>> points_;
+};
+
+/// One number of float64 for each vertex of a mesh, in place, in host memory.
+class BorrowedRadii {
+   public:
+    BorrowedRadii(nanobind::handle radii, const BorrowedMesh& mesh, const char* which = "");
+    std::span<const double> view() const { return view_; }
+
+   private:
+    Kept kept_;
+    std::span<const double> view_;
 };
 
 /// The meshes of one call, in place; without a second one, one soup.

@@ -325,7 +325,8 @@ void bind_detector(nb::module_& module) {
         .def("_find_impacts_in_world", find_impacts_in_world, "world"_a, "poses"_a.none(), "end_poses"_a.none(),
              "question"_a, "excluded"_a.none(), "copy"_a.none())
         .def("_find_free_step", find_free_step, "mesh"_a, "end"_a.none(), "question"_a, "lists"_a)
-        .def("_find_near", find_near, "mesh"_a, "question"_a, "copy"_a.none(), "lists"_a)
+        .def("_find_near", find_near, "mesh"_a, "question"_a, "radii"_a.none(), "rest"_a.none(), "copy"_a.none(),
+             "lists"_a)
         .def("_find_near_in_world", find_near_in_world, "world"_a, "poses"_a.none(), "question"_a, "excluded"_a.none(),
              "copy"_a.none())
         .def("_find_candidates", find_candidates, "mesh"_a, "end"_a.none(), "question"_a, "copy"_a.none(), "lists"_a)

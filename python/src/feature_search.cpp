@@ -1,6 +1,7 @@
 #include "feature_search.h"
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -50,7 +51,8 @@ void make_motion(Motion* place, nb::handle wants, nb::handle separation, nb::han
 }
 
 void make_near(Near* place, nb::handle wants, nb::handle radius, nb::handle strict, nb::handle closest,
-               nb::handle least, nb::handle weld, const Rules& rules, nb::handle index) {
+               nb::handle least, nb::handle weld, nb::handle rings, nb::handle rest_radius, const Rules& rules,
+               nb::handle index) {
     Near question;
     question.wants = named(near_wants_names, "wants", wants);
     question.radius = real("radius", radius);
@@ -58,6 +60,8 @@ void make_near(Near* place, nb::handle wants, nb::handle radius, nb::handle stri
     question.closest = flag("closest", closest);
     question.least = flag("least", least);
     question.weld = flag("weld", weld);
+    question.rings = integer<std::int32_t>("rings", rings);
+    question.rest_radius = real("rest_radius", rest_radius);
     question.rules = rules;
     question.index = flag("index", index);
     new (place) Near(std::move(question));
@@ -132,13 +136,18 @@ nb::tuple find_free_step(nb::handle self, const nb::tuple& mesh, nb::handle end,
     return nb::make_tuple(step.share, single ? give_rows<float>(step.positions) : give_rows<double>(step.positions));
 }
 
-NearbyAnswer find_near(nb::handle self, const nb::tuple& mesh, const Near& question, nb::handle copy,
-                       const nb::tuple& lists) {
+NearbyAnswer find_near(nb::handle self, const nb::tuple& mesh, const Near& asked, nb::handle radii, nb::handle rest,
+                       nb::handle copy, const nb::tuple& lists) {
     SharedDetector& detector = detector_of(self);
     const BorrowedMesh borrowed(mesh);
     check_on_host(borrowed);
     const BorrowedLists given(lists);
     const MeshView view = with_lists(borrowed, given);
+    Near question = asked;
+    std::optional<BorrowedRadii> of_vertices;
+    std::optional<BorrowedEnd> at_rest;
+    if (!radii.is_none()) question.radii = of_vertices.emplace(radii, borrowed).view();
+    if (!rest.is_none()) question.rest = at_rest.emplace(rest, borrowed, "", BorrowedEnd::When::rest).view();
     const bool copied = flag("copy", copy), index = question.index && question.wants == NearWants::pairs;
     const SharedDetector::Turn turn(detector);
     const bool listed = question.wants == NearWants::pairs;
@@ -171,7 +180,7 @@ void bind_feature_questions(nb::module_& module) {
              "weld"_a.none(), "rules"_a, "index"_a.none());
     nb::class_<Near>(module, "Near", "What is asked about nearness.")
         .def("__init__", make_near, "wants"_a.none(), "radius"_a.none(), "strict"_a.none(), "closest"_a.none(),
-             "least"_a.none(), "weld"_a.none(), "rules"_a, "index"_a.none());
+             "least"_a.none(), "weld"_a.none(), "rings"_a.none(), "rest_radius"_a.none(), "rules"_a, "index"_a.none());
 }
 
 }  // namespace crumple::python

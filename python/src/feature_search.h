@@ -33,8 +33,9 @@ ImpactsAnswer find_impacts_in_world(nanobind::handle self, nanobind::handle worl
 /// (share, positions)
 nanobind::tuple find_free_step(nanobind::handle self, const nanobind::tuple& mesh, nanobind::handle end,
                                const Motion& question, const nanobind::tuple& lists);
-NearbyAnswer find_near(nanobind::handle self, const nanobind::tuple& mesh, const Near& question, nanobind::handle copy,
-                       const nanobind::tuple& lists);
+/// `radii` and `rest` may be None.
+NearbyAnswer find_near(nanobind::handle self, const nanobind::tuple& mesh, const Near& question, nanobind::handle radii,
+                       nanobind::handle rest, nanobind::handle copy, const nanobind::tuple& lists);
 NearbyAnswer find_near_in_world(nanobind::handle self, nanobind::handle world, nanobind::handle poses,
                                 const Near& question, nanobind::handle excluded, nanobind::handle copy);
 

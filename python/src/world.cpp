@@ -37,9 +37,9 @@ void construct(nb::handle self, const char* type, Arguments&&... arguments) {
 }
 
 void make_shape(nb::handle self, const nb::tuple& mesh, const char* which, std::uint64_t name, nb::handle end,
-                const nb::tuple& lists) {
+                const nb::tuple& lists, nb::handle radii, nb::handle rest) {
     if (!nb::isinstance<BorrowedShape>(self)) refuse_type("self", "a crumple.Shape", self);
-    construct<BorrowedShape>(self, "crumple.Shape", mesh, which, name, end, lists);
+    construct<BorrowedShape>(self, "crumple.Shape", mesh, which, name, end, lists, radii, rest);
 }
 
 void make_world(nb::handle self, const nb::list& shapes, const Column<std::int32_t>& shape_of,
@@ -118,15 +118,15 @@ double number(const std::byte* at, BorrowedArray::Number type) {
 }  // namespace
 
 BorrowedShape::BorrowedShape(const nb::tuple& given, const char* which, std::uint64_t name, nb::handle at_end,
-                             const nb::tuple& listed)
+                             const nb::tuple& listed, nb::handle given_radii, nb::handle at_rest)
     : mesh(given, which), lists(listed, which), shape(mesh.view(), name) {
     lists.put_into(shape);
     if (mesh.device() != BorrowedArray::on_host)
         refuse(std::string(which) +
                "vertices lie in CUDA memory, but those of a world are wanted in the host's: " + copy_to_host);
-    if (at_end.is_none()) return;
-    end.emplace(at_end, mesh, which);
-    shape.end = end->view();
+    if (!at_end.is_none()) shape.end = end.emplace(at_end, mesh, which).view();
+    if (!at_rest.is_none()) shape.rest = rest.emplace(at_rest, mesh, which, BorrowedEnd::When::rest).view();
+    if (!given_radii.is_none()) shape.radii = radii.emplace(given_radii, mesh, which).view();
 }
 
 BorrowedWorld& given_world(nb::handle world) { return instance<BorrowedWorld>(world, "world", "crumple.World"); }
@@ -227,7 +227,8 @@ std::vector<BodyPair> excluded_bodies(const Bodies& bodies, nb::handle pairs) {
 
 void bind_world(nb::module_& module) {
     nb::class_<BorrowedShape>(module, "Shape", "Triangles that bodies are made of; crumple.Shape is one.")
-        .def("__init__", make_shape, "mesh"_a, "which"_a, "name"_a, "end"_a.none(), "lists"_a)
+        .def("__init__", make_shape, "mesh"_a, "which"_a, "name"_a, "end"_a.none(), "lists"_a, "radii"_a.none(),
+             "rest"_a.none())
         .def_prop_ro("triangles", [](nb::handle self) {
             return instance<BorrowedShape>(self, "self", "crumple.Shape").shape.triangles.rows;
         });

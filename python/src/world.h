@@ -14,17 +14,18 @@
 
 namespace crumple::python {
 
-/// crumple.Shape: a mesh in place, the number that names it, where its vertices are at the end of a step, and what
-/// edges and points it lists.
+/// crumple.Shape: a mesh in place, the number that names it, what else is known of its vertices, which is where they
+/// are at the end of a step and at rest, and their radii, and what edges and points it lists.
 struct BorrowedShape {
-    /// `mesh` is (vertices, faces, groups or None), `lists` (edges or None, points or None); `end` may be None. `which`
-    /// leads every message.
+    /// `mesh` is (vertices, faces, groups or None), `lists` (edges or None, points or None); `end`, `radii` and `rest`
+    /// may be None. `which` leads every message.
     BorrowedShape(const nanobind::tuple& mesh, const char* which, std::uint64_t name, nanobind::handle end,
-                  const nanobind::tuple& lists);
+                  const nanobind::tuple& lists, nanobind::handle radii, nanobind::handle rest);
 
     BorrowedMesh mesh;
-    std::optional<BorrowedEnd> end;
+    std::optional<BorrowedEnd> end, rest;
     BorrowedLists lists;
+    std::optional<BorrowedRadii> radii;
     Shape shape;
 };
 

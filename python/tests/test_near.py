@@ -1,6 +1,7 @@
 """What is near what: found as brute force finds it, in meshes and in worlds, as much as is asked for."""
 
 import inspect
+import pickle
 import re
 
 import numpy as np
@@ -134,7 +135,22 @@ def test_least_distances_with_groups(either):
     [
         ((START, FACES), {"radius": -1}, "radius must be finite and 0 or more"),
         ((START, FACES), {"radius": np.nan}, "radius must be finite and 0 or more"),
-        ((START, FACES), {"radius": None}, "radius must be a number, not None"),
+        ((START, FACES), {"radius": "1"}, "radius must be a number, not str"),
+        ((START, FACES), {"radius": None}, "find_near needs a radius, or radii of the vertices"),
+        ((START, FACES), {"radii": np.ones(6)}, "radius is not asked for beside radii"),
+        ((START, FACES), {"radius": None, "radii": np.ones(5)}, "radii must be one for each of the 6 vertices, not 5"),
+        ((START, FACES), {"radius": None, "radii": []}, "radii must be one for each of the 6 vertices, not 0"),
+        ((START, FACES), {"radius": None, "radii": 1.0}, r"radii must have shape \(vertices,\), not \(\)"),
+        ((START, FACES), {"radius": None, "radii": np.ones((6, 1))}, r"radii must have shape \(vertices,\)"),
+        ((START, FACES), {"radius": None, "radii": np.ones(6, int)}, "radii must be float64 or float32, not int64"),
+        ((START, FACES), {"radius": None, "radii": [0, 1, 2, -1, 0, 0]}, "radius of vertex 3 must be finite and 0 or"),
+        ((START, FACES), {"radius": None, "radii": OnDevice(np.ones(6))}, "radii lie in CUDA memory"),
+        ((START, FACES), {"rings": -1}, "rings must be 0 or more"),
+        ((START, FACES), {"rings": 1.5}, "rings must be an integer"),
+        ((START, FACES), {"rest": START[:5]}, "rest vertices must be as many as those of the mesh, 6, not 5"),
+        ((START, FACES), {"rest": START * np.nan}, "at rest: vertex 0 is not finite"),
+        ((START, FACES), {"rest_radius": 1}, "rest_radius needs a shape at rest"),
+        ((START, FACES), {"rest": START, "rest_radius": -1}, "rest_radius must be finite and 0 or more"),
         ((START, FACES), {"strict": 1}, "strict must be True or False, not int"),
         ((START, FACES), {"closest": 1}, "closest must be True or False, not int"),
         ((START, FACES), {"least": None}, "least must be True or False, not None"),
@@ -157,7 +173,7 @@ def test_the_method_tells_what_it_is(detector):
         assert inspect.isroutine(method) and len(inspect.getdoc(method)) > 100
     assert list(inspect.signature(detector.find_near).parameters)[:3] == ["vertices", "faces", "radius"]
     for scene in ((START, FACES), (crumple.World([(START, FACES)]),)):
-        with pytest.raises(TypeError, match="missing 1 required keyword-only argument: 'radius'"):
+        with pytest.raises(TypeError, match="find_near needs a radius, or radii of the vertices"):
             detector.find_near(*scene)
         with pytest.raises(TypeError, match=r"find_near.*'stric'\. Did you mean 'strict'\?$"):
             detector.find_near(*scene, radius=1, stric=True)
@@ -233,3 +249,67 @@ def test_poses_and_exclusions(either):
     assert nearer.vertex_face_bodies.tolist() == [[0, 1]] * 3 + [[1, 0]] * 3
     assert nearer.vertex_face_squared_distance.tolist() == [1] * 6
     np.testing.assert_array_equal(either.find_near(world, radius=1, poses=poses.copy()).edge_edges, nearer.edge_edges)
+
+
+def test_radii_add_up(either):
+    radii = np.array([0.75, 0, 0, 0.25, 0, 0])
+    assert either.find_near(START, FACES, radii=radii).vertex_faces.tolist() == [[3, 0]]
+    assert not either.find_near(START, FACES, radii=radii, strict=True)
+    radii[3] = np.nextafter(0.25, 0)
+    assert not either.find_near(START, FACES, radii=radii)
+    for given in (list(radii + 1), (radii + 1).astype(">f8"), np.repeat(radii + 1, 2)[::2], (radii + 1).tolist()):
+        assert_same(either.find_near(START, FACES, radii=given), either.find_near(START, FACES, radii=radii + 1))
+    half = np.full(len(START), 1, np.float32)
+    assert_same(either.find_near(START, FACES, radii=half), either.find_near(START, FACES, radius=2))
+    assert not either.find_near([], [], radii=[])
+
+
+def test_neighbours_and_what_is_close_at_rest_are_left_out(either):
+    mesh = soup(20, size=0.5, seed=3, dtype=np.float64)
+    for question in ({"radius": 0.3}, {"radii": np.random.default_rng(1).random(len(mesh.vertices)) * 0.2}):
+        every = either.find_near(mesh, **question)
+        assert_same(either.find_near(mesh, rings=3, **question), every)  # each triangle by itself
+        assert not either.find_near(mesh, rest=mesh.vertices, rest_radius=1, **question)
+        rest = mesh.vertices.astype(np.float32) * 2
+        some = either.find_near(mesh, rest=rest, rest_radius=0.3, **question)
+        assert 0 < len(some) < len(every)
+        assert either.find_near(mesh, rest=rest, rest_radius=0.3, wants="any", **question)
+    square = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]], float), [[0, 1, 2], [2, 1, 3]]
+    assert either.find_near(*square, radius=1).vertex_faces.tolist() == [[0, 1], [3, 0]]
+    assert not either.find_near(*square, radius=1, rings=1)
+
+
+def test_brute_force_agrees_on_filters(detector, reference):
+    random = np.random.default_rng(5)
+    mesh = soup(14, size=0.6, seed=6, dtype=np.float64)
+    mesh.faces[3:9] = mesh.faces[2:8] // 2  # with common vertices
+    for rings in range(4):
+        asked = {
+            "radii": random.random(len(mesh.vertices)) * 0.3,
+            "rings": rings,
+            "rest": mesh.vertices + random.normal(size=mesh.vertices.shape) * 0.3,
+            "rest_radius": 0.1,
+            "least": True,
+            "closest": True,
+        }
+        expected = reference.find_near(mesh, **asked)
+        assert expected, "something must be near"
+        assert_same(detector.find_near(mesh, **asked), expected, CLOSEST + LEAST)
+
+
+def test_shapes_of_worlds_bring_radii_and_where_they_are_at_rest(either):
+    radii = np.full(6, 0.5)
+    shape = crumple.Shape(START, FACES, radii=radii, rest=START)
+    assert shape.radii is radii and shape.rest is START
+    for kept in (shape, pickle.loads(pickle.dumps(shape))):
+        world = crumple.World([kept])
+        assert either.find_near(world).vertex_faces.tolist() == [[3, 0]]
+        assert not either.find_near(world, rest_radius=1)
+        with pytest.raises(crumple.InvalidInput, match="radius is not asked for beside radii"):
+            either.find_near(world, radius=1)
+    with pytest.raises(crumple.InvalidInput, match="^shape 1: the radius of vertex 2 must be finite and 0 or more$"):
+        either.find_near(crumple.World([shape, crumple.Shape(START, FACES, radii=[0, 0, -1, 0, 0, 0])]))
+    with pytest.raises(crumple.InvalidInput, match="radii must be one for each of the 6 vertices, not 2"):
+        crumple.Shape(START, FACES, radii=[1.0, 2.0])
+    with pytest.raises(TypeError, match="'radii'"):
+        either.find_near(world, radii=radii)
