@@ -50,8 +50,8 @@ PairImpacts vertex_vertex_impacts(const VertexView& start, const VertexView& end
 struct PairDistances {
     Array<double> squared_distance;  ///< exact, then rounded to the nearest number; infinite beyond the largest
     Array<std::uint8_t> touching;    ///< 1: the distance is 0 exactly
-    /// Which parts are closest: a VertexFaceType, an EdgeEdgeType or a VertexEdgeType, whose EA0 and E0 are the first end
-    /// given, or a VertexVertexType.
+    /// Which parts are closest: a VertexFaceType, an EdgeEdgeType or a VertexEdgeType, whose EA0 and E0 are the first
+    /// end given, or a VertexVertexType.
     Array<std::uint8_t> type;
     /// Where: (u, v) of the face's point a + u (b - a) + v (c - a), (s, t) of the edges' a + s (b - a) and
     /// c + t (d - c), (t, 0) of the one edge's a + t (b - a), (0, 0) of two vertices. Exact, then rounded.
