@@ -76,6 +76,47 @@ def test_candidates_are_those_of_boxes_that_are_near(kind, moving):
     assert found[1] == {tuple(pair) for pair in pairs[near].tolist()}
 
 
+def boxes_overlap(points, split, end_points, radius):
+    """Whether the boxes of the first points and of the others, each grown by the radius, overlap."""
+    both = np.concatenate([points, end_points], axis=1) if end_points is not None else points
+    count, number = points.shape[1], np.arange(both.shape[1]) % points.shape[1]
+    first, second = both[:, number < split], both[:, number >= split]
+    gap = np.maximum(first.min(1) - second.max(1), second.min(1) - first.max(1)).max(axis=1)
+    assert 0 < split < count and np.abs(gap - 2 * radius).min() > 1e-12, "too close to tell by floating point"
+    return gap <= 2 * radius
+
+
+@pytest.mark.parametrize(
+    "kind, split", [("face_vertex", 1), ("edge_edge", 2), ("edge_vertex", 1), ("vertex_vertex", 1)]
+)
+@pytest.mark.parametrize("moving", [False, True])
+def test_boxes_that_overlap_are_those_of_ipctk(kind, split, moving):
+    vertices, edges, faces = scene()
+    radius = 0.04
+    end = columns(vertices + 0.1 * np.random.default_rng(2).random(vertices.shape)) if moving else None
+    arrays = (vertices, end, edges, faces) if moving else (vertices, edges, faces)
+    found = []
+    for broad_phase in (ipctk.LBVH(), adapter.BroadPhase(boxes=True)):
+        broad_phase.build(*arrays, radius)
+        found.append(numbers(getattr(broad_phase, f"detect_{kind}_candidates")(), kind))
+    pairs, points = points_of(kind, found[0], edges, faces)
+    overlap = boxes_overlap(vertices[points], split, end[points] if moving else None, radius)
+    assert found[1] == {tuple(pair) for pair in pairs[overlap].tolist()}
+    assert len(found[1]) > 3
+
+
+def test_boxes_give_ipctks_own_results():
+    vertices, edges, faces = scene(rods=False)
+    end = columns(vertices + 0.02 * (np.random.default_rng(2).random(vertices.shape) - 0.5))
+    mesh, answers = ipctk.CollisionMesh(vertices, edges, faces), []
+    for broad_phase in (ipctk.LBVH(), adapter.BroadPhase(boxes=True)):
+        step = ipctk.compute_collision_free_stepsize(mesh, vertices, end, broad_phase=broad_phase)
+        broad_phase.build(vertices, edges, faces)
+        crossed = [len(getattr(broad_phase, f"detect_{kind}_candidates")()) for kind in ("edge_face", "face_face")]
+        answers.append((step, ipctk.has_intersections(mesh, vertices, broad_phase), crossed))
+    assert answers[0] == answers[1] and 0 < answers[0][0] < 1 and min(answers[0][2]) > 0
+
+
 def test_steps_are_exact_and_no_shorter_than_ipctks():
     vertices, edges, faces = scene(rods=False)
     end = columns(vertices + 0.02 * (np.random.default_rng(2).random(vertices.shape) - 0.5))

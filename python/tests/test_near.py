@@ -158,7 +158,11 @@ def test_least_distances_with_groups(either):
         ((START, FACES), {"wanted": "no"}, 'wanted must be one of "both", "between", "within", not "no"'),
         ((START, FACES + 1), {}, "triangle 1 names vertex 6 of 6"),
         ((np.full_like(START, np.inf), FACES), {}, "vertex 0 is not finite"),
-        ((OnDevice(START), OnDevice(FACES)), {}, "vertices lie in CUDA memory, but those of motion, nearness and candidates"),
+        (
+            (OnDevice(START), OnDevice(FACES)),
+            {},
+            "vertices lie in CUDA memory, but those of motion, nearness and candidates",
+        ),
     ],
 )
 def test_wrong_arguments_are_refused(mesh, named, message, detector):

@@ -42,21 +42,25 @@ class BroadPhase(ipctk.BroadPhase):
 
     The IPC Toolkit asks its broad phases for boxes that overlap, each grown by the radius, for what is within twice the
     radius has such boxes. This one answers with what is within twice the radius itself: at rest, or at some time on
-    the way from one moment to the other. That is all that a narrow phase, a barrier or a distance needs, and some
-    hundred times less.
+    the way from one moment to the other; some hundred times less. A CCD of ipctk's that keeps a share of the distance
+    (conservative_rescaling) keeps it of these pairs; of what only comes near, if the radius says how near.
 
     Edges of no face and vertices of neither are found, too. `can_vertices_collide` is asked for each pair found. Edges
     against faces, which has_intersections asks for, are those of triangles that intersect, faces against faces those
     that intersect themselves; both at one moment only. Sorted, the same on every machine.
 
     Args:
+        boxes: answer with boxes that overlap instead, as ipctk's own broad phases do; by find_candidates, and so
+            complete and without rounding (docs/candidates.md).
         options: those of crumple.Detector.
 
-    Cost: that of find_near or find_impacts, and about a microsecond for each candidate, which Python makes an object.
+    Cost: that of find_near, find_impacts or find_candidates, and about a microsecond for each candidate, which Python
+    makes an object.
     """
 
-    def __init__(self, **options: Any) -> None:
+    def __init__(self, *, boxes: bool = False, **options: Any) -> None:
         super().__init__()
+        self.boxes = boxes
         self.detector = Detector(**options)
         self.clear()
 
@@ -89,42 +93,77 @@ class BroadPhase(ipctk.BroadPhase):
         self._found: Any = None
 
     def detect_face_vertex_candidates(self) -> list[Any]:
-        vertex, face = self._features().vertex_faces.T
+        vertex, face = self._pairs("vertex_face").T
         return self._made(ipctk.FaceVertexCandidate, face, vertex, self._faces[face], vertex[:, None])
 
     def detect_edge_edge_candidates(self) -> list[Any]:
-        found = self._features()
-        numbers = self._numbers(found.edges)[found.edge_edges]
-        a, b = np.sort(numbers[(numbers >= 0).all(axis=1)], axis=1).T
+        a, b = self._pairs("edge_edge").T
         return self._made(ipctk.EdgeEdgeCandidate, a, b, self._edges[a], self._edges[b])
 
     def detect_edge_vertex_candidates(self) -> list[Any]:
-        vertex, edge = self._search(self._edges[:, [0, 1, 1]]).vertex_faces.T
+        vertex, edge = self._pairs("vertex_edge").T
         return self._made(ipctk.EdgeVertexCandidate, edge, vertex, self._edges[edge], vertex[:, None])
 
     def detect_vertex_vertex_candidates(self) -> list[Any]:
-        pairs = self._search(np.empty((0, 3), np.int64), all_vertices=True).vertex_faces
-        a, b = pairs[pairs[:, 0] < pairs[:, 1]].T
+        a, b = self._pairs("vertex_vertex").T
         return self._made(ipctk.VertexVertexCandidate, a, b, a[:, None], b[:, None])
 
     def detect_edge_face_candidates(self) -> list[Any]:
+        edge, face = self._pairs("edge_face").T
+        return self._made(ipctk.EdgeFaceCandidate, edge, face, self._edges[edge], self._faces[face])
+
+    def detect_face_face_candidates(self) -> list[Any]:
+        a, b = self._pairs("face_face").T
+        return self._made(ipctk.FaceFaceCandidate, a, b, self._faces[a], self._faces[b])
+
+    def _pairs(self, kind: str) -> np.ndarray:
+        """(k, 2) numbers of features that have no vertex in common."""
+        return self._overlapping(kind) if self.boxes else getattr(self, f"_near_{kind}")()
+
+    def _overlapping(self, kind: Any) -> np.ndarray:
+        found = self.detector.find_candidates(
+            self._start,
+            self._faces,
+            end=self._end,
+            kinds=kind,
+            inflation=self._within / 2,
+            edges=self._edges,
+            points=np.arange(len(self._start)),
+        )
+        name = "vertex_vertices" if kind == "vertex_vertex" else f"{kind}s"
+        return getattr(found, name).astype(np.int64)
+
+    def _near_vertex_face(self) -> np.ndarray:
+        return self._features().vertex_faces
+
+    def _near_edge_edge(self) -> np.ndarray:
+        found = self._features()
+        numbers = self._numbers(found.edges)[found.edge_edges]
+        return np.sort(numbers[(numbers >= 0).all(axis=1)], axis=1)
+
+    def _near_vertex_edge(self) -> np.ndarray:
+        return self._search(self._edges[:, [0, 1, 1]]).vertex_faces
+
+    def _near_vertex_vertex(self) -> np.ndarray:
+        pairs = self._search(np.empty((0, 3), np.int64), all_vertices=True).vertex_faces
+        return pairs[pairs[:, 0] < pairs[:, 1]]
+
+    def _near_edge_face(self) -> np.ndarray:
         faces, pairs = self._intersecting()
         # If two triangles intersect, an edge of one meets the other: each edge of each, with the other's face.
         both = np.concatenate([pairs, pairs[:, ::-1]])
         both = both[both[:, 1] < len(self._faces)]
         edge = self._numbers(faces[both[:, 0]][:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2))
         listed = np.stack([edge, np.repeat(both[:, 1], 3)], axis=1)[edge >= 0]
-        edge, face = np.unique(listed, axis=0).T
-        apart = (self._edges[edge][:, :, None] != self._faces[face][:, None, :]).all(axis=(1, 2))
-        edge, face = edge[apart], face[apart]
-        return self._made(ipctk.EdgeFaceCandidate, edge, face, self._edges[edge], self._faces[face])
+        return self._apart(np.unique(listed, axis=0), self._edges)
 
-    def detect_face_face_candidates(self) -> list[Any]:
+    def _near_face_face(self) -> np.ndarray:
         pairs = self._intersecting()[1]
-        a, b = pairs[(pairs < len(self._faces)).all(axis=1)].T
-        apart = (self._faces[a][:, :, None] != self._faces[b][:, None, :]).all(axis=(1, 2))
-        a, b = a[apart], b[apart]
-        return self._made(ipctk.FaceFaceCandidate, a, b, self._faces[a], self._faces[b])
+        return self._apart(pairs[(pairs < len(self._faces)).all(axis=1)], self._faces)
+
+    def _apart(self, pairs: np.ndarray, corners: np.ndarray) -> np.ndarray:
+        """Without those that share a vertex; each a feature with these corners, and a face."""
+        return pairs[(corners[pairs[:, 0]][:, :, None] != self._faces[pairs[:, 1]][:, None, :]).all(axis=(1, 2))]
 
     def _keys(self, ends: np.ndarray) -> np.ndarray:
         """One number for an edge, whichever way round."""
