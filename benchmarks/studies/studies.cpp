@@ -15,6 +15,8 @@ constexpr std::array list{
     Study{"features", "motion and nearness: where the time goes, what each filter leaves, threads, instruction sets",
           study_features},
     Study{"feature_growth", "motion and nearness: time and memory over the number of triangles", study_feature_growth},
+    Study{"near_filters", "nearness: radii of vertices, neighbours and rest shapes beside one radius",
+          study_near_filters},
     Study{"first_call", "a new process, a new detector, a warm one", study_first_call},
     Study{"cost_per_box_overlap", "triangles of unequal size: time per overlapping pair of boxes",
           study_cost_per_box_overlap},

@@ -41,6 +41,7 @@ nlohmann::json study_stages(const StudySettings& settings);
 nlohmann::json study_growth(const StudySettings& settings);
 nlohmann::json study_features(const StudySettings& settings);
 nlohmann::json study_feature_growth(const StudySettings& settings);
+nlohmann::json study_near_filters(const StudySettings& settings);
 nlohmann::json study_first_call(const StudySettings& settings);
 nlohmann::json study_cost_per_box_overlap(const StudySettings& settings);
 nlohmann::json study_ground(const StudySettings& settings);

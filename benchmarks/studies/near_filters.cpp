@@ -1,0 +1,72 @@
+// Nearness with a radius of each vertex, without neighbours, without what is close at rest: what these cost beside one
+// radius, on one thread. Where all radii are half of the one, so that the list is the same; and where they differ.
+
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "report.h"
+#include "studies/feature_questions.h"
+#include "studies/studies.h"
+
+namespace crumple::benchmark {
+namespace {
+
+struct Asked {
+    std::string name;
+    Near question;
+};
+
+/// From an eighth of `most` to all of it, the same on every machine.
+std::vector<double> uneven(std::size_t count, double most) {
+    std::vector<double> radii(count);
+    for (std::size_t i = 0; i < count; ++i) radii[i] = most * static_cast<double>(1 + (i * 2654435761u >> 16) % 8) / 8;
+    return radii;
+}
+
+nlohmann::json study(const Step& step, const Effort& effort) {
+    const MeshView mesh = step.start.view();
+    const auto vertices = static_cast<std::size_t>(mesh.vertices.rows);
+    const std::vector<double> equal(vertices, 0.5 * step.radius), different = uneven(vertices, 0.5 * step.radius);
+    std::vector<Asked> all{{"one radius", {.radius = step.radius}},
+                           {"radii of half of it", {.radii = equal}},
+                           {"radii of a sixteenth to a half", {.radii = different}}};
+    for (const std::int32_t rings : {1, 2, 3})
+        all.push_back({fmt::format("{} rings", rings), {.radius = step.radius, .rings = rings}});
+    all.push_back(
+        {"the end for a rest shape", {.radius = step.radius, .rest = step.end_view(), .rest_radius = step.radius}});
+
+    std::vector<Contestant> contestants;
+    std::vector<std::shared_ptr<Detector>> detectors;
+    for (const Asked& asked : all) {
+        const auto detector = std::make_shared<Detector>(Options{.threads = 1});
+        detectors.push_back(detector);
+        contestants.push_back({asked.name, "", "", [=] { detector->find_near(mesh, asked.question); }, {}});
+    }
+    const std::vector<Times> times = race(contestants, effort);
+    Table table(step.name, {"asked", "ms", "quartiles", "times one radius", "found"});
+    nlohmann::json rows = nlohmann::json::array();
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        const Summary time = times[i].summary(), relative = ratio(times[i], times[0]);
+        const std::int64_t found = detectors[i]->find_near(mesh, all[i].question).count;
+        table.row({all[i].name, number(time.median), range(time), number(relative.median), std::to_string(found)});
+        rows.push_back({{"asked", all[i].name},
+                        {"milliseconds", to_json(time)},
+                        {"relative", to_json(relative)},
+                        {"found", found}});
+    }
+    table.print();
+    return {{"step", step.name}, {"questions", rows}};
+}
+
+}  // namespace
+
+nlohmann::json study_near_filters(const StudySettings& settings) {
+    std::vector<std::string> names = settings.scenes.empty() ? steps() : settings.scenes;
+    if (settings.quick && names.size() > 2) names.resize(2);
+    nlohmann::json rows = nlohmann::json::array();
+    for (const std::string& name : names) rows.push_back(study(load_step(name), settings.effort));
+    return rows;
+}
+
+}  // namespace crumple::benchmark
