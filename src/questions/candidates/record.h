@@ -24,9 +24,26 @@ inline constexpr unsigned vertex_lanes = 0b111, edge_lanes = 0b111000, face_lane
 struct alignas(64) CandidateRecord {
     float low[3][candidate_lanes], high[3][candidate_lanes];  ///< by axis
     std::int32_t id[candidate_lanes];                         ///< of points, edges, the triangle
-    std::int32_t vertex[3], name[3];                          ///< of the corners; names are what is compared
+    std::int32_t vertex[3];                                   ///< of the corners
+    std::int32_t name[4];                                     ///< and what they are compared by; the last one is -1
     std::uint32_t owned;                                      ///< a bit for each lane
 };
+
+/// The corners that a lane has, as bits.
+constexpr unsigned corners_of(int lane) {
+    constexpr std::uint8_t corners[candidate_lanes] = {0b001, 0b010, 0b100, 0b011, 0b110, 0b101, 0b111, 0};
+    return corners[lane];
+}
+
+/// The lanes of b that have a vertex in common with a lane of a.
+inline unsigned incident_lanes(const CandidateRecord& a, int lane, const CandidateRecord& b) {
+    unsigned shared = 0;  // corners of b
+    for (int i = 0; i < 3; ++i)
+        for (int k = 0; k < 3; ++k) shared |= unsigned{a.name[i] == b.name[k]} << k & -(corners_of(lane) >> i & 1);
+    unsigned lanes = 0;
+    for (int k = 0; k < candidate_lanes; ++k) lanes |= unsigned{(corners_of(k) & shared) != 0} << k;
+    return lanes;
+}
 
 /// What a lane that overlaps nothing has: lows above it, highs below.
 inline constexpr float beyond = 3e38f;

@@ -26,8 +26,8 @@ struct BoxHit {
 using AskedLanes = std::uint8_t[candidate_lanes];
 
 struct CandidateKernels {
-    /// Lists what candidates [begin, end) overlap of what is asked for; returns how many hits. `record`: by physical
-    /// row. Writes up to seven a candidate, and one more.
+    /// Lists what candidates [begin, end) overlap of what is asked for, less what is incident; returns how many hits.
+    /// `record`: by physical row. Writes up to seven a candidate, and one more.
     std::size_t (*overlaps)(const CandidateRecord* record, const Candidates& candidates, std::int64_t begin,
                             std::int64_t end, const AskedLanes& asked, BoxHit* hit);
 };

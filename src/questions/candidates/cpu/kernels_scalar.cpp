@@ -32,9 +32,11 @@ std::size_t overlaps(const CandidateRecord* record, const Candidates& candidates
                 overlap |= unsigned{gap[l] <= 0} << l;
                 unsure |= unsigned{gap[l] == 0} << l;
             }
-            hit[count] = {i, j, static_cast<std::uint8_t>(f), static_cast<std::uint8_t>(overlap & asked[f]),
-                          static_cast<std::uint8_t>(unsure & asked[f])};
-            count += (overlap & asked[f]) != 0;
+            overlap &= asked[f];
+            if (overlap != 0) overlap &= ~incident_lanes(a, f, b);
+            hit[count] = {i, j, static_cast<std::uint8_t>(f), static_cast<std::uint8_t>(overlap),
+                          static_cast<std::uint8_t>(unsure & overlap)};
+            count += overlap != 0;
         }
     }
     return count;

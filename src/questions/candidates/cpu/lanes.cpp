@@ -44,6 +44,13 @@ HWY_INLINE unsigned bits_of(const Mask& mask, std::size_t first) {
     return unsigned{bytes[0]} << first;
 }
 
+HWY_INLINE bool share_a_vertex(const CandidateRecord& a, const CandidateRecord& b) {
+    const hn::FixedTag<std::int32_t, 4> d;
+    const auto names = hn::LoadU(d, b.name);
+    const auto same = [&](int k) HWY_ATTR { return hn::Eq(names, hn::Set(d, a.name[k])); };
+    return !hn::AllFalse(d, hn::Or(same(0), hn::Or(same(1), same(2))));
+}
+
 std::size_t overlaps(const CandidateRecord* record, const Candidates& candidates, std::int64_t begin, std::int64_t end,
                      const AskedLanes& asked, BoxHit* hit) {
     const D d;
@@ -56,6 +63,7 @@ std::size_t overlaps(const CandidateRecord* record, const Candidates& candidates
         const std::uint16_t i = candidates.row[k], j = candidates.column[k];
         if (j == candidates.dummy) continue;
         const CandidateRecord &a = rows[i], &b = columns[j];
+        const bool neighbours = share_a_vertex(a, b);
         for (unsigned lanes = a.owned & rows_asked; lanes; lanes &= lanes - 1) {
             const int f = std::countr_zero(lanes);
             unsigned overlap = 0, unsure = 0;
@@ -64,9 +72,11 @@ std::size_t overlaps(const CandidateRecord* record, const Candidates& candidates
                 overlap |= bits_of(hn::Le(between, zero), first);
                 unsure |= bits_of(hn::Eq(between, zero), first);
             }
-            hit[count] = {i, j, static_cast<std::uint8_t>(f), static_cast<std::uint8_t>(overlap & asked[f]),
-                          static_cast<std::uint8_t>(unsure & asked[f])};
-            count += (overlap & asked[f]) != 0;
+            overlap &= asked[f];
+            if (neighbours) overlap &= ~incident_lanes(a, f, b);
+            hit[count] = {i, j, static_cast<std::uint8_t>(f), static_cast<std::uint8_t>(overlap),
+                          static_cast<std::uint8_t>(unsure & overlap)};
+            count += overlap != 0;
         }
     }
     return count;

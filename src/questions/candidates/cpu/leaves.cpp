@@ -26,36 +26,13 @@ constexpr CandidateKind kind_of[3][3] = {
     {CandidateKind::vertex_edge, CandidateKind::edge_edge, CandidateKind::edge_face},
     {CandidateKind::vertex_face, CandidateKind::edge_face, CandidateKind::face_face}};
 
-// The corners that a feature has, as bits.
-unsigned corners_of(int lane) {
-    constexpr std::uint8_t corners[candidate_lanes] = {0b001, 0b010, 0b100, 0b011, 0b110, 0b101, 0b111, 0};
-    return corners[lane];
-}
-
-// The lanes that have any of these corners.
-unsigned lanes_at(unsigned corners) {
-    unsigned lanes = 0;
-    for (int lane = 0; lane < candidate_lanes; ++lane) lanes |= unsigned{(corners_of(lane) & corners) != 0} << lane;
-    return lanes;
-}
-
-// What features of b have a vertex in common with a feature of a.
-unsigned incident_lanes(const CandidateRecord& a, int lane, const CandidateRecord& b) {
-    unsigned shared = 0;  // corners of b
-    for (unsigned corners = corners_of(lane); corners; corners &= corners - 1) {
-        const std::int32_t name = a.name[std::countr_zero(corners)];
-        for (int k = 0; k < 3; ++k) shared |= unsigned{name == b.name[k]} << k;
-    }
-    return shared ? lanes_at(shared) : 0;
-}
-
 CandidateRecord dummy_record() {
     CandidateRecord record{};
     for (int axis = 0; axis < 3; ++axis)
         for (int lane = 0; lane < candidate_lanes; ++lane)
             record.low[axis][lane] = beyond, record.high[axis][lane] = -beyond;
     std::fill_n(record.id, candidate_lanes, -1);
-    std::fill_n(record.name, 3, -1);
+    std::fill_n(record.name, 4, -1);
     return record;
 }
 
@@ -210,37 +187,54 @@ void CandidateLeaves::drop_foreign(const SortedLeaf& leaf, const Ownership& owne
     }
 }
 
+// Pairs are written behind the end of their lists, in which there is room for what a batch finds at most.
 void CandidateLeaves::narrow(const Worker& builder, Worker& worker) const {
+    constexpr std::size_t most[candidate_kinds] = {6, 9, 6, 1, 18, 9};
     const Candidates& candidates = worker.candidates;
     const CandidateRecord* record = builder.sorted.data();
     worker.hits.resize_discard(most_hits);
     for (std::int64_t begin = 0; begin < candidates.count; begin += batch) {
         const std::int64_t end = std::min(candidates.count, begin + batch);
         const std::size_t hits = kernels_.overlaps(record, candidates, begin, end, asked_, worker.hits.data());
+        Ends next;
+        for (std::size_t k = 0; k < candidate_kinds; ++k) {
+            if (!query_->wanted[k]) continue;
+            worker.found[k].make_room_for(most[k] * batch + 1);
+            next[k] = worker.found[k].end();
+        }
         for (std::size_t h = 0; h < hits; ++h) {
             const BoxHit& hit = worker.hits[h];
-            list(hit, record[candidates.rows + hit.row], record[candidates.columns + hit.column], worker);
+            list(hit, record[candidates.rows + hit.row], record[candidates.columns + hit.column], next);
         }
+        for (std::size_t k = 0; k < candidate_kinds; ++k)
+            if (query_->wanted[k]) worker.found[k].resize(static_cast<std::size_t>(next[k] - worker.found[k].data()));
     }
 }
 
-void CandidateLeaves::list(const BoxHit& hit, const CandidateRecord& a, const CandidateRecord& b,
-                           Worker& worker) const {
-    unsigned lanes = hit.overlaps & ~incident_lanes(a, hit.lane, b);
-    for (unsigned unsure = hit.unsure & lanes; unsure; unsure &= unsure - 1) {
+void CandidateLeaves::list(const BoxHit& hit, const CandidateRecord& a, const CandidateRecord& b, Ends& next) const {
+    unsigned lanes = hit.overlaps;
+    for (unsigned unsure = hit.unsure; unsure; unsure &= unsure - 1) {
         const int lane = std::countr_zero(unsure);
         if (!grown_boxes_overlap(box(a, hit.lane), box(b, lane), query_->inflation)) lanes &= ~(1u << lane);
     }
-    for (; lanes; lanes &= lanes - 1) list(a, hit.lane, b, std::countr_zero(lanes), worker);
+    const FeatureType type = type_of(hit.lane);
+    const std::int32_t id = a.id[hit.lane];
+    if (lanes & vertex_lanes) list<FeatureType::vertex>(type, id, lanes & vertex_lanes, b.id, next);
+    if (lanes & edge_lanes) list<FeatureType::edge>(type, id, lanes >> 3 & vertex_lanes, b.id + 3, next);
+    if (lanes & face_lane) list<FeatureType::face>(type, id, 1, b.id + 6, next);
 }
 
-// Of two kinds the lower one comes first, of one the lesser index.
-void CandidateLeaves::list(const CandidateRecord& a, int lane_a, const CandidateRecord& b, int lane_b,
-                           Worker& worker) const {
-    const auto first = static_cast<std::size_t>(type_of(lane_a)), second = static_cast<std::size_t>(type_of(lane_b));
-    Pair pair{a.id[lane_a], b.id[lane_b]};
-    if (second < first || (second == first && pair.b < pair.a)) std::swap(pair.a, pair.b);
-    worker.found[static_cast<std::size_t>(kind_of[first][second])].push_back(pair);
+// Of two types the lower one comes first, of one type the lesser index. Which of three lanes are to be listed is
+// unpredictable: all are written, and those that are not are written over.
+template <FeatureType column>
+void CandidateLeaves::list(FeatureType row, std::int32_t id, unsigned lanes, const std::int32_t* ids, Ends& next) {
+    Pair*& end =
+        next[static_cast<std::size_t>(kind_of[static_cast<std::size_t>(row)][static_cast<std::size_t>(column)])];
+    for (int k = 0; k < (column == FeatureType::face ? 1 : 3); ++k) {
+        const bool in_order = row < column || (row == column && id < ids[k]);
+        *end = in_order ? Pair{id, ids[k]} : Pair{ids[k], id};
+        end += lanes >> k & 1;
+    }
 }
 
 FeatureBox CandidateLeaves::box(const CandidateRecord& record, int lane) const {
@@ -253,6 +247,13 @@ FeatureBox CandidateLeaves::box(const CandidateRecord& record, int lane) const {
 
 void CandidateLeaves::search_within(std::int64_t begin, std::int64_t end, std::size_t w) {
     const CandidateKey key{normaliser_, {}};
+    Worker& worker = *worker_[w];
+    const auto list = [&](const CandidateRecord& record, int vertex, int other) {
+        const CandidateKind kind = other < 3 ? CandidateKind::vertex_vertex : CandidateKind::vertex_edge;
+        Pair pair{record.id[vertex], record.id[other]};
+        if (other < 3 && pair.b < pair.a) std::swap(pair.a, pair.b);
+        worker.found[static_cast<std::size_t>(kind)].push_back(pair);
+    };
     for (std::int64_t t = begin; t < end; ++t) {
         const unsigned owned = owned_lanes(static_cast<std::int32_t>(t));
         if ((owned & vertex_lanes) == 0 || !call_->rule(call_->scene.group(t), call_->scene.group(t))) continue;
@@ -262,8 +263,7 @@ void CandidateLeaves::search_within(std::int64_t begin, std::int64_t end, std::s
             if (!(owned >> a & 1)) continue;
             for (; lanes; lanes &= lanes - 1) {
                 const int b = std::countr_zero(lanes);
-                if (grown_boxes_overlap(box(record, a), box(record, b), query_->inflation))
-                    list(record, a, record, b, *worker_[w]);
+                if (grown_boxes_overlap(box(record, a), box(record, b), query_->inflation)) list(record, a, b);
             }
         }
     }

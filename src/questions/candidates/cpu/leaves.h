@@ -49,6 +49,9 @@ class CandidateLeaves final : public LeafQuestion {
         Statistics statistics;
     };
 
+    /// Where the next pair of each kind is written.
+    using Ends = std::array<Pair*, candidate_kinds>;
+
     /// A triangle with its box.
     struct Member {
         CandidateRecord record;
@@ -58,8 +61,9 @@ class CandidateLeaves final : public LeafQuestion {
     unsigned owned_lanes(std::int32_t triangle) const;
     void drop_foreign(const SortedLeaf& leaf, const Ownership& ownership, Worker& worker) const;
     void narrow(const Worker& builder, Worker& worker) const;
-    void list(const BoxHit& hit, const CandidateRecord& a, const CandidateRecord& b, Worker& worker) const;
-    void list(const CandidateRecord& a, int lane_a, const CandidateRecord& b, int lane_b, Worker& worker) const;
+    void list(const BoxHit& hit, const CandidateRecord& a, const CandidateRecord& b, Ends& next) const;
+    template <FeatureType column>
+    static void list(FeatureType row, std::int32_t id, unsigned lanes, const std::int32_t* ids, Ends& next);
     FeatureBox box(const CandidateRecord& record, int lane) const;
 
     const CandidateKernels& kernels_;
