@@ -8,8 +8,9 @@ exist before the clock starts; crumple is given NumPy arrays, and finds its edge
 
 IPC Toolkit searches boxes (LBVH, its default) and then decides candidate by candidate, in C++: the first contact of
 all, or whether there is one, by Tight-Inclusion or additive CCD with their defaults; or distances. It makes no list of
-impacts and their times, so crumple's whole list is set against that one number. Boxes are grown by half the radius, as
-its own NormalCollisions does: enough for all pairs within the radius.
+impacts and their times, so crumple's whole list is set against that one number. Candidates are both's: vertices with
+faces and edges with edges, crumple's in sorted arrays, the peer's as its C++ objects. For distances boxes are grown by
+half the radius, as its own NormalCollisions does: enough for all pairs within the radius.
 
 Every contestant is timed on one thread and on all. Times are medians over rounds: on one thread of the thread's own
 time, so that what others do on the machine disturbs less, on all of the wall's clock. A ratio is formed round by round;
@@ -73,8 +74,8 @@ class Contestant:
 
 
 def ours(scene, mesh, end, threads):
-    """One detector for all questions of the step, and one for nearness, as a simulation would keep them."""
-    step, near = crumple.Detector(threads=threads), crumple.Detector(threads=threads)
+    """One detector for the step, and one each for nearness and candidates, as a simulation would keep them."""
+    step, near, boxes = (crumple.Detector(threads=threads) for _ in range(3))
     return [
         Contestant("impacts", lambda: step.find_impacts(mesh, end), lambda a: {"toi": least_toi(a), "impacts": len(a)}),
         Contestant("first", lambda: step.time_of_first_impact(mesh, end), lambda t: {"toi": 1.0 if t is None else t}),
@@ -84,6 +85,7 @@ def ours(scene, mesh, end, threads):
             lambda: near.find_near(mesh, radius=scene.radius),
             lambda a: {"pairs": len(a), "distances": least_distances(a, mesh, scene.radius)},
         ),
+        Contestant("candidates", lambda: boxes.find_candidates(mesh, end=end), lambda a: {"candidates": len(a)}),
     ]
 
 
@@ -128,7 +130,11 @@ def theirs(scene, mesh, end):
         collisions.build(surface, start, scene.radius, 0.0, tree)
         return collisions.compute_minimum_distance(surface, start)
 
-    made = []
+    def boxes():
+        candidates.build(surface, start, end, 0.0, tree)
+        return len(candidates)
+
+    made = [Contestant("candidates, LBVH", boxes, lambda n: {"candidates": n})]
     for name, method in narrow.items():
         made.append(
             Contestant(f"step, {name}", lambda m=method: step(m), lambda s: {"toi": s, "candidates": len(candidates)})
@@ -149,6 +155,7 @@ AGAINST = [
     ("is the step free", "free", "free, additive CCD"),
     ("all near pairs, squared distances", "near", "safe distances"),
     ("all near pairs, squared distances", "near", "normal collisions"),
+    ("box candidates of the step", "candidates", "candidates, LBVH"),
 ]
 
 
@@ -183,6 +190,9 @@ def summary(values):
 
 def compare(mine, peer, exact, radius):
     """How the peer's answer differs, in words."""
+    if mine.keys() == {"candidates"}:
+        same = mine["candidates"] == peer["candidates"]
+        return f"{mine['candidates']:,} candidates" + ("" if same else f", the peer has {peer['candidates']:,}")
     if "free" in peer:
         return "equal" if mine["free"] == peer["free"] else f"we say {mine['free']}, the peer {peer['free']}"
     if "toi" in peer:

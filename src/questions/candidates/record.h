@@ -35,15 +35,22 @@ constexpr unsigned corners_of(int lane) {
     return corners[lane];
 }
 
-/// The lanes of b that have a vertex in common with a lane of a.
-inline unsigned incident_lanes(const CandidateRecord& a, int lane, const CandidateRecord& b) {
-    unsigned shared = 0;  // corners of b
-    for (int i = 0; i < 3; ++i)
-        for (int k = 0; k < 3; ++k) shared |= unsigned{a.name[i] == b.name[k]} << k & -(corners_of(lane) >> i & 1);
-    unsigned lanes = 0;
-    for (int k = 0; k < candidate_lanes; ++k) lanes |= unsigned{(corners_of(k) & shared) != 0} << k;
-    return lanes;
-}
+/// Of each corner of a which of b's it is, as bits.
+struct SharedCorners {
+    unsigned of[3] = {0, 0, 0};
+
+    SharedCorners(const CandidateRecord& a, const CandidateRecord& b) {
+        for (int i = 0; i < 3; ++i)
+            for (int k = 0; k < 3; ++k) of[i] |= unsigned{a.name[i] == b.name[k]} << k;
+    }
+    /// Whether two lanes have a vertex in common.
+    bool incident(int lane_a, int lane_b) const {
+        unsigned shared = 0;
+        for (int i = 0; i < 3; ++i)
+            if (corners_of(lane_a) >> i & 1) shared |= of[i];
+        return (shared & corners_of(lane_b)) != 0;
+    }
+};
 
 /// What a lane that overlaps nothing has: lows above it, highs below.
 inline constexpr float beyond = 3e38f;

@@ -13,23 +13,29 @@
 
 namespace crumple::cpu {
 
-/// What one feature of a row overlaps of a column's.
-struct BoxHit {
-    std::uint16_t row, column;  ///< as in Candidates
-    std::uint8_t lane;          ///< of the row's feature
-    std::uint8_t overlaps;      ///< a bit for each lane of the column: the boxes overlap, or
-    std::uint8_t unsure;        ///< perhaps do, for some keys are equal
-    std::uint8_t unused = 0;
+/// What is held against what, in rounds: in each every lane of a column meets one lane of a row, or lane 7, which
+/// overlaps nothing. Together they are all that is asked for. Bit 8 j + l is lane l in round j.
+struct Rounds {
+    static constexpr int most = 7;
+    int count = 0;
+    std::uint8_t row[most][candidate_lanes];
+
+    /// `asked`: for each lane of a row which of the column's.
+    explicit Rounds(const std::uint8_t (&asked)[candidate_lanes] = {});
 };
 
-/// For each lane of a row which of the column's lanes are asked for.
-using AskedLanes = std::uint8_t[candidate_lanes];
+/// What of a row and a column overlaps.
+struct BoxHit {
+    std::uint64_t overlaps;     ///< boxes overlap, or
+    std::uint64_t unsure;       ///< perhaps do, for some keys are equal
+    std::uint16_t row, column;  ///< as in Candidates
+};
 
 struct CandidateKernels {
-    /// Lists what candidates [begin, end) overlap of what is asked for, less what is incident; returns how many hits.
-    /// `record`: by physical row. Writes up to seven a candidate, and one more.
+    /// Lists candidates of [begin, end) of which something overlaps that is not incident; returns how many. `record`:
+    /// by physical row. Writes up to one more.
     std::size_t (*overlaps)(const CandidateRecord* record, const Candidates& candidates, std::int64_t begin,
-                            std::int64_t end, const AskedLanes& asked, BoxHit* hit);
+                            std::int64_t end, const Rounds& rounds, BoxHit* hit);
 };
 
 /// The table for an instruction set; throws backend_unavailable if the build or the machine lacks it.
@@ -40,11 +46,8 @@ std::vector<const CandidateKernels*> all_candidate_kernels();
 
 extern const CandidateKernels scalar_candidates;
 
-/// The lanes of a row that are asked for against anything.
-inline unsigned asked_rows(const AskedLanes& asked) {
-    unsigned lanes = 0;
-    for (int k = 0; k < candidate_lanes; ++k) lanes |= unsigned{asked[k] != 0} << k;
-    return lanes;
-}
+/// What is left without those that have a vertex in common.
+std::uint64_t without_incident(std::uint64_t overlaps, const Rounds& rounds, const CandidateRecord& a,
+                               const CandidateRecord& b);
 
 }  // namespace crumple::cpu

@@ -1,5 +1,5 @@
 // The inner loop of candidates, a table for each instruction set, from one source: Highway includes this file once a
-// target. A feature of the row is held against all eight lanes of the column at once: the largest of the six gaps.
+// target. Eight features of the row are held against the eight lanes of the column at once: the largest of six gaps.
 
 #include "engine/cpu/simd/tables.h"
 #include "questions/candidates/cpu/kernels.h"
@@ -14,8 +14,6 @@
 
 // One-lane vectors have no fixed tags: the plain kernel serves there.
 #if HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128
-#include <bit>
-
 HWY_BEFORE_NAMESPACE();
 namespace crumple::cpu::candidates {
 namespace HWY_NAMESPACE {
@@ -25,23 +23,37 @@ namespace hn = hwy::HWY_NAMESPACE;
 // As many of the eight lanes as a register has.
 using D = hn::CappedTag<float, candidate_lanes>;
 
-// Lanes from `first` on: the largest gap on any axis between them and lane f of `a`.
-HWY_INLINE hn::Vec<D> gap(const CandidateRecord& a, int f, const CandidateRecord& b, std::size_t first) {
+// The boxes of a row as its rounds want them.
+struct RowOfRounds {
+    alignas(64) float low[Rounds::most][3][candidate_lanes], high[Rounds::most][3][candidate_lanes];
+
+    void read(const CandidateRecord& a, const Rounds& rounds) {
+        for (int j = 0; j < rounds.count; ++j)
+            for (int axis = 0; axis < 3; ++axis)
+                for (int l = 0; l < candidate_lanes; ++l) {
+                    low[j][axis][l] = a.low[axis][rounds.row[j][l]];
+                    high[j][axis][l] = a.high[axis][rounds.row[j][l]];
+                }
+    }
+};
+
+// Lanes from `first` on: the largest gap on any axis in round j.
+HWY_INLINE hn::Vec<D> gap(const RowOfRounds& a, int j, const CandidateRecord& b, std::size_t first) {
     const D d;
     const auto on_axis = [&](int axis) HWY_ATTR {
-        const auto after = hn::Sub(hn::Load(d, b.low[axis] + first), hn::Set(d, a.high[axis][f]));
-        const auto before = hn::Sub(hn::Set(d, a.low[axis][f]), hn::Load(d, b.high[axis] + first));
+        const auto after = hn::Sub(hn::Load(d, b.low[axis] + first), hn::Load(d, a.high[j][axis] + first));
+        const auto before = hn::Sub(hn::Load(d, a.low[j][axis] + first), hn::Load(d, b.high[axis] + first));
         return hn::Max(after, before);
     };
     return hn::Max(on_axis(0), hn::Max(on_axis(1), on_axis(2)));
 }
 
 template <class Mask>
-HWY_INLINE unsigned bits_of(const Mask& mask, std::size_t first) {
+HWY_INLINE std::uint64_t bits_of(const Mask& mask) {
     const D d;
-    std::uint8_t bytes[8] = {};
+    std::uint8_t bytes[8];
     hn::StoreMaskBits(d, mask, bytes);
-    return unsigned{bytes[0]} << first;
+    return bytes[0];
 }
 
 HWY_INLINE bool share_a_vertex(const CandidateRecord& a, const CandidateRecord& b) {
@@ -52,32 +64,30 @@ HWY_INLINE bool share_a_vertex(const CandidateRecord& a, const CandidateRecord& 
 }
 
 std::size_t overlaps(const CandidateRecord* record, const Candidates& candidates, std::int64_t begin, std::int64_t end,
-                     const AskedLanes& asked, BoxHit* hit) {
+                     const Rounds& rounds, BoxHit* hit) {
     const D d;
     const auto zero = hn::Zero(d);
     const CandidateRecord* rows = record + candidates.rows;
     const CandidateRecord* columns = record + candidates.columns;
-    const unsigned rows_asked = asked_rows(asked);
+    RowOfRounds row;
+    std::int64_t last = -1;  // that `row` is of
     std::size_t count = 0;
     for (std::int64_t k = begin; k < end; ++k) {
         const std::uint16_t i = candidates.row[k], j = candidates.column[k];
         if (j == candidates.dummy) continue;
         const CandidateRecord &a = rows[i], &b = columns[j];
-        const bool neighbours = share_a_vertex(a, b);
-        for (unsigned lanes = a.owned & rows_asked; lanes; lanes &= lanes - 1) {
-            const int f = std::countr_zero(lanes);
-            unsigned overlap = 0, unsure = 0;
+        if (i != last) row.read(a, rounds), last = i;
+        std::uint64_t overlap = 0, unsure = 0;
+        for (int round = 0; round < rounds.count; ++round)
             for (std::size_t first = 0; first < candidate_lanes; first += hn::Lanes(d)) {
-                const auto between = gap(a, f, b, first);
-                overlap |= bits_of(hn::Le(between, zero), first);
-                unsure |= bits_of(hn::Eq(between, zero), first);
+                const auto between = gap(row, round, b, first);
+                const std::size_t shift = 8 * static_cast<std::size_t>(round) + first;
+                overlap |= bits_of(hn::Le(between, zero)) << shift;
+                unsure |= bits_of(hn::Eq(between, zero)) << shift;
             }
-            overlap &= asked[f];
-            if (neighbours) overlap &= ~incident_lanes(a, f, b);
-            hit[count] = {i, j, static_cast<std::uint8_t>(f), static_cast<std::uint8_t>(overlap),
-                          static_cast<std::uint8_t>(unsure & overlap)};
-            count += overlap != 0;
-        }
+        if (share_a_vertex(a, b)) overlap = without_incident(overlap, rounds, a, b);
+        hit[count] = {overlap, unsure & overlap, i, j};
+        count += overlap != 0;
     }
     return count;
 }

@@ -14,7 +14,7 @@ namespace {
 
 // Candidates whose hits are listed at once, so that they stay in the cache.
 constexpr std::int64_t batch = 256;
-constexpr std::size_t most_hits = 7 * batch + 1;
+constexpr std::size_t most_hits = batch + 1;
 
 FeatureType type_of(int lane) {
     return lane < 3 ? FeatureType::vertex : lane < 6 ? FeatureType::edge : FeatureType::face;
@@ -51,13 +51,18 @@ CandidateLeaves::CandidateLeaves(MemoryMeter* meter, int workers, const Candidat
 
 void CandidateLeaves::ask(const CandidateQuery& query) {
     query_ = &query;
-    for (int row = 0; row < candidate_lanes; ++row) {
-        asked_[row] = 0;
-        for (int column = 0; column < candidate_lanes - 1 && row < candidate_lanes - 1; ++column) {
-            const CandidateKind kind =
-                kind_of[static_cast<std::size_t>(type_of(row))][static_cast<std::size_t>(type_of(column))];
-            asked_[row] = static_cast<std::uint8_t>(asked_[row] | unsigned{query.wants(kind)} << column);
-        }
+    const auto kind = [](int a, int b) {
+        return kind_of[static_cast<std::size_t>(type_of(a))][static_cast<std::size_t>(type_of(b))];
+    };
+    std::uint8_t asked[candidate_lanes] = {};
+    for (int row = 0; row < Rounds::most; ++row)
+        for (int column = 0; column < Rounds::most; ++column)
+            asked[row] = static_cast<std::uint8_t>(asked[row] | unsigned{query.wants(kind(row, column))} << column);
+    rounds_ = Rounds(asked);
+    for (std::size_t bit = 0; bit < listed_.size(); ++bit) {
+        const int row = rounds_.row[bit / 8][bit % 8], column = static_cast<int>(bit % 8);
+        listed_[bit] = {static_cast<std::uint8_t>(kind(row, column)), type_of(column) < type_of(row),
+                        type_of(column) == type_of(row)};
     }
 }
 
@@ -195,7 +200,7 @@ void CandidateLeaves::narrow(const Worker& builder, Worker& worker) const {
     worker.hits.resize_discard(most_hits);
     for (std::int64_t begin = 0; begin < candidates.count; begin += batch) {
         const std::int64_t end = std::min(candidates.count, begin + batch);
-        const std::size_t hits = kernels_.overlaps(record, candidates, begin, end, asked_, worker.hits.data());
+        const std::size_t hits = kernels_.overlaps(record, candidates, begin, end, rounds_, worker.hits.data());
         Ends next;
         for (std::size_t k = 0; k < candidate_kinds; ++k) {
             if (!query_->wanted[k]) continue;
@@ -212,28 +217,21 @@ void CandidateLeaves::narrow(const Worker& builder, Worker& worker) const {
 }
 
 void CandidateLeaves::list(const BoxHit& hit, const CandidateRecord& a, const CandidateRecord& b, Ends& next) const {
-    unsigned lanes = hit.overlaps;
-    for (unsigned unsure = hit.unsure; unsure; unsure &= unsure - 1) {
-        const int lane = std::countr_zero(unsure);
-        if (!grown_boxes_overlap(box(a, hit.lane), box(b, lane), query_->inflation)) lanes &= ~(1u << lane);
+    const auto lanes = [&](int bit) { return std::pair<int, int>(rounds_.row[bit / 8][bit % 8], bit % 8); };
+    std::uint64_t overlaps = hit.overlaps;
+    for (std::uint64_t unsure = hit.unsure; unsure; unsure &= unsure - 1) {
+        const int bit = std::countr_zero(unsure);
+        const auto [row, column] = lanes(bit);
+        if (!grown_boxes_overlap(box(a, row), box(b, column), query_->inflation))
+            overlaps &= ~(std::uint64_t{1} << bit);
     }
-    const FeatureType type = type_of(hit.lane);
-    const std::int32_t id = a.id[hit.lane];
-    if (lanes & vertex_lanes) list<FeatureType::vertex>(type, id, lanes & vertex_lanes, b.id, next);
-    if (lanes & edge_lanes) list<FeatureType::edge>(type, id, lanes >> 3 & vertex_lanes, b.id + 3, next);
-    if (lanes & face_lane) list<FeatureType::face>(type, id, 1, b.id + 6, next);
-}
-
-// Of two types the lower one comes first, of one type the lesser index. Which of three lanes are to be listed is
-// unpredictable: all are written, and those that are not are written over.
-template <FeatureType column>
-void CandidateLeaves::list(FeatureType row, std::int32_t id, unsigned lanes, const std::int32_t* ids, Ends& next) {
-    Pair*& end =
-        next[static_cast<std::size_t>(kind_of[static_cast<std::size_t>(row)][static_cast<std::size_t>(column)])];
-    for (int k = 0; k < (column == FeatureType::face ? 1 : 3); ++k) {
-        const bool in_order = row < column || (row == column && id < ids[k]);
-        *end = in_order ? Pair{id, ids[k]} : Pair{ids[k], id};
-        end += lanes >> k & 1;
+    for (; overlaps; overlaps &= overlaps - 1) {
+        const int bit = std::countr_zero(overlaps);
+        const auto [row, column] = lanes(bit);
+        const Listed& listed = listed_[static_cast<std::size_t>(bit)];
+        const std::int32_t first = a.id[row], second = b.id[column];
+        const bool swapped = listed.swapped || (listed.sorted && second < first);
+        *next[listed.kind]++ = swapped ? Pair{second, first} : Pair{first, second};
     }
 }
 
@@ -258,11 +256,12 @@ void CandidateLeaves::search_within(std::int64_t begin, std::int64_t end, std::s
         const unsigned owned = owned_lanes(static_cast<std::int32_t>(t));
         if ((owned & vertex_lanes) == 0 || !call_->rule(call_->scene.group(t), call_->scene.group(t))) continue;
         const CandidateRecord record = member_of(static_cast<std::int32_t>(t), key).record;
+        const SharedCorners shared(record, record);
         for (int a = 0; a < 3; ++a) {
-            unsigned lanes = asked_[a] & owned & ~incident_lanes(record, a, record) & ~((2u << a) - 1);
             if (!(owned >> a & 1)) continue;
-            for (; lanes; lanes &= lanes - 1) {
-                const int b = std::countr_zero(lanes);
+            for (int b = a + 1; b < 6; ++b) {
+                const CandidateKind kind = b < 3 ? CandidateKind::vertex_vertex : CandidateKind::vertex_edge;
+                if (!(owned >> b & 1) || !query_->wants(kind) || shared.incident(a, b)) continue;
                 if (grown_boxes_overlap(box(record, a), box(record, b), query_->inflation)) list(record, a, b);
             }
         }

@@ -62,8 +62,6 @@ class CandidateLeaves final : public LeafQuestion {
     void drop_foreign(const SortedLeaf& leaf, const Ownership& ownership, Worker& worker) const;
     void narrow(const Worker& builder, Worker& worker) const;
     void list(const BoxHit& hit, const CandidateRecord& a, const CandidateRecord& b, Ends& next) const;
-    template <FeatureType column>
-    static void list(FeatureType row, std::int32_t id, unsigned lanes, const std::int32_t* ids, Ends& next);
     FeatureBox box(const CandidateRecord& record, int lane) const;
 
     const CandidateKernels& kernels_;
@@ -73,7 +71,12 @@ class CandidateLeaves final : public LeafQuestion {
     const Call* call_ = nullptr;
     const CandidateQuery* query_ = nullptr;
     Normaliser normaliser_;
-    AskedLanes asked_{};  ///< against each lane of a row
+    Rounds rounds_;
+    struct Listed {
+        std::uint8_t kind;
+        bool swapped, sorted;  ///< the column's feature comes first; or the lesser one
+    };
+    std::array<Listed, 8 * Rounds::most> listed_{};  ///< by bit of a hit
 };
 
 }  // namespace crumple::cpu
