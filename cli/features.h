@@ -69,9 +69,13 @@ void add_output_options(CLI::App& app, FeatureOutputs& outputs, const std::strin
 /// "27 vertex-face, 107 edge-edge"
 template <class Answer>
 std::string kinds_of(const Answer& answer) {
-    return fmt::format("{} vertex-face, {} edge-edge",
-                       grouped(static_cast<std::int64_t>(answer.vertex_faces().pairs.size())),
-                       grouped(static_cast<std::int64_t>(answer.edge_edges().pairs.size())));
+    const auto count = [](const auto& list) { return grouped(static_cast<std::int64_t>(list.pairs.size())); };
+    std::string text =
+        fmt::format("{} vertex-face, {} edge-edge", count(answer.vertex_faces()), count(answer.edge_edges()));
+    if (!answer.vertex_edges().pairs.empty()) text += fmt::format(", {} vertex-edge", count(answer.vertex_edges()));
+    if (!answer.vertex_vertices().pairs.empty())
+        text += fmt::format(", {} vertex-vertex", count(answer.vertex_vertices()));
+    return text;
 }
 
 /// A row as a list of text has it: "vf 8481 17305 0.25".

@@ -96,7 +96,8 @@ Command add_impacts(CLI::App& app) {
     command.footer(
         "A line `vf V F T S`: vertex V touches face F at time T, from 0 to 1 and rounded down; S is 1 if they touch\n"
         "at the start. `ee A B C D T S`: the edge from A to B touches that from C to D. --weld is about neighbours\n"
-        "only: vertices that coincide at the start and at the end count as one, and keep their own ids.\n"
+        "only: vertices that coincide at the start and at the end count as one, and keep their own ids. Lines and\n"
+        "points of OBJ (l, p) count, too: `ve V A B T S`, `vv V W T S`.\n"
         "Example: crumple impacts cloth_092.ply cloth_093.ply -o impacts.csv -o impacts.glb");
     return {&command, [impacts] { return impacts->run(); }};
 }

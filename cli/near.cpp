@@ -40,7 +40,7 @@ struct NearCommand {
         check_outputs(outputs.paths, inputs, answer);
         check_standard_input(inputs);
         Search search(answer, feature_options(options));
-        const AnswerOptions reading = filters.rest.empty() ? answer : reading_of_motion(answer);
+        const AnswerOptions reading = with_lines_and_points(filters.rest.empty() ? answer : reading_of_motion(answer));
         const Input input = read_input(files, reading);
         const NearFilters given(filters, input, reading);
         const bool only_status = check && outputs.paths.empty();
@@ -93,7 +93,7 @@ Command add_near(CLI::App& app) {
     command.footer(
         "A line `vf V F Q`: vertex V and face F are near, Q is the square of their distance, rounded to nearest.\n"
         "`ee A B C D Q`: the edge from A to B and that from C to D. Between two files an id is 0:ID or 1:ID. What\n"
-        "shares a vertex is not near.\n"
+        "shares a vertex is not near. Lines and points of OBJ (l, p) count, too: `ve V A B Q`, `vv V W Q`.\n"
         "Cloth of some thickness: --radii with half of it, --rings 2, and the cloth as it was cut as --rest.\n"
         "Example: crumple near dress.ply body.obj --radius 0.005 -o near.csv");
     return {&command, [near] { return near->run(); }};

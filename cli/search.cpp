@@ -83,8 +83,11 @@ GroupSource group_source(const AnswerOptions& options) {
 
 io::ReadOptions read_options(const ReadingOptions& options) {
     const io::Weld weld = !options.weld ? io::Weld::automatic : *options.weld ? io::Weld::yes : io::Weld::no;
-    return {
-        .precision = options.precision, .weld = weld, .triangulation = options.triangulation, .strict = options.strict};
+    return {.precision = options.precision,
+            .weld = weld,
+            .triangulation = options.triangulation,
+            .strict = options.strict,
+            .lines_and_points = options.lines_and_points};
 }
 
 io::TriangleMesh read_mesh(const std::string& path, const ReadingOptions& options) {
@@ -141,6 +144,7 @@ void check_same_faces(const Input& start, const std::string& end_name, const io:
     };
     differ("vertices", mesh.vertex_count(), end.vertex_count());
     differ("triangles", mesh.triangle_count(), end.triangle_count());
+    if (mesh.lines != end.lines || mesh.points != end.points) refuse("lines or points name other vertices");
     const io::Polygons &a = mesh.polygons, &b = end.polygons;
     if (!a.empty() && a.offsets == b.offsets && a.corners == b.corners) return;
     const auto other = std::mismatch(mesh.triangles.begin(), mesh.triangles.end(), end.triangles.begin()).first;
@@ -150,6 +154,11 @@ void check_same_faces(const Input& start, const std::string& end_name, const io:
 
 AnswerOptions reading_of_motion(AnswerOptions options) {
     if (options.weld) options.weld = false;
+    return with_lines_and_points(std::move(options));
+}
+
+AnswerOptions with_lines_and_points(AnswerOptions options) {
+    options.lines_and_points = true;
     return options;
 }
 
@@ -246,16 +255,39 @@ Statistics Search::stream(const Input& input, Detector::TakeBlock take) {
     });
 }
 
+namespace {
+
+/// A mesh with its lines and points, if it has any, beside edges and vertices of its faces.
+class ListedView {
+   public:
+    explicit ListedView(const io::TriangleMesh& mesh) : view_(mesh.view()) {
+        if (mesh.lines.empty() && mesh.points.empty()) return;
+        features_ = io::features_of(mesh);
+        view_.edges = features_.edges;
+        view_.points = features_.points;
+    }
+    const MeshView& view() const { return view_; }
+
+   private:
+    io::MeshFeatures features_;
+    MeshView view_;
+};
+
+}  // namespace
+
 const Impacts& Search::find(const Input& start, const io::TriangleMesh& end, const Motion& question) {
     return named(start.name, [&]() -> const Impacts& {
-        return detector_.find_impacts(start.first.view(), end.view().vertices, question);
+        const ListedView listed(start.first);
+        return detector_.find_impacts(listed.view(), end.view().vertices, question);
     });
 }
 
 const Nearby& Search::find(const Input& input, const Near& question) {
     return named(input.name, [&]() -> const Nearby& {
-        if (!input.second) return detector_.find_near(input.first.view(), question);
-        const Shape shapes[] = {Shape(input.first.view()), Shape(input.second->view())};
+        const ListedView first(input.first);
+        if (!input.second) return detector_.find_near(first.view(), question);
+        const ListedView second(*input.second);
+        const Shape shapes[] = {Shape(first.view()), Shape(second.view())};
         const Body bodies[] = {{.shape = 0, .self = false}, {.shape = 1, .self = false}};
         return detector_.find(World{shapes, bodies, {}}, question);
     });

@@ -46,6 +46,9 @@ void check_same_faces(const Input& start, const std::string& end_name, const io:
 /// With --weld vertices stay as they are in the files, for those that coincide in one of them need not in another.
 AnswerOptions reading_of_motion(AnswerOptions options);
 
+/// The same with lines and points of OBJ.
+AnswerOptions with_lines_and_points(AnswerOptions options);
+
 /// Reads both; the groups are those of the start. Throws Error that names the file and the place.
 MovingInput read_moving_input(const std::string& start, const std::string& end, const AnswerOptions& options);
 

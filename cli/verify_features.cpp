@@ -143,7 +143,7 @@ int verify_features(const FeatureCheck& check, const std::vector<std::string>& f
         const Impacts& found = search.find(input.start, input.end, check.motion.question(answer, MotionWants::impacts));
         return print_verdict(list, io::list_of(found), of_impacts, false);
     }
-    const Input input = read_input({files.begin(), files.end() - 1}, answer);
+    const Input input = read_input({files.begin(), files.end() - 1}, with_lines_and_points(answer));
     const Nearby& found = search.find(input, check.near.question(answer, NearWants::pairs));
     return print_verdict(list, io::list_of(found), of_near, two_files);
 }

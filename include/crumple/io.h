@@ -34,7 +34,8 @@ struct ReadOptions {
     Weld weld = Weld::automatic;
     std::string group_property = {};  ///< PLY: integer face property that holds the groups; empty: none
     Triangulation triangulation = Triangulation::ears;
-    bool strict = false;  ///< what would be a warning is an error
+    bool strict = false;            ///< what would be a warning is an error
+    bool lines_and_points = false;  ///< OBJ: also read what `l` and `p` name, which is skipped else
 };
 
 /// The polygons that a file's triangles were cut from. All arrays are empty where each triangle is a face of the file.
@@ -54,12 +55,22 @@ struct TriangleMesh {
     std::vector<std::int32_t> groups = {};                           ///< m ids or empty
     Polygons polygons = {};                                          ///< of the file; writers of meshes ignore them
     std::vector<std::string> warnings = {};                          ///< what was odd about the file, a sentence each
+    std::vector<Edge> lines = {};                                    ///< segments of lines, as ReadOptions asks for
+    std::vector<std::int32_t> points = {};                           ///< the same of points
 
     std::int64_t vertex_count() const;
     std::int64_t triangle_count() const { return static_cast<std::int64_t>(triangles.size() / 3); }
     ScalarType precision() const;
     MeshView view() const;
 };
+
+/// What is meant by edges and points of a mesh with lines or points, for MeshView::edges and MeshView::points: edges of
+/// faces and lines, each once, a < b, in lexicographic order; vertices that these and points name, ascending.
+struct MeshFeatures {
+    std::vector<Edge> edges;
+    std::vector<std::int32_t> points;
+};
+MeshFeatures features_of(const TriangleMesh& mesh);
 
 /// Reads PLY (ascii, both binary orders), OBJ, STL (ascii, binary) or OFF, told apart by content first and extension
 /// second. Every number is rounded once, directly to the precision used; what underflows becomes subnormal or zero.

@@ -1,6 +1,6 @@
-// OBJ: statements, one a line. `v` and `f` make the mesh; the other statements of the format are known and skipped,
-// except free-form surfaces, which would leave a part of the scene out. What exporters have added to the format is
-// skipped with a warning.
+// OBJ: statements, one a line. `v` and `f` make the mesh, `l` and `p` its lines and points where they are asked for;
+// the other statements of the format are known and skipped, except free-form surfaces, which would leave a part of the
+// scene out. What exporters have added to the format is skipped with a warning.
 
 #include <algorithm>
 #include <cctype>
@@ -52,6 +52,10 @@ class ObjReader {
                 read_vertex(place);
             } else if (statement == "f" || statement == "fo") {
                 read_face(place);
+            } else if (options_.lines_and_points && statement == "l") {
+                read_line(place);
+            } else if (options_.lines_and_points && statement == "p") {
+                read_points(place);
             } else if (is_one_of(surfaces, statement)) {
                 in_.fail(place, in_quotes(statement) + ": free-form surfaces are not read; convert them to polygons");
             } else if (!is_one_of(skipped, statement)) {
@@ -60,13 +64,16 @@ class ObjReader {
                 if (unknown.count == 1) first_unknown = in_quotes(statement);
             }
         }
-        if (furthest_ >= vertex_count()) fail_range(furthest_place_, furthest_ + 1);
+        if (furthest_ >= vertex_count()) fail_range(furthest_what_, furthest_place_, furthest_ + 1);
         if (unknown.count > 0) {
             if (xyz_.empty()) in_.fail(unknown.first, first_unknown + " is no statement of an OBJ file");
             warnings_.at_line(unknown.first,
                               "the unknown statement " + first_unknown + " is skipped" + unknown.others());
         }
-        return faces_.mesh(std::move(xyz_), options_.triangulation, warnings_, true);
+        TriangleMesh mesh = faces_.mesh(std::move(xyz_), options_.triangulation, warnings_, true);
+        mesh.lines = std::move(lines_);
+        mesh.points = std::move(points_);
+        return mesh;
     }
 
    private:
@@ -85,24 +92,44 @@ class ObjReader {
 
     void read_face(const char* place) {
         faces_.begin(place);
-        while (!in_.finished()) faces_.add(read_corner());
+        while (!in_.finished()) faces_.add(read_corner("face"));
         if (faces_.corners() < 3) in_.fail(place, "a face has " + std::to_string(faces_.corners()) + " corners");
         faces_.end();
     }
 
-    /// v, v/vt, v//vn or v/vt/vn. Negative indices count back from the last vertex so far.
-    std::int32_t read_corner() {
+    void read_line(const char* place) {
+        std::int32_t last = -1;
+        std::size_t vertices = 0;
+        for (; !in_.finished(); ++vertices) {
+            const char* const at = in_.position();
+            const std::int32_t next = read_corner("line");
+            if (vertices > 0 && next == last) in_.fail(at, "a line names a vertex twice in succession");
+            if (vertices > 0) lines_.push_back({last, next});
+            last = next;
+        }
+        if (vertices < 2) in_.fail(place, "a line has " + std::to_string(vertices) + " vertices");
+    }
+
+    void read_points(const char* place) {
+        if (in_.finished()) in_.fail(place, "a point names no vertex");
+        while (!in_.finished()) points_.push_back(read_corner("point"));
+    }
+
+    /// v, v/vt, v//vn or v/vt/vn of what names it. Negative indices count back from the last vertex so far.
+    std::int32_t read_corner(const char* what) {
         const char* const place = in_.position();
         const std::int64_t written = in_.leading_integer("a vertex index");
         if (const std::string_view rest = in_.rest_of_word(); !rest.empty()) {
-            if (!are_further_indices(rest)) in_.fail(place, "a face's corner is none of v, v/vt, v//vn, v/vt/vn");
+            if (!are_further_indices(rest))
+                in_.fail(place, std::string("a ") + what + "'s corner is none of v, v/vt, v//vn, v/vt/vn");
             in_.word();
         }
         const std::int64_t index = written > 0 ? written - 1 : vertex_count() + written;
-        if (written == 0 || index < 0 || index > INT32_MAX) fail_range(place, written);
+        if (written == 0 || index < 0 || index > INT32_MAX) fail_range(what, place, written);
         if (index > furthest_) {  // the vertex may still come
             furthest_ = index;
             furthest_place_ = place;
+            furthest_what_ = what;
         }
         return static_cast<std::int32_t>(index);
     }
@@ -127,8 +154,9 @@ class ObjReader {
         return slash() && integer() && text.empty();
     }
 
-    [[noreturn]] void fail_range(const char* place, std::int64_t written) const {
-        in_.fail(place, "a face names vertex " + std::to_string(written) + " of " + std::to_string(vertex_count()));
+    [[noreturn]] void fail_range(const char* what, const char* place, std::int64_t written) const {
+        in_.fail(place, std::string("a ") + what + " names vertex " + std::to_string(written) + " of " +
+                            std::to_string(vertex_count()));
     }
 
     Scanner in_;
@@ -138,6 +166,9 @@ class ObjReader {
     Faces faces_;
     std::int64_t furthest_ = -1;
     const char* furthest_place_;
+    const char* furthest_what_ = "face";
+    std::vector<Edge> lines_;
+    std::vector<std::int32_t> points_;
 };
 
 void write_vertices(Sink& sink, const TriangleMesh& mesh) {

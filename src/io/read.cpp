@@ -75,7 +75,8 @@ TriangleMesh read(const Source& source, const ReadOptions& options) {
             throw Error(ErrorCode::format, source.name() + ": more vertices or triangles than 32-bit ids can name");
         }
         if (options.weld == Weld::yes || (options.weld == Weld::automatic && format == Format::stl)) weld(mesh);
-        if (mesh.triangles.empty()) warnings.of_file("it holds no triangles");
+        if (mesh.triangles.empty() && mesh.lines.empty() && mesh.points.empty())
+            warnings.of_file("it holds no triangles");
         mesh.warnings = warnings.take();
         return mesh;
     } catch (const std::bad_alloc&) {

@@ -11,7 +11,7 @@ namespace crumple::io {
 namespace {
 
 template <class Scalar>
-void weld(std::vector<Scalar>& xyz, std::vector<std::int32_t>& triangles, std::vector<std::int32_t>& corners) {
+void weld(std::vector<Scalar>& xyz, TriangleMesh& mesh) {
     const std::size_t count = xyz.size() / 3;
     const PositionHash hash;
     const std::size_t mask = std::bit_ceil(2 * count + 1) - 1;
@@ -32,15 +32,21 @@ void weld(std::vector<Scalar>& xyz, std::vector<std::int32_t>& triangles, std::v
     }
     xyz.resize(3 * static_cast<std::size_t>(kept));
     xyz.shrink_to_fit();
-    for (std::vector<std::int32_t>* const names : {&triangles, &corners}) {
-        for (std::int32_t& corner : *names) corner = renamed[static_cast<std::size_t>(corner)];
+    const auto rename = [&](std::int32_t& vertex) { vertex = renamed[static_cast<std::size_t>(vertex)]; };
+    for (std::vector<std::int32_t>* const names : {&mesh.triangles, &mesh.polygons.corners, &mesh.points})
+        for (std::int32_t& vertex : *names) rename(vertex);
+    for (Edge& line : mesh.lines) {
+        rename(line.a);
+        rename(line.b);
+        if (line.a == line.b) mesh.points.push_back(line.a);  // what is left of it
     }
+    std::erase_if(mesh.lines, [](const Edge& line) { return line.a == line.b; });
 }
 
 }  // namespace
 
 void weld(TriangleMesh& mesh) {
-    std::visit([&](auto& xyz) { weld(xyz, mesh.triangles, mesh.polygons.corners); }, mesh.vertices);
+    std::visit([&](auto& xyz) { weld(xyz, mesh); }, mesh.vertices);
 }
 
 }  // namespace crumple::io

@@ -129,6 +129,18 @@ TEST_F(Impacts, OfStlMayNeedAnOption) {
     EXPECT_EQ(list("impacts start.stl end.stl --weld"), list("impacts start.stl end.stl --no-weld"));
 }
 
+TEST_F(Impacts, OfLinesAndPointsOfObj) {
+    const std::string elements = "l 1 2\np 3\n";
+    write("a.obj", "v 0 0 0\nv 1 0 0\nv 0.5 1 0\n" + elements);
+    write("b.obj", "v 0 0 0\nv 1 0 0\nv 0.5 -1 0\n" + elements);
+    EXPECT_EQ(list("impacts a.obj b.obj"), "ve 2 0 1 0.5 0\n");
+    EXPECT_EQ(list("impacts a.obj b.obj --earliest"), "ve 2 0 1 0.5 0\n");
+    write("list.txt", "ve 2 1 0 0.5\n");
+    EXPECT_TRUE(crumple("verify --impacts a.obj b.obj list.txt").out.starts_with("right: 1 impacts"));
+    write("b.obj", "v 0 0 0\nv 1 0 0\nv 0.5 -1 0\nl 1 2\n");
+    expect_refused("impacts a.obj b.obj", "lines or points name other vertices");
+}
+
 TEST_F(Impacts, NeedTheSameMesh) {
     write("more.off", "OFF\n7 2 0\n0 0 0\n4 0 0\n0 4 0\n1 1 1\n2 1 2\n1 2 2\n7 7 7\n3 0 1 2\n3 3 4 5\n");
     write("less.off", "OFF\n6 1 0\n0 0 0\n4 0 0\n0 4 0\n1 1 1\n2 1 2\n1 2 2\n3 0 1 2\n");

@@ -52,6 +52,27 @@ TEST_F(Near, IsWrittenInEveryFormat) {
     EXPECT_TRUE(crumple("near above.off --radius 0 -o a.txt").err.starts_with("nothing is near: 2 triangles, "));
 }
 
+TEST_F(Near, LinesAndPointsOfObjCount) {
+    // A triangle, a strand of two segments above it, and two drops.
+    write("hair.obj",
+          "v 0 0 0\nv 4 0 0\nv 0 4 0\nv 1 1 1\nv 1 1 2\nv 1 2 2.5\nv 1 1 5\nv 1 1.5 5\nf 1 2 3\nl 4 5 6\np 7 8\n");
+    EXPECT_EQ(list("near hair.obj --radius 1"), "vf 3 0 1\nve 3 4 5 1\nvv 6 7 0.25\n");
+    const std::string more = list("near hair.obj --radius 2.5");
+    EXPECT_TRUE(contains(more, "\nee 0 1 3 4 2\n")) << more;
+    EXPECT_TRUE(contains(more, "\nve 3 4 5 ")) << more << "the first vertex of the strand, against its last segment";
+    EXPECT_EQ(more, list("near hair.obj --radius 2.5 --backend reference"));
+    write("list.txt", more);
+    EXPECT_TRUE(crumple("verify --near 2.5 hair.obj list.txt").out.starts_with("right: "));
+    write("list.txt", "vv 7 6 0.25\n");
+    EXPECT_TRUE(contains(crumple("verify --near 1 hair.obj list.txt").out, "2 missed, 0 false"));
+    EXPECT_TRUE(crumple("near hair.obj --radius 1 -o a.csv")
+                    .err.starts_with("3 near pairs (1 vertex-face, 0 edge-edge, 1 vertex-edge, 1 vertex-vertex), "));
+    EXPECT_TRUE(contains(list("near hair.obj above.off --radius 0"), "vf 0:3 1:1 0\n"));
+    write("bad.obj", "v 0 0 0\nv 1 0 0\nl 1 1\n");
+    expect_refused("near bad.obj --radius 1", "bad.obj, line 3: a line names a vertex twice in succession");
+    EXPECT_EQ(crumple("detect bad.obj").status, 0) << "which does not read lines";
+}
+
 TEST_F(Near, CheckTellsByItsStatus) {
     Outcome outcome = crumple("near above.off --radius 1 --check");
     EXPECT_EQ(outcome.status, 1);

@@ -37,6 +37,29 @@ TEST(Obj, ABackslashContinuesALine) {
         << "a skipped statement takes its continuation with it";
 }
 
+TEST(Obj, LinesAndPointsAreReadWhereTheyAreAskedFor) {
+    const ReadOptions asked{.lines_and_points = true};
+    expect_bad("v 0 0 0\nl 1 2/7 -1\n" + four + "l 9 1\n", "a.obj", Element::line, 7, "a line names vertex 9 of 5",
+               asked);
+    const TriangleMesh mesh = read_bytes("l 1 2/7 3\np 4\n" + four + "l 4 1\np 1 -1\nf 1 2 3\n", "a.obj", asked);
+    EXPECT_EQ(mesh.lines, (std::vector<Edge>{{0, 1}, {1, 2}, {3, 0}}));
+    EXPECT_EQ(mesh.points, (Indices{3, 0, 3}));
+    const MeshFeatures all = features_of(mesh);
+    EXPECT_EQ(all.edges, (std::vector<Edge>{{0, 1}, {0, 2}, {0, 3}, {1, 2}}));
+    EXPECT_EQ(all.points, (Indices{0, 1, 2, 3}));
+    const TriangleMesh skipped = read_bytes(four + "l 9\np\nf 1 2 3\n", "a.obj");
+    EXPECT_TRUE(skipped.lines.empty() && skipped.points.empty());
+    expect_bad(four + "l 1\n", "a.obj", Element::line, 5, "a line has 1 vertices", asked);
+    expect_bad(four + "l 1 2 2\n", "a.obj", Element::line, 5, "a line names a vertex twice in succession", asked);
+    expect_bad(four + "p\n", "a.obj", Element::line, 5, "a point names no vertex", asked);
+    expect_bad(four + "p 0\n", "a.obj", Element::line, 5, "a point names vertex 0 of 4", asked);
+    expect_bad(four + "l 1 2x\n", "a.obj", Element::line, 5, "a line's corner is none of", asked);
+    const TriangleMesh welded =
+        read_bytes(four + "v 1 0 0\nl 1 5\nl 2 5\np 5\n", "a.obj", {.weld = Weld::yes, .lines_and_points = true});
+    EXPECT_EQ(welded.lines, (std::vector<Edge>{{0, 1}}));
+    EXPECT_EQ(welded.points, (Indices{1, 1})) << "what is left of a line";
+}
+
 TEST(Obj, ACommentEndsWithItsLine) {
     EXPECT_EQ(triangles("# C:\\\n" + four + "f 1 2 4 # 3\n#f 1 2 3\n   # f 1 2 3\n"), (Indices{0, 1, 3}));
 }
