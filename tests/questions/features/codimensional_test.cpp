@@ -370,13 +370,22 @@ TEST_P(ListsMean, GroupsAreThoseOfTriangles) {
     EXPECT_EQ(pairs_of(between.vertex_faces()), (Pairs{{0, 0}, {0, 1}, {1, 0}, {1, 1}, {2, 1}, {3, 1}}));
     EXPECT_EQ(pairs_of(between.vertex_vertices()), (Pairs{{0, 1}}));
 
+    mesh.edges = {{0, 1}, {1, 0}, {3, 4}, {6, 7}};
+    question.rules.groups = Wanted::within;
+    const Nearby& within = near(mesh, question);
+    EXPECT_EQ(pairs_of(within.vertex_faces()), (Pairs{{0, 0}, {0, 1}, {1, 0}, {1, 1}}))
+        << "what is listed twice is of its triangle's group both times";
+    EXPECT_EQ(pairs_of(within.edge_edges()), (Pairs{{0, 3}, {1, 3}, {2, 3}}));
+
     // Without groups of triangles all that a body has is in the body's.
     MovingSoup<> dust = mesh;
     dust.triangles = {};
     dust.groups = {};
+    dust.edges.reset();
     dust.points = {6};
     const std::array shapes{Shape(dust.view())};
     const std::array bodies{Body{.shape = 0, .group = 1}, Body{.shape = 0, .group = 1}, Body{.shape = 0, .group = 2}};
+    question.rules.groups = Wanted::between;
     const Nearby& found = detector_.find(World{shapes, bodies, {}, {}}, question);
     const auto& list = found.vertex_vertices();
     ASSERT_EQ(list.pairs.size(), 2U);
