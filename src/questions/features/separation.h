@@ -36,22 +36,22 @@ CRUMPLE_HD bool separates(const Vec3f& d, const FeatureRecord<moments>& a, const
     return above || below;
 }
 
+/// From a to b, three times: between the sums of all their corners.
 template <int moments>
-CRUMPLE_HD Vec3f between_centroids(const FeatureRecord<moments>& a, const FeatureRecord<moments>& b, int m) {
-    const int i = 4 * m;
-    return (b.at(i) + b.at(i + 1) + b.at(i + 2)) - (a.at(i) + a.at(i + 1) + a.at(i + 2));
+CRUMPLE_HD Vec3f between_centroids(const FeatureRecord<moments>& a, const FeatureRecord<moments>& b) {
+    Vec3f between = {0, 0, 0};
+    for (int i = 0; i < 4 * moments; i += 4)
+        between = between + ((b.at(i) + b.at(i + 1) + b.at(i + 2)) - (a.at(i) + a.at(i + 1) + a.at(i + 2)));
+    return between;
 }
 
-/// The normals of both and the difference of their centroids, at each moment.
+/// The normals of both at each moment, and what is between the centroids of all corners.
 template <int moments>
 CRUMPLE_HD bool surely_apart(const FeatureRecord<moments>& a, const FeatureRecord<moments>& b, float gap) {
-    for (int m = 0; m < moments; ++m) {
-        const Vec3f between = between_centroids(a, b, m);
-        if (separates(a.at(4 * m + 3), a, b, gap) || separates(b.at(4 * m + 3), a, b, gap) ||
-            separates(between, a, b, gap * length(between)))
-            return true;
-    }
-    return false;
+    for (int i = 3; i < 4 * moments; i += 4)
+        if (separates(a.at(i), a, b, gap) || separates(b.at(i), a, b, gap)) return true;
+    const Vec3f between = between_centroids(a, b);
+    return separates(between, a, b, gap * length(between));
 }
 
 }  // namespace crumple

@@ -21,21 +21,24 @@ struct Records {
     Point<V> at[4 * moments];  ///< as FeatureRecord::at
 };
 
-/// Of the record of each lane.
+/// One coordinate of the record of each lane, at one moment: of the three corners and of the normal.
+template <auto coordinate, class D, class RecordOf, class V = hn::Vec<D>>
+HWY_INLINE void load_column(D d, RecordOf record, int moment, V& p0, V& p1, V& p2, V& normal) {
+    V row[4];
+    for (int r = 0; r < 4; ++r)
+        row[r] = gather_blocks(
+            d, [&](int b) HWY_ATTR { return hn::Load(Four(), record(4 * b + r)->*coordinate + 4 * moment); });
+    transpose_rows(d, row, p0, p1, p2, normal);
+}
+
 template <int moments, class D, class RecordOf, class V = hn::Vec<D>>
 HWY_INLINE void load_columns(D d, RecordOf record, Records<V, moments>& out) {
+    using Record = FeatureRecord<moments>;
     for (int m = 0; m < moments; ++m) {
-        const auto coordinate = [&](const float* (*of)(const FeatureRecord<moments>&), V Point<V>::*axis) HWY_ATTR {
-            V row[4];
-            for (int r = 0; r < 4; ++r)
-                row[r] =
-                    gather_blocks(d, [&](int b) HWY_ATTR { return hn::Load(Four(), of(*record(4 * b + r)) + 4 * m); });
-            Point<V>* p = out.at + 4 * m;
-            transpose_rows(d, row, p[0].*axis, p[1].*axis, p[2].*axis, p[3].*axis);
-        };
-        coordinate([](const FeatureRecord<moments>& r) -> const float* { return r.x; }, &Point<V>::x);
-        coordinate([](const FeatureRecord<moments>& r) -> const float* { return r.y; }, &Point<V>::y);
-        coordinate([](const FeatureRecord<moments>& r) -> const float* { return r.z; }, &Point<V>::z);
+        Point<V>* p = out.at + 4 * m;
+        load_column<&Record::x>(d, record, m, p[0].x, p[1].x, p[2].x, p[3].x);
+        load_column<&Record::y>(d, record, m, p[0].y, p[1].y, p[2].y, p[3].y);
+        load_column<&Record::z>(d, record, m, p[0].z, p[1].z, p[2].z, p[3].z);
     }
 }
 
@@ -75,10 +78,11 @@ HWY_INLINE auto separates(const Point<V>& n, const Records<V, moments>& a, const
     return hn::Or(above, below);
 }
 
-/// The same of the difference of centroids, in whose length the gap is measured.
+/// The same of what is between the centroids, in whose length the gap is measured.
 template <int moments, class V>
-HWY_INLINE auto separates_centroids(int m, const Records<V, moments>& a, const Records<V, moments>& b, V gap) {
-    const Point<V> n = between_centroids(a.at + 4 * m, b.at + 4 * m);
+HWY_INLINE auto separates_centroids(const Records<V, moments>& a, const Records<V, moments>& b, V gap) {
+    Point<V> n = between_centroids(a.at, b.at);
+    if constexpr (moments == 2) n = add(n, between_centroids(a.at + 4, b.at + 4));
     return separates(n, a, b, hn::Mul(gap, length(n)));
 }
 
@@ -106,7 +110,7 @@ std::size_t separate(const FeatureRecord<moments>* record, const Candidates& can
         auto apart = hn::Or(separates(a.at[3], a, b, needed), separates(b.at[3], a, b, needed));
         if constexpr (moments == 2)
             apart = hn::Or(apart, hn::Or(separates(a.at[7], a, b, needed), separates(b.at[7], a, b, needed)));
-        for (int m = 0; m < moments; ++m) apart = hn::Or(apart, separates_centroids(m, a, b, needed));
+        apart = hn::Or(apart, separates_centroids(a, b, needed));
         const auto columns_of = hn::PromoteTo(du, hn::LoadU(d16, column + pair));
         const auto rows_of = hn::PromoteTo(du, hn::LoadU(d16, row + pair));
         const auto keep = hn::AndNot(hn::RebindMask(du, apart), hn::Ne(columns_of, dummy));
