@@ -22,8 +22,8 @@ FeatureDecision impact(FeatureKind kind, const FeaturePoints& p, FeatureCounts& 
     if (kind == FeatureKind::vertex_edge || kind == FeatureKind::vertex_vertex)
         return separated_impact(kind, p, {}, counts);
     ImpactCounts by;
-    const Impact impact = kind == FeatureKind::vertex_face ? vertex_face_impact(p[0], p[1], p[2], p[3], by)
-                                                           : edge_edge_impact(p[0], p[1], p[2], p[3], by);
+    const auto decide = kind == FeatureKind::vertex_face ? vertex_face_impact : edge_edge_impact;
+    const Impact impact = decide(p[0], p[1], p[2], p[3], by, Filtered::yes);
     counts.rational += by.exact;
     return {impact.meets, impact.toi, impact.start};
 }

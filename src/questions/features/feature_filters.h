@@ -62,6 +62,21 @@ CRUMPLE_HD Vec3f between_middles(const Vec3f (&to)[3]) {
     return to[1] + to[2] - to[0];
 }
 
+/// Two edges of the face, or both edges.
+template <FeatureKind kind>
+CRUMPLE_HD Vec3f first_edge(const Vec3f (&to)[3]) {
+    return kind == FeatureKind::vertex_face ? to[1] - to[0] : to[0];
+}
+template <FeatureKind kind>
+CRUMPLE_HD Vec3f second_edge(const Vec3f (&to)[3]) {
+    return to[2] - to[kind == FeatureKind::vertex_face ? 0 : 1];
+}
+
+/// The way, less what of it is along an edge, times the square of the edge.
+CRUMPLE_HD inline Vec3f beside(const Vec3f& way, const Vec3f& edge) {
+    return dot(edge, edge) * way - dot(way, edge) * edge;
+}
+
 /// The products in a component of a x b, both added.
 CRUMPLE_HD inline Vec3f product_magnitudes(const Vec3f& a, const Vec3f& b) {
     return {a.y * b.z + a.z * b.y, a.z * b.x + a.x * b.z, a.x * b.y + a.y * b.x};
@@ -84,8 +99,7 @@ CRUMPLE_HD inline bool never_in_a_plane(const SeenFeatures<2>& seen, float magni
 template <FeatureKind kind>
 CRUMPLE_HD bool plane_is_far(const SeenFeatures<1>& seen, float magnitude, float distance) {
     const Vec3f(&p)[3] = seen.to[0];
-    const Vec3f a = kind == FeatureKind::vertex_face ? p[1] - p[0] : p[0];
-    const Vec3f b = kind == FeatureKind::vertex_face ? p[2] - p[0] : p[2] - p[1];
+    const Vec3f a = first_edge<kind>(p), b = second_edge<kind>(p);
     const Vec3f reach_a = kind == FeatureKind::vertex_face ? abs(p[0]) + abs(p[1]) : abs(p[0]);
     const Vec3f reach_b = kind == FeatureKind::vertex_face ? abs(p[0]) + abs(p[2]) : abs(p[1]) + abs(p[2]);
     const Vec3f n = cross(a, b), off = product_magnitudes(reach_a, reach_b);
@@ -93,21 +107,42 @@ CRUMPLE_HD bool plane_is_far(const SeenFeatures<1>& seen, float magnitude, float
     return std::abs(dot(cross(p[0], p[1]), p[2])) > distance * up * most + volume_error * magnitude + volume_slack;
 }
 
-/// Whether the features are further apart than `distance` at any time. False says nothing.
+/// Whether the features are further apart than `distance` at any time; false says nothing. Coarse: what tells most of
+/// those that are.
 template <FeatureKind kind, int moments>
-CRUMPLE_HD bool surely_far(const SeenFeatures<moments>& seen, float distance) {
+CRUMPLE_HD bool surely_far_coarse(const SeenFeatures<moments>& seen, float distance) {
     const Vec3f reach[3] = {seen.reach(0), seen.reach(1), seen.reach(2)};
     const Vec3f all = reach[0] + reach[1] + reach[2];
     const float magnitude = dot(product_magnitudes(reach[0], reach[1]), reach[2]);
+    Vec3f way = between_middles<kind>(seen.to[0]);
     if constexpr (moments == 1) {
         if (plane_is_far<kind>(seen, magnitude, distance)) return true;
     } else {
         if (distance == 0 && never_in_a_plane(seen, magnitude)) return true;
+        way = way + between_middles<kind>(seen.to[1]);
     }
-    for (int m = 0; m < moments; ++m)
-        if (separates<kind>(between_middles<kind>(seen.to[m]), seen, all, distance)) return true;
-    return separates<kind>(Vec3f{1, 0, 0}, seen, all, distance) ||
+    return separates<kind>(way, seen, all, distance) || separates<kind>(Vec3f{1, 0, 0}, seen, all, distance) ||
            separates<kind>(Vec3f{0, 1, 0}, seen, all, distance) || separates<kind>(Vec3f{0, 0, 1}, seen, all, distance);
+}
+
+/// Fine: for those that are left. What is closest is often beside an edge.
+template <FeatureKind kind, int moments>
+CRUMPLE_HD bool surely_far_fine(const SeenFeatures<moments>& seen, float distance) {
+    const Vec3f all = seen.reach(0) + seen.reach(1) + seen.reach(2);
+    for (int m = 0; m < moments; ++m) {
+        const Vec3f(&to)[3] = seen.to[m];
+        const Vec3f way = between_middles<kind>(to), u = first_edge<kind>(to), v = second_edge<kind>(to);
+        const auto tells = [&](const Vec3f& direction) { return separates<kind>(direction, seen, all, distance); };
+        if (moments == 2 && (tells(way) || tells(cross(u, v)))) return true;
+        if (tells(beside(way, u)) || tells(beside(way, v))) return true;
+        if (kind == FeatureKind::vertex_face && tells(beside(way, to[2] - to[1]))) return true;
+    }
+    return false;
+}
+
+template <FeatureKind kind, int moments>
+CRUMPLE_HD bool surely_far(const SeenFeatures<moments>& seen, float distance) {
+    return surely_far_coarse<kind>(seen, distance) || surely_far_fine<kind>(seen, distance);
 }
 
 }  // namespace crumple

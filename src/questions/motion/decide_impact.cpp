@@ -7,11 +7,11 @@ namespace crumple {
 namespace {
 
 template <FeaturePair pair>
-Impact decide(const FourPoints& points, ImpactCounts& counts) {
+Impact decide(const FourPoints& points, ImpactCounts& counts, Filtered filtered) {
     const Approach<pair> x(points);
     if (x.in_range()) {
         const Volume volume(x);
-        if (surely_apart(x, volume)) return {};
+        if (filtered == Filtered::no && surely_apart(x, volume)) return {};
         ++counts.roots;
         const QuickImpact quick = first_impact(points, x, volume);
         if (quick.verdict != Certainty::unknown) return {quick.verdict == Certainty::meets, quick.toi, quick.start};
@@ -27,13 +27,13 @@ Impact decide(const FourPoints& points, ImpactCounts& counts) {
 }  // namespace
 
 Impact vertex_face_impact(const MovingPoint& p, const MovingPoint& a, const MovingPoint& b, const MovingPoint& c,
-                          ImpactCounts& counts) {
-    return decide<FeaturePair::vertex_face>({p, a, b, c}, counts);
+                          ImpactCounts& counts, Filtered filtered) {
+    return decide<FeaturePair::vertex_face>({p, a, b, c}, counts, filtered);
 }
 
 Impact edge_edge_impact(const MovingPoint& a, const MovingPoint& b, const MovingPoint& c, const MovingPoint& d,
-                        ImpactCounts& counts) {
-    return decide<FeaturePair::edge_edge>({a, b, c, d}, counts);
+                        ImpactCounts& counts, Filtered filtered) {
+    return decide<FeaturePair::edge_edge>({a, b, c, d}, counts, filtered);
 }
 
 }  // namespace crumple

@@ -70,7 +70,8 @@ constexpr FeatureKind kinds[] = {FeatureKind::vertex_face, FeatureKind::edge_edg
 class FeatureFilters : public testing::TestWithParam<Hard> {};
 INSTANTIATE_TEST_SUITE_P(, FeatureFilters, testing::ValuesIn(all_hard), name_of_hard);
 
-// Tables differ by fused operations only, so they may answer differently only next to a filter's edge.
+// Tables differ by fused operations only, so they may answer differently only next to a filter's edge; or where all is
+// next to one line, and rounding alone makes the direction beside it.
 TEST_P(FeatureFilters, RejectOnlyWhatIsApart) {
     int cases = 0, differ = 0;
     for (const bool float32 : {true, false})
@@ -87,7 +88,7 @@ TEST_P(FeatureFilters, RejectOnlyWhatIsApart) {
                     differ += rejecting > 0 && rejecting <= feature_tables().size();
                 }
             }
-    EXPECT_LE(differ, cases / 500);
+    EXPECT_LE(differ, cases / (GetParam() == Hard::needles ? 50 : 500));
 }
 
 TEST(FeatureFiltersOfManyTests, AnswerAsForOne) {
@@ -191,6 +192,48 @@ TEST(FeatureFiltersReject, WhatADirectionOfEitherEndSeparates) {
     expect_rejected(c);
     for (MovingPoint& p : c.point) std::swap(p.start, p.end);
     expect_rejected(c);
+}
+
+const Vec3d e = 1 / std::sqrt(3) * Vec3d{1, 1, 1}, f = 1 / std::sqrt(2) * Vec3d{1, -1, 0};
+
+/// In one plane, a vertex next to an edge of a face, or an edge that starts next to another: their boxes overlap, and
+/// so do the places on what joins their middles. `edge`: which of the face's it is, or of both.
+FeatureCase beside_an_edge(FeatureKind kind, std::size_t edge) {
+    if (kind == FeatureKind::edge_edge) {
+        FeatureCase c{kind, 1, {{{-1.0 * e, {}}, {e, {}}, {0.8 * e + 0.02 * f, {}}, {0.2 * e + 0.5 * f, {}}}}};
+        if (edge == 1) std::swap(c.point[0], c.point[2]), std::swap(c.point[1], c.point[3]);
+        return c;
+    }
+    FeatureCase c{kind, 1, {{{0.9 * e + 0.02 * f, {}}, {-1.0 * e, {}}, {e, {}}, {-0.5 * e - f, {}}}}};
+    std::rotate(c.point.begin() + 1, c.point.begin() + 1 + static_cast<std::ptrdiff_t>(edge), c.point.end());
+    return c;
+}
+
+TEST(FeatureFiltersReject, WhatIsBesideAnEdge) {
+    for (const FeatureKind kind : kinds)
+        for (std::size_t edge = 0; edge < (kind == FeatureKind::vertex_face ? 3 : 2); ++edge) {
+            FeatureCase c = beside_an_edge(kind, edge);
+            for (const float distance : {0.0f, 0.019f}) {
+                c.distance = distance;
+                expect_rejected(c);
+            }
+            c.distance = 0.021f;
+            EXPECT_TRUE(c.near());
+        }
+}
+
+// At the other end the edges have another direction, and what is beside them there does not separate.
+TEST(FeatureFiltersReject, WhatIsBesideAnEdgeAtEitherEnd) {
+    for (const FeatureKind kind : kinds)
+        for (std::size_t edge = 0; edge < (kind == FeatureKind::vertex_face ? 3 : 2); ++edge) {
+            FeatureCase c = beside_an_edge(kind, edge);
+            c.moments = 2;
+            for (MovingPoint& p : c.point) p.end = {0.5 * dot(p.start, e) + 0.1, 0.3 * dot(p.start, f) - 0.2, 0.25};
+            for (MovingPoint& p : c.point) p.end = p.end.x * e + p.end.y * f + p.end.z * cross(e, f);
+            expect_rejected(c);
+            for (MovingPoint& p : c.point) std::swap(p.start, p.end);
+            expect_rejected(c);
+        }
 }
 
 }  // namespace

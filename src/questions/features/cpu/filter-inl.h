@@ -51,28 +51,31 @@ HWY_INLINE void load_seen(D d, const Points& points, std::int64_t ends, const Fe
         }
 }
 
+/// Where the second feature lies beyond the first one by more than `gap`, at one moment: above or below.
+template <FeatureKind kind, class V, class M = decltype(hn::Gt(V(), V()))>
+HWY_INLINE void compare_places(const Point<V>& n, const Point<V> (&to)[3], V gap, M& above, M& below) {
+    const V p0 = dot(n, to[0]), p1 = dot(n, to[1]), p2 = dot(n, to[2]);
+    if constexpr (kind == FeatureKind::vertex_face) {
+        above = hn::Gt(least(p0, p1, p2), gap);
+        below = hn::Lt(greatest(p0, p1, p2), hn::Neg(gap));
+    } else {
+        const V zero = hn::Zero(hn::DFromV<V>());
+        above = hn::Gt(hn::Min(p1, p2), hn::Add(hn::Max(p0, zero), gap));
+        below = hn::Lt(hn::Max(p1, p2), hn::Sub(hn::Min(p0, zero), gap));
+    }
+}
+
 /// As separates() of one pair.
 template <FeatureKind kind, int moments, class V>
 HWY_INLINE auto separates(const Point<V>& n, const Seen<V, moments>& seen, const Point<V>& reach, V distance) {
     const hn::DFromV<V> d;
     const V gap = hn::Add(hn::MulAdd(hn::Set(d, place_error), dot(abs(n), reach), hn::Set(d, place_slack)),
                           hn::Mul(distance, length(n)));
-    const auto at = [&](int m, auto& above, auto& below) HWY_ATTR {
-        const V p0 = dot(n, seen.to[m][0]), p1 = dot(n, seen.to[m][1]), p2 = dot(n, seen.to[m][2]);
-        if constexpr (kind == FeatureKind::vertex_face) {
-            above = hn::Gt(least(p0, p1, p2), gap);
-            below = hn::Lt(greatest(p0, p1, p2), hn::Neg(gap));
-        } else {
-            const V zero = hn::Zero(d);
-            above = hn::Gt(hn::Min(p1, p2), hn::Add(hn::Max(p0, zero), gap));
-            below = hn::Lt(hn::Max(p1, p2), hn::Sub(hn::Min(p0, zero), gap));
-        }
-    };
     decltype(hn::Gt(gap, gap)) above, below;
-    at(0, above, below);
+    compare_places<kind>(n, seen.to[0], gap, above, below);
     if constexpr (moments == 2) {
         auto above_end = above, below_end = below;
-        at(1, above_end, below_end);
+        compare_places<kind>(n, seen.to[1], gap, above_end, below_end);
         above = hn::And(above, above_end);
         below = hn::And(below, below_end);
     }
@@ -85,6 +88,19 @@ HWY_INLINE Point<V> between_middles(const Point<V> (&to)[3]) {
         return add(add(to[0], to[1]), to[2]);
     else
         return subtract(add(to[1], to[2]), to[0]);
+}
+
+/// As first_edge() and second_edge() of one pair.
+template <FeatureKind kind, class V>
+HWY_INLINE Point<V> first_edge(const Point<V> (&to)[3]) {
+    if constexpr (kind == FeatureKind::vertex_face)
+        return subtract(to[1], to[0]);
+    else
+        return to[0];
+}
+template <FeatureKind kind, class V>
+HWY_INLINE Point<V> second_edge(const Point<V> (&to)[3]) {
+    return subtract(to[2], to[kind == FeatureKind::vertex_face ? 0 : 1]);
 }
 
 template <class V>
@@ -114,7 +130,7 @@ HWY_INLINE auto plane_is_far(const Seen<V, 1>& seen, V magnitude, V distance) {
     constexpr bool face = kind == FeatureKind::vertex_face;
     const hn::DFromV<V> d;
     const Point<V>(&p)[3] = seen.to[0];
-    const Point<V> a = face ? subtract(p[1], p[0]) : p[0], b = face ? subtract(p[2], p[0]) : subtract(p[2], p[1]);
+    const Point<V> a = first_edge<kind>(p), b = second_edge<kind>(p);
     const Point<V> reach_a = face ? add(abs(p[0]), abs(p[1])) : abs(p[0]);
     const Point<V> reach_b = face ? add(abs(p[0]), abs(p[2])) : add(abs(p[1]), abs(p[2]));
     const Point<V> n = cross(a, b), off = product_magnitudes(reach_a, reach_b);
@@ -123,36 +139,102 @@ HWY_INLINE auto plane_is_far(const Seen<V, 1>& seen, V magnitude, V distance) {
     return hn::Gt(hn::Abs(dot(cross(p[0], p[1]), p[2])), hn::MulAdd(distance, most, volume_bound(magnitude)));
 }
 
-template <FeatureKind kind, int moments, class D, class Points>
-HWY_INLINE std::size_t filter_from(D d, const Points& points, std::int64_t ends, AskedDistance distance,
-                                   FeatureTest* test, std::size_t count) {
+/// What the filters know of a test, one a lane.
+template <class V, int moments>
+struct SeenTests {
+    Seen<V, moments> seen;
+    Point<V> reach;  ///< of the three vectors, together
+    V magnitude;     ///< see never_in_a_plane()
+    V asked;         ///< the distance, with what `up` adds
+};
+
+/// As surely_far_coarse() of one pair.
+template <FeatureKind kind, int moments, class V>
+HWY_INLINE auto surely_far_coarse(const SeenTests<V, moments>& tests, bool contact) {
+    const auto& [seen, reach, magnitude, distance] = tests;
+    const hn::DFromV<V> d;
+    const V zero = hn::Zero(d), one = hn::Set(d, 1.0f);
+    auto far = hn::Gt(zero, zero);
+    Point<V> way = between_middles<kind>(seen.to[0]);
+    if constexpr (moments == 1) {
+        far = plane_is_far<kind>(seen, magnitude, distance);
+    } else {
+        if (contact) far = never_in_a_plane(seen, magnitude);
+        way = add(way, between_middles<kind>(seen.to[1]));
+    }
+    far = hn::Or(far, separates<kind>(way, seen, reach, distance));
+    far = hn::Or(far, separates<kind>(Point<V>{one, zero, zero}, seen, reach, distance));
+    far = hn::Or(far, separates<kind>(Point<V>{zero, one, zero}, seen, reach, distance));
+    return hn::Or(far, separates<kind>(Point<V>{zero, zero, one}, seen, reach, distance));
+}
+
+/// As beside() of one edge.
+template <class V>
+HWY_INLINE Point<V> beside(const Point<V>& way, const Point<V>& edge) {
+    const V square = dot(edge, edge), along = dot(way, edge);
+    return {hn::MulSub(square, way.x, hn::Mul(along, edge.x)), hn::MulSub(square, way.y, hn::Mul(along, edge.y)),
+            hn::MulSub(square, way.z, hn::Mul(along, edge.z))};
+}
+
+/// Of directions that have to do with one moment, as surely_far_fine() of one pair.
+template <FeatureKind kind, int moments, class V>
+HWY_INLINE auto surely_far_fine(const SeenTests<V, moments>& tests, int moment) {
+    const auto& [seen, reach, magnitude, distance] = tests;
+    const Point<V>(&to)[3] = seen.to[moment];
+    const Point<V> way = between_middles<kind>(to), u = first_edge<kind>(to), v = second_edge<kind>(to);
+    auto far = hn::Or(separates<kind>(beside(way, u), seen, reach, distance),
+                      separates<kind>(beside(way, v), seen, reach, distance));
+    if constexpr (kind == FeatureKind::vertex_face)
+        far = hn::Or(far, separates<kind>(beside(way, subtract(to[2], to[1])), seen, reach, distance));
+    if constexpr (moments == 2) {
+        far = hn::Or(far, separates<kind>(way, seen, reach, distance));
+        far = hn::Or(far, separates<kind>(cross(u, v), seen, reach, distance));
+    }
+    return far;
+}
+template <FeatureKind kind, int moments, class V>
+HWY_INLINE auto surely_far_fine(const SeenTests<V, moments>& tests) {
+    auto far = surely_far_fine<kind>(tests, 0);
+    if constexpr (moments == 2) far = hn::Or(far, surely_far_fine<kind>(tests, 1));
+    return far;
+}
+
+/// Keeps the tests that are not `far`: moves them to the front, in order, and returns how many.
+template <int moments, class D, class Points, class Far>
+HWY_INLINE std::size_t keep_near(D d, const Points& points, std::int64_t ends, AskedDistance distance,
+                                 FeatureTest* test, std::size_t count, Far far) {
     using V = hn::Vec<D>;
     constexpr std::size_t lanes = hn::MaxLanes(d);
-    const V zero = hn::Zero(d), one = hn::Set(d, 1.0f), of_all = hn::Set(d, distance.all * up);
+    const V of_all = hn::Set(d, distance.all * up);
     std::size_t left = 0;
     for (std::size_t first = 0; first < count; first += lanes) {
         const FeatureTest* of_lane[lanes];
         for (std::size_t lane = 0; lane < lanes; ++lane) of_lane[lane] = test + std::min(first + lane, count - 1);
-        const V asked = distance.each ? hn::Mul(hn::LoadU(d, distance.each + first), hn::Set(d, up)) : of_all;
-        Seen<V, moments> seen;
-        load_seen<moments>(d, points, ends, of_lane, seen);
-        const Point<V> reach[3] = {seen.reach(0), seen.reach(1), seen.reach(2)};
-        const Point<V> all = add(add(reach[0], reach[1]), reach[2]);
-        const V magnitude = dot(product_magnitudes(reach[0], reach[1]), reach[2]);
-        auto far = hn::Gt(zero, zero);
-        if constexpr (moments == 1)
-            far = plane_is_far<kind>(seen, magnitude, asked);
-        else if (!distance.each && distance.all == 0)
-            far = never_in_a_plane(seen, magnitude);
-        for (int m = 0; m < moments; ++m)
-            far = hn::Or(far, separates<kind>(between_middles<kind>(seen.to[m]), seen, all, asked));
-        far = hn::Or(far, separates<kind>(Point<V>{one, zero, zero}, seen, all, asked));
-        far = hn::Or(far, separates<kind>(Point<V>{zero, one, zero}, seen, all, asked));
-        far = hn::Or(far, separates<kind>(Point<V>{zero, zero, one}, seen, all, asked));
-        std::uint64_t near = ~bits_of(d, far) & ((std::uint64_t{1} << std::min(lanes, count - first)) - 1);
-        for (; near; near &= near - 1) test[left++] = test[first + static_cast<std::size_t>(__builtin_ctzll(near))];
+        SeenTests<V, moments> tests;
+        load_seen<moments>(d, points, ends, of_lane, tests.seen);
+        const Point<V> reach[3] = {tests.seen.reach(0), tests.seen.reach(1), tests.seen.reach(2)};
+        tests.reach = add(add(reach[0], reach[1]), reach[2]);
+        tests.magnitude = dot(product_magnitudes(reach[0], reach[1]), reach[2]);
+        tests.asked = distance.each ? hn::Mul(hn::LoadU(d, distance.each + first), hn::Set(d, up)) : of_all;
+        std::uint64_t near = ~bits_of(d, far(tests)) & ((std::uint64_t{1} << std::min(lanes, count - first)) - 1);
+        for (; near; near &= near - 1) {
+            const std::size_t from = first + static_cast<std::size_t>(__builtin_ctzll(near));
+            if (distance.each) distance.each[left] = distance.each[from];
+            test[left++] = test[from];
+        }
     }
     return left;
+}
+
+template <FeatureKind kind, int moments, class D, class Points>
+HWY_INLINE std::size_t filter_from(D d, const Points& points, std::int64_t ends, AskedDistance distance,
+                                   FeatureTest* test, std::size_t count) {
+    using Tests = SeenTests<hn::Vec<D>, moments>;
+    const bool contact = !distance.each && distance.all == 0;
+    count = keep_near<moments>(d, points, ends, distance, test, count,
+                               [&](const Tests& tests) HWY_ATTR { return surely_far_coarse<kind>(tests, contact); });
+    return keep_near<moments>(d, points, ends, distance, test, count,
+                              [&](const Tests& tests) HWY_ATTR { return surely_far_fine<kind>(tests); });
 }
 
 template <FeatureKind kind, int moments>

@@ -15,13 +15,13 @@
 namespace crumple::cpu {
 
 /// What is asked of tests, in normalised coordinates, rounded up: one distance of all, or one of each, with `padding`
-/// more that may be read.
+/// more that may be read; these are moved as the tests are.
 struct AskedDistance {
     float all = 0;
-    const float* each = nullptr;
+    float* each = nullptr;
 
     AskedDistance(float distance) : all(distance) {}
-    explicit AskedDistance(const float* of_each) : each(of_each) {}
+    explicit AskedDistance(float* of_each) : each(of_each) {}
     float of(std::size_t test) const { return each ? each[test] : all; }
 };
 
