@@ -7,12 +7,10 @@
 #include <utility>
 #include <vector>
 
-#include <boost/multiprecision/cpp_int.hpp>
+#include "questions/integer.h"
 
 namespace crumple {
 namespace {
-
-using Rational = boost::multiprecision::cpp_rational;
 
 struct Feature {
     std::int32_t index, group;
@@ -23,11 +21,7 @@ struct Feature {
 class Search {
    public:
     Search(const Scene& scene, const CandidateQuery& query, Cancellation& cancellation, CandidateAnswer& answer)
-        : scene_(scene),
-          query_(query),
-          cancellation_(cancellation),
-          answer_(answer),
-          most_(Rational(query.inflation) * 2) {
+        : scene_(scene), query_(query), cancellation_(cancellation), answer_(answer) {
         std::map<std::int32_t, std::int32_t> face_of_vertex;
         std::map<std::pair<std::int32_t, std::int32_t>, std::int32_t> face_of_edge;
         for (std::int32_t t = 0; t < query.features.faces(); ++t) {
@@ -105,7 +99,9 @@ class Search {
     bool far(double low, double high) const {
         if (low <= high) return false;
         if ((low - high) * (1 - 0x1p-50) > 2 * query_.inflation) return true;
-        return Rational(low) - Rational(high) > most_;
+        const Vec3d numbers{low, high, query_.inflation};
+        const int exponent = common_exponent({&numbers, 1});
+        return scaled(low, exponent) - scaled(high, exponent) > 2 * scaled(query_.inflation, exponent);
     }
 
     const Scene& scene_;
@@ -113,7 +109,6 @@ class Search {
     Cancellation& cancellation_;
     CandidateAnswer& answer_;
     std::vector<Feature> features_[3];  ///< by FeatureType
-    Rational most_;
 };
 
 }  // namespace
