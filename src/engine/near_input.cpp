@@ -91,8 +91,8 @@ void NearInput::place(const WorldOutline& outline, const WorldScene& scene) {
     for (std::size_t i = 0; i < scene.added(); ++i) {
         const Shape& shape = outline.shape(scene.added_body(i));
         const std::int64_t first = scene.first_vertex(i);
-        std::copy(shape.radii.begin(), shape.radii.end(), given_radii_.begin() + first);
-        if (!has_rest(shape)) continue;
+        if (any_radii_) std::copy(shape.radii.begin(), shape.radii.end(), given_radii_.begin() + first);
+        if (!shape.rest.data) continue;
         const VertexReader position = reader_at_rest(shape);
         for (std::int64_t v = 0; v < shape.rest.rows; ++v) {
             const Vec3d p = position(v);
