@@ -23,12 +23,13 @@ struct MemoryMeter {
     std::int64_t limit = 0;  ///< 0: none
     std::atomic<std::int64_t> used{0}, peak{0};
 
+    // What is refused is never counted, not for a moment: another thread could take it for the peak.
     void add(std::int64_t bytes) {
-        const std::int64_t now = used.fetch_add(bytes, std::memory_order_relaxed) + bytes;
-        if (limit > 0 && bytes > 0 && now > limit) {
-            used.fetch_sub(bytes, std::memory_order_relaxed);
-            throw Exceeded{now};
-        }
+        std::int64_t before = used.load(std::memory_order_relaxed), now = 0;
+        do {
+            now = before + bytes;
+            if (limit > 0 && bytes > 0 && now > limit) throw Exceeded{now};
+        } while (!used.compare_exchange_weak(before, now, std::memory_order_relaxed));
         std::int64_t seen = peak.load(std::memory_order_relaxed);
         while (now > seen && !peak.compare_exchange_weak(seen, now, std::memory_order_relaxed)) {
         }

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <thread>
+
 #include "crumple/array.h"
 
 namespace crumple {
@@ -52,6 +55,23 @@ TEST(Array, a_swap_beyond_a_limit_changes_nothing) {
         EXPECT_EQ(meter.used, used);
         EXPECT_EQ(unlimited.used, others);
     }
+}
+
+TEST(MemoryMeter, what_is_refused_is_never_the_peak) {
+    MemoryMeter meter;
+    meter.limit = 1000;
+    std::atomic<bool> done{false};
+    std::thread greedy([&] {
+        while (!done) EXPECT_THROW(meter.add(10'000), MemoryMeter::Exceeded);
+    });
+    for (int i = 0; i < 200'000; ++i) {
+        meter.add(500);
+        meter.add(-500);
+    }
+    done = true;
+    greedy.join();
+    EXPECT_EQ(meter.used, 0);
+    EXPECT_EQ(meter.peak, 500);
 }
 
 TEST(Array, growing_bit_by_bit_moves_elements_seldom) {
