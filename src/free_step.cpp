@@ -47,8 +47,10 @@ FreeStep Detector::find_free_step(const MeshView& mesh, const VertexView& end, c
             }
         }
     };
-    go(first.found ? 0 : 1);
-    if (!first.found) return step;
+    // What intersects at the start does so at every share of the step.
+    const bool stuck = question.triangle_pairs && !is_free(mesh, mesh.vertices, question, stop);
+    go(first.found || stuck ? 0 : 1);
+    if (!first.found || stuck) return step;
     const VertexView there{step.positions.data(), mesh.vertices.rows, 24, 8, ScalarType::float64};
     for (int attempt = 0; shortened(first.toi, attempt) >= least_share; ++attempt) {
         go(shortened(first.toi, attempt));

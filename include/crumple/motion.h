@@ -29,6 +29,9 @@ struct Motion {
     bool weld = false;  ///< vertices at equal positions at the start and at the end count as one, for neighbours
     Rules rules = {};
     bool index = false;  ///< also make the offsets of ImpactList, where impacts are wanted
+    /// Also ask for pairs of triangles: those that intersect at the start (docs/contract.md, Neighbours::geometric),
+    /// and those of whose features some pair is an impact. The answers to `any` and `any_by_world` count them, too.
+    bool triangle_pairs = false;
 };
 
 /// Impacts of one kind: unique, by first feature, then second; of worlds by world, then by body before each feature,
@@ -64,13 +67,18 @@ struct FreeStep {
 
 /// The answer. A plain value: copy it to keep it beyond the detector's next call.
 struct Impacts {
-    bool any = false;        ///< whether anything touches; else the step is free
-    FirstImpact first;       ///< of all worlds (from MotionWants::earliest on)
+    /// Whether anything touches; else the step is free. With Motion::triangle_pairs also whether any intersect at the
+    /// start.
+    bool any = false;
+    FirstImpact first;       ///< of features, of all worlds (from MotionWants::earliest on)
     std::int64_t count = 0;  ///< impacts, where they are listed; else 0
 
     Array<std::uint8_t> world_hit;                ///< one a world: something touches (not for MotionWants::any)
     Array<FirstImpact> world_first;               ///< one a world (from MotionWants::earliest on)
     std::array<ImpactList, feature_kinds> lists;  ///< by FeatureKind
+    /// Where Motion::triangle_pairs asks for them: triangles a < b (of worlds body by body) whose groups are wanted.
+    /// The first time of their features; 0, with `start`, if they intersect at the start.
+    ImpactList triangle_pairs;
 
     /// What edges are meant: those of body b are [first_edge[b], first_edge[b + 1]), as its shape lists them, or each
     /// edge of its triangles once, in lexicographic order. An edge's index counts within its body.

@@ -15,7 +15,8 @@ auto arrays(NearList& l) {
 }
 auto arrays(Impacts& a) {
     return std::tuple_cat(std::tie(a.world_hit, a.world_first, a.edges, a.first_edge, a.points, a.first_point),
-                          arrays(a.lists[0]), arrays(a.lists[1]), arrays(a.lists[2]), arrays(a.lists[3]));
+                          arrays(a.lists[0]), arrays(a.lists[1]), arrays(a.lists[2]), arrays(a.lists[3]),
+                          arrays(a.triangle_pairs));
 }
 auto arrays(Nearby& a) {
     return std::tuple_cat(std::tie(a.world_hit, a.edges, a.first_edge, a.vertex_distance, a.face_distance,

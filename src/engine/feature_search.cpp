@@ -71,6 +71,7 @@ FeatureSearch::FeatureSearch(MemoryMeter& meter, Cancellation& cancellation)
       features_(&meter),
       near_input_(&meter),
       found_(&meter),
+      triangle_impacts_(meter),
       found_candidates_(&meter),
       first_edge_(&meter),
       first_point_(&meter) {}
@@ -85,6 +86,7 @@ void FeatureSearch::release() {
     features_.release();
     near_input_.release();
     found_ = FeatureAnswer(&meter_);
+    triangle_impacts_.release();
     found_candidates_ = CandidateAnswer(&meter_);
     first_edge_.release();
     first_point_.release();
@@ -135,6 +137,8 @@ void FeatureSearch::search(BackendBase& backend, const World& world, const Quest
         make_index(answer[FeatureKind::edge_edge], edges, edges);
         make_index(answer[FeatureKind::vertex_edge], points, edges);
         make_index(answer[FeatureKind::vertex_vertex], points, points);
+        if constexpr (is_motion<Question>)
+            if (question.triangle_pairs) make_index(answer.triangle_pairs, outline_.triangles(), outline_.triangles());
     }
     for (auto& list : answer.lists) answer.count += static_cast<std::int64_t>(list.pairs.size());
     answer.statistics.pairs = answer.count;
@@ -203,13 +207,17 @@ void FeatureSearch::search_in_place(BackendBase& backend, const Question& questi
     answer.first_edge.push_back(static_cast<std::int64_t>(answer.edges.size()));
     append_listed_points(outline_.shape(0), answer);
     if (extent(question) != Extent::all) return;
-    for (std::size_t kind = 0; kind < feature_kinds; ++kind) {
-        auto& list = answer.lists[kind];
-        FeatureRows& rows = found_.rows[kind];
+    const auto take = [&](FeatureRows& rows, auto& list) {
         list.pairs.swap_elements(rows.pairs);
         values(list).swap_elements(rows.value);
         flags(list).swap_elements(rows.flag);
         if (bodies_) list.bodies.assign(list.pairs.size(), BodyPair{0, 0});
+    };
+    if constexpr (is_motion<Question>)
+        if (question.triangle_pairs) take(triangle_impacts_.rows(), answer.triangle_pairs);
+    for (std::size_t kind = 0; kind < feature_kinds; ++kind) {
+        auto& list = answer.lists[kind];
+        take(found_.rows[kind], list);
         if constexpr (!is_motion<Question>)
             if (question.closest)
                 tell_closest(scene, features_, static_cast<FeatureKind>(kind), list.pairs, 0, backend, list);
@@ -238,7 +246,11 @@ void FeatureSearch::search_world(BackendBase& backend, std::int32_t pass, const 
             for (std::size_t k = 0; k < feature_kinds; ++k)
                 tell_closest(scene, features_, static_cast<FeatureKind>(k), found_.rows[k].pairs,
                              answer.lists[k].pairs.size(), backend, answer.lists[k]);
-    append_rows(answer);
+    for (std::size_t k = 0; k < feature_kinds; ++k)
+        append_rows(types_of(static_cast<FeatureKind>(k)), found_.rows[k], answer.lists[k]);
+    if constexpr (is_motion<Question>)
+        if (question.triangle_pairs)
+            append_rows({FeatureType::face, FeatureType::face}, triangle_impacts_.rows(), answer.triangle_pairs);
     if constexpr (!is_motion<Question>)
         if (question.least) tell_least(scene, features_, backend, answer);
 }
@@ -248,6 +260,17 @@ void FeatureSearch::ask(BackendBase& backend, const Scene& scene, const Question
     FeatureQuery query = query_of(question, frugal_, features_, rule_);
     if constexpr (!is_motion<Question>) near_input_.tell(scene.vertex_count(), backend, cancellation_, query);
     backend.find(scene, query, found_);
+    if constexpr (is_motion<Question>)
+        if (question.triangle_pairs) ask_for_triangles(backend, scene, question);
+}
+
+void FeatureSearch::ask_for_triangles(BackendBase& backend, const Scene& scene, const Motion& question) {
+    if (extent(question) == Extent::all) {
+        triangle_impacts_.find(backend, scene, features_, rule_, found_, found_.statistics);
+        found_.any = found_.any || !triangle_impacts_.rows().pairs.empty();
+    } else if (!found_.any) {
+        found_.any = triangle_impacts_.any_at_start(backend, scene, features_);
+    }
 }
 
 // Edges and points of each body lie together, in the order of the bodies.
@@ -307,25 +330,21 @@ void FeatureSearch::append_points(std::size_t bodies, Answer& answer) {
     for (std::size_t i = 0; i < bodies; ++i) append_listed_points(outline_.shape(scene_.added_body(i)), answer);
 }
 
-template <class Answer>
-void FeatureSearch::append_rows(Answer& answer) {
-    for (std::size_t k = 0; k < feature_kinds; ++k) {
-        auto& list = answer.lists[k];
-        const FeatureRows& rows = found_.rows[k];
-        const std::size_t more = rows.pairs.size();
-        list.pairs.make_room_for(more);
-        if (bodies_) list.bodies.make_room_for(more);
-        values(list).make_room_for(more);
-        flags(list).make_room_for(more);
-        for (std::size_t i = 0; i < more; ++i) {
-            Pair pair;
-            BodyPair bodies;
-            place(types_of(static_cast<FeatureKind>(k)), rows.pairs[i], pair, bodies);
-            list.pairs.push_back(pair);
-            if (bodies_) list.bodies.push_back(bodies);
-            values(list).push_back(rows.value[i]);
-            flags(list).push_back(rows.flag[i]);
-        }
+template <class List>
+void FeatureSearch::append_rows(FeatureTypes types, const FeatureRows& rows, List& list) {
+    const std::size_t more = rows.pairs.size();
+    list.pairs.make_room_for(more);
+    if (bodies_) list.bodies.make_room_for(more);
+    values(list).make_room_for(more);
+    flags(list).make_room_for(more);
+    for (std::size_t i = 0; i < more; ++i) {
+        Pair pair;
+        BodyPair bodies;
+        place(types, rows.pairs[i], pair, bodies);
+        list.pairs.push_back(pair);
+        if (bodies_) list.bodies.push_back(bodies);
+        values(list).push_back(rows.value[i]);
+        flags(list).push_back(rows.flag[i]);
     }
 }
 

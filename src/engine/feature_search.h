@@ -13,6 +13,7 @@
 #include "engine/backend.h"
 #include "engine/joined_lists.h"
 #include "engine/near_input.h"
+#include "engine/triangle_impacts.h"
 #include "engine/world_scene.h"
 #include "model/body_rules.h"
 #include "model/rules.h"
@@ -58,12 +59,13 @@ class FeatureSearch {
     std::int32_t own_bodies(std::int32_t pass) const;
     template <class Question>
     void ask(BackendBase& backend, const Scene& scene, const Question& question);
+    void ask_for_triangles(BackendBase& backend, const Scene& scene, const Motion& question);
     template <class Answer>
     void append_edges(std::size_t bodies, Answer& answer);
     template <class Answer>
     void append_points(std::size_t bodies, Answer& answer);
-    template <class Answer>
-    void append_rows(Answer& answer);
+    template <class List>
+    void append_rows(FeatureTypes types, const FeatureRows& rows, List& list);
     void add_first(std::int32_t pass, Impacts& answer) const;
 
     /// What an element of the scene is within its body.
@@ -89,6 +91,7 @@ class FeatureSearch {
     SceneFeatures features_;
     NearInput near_input_;
     FeatureAnswer found_;
+    TriangleImpacts triangle_impacts_;
     CandidateAnswer found_candidates_;
     // Of each body that was added to the scene; and how many there are:
     Array<std::int64_t> first_edge_, first_point_;

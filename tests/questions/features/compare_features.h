@@ -49,6 +49,7 @@ testing::AssertionResult same_features(const Answer& found, const Answer& expect
         same = testing::AssertionFailure() << "any " << found.any << ", count " << found.count << " instead of "
                                            << expected.any << ", " << expected.count;
     if constexpr (requires { found.first; }) {
+        if (same) same = same_list(found.triangle_pairs, expected.triangle_pairs);
         if (same) same = same_first(found.first, expected.first);
         if (same && found.world_first.size() != expected.world_first.size())
             same = testing::AssertionFailure() << "another number of worlds";

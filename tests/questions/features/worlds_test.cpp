@@ -10,7 +10,7 @@
 #include "engine/candidate_query.h"
 #include "questions/candidates/compare_candidates.h"
 #include "questions/features/compare_features.h"
-#include "questions/features/moving_soups.h"
+#include "questions/features/triangle_pairs.h"
 #include "worlds/random_worlds.h"
 
 namespace crumple::test {
@@ -49,6 +49,7 @@ bool flag_of(const List& list, std::size_t i) {
         return flags_of(list)[i] != 0;
 }
 
+constexpr auto of_triangles = static_cast<std::size_t>(CandidateKind::face_face);
 constexpr std::int64_t everywhere = std::numeric_limits<std::int32_t>::max();
 
 /// Random bodies whose shapes and poses move.
@@ -131,20 +132,35 @@ class Together {
         for (std::size_t kind = 0; kind < answer.lists.size(); ++kind) {
             const auto& list = answer.lists[kind];
             const FeatureTypes types = types_of(static_cast<CandidateKind>(kind));
-            const auto place = [&](FeatureType type, std::int32_t i) {
-                return type == FeatureType::vertex ? vertex(i)
-                       : type == FeatureType::edge ? edge(answer.edges[i])
-                                                   : triangle(i);
-            };
+            for (std::size_t i = 0; i < list.pairs.size(); ++i) {
+                const Place a = place(answer, types.first, list.pairs[i].a),
+                            b = place(answer, types.second, list.pairs[i].b);
+                if (wanted(a, b, rules)) lines.push_back(line(kind, a, b, value_of(list, i), flag_of(list, i)));
+            }
+        }
+        std::sort(lines.begin(), lines.end());
+        return lines;
+    }
+
+    /// The lines of the pairs of triangles that the rules want, as the features' impacts and the triangles are wanted.
+    std::vector<Line> triangle_lines(const Impacts& all, bool weld, const Rules& rules) const {
+        Impacts impacts;
+        impacts.edges = all.edges;
+        for (std::size_t kind = 0; kind < feature_kinds; ++kind) {
+            const FeatureTypes types = types_of(static_cast<CandidateKind>(kind));
+            const ImpactList& list = all.lists[kind];
             for (std::size_t i = 0; i < list.pairs.size(); ++i) {
                 const Pair pair = list.pairs[i];
-                const Place a = place(types.first, pair.a), b = place(types.second, pair.b);
-                if (!wanted(a, b, rules)) continue;
-                const std::int32_t in_a = world_.bodies[a.body].world, in_b = world_.bodies[b.body].world;
-                const std::int64_t world = std::max(in_a, in_b) < 0 ? everywhere : std::max(in_a, in_b);
-                lines.push_back({kind, world, static_cast<std::int32_t>(a.body), a.index,
-                                 static_cast<std::int32_t>(b.body), b.index, value_of(list, i), flag_of(list, i)});
+                if (!wanted(place(all, types.first, pair.a), place(all, types.second, pair.b), rules)) continue;
+                impacts.lists[kind].pairs.push_back(pair);
+                impacts.lists[kind].toi.push_back(list.toi[i]);
+                impacts.lists[kind].start.push_back(list.start[i]);
             }
+        }
+        std::vector<Line> lines;
+        for (const auto& [pair, found] : triangle_pairs_of(soup_, impacts, weld)) {
+            const Place a = triangle(pair.a), b = triangle(pair.b);
+            if (wanted(a, b, rules)) lines.push_back(line(of_triangles, a, b, found.toi, found.start));
         }
         std::sort(lines.begin(), lines.end());
         return lines;
@@ -156,6 +172,23 @@ class Together {
         std::int32_t index, group;
     };
 
+    template <class Answer>
+    Place place(const Answer& answer, FeatureType type, std::int32_t i) const {
+        return type == FeatureType::vertex ? vertex(i)
+               : type == FeatureType::edge ? edge(answer.edges[i])
+                                           : triangle(i);
+    }
+    Line line(std::size_t kind, const Place& a, const Place& b, double value, bool flag) const {
+        const std::int32_t in = std::max(world_.bodies[a.body].world, world_.bodies[b.body].world);
+        return {kind,
+                in < 0 ? everywhere : in,
+                static_cast<std::int32_t>(a.body),
+                a.index,
+                static_cast<std::int32_t>(b.body),
+                b.index,
+                value,
+                flag};
+    }
     const Shape& shape_of(std::size_t b) const {
         return world_.shapes[static_cast<std::size_t>(world_.bodies[b].shape)];
     }
@@ -214,19 +247,20 @@ class Together {
     std::map<Edge, std::int32_t> edge_group_;
 };
 
+template <class List>
+void add_lines(const World& world, std::size_t kind, const List& list, std::vector<Line>& lines) {
+    EXPECT_EQ(list.bodies.size(), list.pairs.size());
+    for (std::size_t i = 0; i < list.pairs.size(); ++i) {
+        const auto [a, b] = list.bodies[i];
+        const auto in = [&](std::int32_t body) { return world.bodies[static_cast<std::size_t>(body)].world; };
+        const std::int64_t of = std::max(in(a), in(b)) < 0 ? everywhere : std::max(in(a), in(b));
+        lines.push_back({kind, of, a, list.pairs[i].a, b, list.pairs[i].b, value_of(list, i), flag_of(list, i)});
+    }
+}
 template <class Answer>
 std::vector<Line> lines_of(const World& world, const Answer& answer) {
     std::vector<Line> lines;
-    for (std::size_t kind = 0; kind < answer.lists.size(); ++kind) {
-        const auto& list = answer.lists[kind];
-        EXPECT_EQ(list.bodies.size(), list.pairs.size());
-        for (std::size_t i = 0; i < list.pairs.size(); ++i) {
-            const auto [a, b] = list.bodies[i];
-            const auto in = [&](std::int32_t body) { return world.bodies[static_cast<std::size_t>(body)].world; };
-            const std::int64_t of = std::max(in(a), in(b)) < 0 ? everywhere : std::max(in(a), in(b));
-            lines.push_back({kind, of, a, list.pairs[i].a, b, list.pairs[i].b, value_of(list, i), flag_of(list, i)});
-        }
-    }
+    for (std::size_t kind = 0; kind < answer.lists.size(); ++kind) add_lines(world, kind, answer.lists[kind], lines);
     return lines;
 }
 
@@ -285,6 +319,8 @@ class FeaturesOfWorlds : public testing::TestWithParam<unsigned> {
             const Impacts& all = single.find_impacts(soup.view(), soup.end_view(), {.weld = rules.weld});
             const std::vector<Line> lines = together.lines(all, rules.rules);
             expect_impacts(detector, world, motion, lines, together.edges());
+            expect_triangle_pairs(detector, world, motion, lines,
+                                  together.triangle_lines(all, rules.weld, rules.rules));
             Near near{.radius = i * 0.05, .weld = rules.weld, .rules = rules.rules};
             const std::vector<Line> near_lines =
                 together.lines(single.find_near(soup.view(), {.radius = near.radius, .weld = near.weld}), rules.rules);
@@ -311,6 +347,21 @@ class FeaturesOfWorlds : public testing::TestWithParam<unsigned> {
             if (!HasFatalFailure()) compare_radii(world, together, near.rules, detector, single);
             if (HasFatalFailure()) return;
         }
+    }
+
+    static void expect_triangle_pairs(Detector& detector, const World& world, Motion motion, std::vector<Line> lines,
+                                      const std::vector<Line>& of_triangles_alone) {
+        motion.triangle_pairs = true;
+        const Impacts& impacts = detector.find_impacts(world, motion);
+        expect_same(lines_of(world, impacts), lines);
+        std::vector<Line> found;
+        add_lines(world, of_triangles, impacts.triangle_pairs, found);
+        expect_same(found, of_triangles_alone);
+        lines.insert(lines.end(), of_triangles_alone.begin(), of_triangles_alone.end());
+        EXPECT_EQ(impacts.any, !lines.empty());
+        expect_hits(impacts.world_hit, lines);
+        motion.wants = MotionWants::any_by_world;
+        expect_hits(detector.find_impacts(world, motion).world_hit, lines);
     }
 
     // Radii of shapes, and neighbours, which are those of the soup. At rest a shape is where it ends.

@@ -1,0 +1,60 @@
+#pragma once
+
+// Pairs of triangles of a step: those that intersect at its start, and those of whose features some pair touches. The
+// same for all backends: they find both, and what follows for triangles is counted and put into rows.
+
+#include <cstdint>
+#include <span>
+
+#include "crumple/array.h"
+#include "engine/backend.h"
+#include "engine/feature_query.h"
+#include "model/rules.h"
+#include "model/scene.h"
+#include "model/scene_features.h"
+
+namespace crumple {
+
+class TriangleImpacts {
+   public:
+    explicit TriangleImpacts(MemoryMeter& meter);
+
+    /// Whether some pair intersects at the start. `scene`: with the carriers of `features`.
+    bool any_at_start(BackendBase& backend, const Scene& scene, const SceneFeatures& features);
+
+    /// Makes rows() of what touches (all rows of an answer, by kind) and of what intersects at the start: unique, in
+    /// order; the value is the first time, the flag tells of the start. O(triangles + rows), and one search.
+    void find(BackendBase& backend, const Scene& scene, const SceneFeatures& features, const GroupRule& rule,
+              const FeatureAnswer& found, Statistics& statistics);
+
+    FeatureRows& rows() { return rows_; }
+
+    /// Gives all memory back.
+    void release();
+
+   private:
+    struct Entry {
+        std::int32_t second;
+        std::uint8_t start;
+        double toi;
+    };
+
+    Scene at_start(const Scene& scene, const SceneFeatures& features);
+    void list_triangles_of_vertices(const Scene& scene, std::int64_t triangles);
+    std::span<const std::int32_t> triangles_of(std::int32_t vertex) const;
+    template <class Visit>
+    void for_each_pair(const Scene& scene, const SceneFeatures& features, const GroupRule& rule,
+                       const FeatureAnswer& found, Visit visit) const;
+    void write_rows(ParallelFor& workers);
+
+    MemoryMeter& meter_;
+    Array<std::int32_t> corners_;       ///< of the scene at the start, if vertices count as one
+    Array<Pair> intersecting_;          ///< at the start, in any order
+    Array<std::int64_t> first_use_;     ///< of each vertex, in uses_
+    Array<std::int32_t> uses_;          ///< triangles that name it
+    Array<std::int64_t> first_, kept_;  ///< of each first triangle: its entries, and how many differ
+    Array<Entry> entries_;
+    FeatureRows rows_;
+};
+
+}  // namespace crumple
