@@ -36,8 +36,8 @@ from ._feature_pairs import (
     vertex_vertex_impacts,
 )
 from ._files import Scene, make_scene, read_mesh, read_pairs, scenes, write_mesh
+from ._impacts import FirstImpact, FreeStep, Impacts
 from ._mesh import FileMesh, Mesh, Polygons, as_mesh
-from ._motion import FirstImpact, FreeStep, Impacts
 from ._near import EdgeEdgeType, Nearby, VertexEdgeType, VertexFaceType, VertexVertexType
 from ._result import Block, ContactKind, Contacts, Result
 from ._short_forms import (

@@ -9,7 +9,7 @@ import numpy as np
 from ._core import Statistics
 from ._errors import InvalidInput, InvalidType
 from ._feature_result import FeatureResult
-from ._motion import FirstImpact, Impacts
+from ._impacts import FirstImpact, Impacts
 from ._near import EdgeEdgeType, Nearby, VertexEdgeType, VertexFaceType, VertexVertexType
 
 _TYPES = {"Impacts": Impacts, "Nearby": Nearby}
@@ -51,6 +51,15 @@ _ARRAYS = {
     "second_vertex_offsets": (np.int64, ()),
     "by_second_vertex": (np.int64, ()),
 }
+_OF_MOTION = {
+    "triangle_pairs": (np.int32, (2,)),
+    "triangle_pair_bodies": (np.int32, (2,)),
+    "triangle_pair_toi": (np.float64, ()),
+    "triangle_pair_start": (np.bool_, ()),
+    "triangle_offsets": (np.int64, ()),
+    "second_triangle_offsets": (np.int64, ()),
+    "by_second_triangle": (np.int64, ()),
+}
 _OF_NEARNESS = {
     "vertex_face_type": (np.uint8, ()),
     "vertex_face_at": (np.float64, (2,)),
@@ -68,13 +77,13 @@ _FLAGS = ("any", "of_world", "has_index", "copy")
 
 
 def _flags_of(kind: str) -> tuple[str, ...]:
-    return (*_FLAGS, "has_closest", "has_least") if kind == "Nearby" else _FLAGS
+    return (*_FLAGS, "has_closest", "has_least") if kind == "Nearby" else (*_FLAGS, "has_triangle_pairs")
 
 
 def _arrays_of(kind: str) -> dict[str, tuple[Any, tuple[int, ...]]]:
     value, flag = _VALUES[kind]
     values = {f"{name}_{value}": (np.float64, ()) for name in _LISTS}
-    more = _OF_NEARNESS if kind == "Nearby" else {}
+    more = _OF_NEARNESS if kind == "Nearby" else _OF_MOTION
     return {**_ARRAYS, **more, **values, **{f"{name}_{flag}": (np.bool_, ()) for name in _LISTS}}
 
 
@@ -142,7 +151,8 @@ class _Check:
         self._listed = answer.wants == wants[-1]
         rows = sum(len(getattr(answer, pairs)) for pairs in _LISTS.values())
         self._that(answer.count == rows and (self._listed or not rows), "count")
-        self._that(not self._listed or answer.any == (rows > 0), "any")
+        triangles = len(answer.triangle_pairs) if self._kind == "Impacts" else 0
+        self._that(not self._listed or answer.any == (rows + triangles > 0), "any")
         self._that(answer.wants != "any" or not len(answer.world_hit), "world_hit")
         self._that(not answer.has_index or (self._listed and not answer.of_world), "has_index")
         self._edges()
@@ -156,6 +166,7 @@ class _Check:
         ):
             self._index(offsets, second, by_second, getattr(answer, pairs))
         if self._kind == "Impacts":
+            self._triangles()
             self._first()
         else:
             self._closest_and_least()
@@ -197,9 +208,17 @@ class _Check:
             if of == "vertex":
                 self._that(((index < points[body]) | (points[body] == 0)).all(), f"{array} and points")
 
-    def _index(self, offsets: str, second: str, by_second: str, pairs: np.ndarray) -> None:
+    def _triangles(self) -> None:
+        answer = self._answer
+        self._that(self._listed or not answer.has_triangle_pairs, "has_triangle_pairs")
+        self._that(answer.has_triangle_pairs or not len(answer.triangle_pairs), "triangle_pairs")
+        self._list("triangle_pair", "triangle_pairs")
+        names = ("triangle_offsets", "second_triangle_offsets", "by_second_triangle")
+        self._index(*names, answer.triangle_pairs, answer.has_triangle_pairs)
+
+    def _index(self, offsets: str, second: str, by_second: str, pairs: np.ndarray, listed: bool = True) -> None:
         first, last, order = (getattr(self._answer, name) for name in (offsets, second, by_second))
-        if not self._answer.has_index:
+        if not (self._answer.has_index and listed):
             return self._that(not (len(first) or len(last) or len(order)), offsets)
         for column, of, name in ((0, first, offsets), (1, last, second)):
             self._that(len(of) and of[0] == 0 and (np.diff(of) >= 0).all(), name)
@@ -219,7 +238,10 @@ class _Check:
             self._that(impact.kind in _LISTS, "the kind of the first impact")
             self._that((impact.bodies is not None) == answer.of_world, "the bodies of the first impact")
             self._that(0 <= impact.toi <= 1 and isinstance(impact.start, bool), "the time of the first impact")
-        self._that((answer.first is not None) == (told and answer.any), "first")
+        if self._listed:
+            self._that((answer.first is not None) == (answer.count > 0), "first")
+        else:
+            self._that(answer.first is None or answer.any, "first")
 
     def _closest_and_least(self) -> None:
         answer = self._answer

@@ -23,8 +23,12 @@ _INDEX = (
     *("edge_offsets", "second_edge_offsets", "by_second_edge"),
     *("vertex_edge_offsets", "edge_vertex_offsets", "by_edge"),
     *("vertex_vertex_offsets", "second_vertex_offsets", "by_second_vertex"),
+    *("triangle_offsets", "second_triangle_offsets", "by_second_triangle"),
 )
-_BODIES = ("vertex_face_bodies", "edge_edge_bodies", "vertex_edge_bodies", "vertex_vertex_bodies")
+_BODIES = (
+    *("vertex_face_bodies", "edge_edge_bodies", "vertex_edge_bodies", "vertex_vertex_bodies"),
+    "triangle_pair_bodies",
+)
 
 
 class FeatureResult:

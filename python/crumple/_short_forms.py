@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from ._candidates import Candidates
-    from ._motion import FreeStep, Impacts
+    from ._impacts import FreeStep, Impacts
     from ._near import Nearby
 
 

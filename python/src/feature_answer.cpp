@@ -24,11 +24,12 @@ const Array<double>& values(const NearList& list) { return list.squared_distance
 const Array<std::uint8_t>& flags(const ImpactList& list) { return list.start; }
 const Array<std::uint8_t>& flags(const NearList& list) { return list.touching; }
 
-template <class A>
-void bind_list(nb::class_<A>& type, FeatureKind kind, const ListNames& names) {
+// `list_of`: of the answer.
+template <class A, class ListOf>
+void bind_list(nb::class_<A>& type, ListOf list_of, const ListNames& names) {
     const auto show = [&](const char* name, auto as_numpy) {
         type.def_prop_ro(
-            name, [kind, as_numpy](const A& a) { return as_numpy(a.found()[kind]); }, owner);
+            name, [list_of, as_numpy](const A& a) { return as_numpy(list_of(a.found())); }, owner);
     };
     show(names.pairs, [](const auto& list) { return view<std::int32_t>(list.pairs, 2U); });
     show(names.bodies, [](const auto& list) { return view<std::int32_t>(list.bodies, 2U); });
@@ -37,6 +38,12 @@ void bind_list(nb::class_<A>& type, FeatureKind kind, const ListNames& names) {
     show(names.offsets, [](const auto& list) { return view<std::int64_t>(list.offsets); });
     show(names.second_offsets, [](const auto& list) { return view<std::int64_t>(list.second_offsets); });
     show(names.by_second, [](const auto& list) { return view<std::int64_t>(list.by_second); });
+}
+
+template <class A>
+void bind_list(nb::class_<A>& type, FeatureKind kind, const ListNames& names) {
+    bind_list(
+        type, [kind](const auto& found) -> const auto& { return found[kind]; }, names);
 }
 
 // What both answers have.
@@ -89,6 +96,10 @@ void bind_feature_answers(nb::module_& module) {
     bind_list(impacts, FeatureKind::vertex_vertex,
               {"vertex_vertices", "vertex_vertex_bodies", "vertex_vertex_toi", "vertex_vertex_start",
                "vertex_vertex_offsets", "second_vertex_offsets", "by_second_vertex"});
+    bind_list(impacts, [](const Impacts& found) -> const ImpactList& { return found.triangle_pairs; },
+              {"triangle_pairs", "triangle_pair_bodies", "triangle_pair_toi", "triangle_pair_start", "triangle_offsets",
+               "second_triangle_offsets", "by_second_triangle"});
+    impacts.def_ro("has_triangle_pairs", &I::has_triangle_pairs);
     impacts.def_prop_ro("first", [](const I& a) { return told(a.found().first, a.of_world); })
         .def_prop_ro("world_first",
                      [](const I& a) {

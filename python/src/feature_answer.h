@@ -21,6 +21,7 @@ struct FeatureAnswer {
     bool has_index = false;
     bool has_closest = false, has_least = false;  ///< of nearness
     bool copy = false;                            ///< the result shows writable copies
+    bool has_triangle_pairs = false;              ///< of motion
 
     const Storage& found() const { return *storage; }
 };

@@ -39,7 +39,7 @@ Rules rules_of_world(nb::handle bodies, nb::handle groups, nb::handle excluded_g
 }
 
 void make_motion(Motion* place, nb::handle wants, nb::handle separation, nb::handle separation_share, nb::handle weld,
-                 const Rules& rules, nb::handle index) {
+                 const Rules& rules, nb::handle index, nb::handle triangle_pairs) {
     Motion question;
     question.wants = named(motion_wants_names, "wants", wants);
     question.separation = real("separation", separation);
@@ -47,6 +47,7 @@ void make_motion(Motion* place, nb::handle wants, nb::handle separation, nb::han
     question.weld = flag("weld", weld);
     question.rules = rules;
     question.index = flag("index", index);
+    question.triangle_pairs = flag("triangle_pairs", triangle_pairs);
     new (place) Motion(std::move(question));
 }
 
@@ -65,6 +66,10 @@ void make_near(Near* place, nb::handle wants, nb::handle radius, nb::handle stri
     question.rules = rules;
     question.index = flag("index", index);
     new (place) Near(std::move(question));
+}
+
+bool lists_triangle_pairs(const Motion& question) {
+    return question.triangle_pairs && question.wants == MotionWants::impacts;
 }
 
 // (n, 3), which owns its memory.
@@ -101,7 +106,8 @@ ImpactsAnswer find_impacts(nb::handle self, const nb::tuple& mesh, nb::handle en
     const MeshView view = with_lists(start, listed);
     const bool copied = flag("copy", copy), index = question.index && question.wants == MotionWants::impacts;
     const SharedDetector::Turn turn(detector);
-    ImpactsAnswer answer{detector.storage<Impacts>(), question.wants, false, index, false, false, copied};
+    ImpactsAnswer answer{detector.storage<Impacts>(),   question.wants, false, index, false, false, copied,
+                         lists_triangle_pairs(question)};
     without_gil([&] { detector.find(view, at_end.view(), question, *answer.storage); }, detector.stop());
     return answer;
 }
@@ -116,7 +122,8 @@ ImpactsAnswer find_impacts_in_world(nb::handle self, nb::handle world, nb::handl
     const SharedDetector::Turn turn(detector);
     World view{bodies.shapes, bodies.bodies, start.read(bodies, detector.poses())};
     if (end.given()) view.end_poses = end.read(bodies, detector.end_poses());
-    ImpactsAnswer answer{detector.storage<Impacts>(), question.wants, true, false, false, false, copied};
+    ImpactsAnswer answer{detector.storage<Impacts>(),   question.wants, true, false, false, false, copied,
+                         lists_triangle_pairs(question)};
     without_gil([&] { detector.find(view, asked.question, *answer.storage); }, detector.stop());
     return answer;
 }
@@ -177,7 +184,7 @@ void bind_feature_questions(nb::module_& module) {
     module.def("rules_of_world", rules_of_world, "bodies"_a.none(), "groups"_a.none(), "excluded_groups"_a.none());
     nb::class_<Motion>(module, "Motion", "What is asked about motion.")
         .def("__init__", make_motion, "wants"_a.none(), "separation"_a.none(), "separation_share"_a.none(),
-             "weld"_a.none(), "rules"_a, "index"_a.none());
+             "weld"_a.none(), "rules"_a, "index"_a.none(), "triangle_pairs"_a.none());
     nb::class_<Near>(module, "Near", "What is asked about nearness.")
         .def("__init__", make_near, "wants"_a.none(), "radius"_a.none(), "strict"_a.none(), "closest"_a.none(),
              "least"_a.none(), "weld"_a.none(), "rings"_a.none(), "rest_radius"_a.none(), "rules"_a, "index"_a.none());

@@ -15,6 +15,10 @@ LISTS = {
     "Impacts": [*_PAIRS, *(f"{kind}_{value}" for kind in _KINDS for value in ("toi", "start"))],
     "Nearby": [*_PAIRS, *(f"{kind}_{value}" for kind in _KINDS for value in ("squared_distance", "touching"))],
 }
+TRIANGLES = [
+    *("triangle_pairs", "triangle_pair_toi", "triangle_pair_start", "triangle_pair_bodies"),
+    *("triangle_offsets", "second_triangle_offsets", "by_second_triangle"),
+]
 BODIES = [*(f"{kind}_bodies" for kind in _KINDS), "world_hit"]
 CLOSEST = [f"{kind}_{what}" for kind in _KINDS for what in ("type", "at")]
 LEAST = ["vertex_distance", "face_distance", "edge_distance"]

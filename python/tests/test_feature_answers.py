@@ -11,7 +11,7 @@ import pytest
 
 import crumple
 from conftest import OnDevice, soup
-from features import BODIES, CLOSEST, END, FACES, INDEX, LEAST, LISTS, START
+from features import BODIES, CLOSEST, END, FACES, INDEX, LEAST, LISTS, START, TRIANGLES
 
 MESH = soup(12, size=0.5, dtype=np.float64)
 MOVED = MESH.vertices + 0.3 * np.random.default_rng(1).normal(size=MESH.vertices.shape)
@@ -23,6 +23,8 @@ WORLD = crumple.World([crumple.Shape(MESH, end=MOVED)], [0, 0, 0], poses=POSES, 
 ANSWERS = {
     "impacts of a mesh": lambda d, **how: d.find_impacts(MESH, MOVED, **how),
     "impacts of a world": lambda d, **how: d.find_impacts(WORLD, **how),
+    "triangles of a mesh": lambda d, **how: d.find_impacts(MESH, MOVED, triangle_pairs=True, **how),
+    "triangles of a world": lambda d, **how: d.find_impacts(WORLD, triangle_pairs=True, **how),
     "pairs of a mesh": lambda d, **how: d.find_near(MESH, radius=0.2, **how),
     "pairs of a world": lambda d, **how: d.find_near(WORLD, radius=0.2, **how),
     "impacts of hair": lambda d, **how: d.find_impacts(HAIR, HAIR[::-1].copy(), edges=[[1, 0], [1, 2]], **how),
@@ -42,6 +44,7 @@ def arrays_of(answer):
         made |= {name: getattr(raw, name).tolist() for name in [*CLOSEST, *LEAST]}
     if isinstance(answer, crumple.Impacts):
         made |= {"first": raw.first, "world_first": raw.world_first}
+        made |= {name: getattr(raw, name).tolist() for name in TRIANGLES}
     return {**made, "any": answer.any, "rows": len(answer)}
 
 
@@ -116,6 +119,13 @@ def test_another_process_finds_the_same(detector, tmp_path):
         ("impacts of a mesh", "any", lambda a: 1, "needs any as bool"),
         ("impacts of a mesh", "statistics", lambda a: None, "needs statistics as Statistics"),
         ("impacts of a mesh", "first", lambda a: (1, 2), "first"),
+        ("impacts of a mesh", "first", lambda a: None, "first"),
+        ("triangles of a mesh", "triangle_pairs", lambda a: a[1:], "the lengths of triangle_pairs"),
+        ("triangles of a mesh", "triangle_pair_toi", lambda a: a + 2, "the values of triangle_pairs"),
+        ("triangles of a mesh", "triangle_pair_start", lambda a: ~a, "the flags of triangle_pairs"),
+        ("triangles of a mesh", "has_triangle_pairs", lambda a: False, "triangle_pairs"),
+        ("triangles of a mesh", "by_second_triangle", lambda a: a[1:], "by_second_triangle"),
+        ("triangles of a world", "triangle_pair_bodies", lambda a: a + 3, "triangle_pair_bodies"),
         ("impacts of a world", "vertex_face_bodies", lambda a: a + 3, "vertex_face_bodies"),
         ("impacts of a world", "of_world", lambda a: False, "first_edge"),
         ("pairs of a mesh", "vertex_face_squared_distance", lambda a: -1 - a, "the values of vertex_faces"),

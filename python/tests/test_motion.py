@@ -1,6 +1,7 @@
 """What touches what on its way: found as brute force finds it, in meshes and in worlds, as much as is asked for."""
 
 import inspect
+import pickle
 import re
 
 import numpy as np
@@ -8,7 +9,7 @@ import pytest
 
 import crumple
 from conftest import OnDevice, soup
-from features import BODIES, END, FACES, LISTS, START, assert_same, check_index
+from features import BODIES, END, FACES, LISTS, START, TRIANGLES, assert_same, check_index
 from worlds import random_poses
 
 
@@ -267,6 +268,63 @@ def test_what_was_not_asked_for_says_how_to_ask(detector):
         _ = every.by_face
     with pytest.raises(crumple.InvalidInput, match="vertex_face_bodies are those of a world"):
         _ = every.vertex_face_bodies
+
+
+def test_triangles_that_are_stuck_or_come_to_touch(either):
+    """A blade that sticks in a plate and moves along, and one that comes down on it."""
+    start = np.array([[-9, -9, 0], [9, -9, 0], [0, 9, 0], [0, 0, -1], [0.5, 0, 1], [-0.5, 0.2, 1]])
+    start = np.vstack([start, np.array([1, 0, 2]) + start[3:]])
+    end = start.copy()
+    end[3:6, 0] += 0.25
+    end[6:, 2] -= 2
+    faces = np.arange(9).reshape(3, 3)
+    assert either.is_free(start[:6], end[:6], faces[:2])
+    assert not either.is_free(start[:6], end[:6], faces[:2], triangle_pairs=True)
+    assert either.find_free_step(start[:6], end[:6], faces[:2]).share == 1
+    assert either.find_free_step(start[:6], end[:6], faces[:2], triangle_pairs=True).share == 0
+    found = either.find_impacts(start, end, faces, triangle_pairs=True, index=True)
+    assert found.triangle_pairs.tolist() == [[0, 1], [0, 2]]
+    assert found.triangle_pair_toi.tolist() == [0, 0.5]
+    assert found.triangle_pair_start.tolist() == [True, False]
+    assert found.triangle_offsets.tolist() == [0, 2, 2, 2]
+    assert found.second_triangle_offsets.tolist() == [0, 0, 1, 2] and found.by_second_triangle.tolist() == [0, 1]
+    assert found.count == 1 and found.vertex_faces.tolist() == [[6, 0]]
+    assert_same(pickle.loads(pickle.dumps(found)), found, more=TRIANGLES[:3])
+    stuck = either.find_impacts(start[:6], end[:6], faces[:2], triangle_pairs=True)
+    assert stuck.any and stuck.first is None and len(stuck) == 0
+    assert pickle.loads(pickle.dumps(stuck)).triangle_pairs.tolist() == [[0, 1]]
+    plain = either.find_impacts(start, end, faces)
+    for answer, hint in ((plain, "triangle_pairs=True"), (found, "index=True")):
+        name = "triangle_pairs" if answer is plain else "triangle_offsets"
+        if answer is found:
+            answer = either.find_impacts(start, end, faces, triangle_pairs=True)
+        with pytest.raises(crumple.InvalidInput, match=rf"^{name} was not asked for: find_impacts\(\.\.\., {hint}\)"):
+            getattr(answer, name)
+    with pytest.raises(crumple.InvalidInput, match="triangle_pair_bodies are those of a world"):
+        _ = found.triangle_pair_bodies
+
+
+def test_triangles_of_bodies(either):
+    plate = crumple.Shape(np.array([[-9, -9, 0], [9, -9, 0], [0, 9, 0.0]]), FACES[:1])
+    blade = crumple.Shape(np.array([[0, 0, -1], [0.5, 0, 1], [-0.5, 0.2, 1]]), FACES[:1])
+    world = crumple.World([plate, blade], [crumple.Body(0), crumple.Body(1)])
+    assert either.is_free(world) and not either.is_free(world, triangle_pairs=True)
+    found = either.find_impacts(world, triangle_pairs=True)
+    assert found.triangle_pairs.tolist() == [[0, 0]] and found.triangle_pair_bodies.tolist() == [[0, 1]]
+    assert found.world_hit.tolist() == [True] and found.world_first == [None]
+    assert either.find_impacts(world, triangle_pairs=True, excluded=[(0, 1)]).triangle_pairs.shape == (0, 2)
+
+
+@pytest.mark.parametrize("weld", [False, True])
+def test_brute_force_agrees_about_triangles(weld, detector, reference):
+    for seed in range(4):
+        scene = moving(seed)
+        found, expected = (
+            d.find_impacts(*scene, triangle_pairs=True, weld=weld, groups=np.arange(14) % 3, wanted="between")
+            for d in (detector, reference)
+        )
+        assert len(expected.triangle_pairs)
+        assert_same(found, expected, more=TRIANGLES[:3])
 
 
 def test_a_free_step_is_free_as_it_is_rounded(either):
