@@ -5,9 +5,17 @@
 
 #include <cstdint>
 
-#include "geometry/vec.h"
+#include "geometry/normaliser.h"
 
 namespace crumple {
+
+/// What no two points of normalised coordinates exceed.
+inline constexpr float farthest = 4;
+
+/// A length of the scene in normalised coordinates, rounded once, and at most what holds everything.
+inline float normalised_length(double length, const Normaliser& normaliser) {
+    return static_cast<float>(min(double{farthest}, length * normaliser.pre * normaliser.post));
+}
 
 /// What the length of a way may lose where its squares are too small for float32: three of up to 2^-126 each.
 inline constexpr float lost_way = 2e-19f;
@@ -25,8 +33,11 @@ struct Inflation {
     CRUMPLE_HD Inflation of(std::int64_t primitive) const {
         return {radius ? radius[primitive] : half, of_way, of_box, nullptr};
     }
-    /// Of a primitive whose corners move by so much. Rounded up; coordinates are at most 1, so no more than 4 matters.
-    CRUMPLE_HD float operator()(float way) const { return min(4.0f, (half + of_way * (way + lost_way)) * 1.000002f); }
+    /// Of a primitive whose corners move by so much. Rounded up; coordinates are at most 1, so no more than `farthest`
+    /// matters.
+    CRUMPLE_HD float operator()(float way) const {
+        return min(farthest, (half + of_way * (way + lost_way)) * 1.000002f);
+    }
 };
 
 }  // namespace crumple

@@ -10,9 +10,6 @@ namespace {
 
 constexpr std::int64_t chunk = 4096;
 
-// What no two points of normalised coordinates exceed.
-constexpr float everything = 4;
-
 // Pairs of features that one triangle owns: two vertices, or a vertex and the edge across.
 void search_within(const Call& call, const CandidateQuery& query, CandidateLeaves& leaves) {
     if (!query.wants(CandidateKind::vertex_vertex) && !query.wants(CandidateKind::vertex_edge)) return;
@@ -42,8 +39,7 @@ Inflation inflation_of(const Scene& scene, const CandidateQuery& query) {
     inflation.of_box = true;
     if (query.inflation > 0) {
         const Normaliser normaliser(scene.low, scene.high);
-        const double r = std::min<double>(everything, query.inflation * normaliser.pre * normaliser.post);
-        inflation.half = static_cast<float>(r) * 1.000001f + 1e-30f;
+        inflation.half = normalised_length(query.inflation, normaliser) * 1.000001f + 1e-30f;
     }
     return inflation;
 }

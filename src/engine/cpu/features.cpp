@@ -12,9 +12,6 @@ namespace {
 
 constexpr std::int64_t chunk = 4096;
 
-// What no two points of normalised coordinates exceed.
-constexpr float everything = 4;
-
 // Rows in order: a counting sort by first feature, then those of each by the second.
 void write_rows(std::span<const Array<FeatureHit>* const> found, std::int64_t firsts, Workers& workers,
                 FeatureBuffers& buffers, FeatureRows& rows) {
@@ -85,8 +82,7 @@ Inflation inflation_of(const Scene& scene, const FeatureQuery& query) {
     Inflation inflation;
     if (query.distance > 0) {
         const Normaliser normaliser(scene.low, scene.high);
-        const double distance = query.distance * normaliser.pre * normaliser.post;
-        inflation.half = static_cast<float>(std::min<double>(everything, distance)) * 0.500001f + 1e-30f;
+        inflation.half = normalised_length(query.distance, normaliser) * 0.500001f + 1e-30f;
     }
     if (query.share > 0)
         inflation.of_way = static_cast<float>(std::min(1e30, query.share / (1 - query.share))) * 1.000001f;
@@ -106,8 +102,7 @@ Inflation inflation_of_radii(const Scene& scene, std::span<const double> radii, 
         });
     };
     for_each(vertex.size(), [&](std::size_t v) {
-        const double radius = radii[v] * normaliser.pre * normaliser.post;
-        vertex[v] = static_cast<float>(std::min<double>(everything, radius)) * 1.000002f + 1e-30f;
+        vertex[v] = normalised_length(radii[v], normaliser) * 1.000002f + 1e-30f;
     });
     for_each(triangle.size(), [&](std::size_t t) {
         const std::int32_t* c = scene.corners + 3 * t;
