@@ -489,6 +489,9 @@ const CandidateLists& Detector::find_candidates(const MeshView& mesh, const Cand
                                                 std::stop_token stop) {
     return implementation_->find_candidates(mesh, nullptr, question, std::move(stop));
 }
+const CandidateLists& Detector::find_candidates(const MeshView& mesh, DefaultQuery, std::stop_token stop) {
+    return find_candidates(mesh, CandidateQuestion(), std::move(stop));
+}
 const CandidateLists& Detector::find_candidates(const MeshView& mesh, const VertexView& end,
                                                 const CandidateQuestion& question, std::stop_token stop) {
     return implementation_->find_candidates(mesh, &end, question, std::move(stop));

@@ -33,7 +33,8 @@ namespace crumple {
 /// before the call ends it at once.
 class Detector {
    public:
-    /// Lets `has_collision(mesh, {})` mean the default Query, not a mesh.
+    /// Lets `has_collision(mesh, {})` mean the default Query, not a mesh, and `find_candidates(mesh, {})` the default
+    /// CandidateQuestion, not vertices at the end.
     enum class DefaultQuery {};
 
     explicit Detector(const Options& options = {});
@@ -111,6 +112,7 @@ class Detector {
     /// The same for one mesh at rest.
     const CandidateLists& find_candidates(const MeshView& mesh, const CandidateQuestion& question = {},
                                           std::stop_token stop = {});
+    const CandidateLists& find_candidates(const MeshView& mesh, DefaultQuery, std::stop_token stop = {});
     /// And for one whose vertices are at `end` at the end.
     const CandidateLists& find_candidates(const MeshView& mesh, const VertexView& end,
                                           const CandidateQuestion& question = {}, std::stop_token stop = {});
