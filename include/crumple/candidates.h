@@ -47,6 +47,7 @@ struct CandidateList {
 struct CandidateLists {
     std::int64_t count = 0;                            ///< candidates of all kinds
     std::array<CandidateList, candidate_kinds> lists;  ///< by CandidateKind; empty where not asked for
+    std::array<bool, candidate_kinds> listed{};        ///< by CandidateKind: whether the question named it
 
     /// What edges are meant: as in Impacts.
     Array<Edge> edges;

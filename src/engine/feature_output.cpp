@@ -92,7 +92,10 @@ void clear(Impacts& answer) {
     answer.first = {};
 }
 void clear(Nearby& answer) { clear_arrays(answer); }
-void clear(CandidateLists& answer) { clear_arrays(answer); }
+void clear(CandidateLists& answer) {
+    clear_arrays(answer);
+    answer.listed = {};
+}
 
 void hand_over(Impacts& mine, Impacts& theirs) {
     swap_arrays(mine, theirs);
@@ -106,6 +109,7 @@ void hand_over(Nearby& mine, Nearby& theirs) {
 
 void hand_over(CandidateLists& mine, CandidateLists& theirs) {
     swap_arrays(mine, theirs);
+    theirs.listed = mine.listed;
     clear(mine);
 }
 

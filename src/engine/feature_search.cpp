@@ -354,6 +354,7 @@ void FeatureSearch::find(BackendBase& backend, const World& world, const Candida
     frugal_ = frugal;
     read(world, question.rules);
     clear(answer);
+    for (const CandidateKind kind : question.kinds) answer.listed[static_cast<std::size_t>(kind)] = true;
     answer.statistics.triangles = outline_.triangles();
     answer.first_edge.push_back(0);
     answer.first_point.push_back(0);

@@ -90,6 +90,7 @@ TEST(CandidateKinds, AreListedAsAskedFor) {
         const CandidateLists& some = detector.find_candidates(soup.view(), soup.end_view(), question);
         for (const CandidateKind kind : all_candidate_kinds()) {
             const bool asked = chosen >> static_cast<unsigned>(kind) & 1;
+            EXPECT_EQ(some.listed[static_cast<std::size_t>(kind)], asked);
             EXPECT_GT(all[kind].pairs.size(), 0U);
             EXPECT_TRUE(same_pairs(some[kind].pairs.span(), asked ? all[kind].pairs.span() : std::span<const Pair>()));
         }

@@ -26,6 +26,7 @@ inline testing::AssertionResult same_candidates(const CandidateLists& found, con
     if (same) same = same_bytes(found.first_edge, expected.first_edge, "first edges");
     if (same) same = same_bytes(found.points, expected.points, "points");
     if (same) same = same_bytes(found.first_point, expected.first_point, "first points");
+    if (same && found.listed != expected.listed) same = testing::AssertionFailure() << "other kinds are listed";
     if (same && found.count != expected.count)
         same = testing::AssertionFailure() << "count " << found.count << " instead of " << expected.count;
     return same;

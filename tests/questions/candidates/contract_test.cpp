@@ -100,6 +100,15 @@ TEST_P(Candidacy, holds_the_whole_way) {
     EXPECT_EQ(pairs(2, false), (std::vector<Pair>{{0, 1}}));
     EXPECT_EQ(pairs(1, false), (std::vector<Pair>{}));
 }
+
+TEST_P(Candidacy, empty_braces_ask_the_default_question_at_rest) {
+    const MovingSoup<> soup = moving_grid(3, 14, 10, 1);
+    const CandidateLists at_rest = detector_.find_candidates(soup.view(), CandidateQuestion());
+    EXPECT_GT(at_rest.count, 0);
+    EXPECT_TRUE(same_candidates(detector_.find_candidates(soup.view(), {}), at_rest));
+    EXPECT_FALSE(same_candidates(detector_.find_candidates(soup.view(), soup.end_view()), at_rest));
+}
+
 TEST_P(Candidacy, knows_features_of_one_triangle) {
     const std::vector<std::array<double, 3>> vertices{{0, 0, 0}, {2, 0, 0}, {0, 2, 0}};
     const std::vector<std::array<std::int32_t, 3>> triangles{{0, 1, 2}};
@@ -131,7 +140,7 @@ class CandidateErrors : public testing::TestWithParam<Backend> {
         EXPECT_GT(held.count, 0);
         const Error error = error_of(call);
         EXPECT_TRUE(held.count == 0 && held.edges.empty() && held[CandidateKind::vertex_face].pairs.empty() &&
-                    held[CandidateKind::edge_edge].pairs.empty())
+                    held[CandidateKind::edge_edge].pairs.empty() && held.listed == CandidateLists().listed)
             << "holds an empty result";
         Detector fresh(detector_.options());
         EXPECT_TRUE(same_candidates(detector_.find_candidates(soup_.view(), soup_.end_view()),
