@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "crumple/candidates.h"
 #include "crumple/features.h"
 #include "crumple/io.h"
 #include "crumple/motion.h"
@@ -32,9 +33,24 @@ struct FeatureList {
     bool has_bodies = false;  ///< features have numbers of bodies, too; else there is one mesh
 };
 
-/// The answer as a list, in its order.
+/// A row of a list of candidates.
+struct CandidateRow {
+    CandidateKind kind = CandidateKind::vertex_face;
+    BodyPair bodies{0, 0};  ///< of the first and of the second feature
+    /// As FeatureRow::ids; of two faces both, the lesser first; of an edge and a face the edge's vertices, the face.
+    std::array<std::int32_t, 4> ids{};
+    friend bool operator==(const CandidateRow&, const CandidateRow&) = default;
+};
+
+struct CandidateRows {
+    std::vector<CandidateRow> rows;
+    bool has_bodies = false;  ///< as in FeatureList
+};
+
+/// The answer as a list, in its order. Throws Error (invalid_argument) unless its arrays fit together.
 FeatureList list_of(const Impacts& impacts);
 FeatureList list_of(const Nearby& nearby);
+CandidateRows list_of(const CandidateLists& candidates);
 
 /// Writes impacts in the order of the answer, as txt, csv, json or npz.
 ///
@@ -62,6 +78,18 @@ void write_near(const std::filesystem::path& path, const Nearby& nearby, PairFor
 /// The same to a stream; `automatic` is txt.
 void write_near(std::ostream& out, const Nearby& nearby, PairFormat format = PairFormat::automatic);
 
+/// The same of candidates, which have neither a number nor a flag; of those kinds that are listed.
+///
+///     txt   vf V F, ee A B C D, ef A B F, ff F G, ve V A B, vv V W: a line each
+///     csv   kind,vertex,face,a,b,c,d,second_face
+///     json  vertex_faces, edge_edges, edge_faces, face_faces, vertex_edges, vertex_vertices; edges; statistics
+///     npz   the same arrays, without statistics
+void write_candidates(const std::filesystem::path& path, const CandidateLists& candidates,
+                      PairFormat format = PairFormat::automatic);
+
+/// The same to a stream; `automatic` is txt.
+void write_candidates(std::ostream& out, const CandidateLists& candidates, PairFormat format = PairFormat::automatic);
+
 /// Reads a list of impacts, in the file's order: .csv, .json and .npz as write_impacts has them, by extension; any
 /// other is text, where blank lines and comments (#) are skipped. START may be missing: then a time of 0 is one. Which
 /// of two edges, and which of an edge's vertices, comes first does not matter. Throws crumple::Error (file, format)
@@ -76,6 +104,12 @@ FeatureList read_near(const std::filesystem::path& path);
 
 /// The same of a stream, to its end.
 FeatureList read_near(std::istream& in, const std::string& name);
+
+/// The same of candidates, of whatever kinds are there.
+CandidateRows read_candidates(const std::filesystem::path& path);
+
+/// The same of a stream, to its end.
+CandidateRows read_candidates(std::istream& in, const std::string& name);
 
 /// Writes the mesh at the start as .glb. Triangles that are hit, or whose vertex or edge is, are coloured by their
 /// first time of contact, from dark red at the start to pale yellow at the end; the others are grey. Throws as

@@ -77,17 +77,19 @@ void add(std::vector<Least>& meshes, const FeatureRow& row, double value) {
             throw Error(ErrorCode::invalid_argument, "the answer names a body that is not there");
         return meshes[static_cast<std::size_t>(body)];
     };
+    const CandidateKind kind = kind_of(row.kind);
     Least &first = mesh(row.bodies.first), &second = mesh(row.bodies.second);
     const auto add_feature = [&](Least& least, std::size_t side, std::size_t at) {
-        if (is_edge(row.kind, side))
+        const Feature feature = feature_of(kind, side);
+        if (feature == Feature::edge)
             least.add_edge({row.ids[at], row.ids[at + 1]}, value);
-        else if (row.kind == FeatureKind::vertex_face && side == 1)
+        else if (feature == Feature::face)
             least.add_face(row.ids[at], value);
         else
             least.add_vertex(row.ids[at], value);
     };
     add_feature(first, 0, 0);
-    add_feature(second, 1, first_ids(row.kind));
+    add_feature(second, 1, first_ids(kind));
 }
 
 /// 0, grey, for what is in no row; 1 for the least values to 8 for those about `most`.

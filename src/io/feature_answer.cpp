@@ -36,16 +36,18 @@ bool has_point(const FeatureAnswer& answer, std::int32_t body, std::int32_t poin
     return points.empty() || (point >= 0 && static_cast<std::size_t>(point) < points.size());
 }
 
-bool fits(const FeatureAnswer& answer, FeatureKind kind) {
-    const FeatureListView& list = answer.lists[static_cast<std::size_t>(kind)];
-    const std::size_t count = list.pairs.size();
-    if (list.values.size() != count || list.flags.size() != count) return false;
+bool fits(const FeatureAnswer& answer, CandidateKind kind) {
+    const FeatureListView& list = answer[kind];
+    const std::size_t count = list.pairs.size(), values = answer.words.has_values() ? count : 0;
+    if (count > 0 && !list.listed) return false;
+    if (list.values.size() != values || list.flags.size() != values) return false;
     if ((answer.has_bodies() || !list.bodies.empty()) && list.bodies.size() != count) return false;
     for (std::size_t i = 0; i < count; ++i) {
         const BodyPair bodies = answer.bodies_of(kind, i);
         const auto has = [&](std::size_t side, std::int32_t body, std::int32_t index) {
-            if (is_edge(kind, side)) return has_edge(answer, body, index);
-            return (kind == FeatureKind::vertex_face && side == 1) || has_point(answer, body, index);
+            const Feature feature = feature_of(kind, side);
+            if (feature == Feature::edge) return has_edge(answer, body, index);
+            return feature == Feature::face || has_point(answer, body, index);
         };
         if (!has(0, bodies.first, list.pairs[i].a) || !has(1, bodies.second, list.pairs[i].b)) return false;
     }
@@ -53,8 +55,8 @@ bool fits(const FeatureAnswer& answer, FeatureKind kind) {
 }
 
 FeatureAnswer checked(const FeatureAnswer& answer) {
-    const bool sound = std::all_of(all_feature_kinds.begin(), all_feature_kinds.end(),
-                                   [&](FeatureKind kind) { return fits(answer, kind); });
+    const bool sound =
+        std::all_of(all_kinds.begin(), all_kinds.end(), [&](CandidateKind kind) { return fits(answer, kind); });
     if (!sound)
         throw Error(ErrorCode::invalid_argument,
                     "the lists of " + std::string(answer.words.what) + " do not fit together");
@@ -62,49 +64,73 @@ FeatureAnswer checked(const FeatureAnswer& answer) {
 }
 
 FeatureListView view(const ImpactList& list) {
-    return {span_of(list.pairs), span_of(list.bodies), span_of(list.toi), span_of(list.start)};
+    return {true, span_of(list.pairs), span_of(list.bodies), span_of(list.toi), span_of(list.start)};
 }
 FeatureListView view(const NearList& list) {
-    return {span_of(list.pairs), span_of(list.bodies), span_of(list.squared_distance), span_of(list.touching)};
+    return {true, span_of(list.pairs), span_of(list.bodies), span_of(list.squared_distance), span_of(list.touching)};
 }
 
 template <class Answer>
-std::array<FeatureListView, feature_kinds> views(const Answer& answer) {
-    std::array<FeatureListView, feature_kinds> lists;
-    for (std::size_t k = 0; k < feature_kinds; ++k) lists[k] = view(answer.lists[k]);
+std::array<FeatureListView, candidate_kinds> views(const Answer& answer) {
+    std::array<FeatureListView, candidate_kinds> lists;
+    for (const FeatureKind kind : all_feature_kinds)
+        lists[static_cast<std::size_t>(kind_of(kind))] = view(answer[kind]);
     return lists;
+}
+std::array<FeatureListView, candidate_kinds> views(const CandidateLists& answer) {
+    std::array<FeatureListView, candidate_kinds> lists;
+    for (std::size_t k = 0; k < candidate_kinds; ++k)
+        lists[k] = {answer.listed[k], span_of(answer.lists[k].pairs), span_of(answer.lists[k].bodies), {}, {}};
+    return lists;
+}
+
+template <class Answer>
+FeatureAnswer view(const FeatureWords& words, const Answer& answer, const FirstImpact* first = nullptr) {
+    return checked({words, views(answer), span_of(answer.edges), span_of(answer.first_edge), span_of(answer.points),
+                    span_of(answer.first_point), answer.statistics, first});
 }
 
 FeatureList as_list(const FeatureAnswer& answer) {
     FeatureList list{{}, answer.has_bodies()};
-    for (const FeatureKind kind : all_feature_kinds)
-        for (std::size_t i = 0; i < answer.lists[static_cast<std::size_t>(kind)].pairs.size(); ++i)
-            list.rows.push_back(answer.row(kind, i));
+    for_each_row(answer, [&](const AnyRow& row) { list.rows.push_back(feature_row(row)); });
     return list;
 }
 
 }  // namespace
 
-void put_in_order(FeatureRow& row) {
+void put_in_order(CandidateRow& row) {
     auto& [a, b, c, d] = row.ids;
-    if (row.kind == FeatureKind::edge_edge) {
-        if (a > b) std::swap(a, b);
-        if (c > d) std::swap(c, d);
-        if (std::tuple(row.bodies.second, c, d) < std::tuple(row.bodies.first, a, b)) {
-            std::swap(row.bodies.first, row.bodies.second);
-            std::swap(a, c);
-            std::swap(b, d);
-        }
-    }
-    if (row.kind == FeatureKind::vertex_edge && b > c) std::swap(b, c);
-    if (row.kind == FeatureKind::vertex_vertex && std::pair(row.bodies.second, b) < std::pair(row.bodies.first, a)) {
+    const auto swap_if = [&](bool second_is_less, auto swap_ids) {
+        if (!second_is_less) return;
         std::swap(row.bodies.first, row.bodies.second);
-        std::swap(a, b);
+        swap_ids();
+    };
+    switch (row.kind) {
+        case CandidateKind::edge_edge:
+            if (a > b) std::swap(a, b);
+            if (c > d) std::swap(c, d);
+            swap_if(std::tuple(row.bodies.second, c, d) < std::tuple(row.bodies.first, a, b), [&] {
+                std::swap(a, c);
+                std::swap(b, d);
+            });
+            break;
+        case CandidateKind::edge_face:
+            if (a > b) std::swap(a, b);
+            break;
+        case CandidateKind::vertex_edge:
+            if (b > c) std::swap(b, c);
+            break;
+        case CandidateKind::face_face:
+        case CandidateKind::vertex_vertex:
+            swap_if(std::pair(row.bodies.second, b) < std::pair(row.bodies.first, a), [&] { std::swap(a, b); });
+            break;
+        case CandidateKind::vertex_face:
+            break;
     }
 }
 
-BodyPair FeatureAnswer::bodies_of(FeatureKind kind, std::size_t i) const {
-    const FeatureListView& list = lists[static_cast<std::size_t>(kind)];
+BodyPair FeatureAnswer::bodies_of(CandidateKind kind, std::size_t i) const {
+    const FeatureListView& list = (*this)[kind];
     return list.bodies.empty() ? BodyPair{0, 0} : list.bodies[i];
 }
 
@@ -113,18 +139,22 @@ std::int32_t FeatureAnswer::vertex(std::int32_t body, std::int32_t point) const 
     return of_body.empty() ? point : of_body[static_cast<std::size_t>(point)];
 }
 
-Pair FeatureAnswer::by_vertex(FeatureKind kind, Pair pair, const BodyPair& bodies) const {
-    if (kind != FeatureKind::edge_edge) pair.a = vertex(bodies.first, pair.a);
-    if (kind == FeatureKind::vertex_vertex) pair.b = vertex(bodies.second, pair.b);
+Pair FeatureAnswer::by_vertex(CandidateKind kind, Pair pair, const BodyPair& bodies) const {
+    if (feature_of(kind, 0) == Feature::vertex) pair.a = vertex(bodies.first, pair.a);
+    if (feature_of(kind, 1) == Feature::vertex) pair.b = vertex(bodies.second, pair.b);
     return pair;
 }
-Pair FeatureAnswer::by_vertex(FeatureKind kind, std::size_t i) const {
-    return by_vertex(kind, lists[static_cast<std::size_t>(kind)].pairs[i], bodies_of(kind, i));
+Pair FeatureAnswer::by_vertex(CandidateKind kind, std::size_t i) const {
+    return by_vertex(kind, (*this)[kind].pairs[i], bodies_of(kind, i));
 }
 
-FeatureRow FeatureAnswer::row(FeatureKind kind, std::size_t i) const {
-    const FeatureListView& list = lists[static_cast<std::size_t>(kind)];
-    FeatureRow row{kind, bodies_of(kind, i), {}, list.values[i], list.flags[i] != 0};
+AnyRow FeatureAnswer::row(CandidateKind kind, std::size_t i) const {
+    const FeatureListView& list = (*this)[kind];
+    AnyRow row{{kind, bodies_of(kind, i), {}}};
+    if (words.has_values()) {
+        row.value = list.values[i];
+        row.flag = list.flags[i] != 0;
+    }
     const Pair pair = by_vertex(kind, i);
     std::size_t ids = 0;
     const auto add = [&](std::size_t side, std::int32_t body, std::int32_t index) {
@@ -142,16 +172,17 @@ FeatureRow FeatureAnswer::row(FeatureKind kind, std::size_t i) const {
     return row;
 }
 
-FeatureAnswer view(const Impacts& impacts) {
-    return checked({impact_words, views(impacts), span_of(impacts.edges), span_of(impacts.first_edge),
-                    span_of(impacts.points), span_of(impacts.first_point), impacts.statistics, &impacts.first});
-}
-FeatureAnswer view(const Nearby& nearby) {
-    return checked({near_words, views(nearby), span_of(nearby.edges), span_of(nearby.first_edge),
-                    span_of(nearby.points), span_of(nearby.first_point), nearby.statistics});
-}
+FeatureAnswer view(const Impacts& impacts) { return view(impact_words, impacts, &impacts.first); }
+FeatureAnswer view(const Nearby& nearby) { return view(near_words, nearby); }
+FeatureAnswer view(const CandidateLists& candidates) { return view(candidate_words, candidates); }
 
 FeatureList list_of(const Impacts& impacts) { return as_list(view(impacts)); }
 FeatureList list_of(const Nearby& nearby) { return as_list(view(nearby)); }
+CandidateRows list_of(const CandidateLists& candidates) {
+    const FeatureAnswer answer = view(candidates);
+    CandidateRows list{{}, answer.has_bodies()};
+    for_each_row(answer, [&](const CandidateRow& row) { list.rows.push_back(row); });
+    return list;
+}
 
 }  // namespace crumple::io

@@ -1,4 +1,6 @@
-// Impacts and near pairs as text and CSV; the format by extension.
+// Impacts, near pairs and candidates as text and CSV; the format by extension.
+
+#include <algorithm>
 
 #include "base/float_environment.h"
 #include "io/atomic_file.h"
@@ -10,44 +12,44 @@ namespace crumple::io {
 
 namespace {
 
-template <class Use>
-void for_each_row(const FeatureAnswer& answer, Use use) {
-    for (const FeatureKind kind : all_feature_kinds)
-        for (std::size_t i = 0; i < answer.lists[static_cast<std::size_t>(kind)].pairs.size(); ++i)
-            use(answer.row(kind, i));
-}
-
-void add_id(Sink& sink, const FeatureRow& row, bool has_bodies, std::size_t k) {
+void add_id(Sink& sink, const CandidateRow& row, bool has_bodies, std::size_t k) {
     if (has_bodies) sink << (k < first_ids(row.kind) ? row.bodies.first : row.bodies.second) << ':';
     sink << row.ids[k];
 }
 
 void write_txt(Sink& sink, const FeatureAnswer& answer) {
     const bool has_bodies = answer.has_bodies();
-    for_each_row(answer, [&](const FeatureRow& row) {
+    for_each_row(answer, [&](const AnyRow& row) {
         sink << short_name(row.kind);
         for (std::size_t k = 0; k < id_count(row.kind); ++k) {
             sink << ' ';
             add_id(sink, row, has_bodies, k);
         }
-        sink << ' ' << row.value;
+        if (answer.words.has_values()) sink << ' ' << row.value;
         if (answer.words.text_has_flag) sink << ' ' << (row.flag ? '1' : '0');
         sink << '\n';
     });
 }
 
 void write_csv(Sink& sink, const FeatureAnswer& answer) {
-    const bool has_bodies = answer.has_bodies();
-    sink << "kind,vertex,face,a,b,c,d," << answer.words.value << ',' << answer.words.flag << '\n';
-    for_each_row(answer, [&](const FeatureRow& row) {
+    const bool has_bodies = answer.has_bodies(), has_values = answer.words.has_values();
+    const std::size_t id_columns_here = has_values ? id_columns_of_others : id_columns_of_candidates;
+    sink << "kind,vertex,face,a,b,c,d";
+    if (has_values)
+        sink << ',' << answer.words.value << ',' << answer.words.flag << '\n';
+    else
+        sink << ",second_face\n";
+    for_each_row(answer, [&](const AnyRow& row) {
         sink << short_name(row.kind);
         const auto columns = id_columns(row.kind);
-        std::size_t k = 0;
-        for (std::size_t column = 0; column < most_id_columns; ++column) {
+        for (std::size_t column = 0; column < id_columns_here; ++column) {
             sink << ',';
-            if (k < columns.size() && columns[k] == column) add_id(sink, row, has_bodies, k++);
+            const auto k =
+                static_cast<std::size_t>(std::find(columns.begin(), columns.end(), column) - columns.begin());
+            if (k < columns.size()) add_id(sink, row, has_bodies, k);
         }
-        sink << ',' << row.value << ',' << (row.flag ? '1' : '0') << '\n';
+        if (has_values) sink << ',' << row.value << ',' << (row.flag ? '1' : '0');
+        sink << '\n';
     });
 }
 
@@ -92,6 +94,15 @@ void write_near(std::ostream& out, const Nearby& nearby, PairFormat format) {
 void write_near(const std::filesystem::path& path, const Nearby& nearby, PairFormat format) {
     const FloatEnvironment environment;
     write_list(path, view(nearby), format);
+}
+
+void write_candidates(std::ostream& out, const CandidateLists& candidates, PairFormat format) {
+    const FloatEnvironment environment;
+    write_list(out, view(candidates), format);
+}
+void write_candidates(const std::filesystem::path& path, const CandidateLists& candidates, PairFormat format) {
+    const FloatEnvironment environment;
+    write_list(path, view(candidates), format);
 }
 
 }  // namespace crumple::io

@@ -1,5 +1,6 @@
 // Rows from the arrays of a .json or .npz, whatever order they came in; and .npz.
 
+#include <algorithm>
 #include <cmath>
 
 #include "io/npy.h"
@@ -12,7 +13,7 @@ namespace crumple::io {
 namespace {
 
 // The arrays of one kind, then those of edges.
-enum Of { pairs, bodies, values, flags, arrays_of_a_kind, edges = feature_kinds * arrays_of_a_kind, first_edge };
+enum Of { pairs, bodies, values, flags, arrays_of_a_kind, edges = candidate_kinds * arrays_of_a_kind, first_edge };
 
 std::optional<std::int32_t> index_of(double value) {
     if (!(value >= 0 && value <= INT32_MAX) || value != std::floor(value)) return std::nullopt;
@@ -21,12 +22,15 @@ std::optional<std::int32_t> index_of(double value) {
 
 class Lists {
    public:
-    Lists(const Source& source, const FeatureWords& words, const NumberArrays& arrays)
-        : source_(source), names_(arrays_of(words)), arrays_(arrays), rows_(words) {}
+    Lists(const Source& source, const NumberArrays& arrays, FeatureRows& rows)
+        : source_(source), names_(arrays_of(rows.words())), arrays_(arrays), rows_(rows) {}
 
-    FeatureList take() {
-        for (const FeatureKind kind : all_feature_kinds) add(kind);
-        return rows_.take();
+    void take() {
+        const auto is_there = [&](CandidateKind kind) { return array_of_pairs(kind).has_value(); };
+        if (!rows_.words().has_values() && std::none_of(all_kinds.begin(), all_kinds.end(), is_there))
+            fail("there is none of the arrays \"vertex_faces\", \"edge_edges\" and so on");
+        for (const CandidateKind kind : all_kinds)
+            if (rows_.words().has(kind)) add(kind);
     }
 
    private:
@@ -49,35 +53,45 @@ class Lists {
         return *index;
     }
 
-    void add(FeatureKind kind) {
+    const std::optional<std::vector<double>>& array_of_pairs(CandidateKind kind) const {
+        return arrays_[arrays_of_a_kind * static_cast<std::size_t>(kind) + pairs];
+    }
+    /// Lists of candidates have the kinds that were asked for; others may be without rods and particles.
+    bool may_lack(CandidateKind kind) const {
+        return !rows_.words().has_values() || kind >= CandidateKind::vertex_edge;
+    }
+
+    void add(CandidateKind kind) {
         const std::size_t base = arrays_of_a_kind * static_cast<std::size_t>(kind);
-        if (kind >= FeatureKind::vertex_edge && !arrays_[base + pairs]) return;  // of lists without rods or particles
+        if (may_lack(kind) && !array_of_pairs(kind)) return;
         const std::size_t count = need(base + pairs).size() / 2;
-        if (is_edge(kind, 1) && count > 0) need(edges);
-        const bool has_bodies = arrays_[base + bodies].has_value();
+        if ((is_edge(kind, 0) || is_edge(kind, 1)) && count > 0) need(edges);
+        const bool has_bodies = arrays_[base + bodies].has_value(), has_values = rows_.words().has_values();
         for (const std::size_t array : {base + bodies, base + values, base + flags}) {
-            const bool optional = array == base + bodies || array == base + flags;
+            const bool optional = array != base + values || !has_values;
             if (optional && !arrays_[array]) continue;
             if (need(array).size() != count * names_[array].columns)
                 fail("\"" + names_[array].name + "\" is not as long as \"" + names_[base + pairs].name + "\"");
         }
         for (std::size_t i = 0; i < count; ++i) {
-            FeatureRow row;
+            AnyRow row;
             row.kind = kind;
             if (has_bodies) row.bodies = {index(base + bodies, i, 0, "body"), index(base + bodies, i, 1, "body")};
             take_ids(base, i, 0, row, 0);
             take_ids(base, i, 1, row, first_ids(kind));
-            row.value = (*arrays_[base + values])[i];
-            row.flag = arrays_[base + flags] ? (*arrays_[base + flags])[i] != 0 : row.value == 0;
+            if (has_values) {
+                row.value = (*arrays_[base + values])[i];
+                row.flag = arrays_[base + flags] ? (*arrays_[base + flags])[i] != 0 : row.value == 0;
+            }
             const std::string mistake = rows_.add(row, has_bodies);
             if (!mistake.empty()) fail_at(base + pairs, i, mistake);
         }
     }
 
     /// Of the feature on one side of row i: `at` is where its ids begin.
-    void take_ids(std::size_t base, std::size_t i, std::size_t side, FeatureRow& row, std::size_t at) const {
+    void take_ids(std::size_t base, std::size_t i, std::size_t side, CandidateRow& row, std::size_t at) const {
         if (!is_edge(row.kind, side)) {
-            const bool face = row.kind == FeatureKind::vertex_face && side == 1;
+            const bool face = feature_of(row.kind, side) == Feature::face;
             row.ids[at] = index(base + pairs, i, side, face ? "face" : "vertex");
             return;
         }
@@ -97,7 +111,7 @@ class Lists {
     const Source& source_;
     std::vector<ArrayName> names_;
     const NumberArrays& arrays_;
-    FeatureRows rows_;
+    FeatureRows& rows_;
 };
 
 template <class T>
@@ -141,29 +155,34 @@ std::vector<double> read_array(NpzReader::Entry& entry, std::size_t columns) {
 
 std::vector<ArrayName> arrays_of(const FeatureWords& words) {
     std::vector<ArrayName> names;
-    for (const FeatureKind kind : all_feature_kinds) {
-        names.push_back({array_of(kind), 2});
-        names.push_back({array_of(kind, "bodies"), 2});
-        names.push_back({array_of(kind, words.value), 1});
-        names.push_back({array_of(kind, words.flag), 1});
+    for (const CandidateKind kind : all_kinds) {
+        const bool kept = words.has(kind), has_values = words.has_values();
+        names.push_back({array_of(kind), 2, kept});
+        names.push_back({array_of(kind, "bodies"), 2, kept});
+        names.push_back({array_of(kind, words.value), 1, kept && has_values});
+        names.push_back({array_of(kind, words.flag), 1, kept && has_values});
     }
-    names.push_back({"edges", 2});
-    names.push_back({"first_edge", 1});
+    names.push_back({"edges", 2, true});
+    names.push_back({"first_edge", 1, true});
     return names;
 }
 
-FeatureList list_from(const Source& source, const FeatureWords& words, const NumberArrays& arrays) {
-    return Lists(source, words, arrays).take();
+void add_rows(const Source& source, const NumberArrays& arrays, FeatureRows& rows) {
+    Lists(source, arrays, rows).take();
 }
 
-FeatureList read_features_npz(const Source& source, const FeatureWords& words) {
+void read_features_npz(const Source& source, FeatureRows& rows) {
     const NpzReader archive(source);
     NumberArrays arrays;
-    for (const auto& [name, columns] : arrays_of(words)) {
+    for (const auto& [name, columns, wanted] : arrays_of(rows.words())) {
+        if (!wanted) {
+            arrays.emplace_back();
+            continue;
+        }
         NpzReader::Entry entry(archive, name);
         arrays.push_back(entry ? std::optional(read_array(entry, columns)) : std::nullopt);
     }
-    return list_from(source, words, arrays);
+    add_rows(source, arrays, rows);
 }
 
 }  // namespace crumple::io

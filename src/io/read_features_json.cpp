@@ -1,5 +1,5 @@
-// Impacts and near pairs from JSON: arrays of numbers, or of rows of two, that are members of the outermost object.
-// Events are read as they come: a document would take some 100 bytes a number.
+// Impacts, near pairs and candidates from JSON: arrays of numbers, or of rows of two, that are members of the outermost
+// object. Events are read as they come: a document would take some 100 bytes a number.
 
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -33,7 +33,7 @@ class ArraysHandler : public nlohmann::json_sax<nlohmann::json> {
     bool key(std::string& name) override {
         named_ = none;
         for (std::size_t i = 0; i < names_.size() && depth_ == 1; ++i)
-            if (names_[i].name == name) named_ = i;
+            if (names_[i].wanted && names_[i].name == name) named_ = i;
         return true;
     }
     bool end_object() override {
@@ -80,7 +80,8 @@ class ArraysHandler : public nlohmann::json_sax<nlohmann::json> {
         return true;
     }
     [[noreturn]] void fail() const {
-        const auto& [name, columns] = names_[inside_];
+        const std::string& name = names_[inside_].name;
+        const std::size_t columns = names_[inside_].columns;
         const std::size_t begun = columns == 1 ? 0 : count_;
         const std::size_t row = (arrays_[inside_]->size() - begun) / columns;
         throw Error(ErrorCode::format, source_.name() + ": row " + std::to_string(row) + " of \"" + name + "\" is no " +
@@ -98,10 +99,10 @@ class ArraysHandler : public nlohmann::json_sax<nlohmann::json> {
 
 }  // namespace
 
-FeatureList read_features_json(const Source& source, const FeatureWords& words) {
-    ArraysHandler handler(source, arrays_of(words));
+void read_features_json(const Source& source, FeatureRows& rows) {
+    ArraysHandler handler(source, arrays_of(rows.words()));
     nlohmann::json::sax_parse(source.begin(), source.end(), &handler);
-    return list_from(source, words, handler.arrays());
+    add_rows(source, handler.arrays(), rows);
 }
 
 }  // namespace crumple::io

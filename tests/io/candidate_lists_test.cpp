@@ -1,0 +1,175 @@
+// Lists of candidates as they are written, as they come back, and what is no list.
+
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "feature_answers.h"
+#include "files.h"
+
+namespace crumple::io::test {
+namespace {
+
+/// One of each kind: of one mesh, or of two bodies. Edges 1 and 2 are 0 7 and 2 9; the last is that of body 1.
+CandidateLists example(bool has_bodies = false) {
+    CandidateLists a;
+    const std::int32_t other = has_bodies ? 1 : 0;
+    a.listed.fill(true);
+    add(a[CandidateKind::vertex_face], {7, 1}, {0, other}, has_bodies);
+    add(a[CandidateKind::edge_edge], {1, 2}, {0, other}, has_bodies);
+    add(a[CandidateKind::edge_face], {2, 3}, {other, 0}, has_bodies);
+    add(a[CandidateKind::face_face], {4, 5}, {0, other}, has_bodies);
+    add(a[CandidateKind::vertex_edge], {8, 1}, {other, 0}, has_bodies);
+    add(a[CandidateKind::vertex_vertex], {3, 4}, {0, other}, has_bodies);
+    a.count = 6;
+    a.edges = array<Edge>({{0, 1}, {0, 7}, {2, 9}});
+    a.first_edge = array<std::int64_t>({0, 3});
+    if (has_bodies) {
+        a.edges = array<Edge>({{0, 1}, {0, 7}, {2, 3}, {2, 4}, {2, 9}});
+        a.first_edge = array<std::int64_t>({0, 2, 5});
+    }
+    a.statistics.pairs = 6;
+    return a;
+}
+
+std::string written(const CandidateLists& candidates, PairFormat format) {
+    std::ostringstream out;
+    write_candidates(out, candidates, format);
+    return out.str();
+}
+
+TEST(CandidateLists, TextHasALineForEach) {
+    const std::string text = "vf 7 1\nee 0 7 2 9\nef 2 9 3\nff 4 5\nve 8 0 7\nvv 3 4\n";
+    EXPECT_EQ(written(example(), PairFormat::txt), text);
+    EXPECT_EQ(written(example(), PairFormat::automatic), text);
+    EXPECT_EQ(written(example(true), PairFormat::txt),
+              "vf 0:7 1:1\nee 0:0 0:7 1:2 1:9\nef 1:2 1:9 0:3\nff 0:4 1:5\nve 1:8 0:0 0:7\nvv 0:3 1:4\n");
+    EXPECT_EQ(written(CandidateLists(), PairFormat::txt), "");
+}
+
+TEST(CandidateLists, CsvHasNamedColumns) {
+    EXPECT_EQ(written(example(), PairFormat::csv),
+              "kind,vertex,face,a,b,c,d,second_face\nvf,7,1,,,,,\nee,,,0,7,2,9,\nef,,3,2,9,,,\nff,,4,,,,,5\n"
+              "ve,8,,0,7,,,\nvv,3,,4,,,,\n");
+    EXPECT_TRUE(written(example(true), PairFormat::csv).ends_with("vv,0:3,,1:4,,,,\n"));
+}
+
+TEST(CandidateLists, JsonHasAnArrayForEachKindThatIsListed) {
+    using nlohmann::json;
+    const auto all = json::parse(written(example(true), PairFormat::json));
+    EXPECT_EQ(all["edge_faces"], json::parse("[[2,3]]"));
+    EXPECT_EQ(all["edge_face_bodies"], json::parse("[[1,0]]"));
+    EXPECT_EQ(all["face_faces"], json::parse("[[4,5]]"));
+    EXPECT_EQ(all["vertex_vertices"], json::parse("[[3,4]]"));
+    EXPECT_EQ(all["edges"].size(), 5u);
+    EXPECT_EQ(all["first_edge"], json::parse("[0,2,5]"));
+    EXPECT_EQ(all["statistics"]["pairs"], 6);
+    for (const char* const name : {"earliest", "vertex_face_toi", "vertex_face_", ""}) EXPECT_FALSE(all.contains(name));
+    CandidateLists one;
+    one.listed[static_cast<std::size_t>(CandidateKind::face_face)] = true;
+    const auto few = json::parse(written(one, PairFormat::json));
+    EXPECT_EQ(few["face_faces"], json::array());
+    EXPECT_FALSE(few.contains("vertex_faces"));
+}
+
+TEST(CandidateLists, EveryFormatComesBackAsItWasWritten) {
+    const Folder folder;
+    for (const char* const name : {"a.txt", "a.csv", "a.json", "a.npz", "A.CSV"}) {
+        for (const bool has_bodies : {false, true}) {
+            write_candidates(folder / name, example(has_bodies));
+            const CandidateRows list = read_candidates(folder / name);
+            EXPECT_EQ(list.rows, list_of(example(has_bodies)).rows) << name;
+            EXPECT_EQ(list.has_bodies, has_bodies) << name;
+        }
+        CandidateLists none;
+        none.listed.fill(true);
+        write_candidates(folder / name, none);
+        EXPECT_TRUE(read_candidates(folder / name).rows.empty()) << name;
+    }
+}
+
+TEST(CandidateLists, ListedPointsAreNamedByTheirVertices) {
+    CandidateLists a = example();
+    a.points = array<std::int32_t>({10, 11, 12, 13, 14, 15, 16, 17, 18});
+    a.first_point = array<std::int64_t>({0, 9});
+    EXPECT_EQ(written(a, PairFormat::txt), "vf 17 1\nee 0 7 2 9\nef 2 9 3\nff 4 5\nve 18 0 7\nvv 13 14\n");
+}
+
+TEST(CandidateLists, ThatDoNotFitTogetherAreRefused) {
+    const Folder folder;
+    const auto refused = [&](auto spoil) {
+        CandidateLists candidates = example(true);
+        spoil(candidates);
+        const Error error = error_of([&] { write_candidates(folder / "a.txt", candidates); });
+        EXPECT_EQ(error.code, ErrorCode::invalid_argument);
+        EXPECT_TRUE(contains(error.what(), "the lists of candidates do not fit together")) << error.what();
+        EXPECT_FALSE(fs::exists(folder / "a.txt"));
+    };
+    refused([](CandidateLists& c) { c[CandidateKind::edge_face].pairs[0].a = 3; });
+    refused([](CandidateLists& c) { c[CandidateKind::edge_face].bodies[0].first = 2; });
+    refused([](CandidateLists& c) { c[CandidateKind::face_face].bodies = {}; });
+    refused([](CandidateLists& c) { c.listed[static_cast<std::size_t>(CandidateKind::face_face)] = false; });
+    EXPECT_EQ(error_of([&] { write_candidates(folder / "a.glb", example()); }).code, ErrorCode::invalid_argument);
+    EXPECT_EQ(error_of([&] { write_candidates(folder / "none" / "a.csv", example()); }).code, ErrorCode::file);
+    for (const PairFormat format : {PairFormat::txt, PairFormat::csv, PairFormat::json, PairFormat::npz}) {
+        std::ofstream closed;
+        EXPECT_EQ(error_of([&] { write_candidates(closed, example(), format); }).code, ErrorCode::file);
+    }
+}
+
+TEST(CandidateLists, OfOthersMayNameFeaturesInAnyOrder) {
+    const Folder folder;
+    const auto rows = [&](const std::string& text) { return read_candidates(folder.write("a.txt", text)).rows; };
+    const auto expected = rows("ee 0 7 2 9\nef 2 9 3\nff 4 5\nve 8 0 7\nvv 3 4\n");
+    EXPECT_EQ(expected, rows("# theirs\nee 9 2 7 0\n\nef 9 2 3\nff 5 4\nve 8 7 0\nvv 4 3"));
+    EXPECT_EQ(read_candidates(folder.write("a.txt", "ff 1:4 0:5\n")).rows,
+              read_candidates(folder.write("b.txt", "ff 0:5 1:4\n")).rows);
+    EXPECT_NE(read_candidates(folder.write("a.txt", "ff 1:4 0:5\n")).rows,
+              read_candidates(folder.write("b.txt", "ff 0:4 1:5\n")).rows);
+    std::istringstream in("kind,vertex,face,a,b,c,d,second_face\nff,,5,,,,,4\n");
+    EXPECT_EQ(read_candidates(in, "in.csv").rows, rows("ff 4 5"));
+}
+
+void expect_refused(const std::string& name, const std::string& bytes, const std::string& what) {
+    const Folder folder;
+    const Error error = error_of([&] { read_candidates(folder.write(name, bytes)); });
+    EXPECT_EQ(error.code, ErrorCode::format) << bytes;
+    EXPECT_TRUE(contains(error.what(), name) && contains(error.what(), what)) << bytes << ": " << error.what();
+}
+
+TEST(CandidateLists, ThatAreNoneAreRefused) {
+    expect_refused("a.txt", "vf 1 2\nff 1\n", "line 2: `ff` is followed by 2 ids");
+    expect_refused("a.txt", "vf 1 2 0.5\n", "line 1: '0.5' is left over");
+    expect_refused("a.txt", "fv 1 2\n", "'fv' is none of vf, ee, ef, ff, ve and vv");
+    expect_refused("a.txt", "ef 1 2 x\n", "'x' names no face");
+    expect_refused("a.txt", "ff 1 -2\n", "'-2' names no face");
+    expect_refused("a.txt", "ef 1 x 2\n", "'x' names no vertex");
+    expect_refused("a.txt", "ef 1 1 2\n", "an edge names a vertex twice");
+    expect_refused("a.txt", "ef 0:1 1:2 0:3\n", "an edge has vertices of two files");
+    expect_refused("a.txt", "vv 1 2\nvv 0:1 1:2\n", "some ids have the number of a file and some do not");
+    expect_refused("a.csv", "ff,,1,,,,2\n", "7 columns in place of 8");
+    expect_refused("a.csv", "ff,,1,,,,,\n", "'' names no face");
+    expect_refused("a.csv", "ff,7,1,,,,,2\n", "'7' is in a column of another kind");
+    expect_refused("a.csv", "vf,7,1,,,,,2\n", "'2' is in a column of another kind");
+    expect_refused("a.json", "{}", "there is none of the arrays");
+    expect_refused("a.json", R"({"edge_faces":[[0,1]]})", "there is no array \"edges\"");
+    expect_refused("a.json", R"({"edges":[[0,1]],"edge_faces":[[1,1]]})",
+                   "row 0 of \"edge_faces\": there is no such edge");
+    expect_refused("a.json", R"({"face_faces":[[0,1.5]]})", "row 0 of \"face_faces\": this is no face");
+    expect_refused("a.json", R"({"face_faces":[[0,1]],"face_face_bodies":[]})", "is not as long as");
+    expect_refused("a.npz", "PK", "not a .npz archive");
+    EXPECT_EQ(error_of([] { read_candidates("/nowhere/a.txt"); }).code, ErrorCode::file);
+}
+
+TEST(CandidateLists, ArraysOfOtherListsAreLetBe) {
+    const Folder folder;
+    const std::string more = R"("vertex_face_":["theirs"],"vertex_face_toi":{},"":1,"face_faces":)";
+    EXPECT_EQ(read_candidates(folder.write("a.json", "{" + more + "[[0,1]]}")).rows.size(), 1u);
+    const std::string impacts = R"("vertex_faces":[],"vertex_face_toi":[],"edge_edges":[],"edge_edge_toi":[]})";
+    EXPECT_TRUE(read_impacts(folder.write("a.json", R"({"face_faces":"none",)" + impacts)).rows.empty());
+    for (const char* const line : {"ff 1 2 0.5\n", "ef 1 2 3 0.5\n"})
+        EXPECT_TRUE(contains(error_of([&] { read_impacts(folder.write("a.txt", line)); }).what(),
+                             "is none of vf, ee, ve and vv"));
+}
+
+}  // namespace
+}  // namespace crumple::io::test
