@@ -3,7 +3,8 @@
 #include <algorithm>
 
 #include "cli/bodies.h"
-#include "io/feature_answer.h"
+#include "cli/commands.h"
+#include "io/feature_kinds.h"
 
 namespace crumple::cli {
 
@@ -60,13 +61,13 @@ Options feature_options(Options options) {
     return options;
 }
 
-void FeatureOutputs::check(const std::string& what) const {
+void FeatureOutputs::check(const std::string& what, bool coloured) const {
     check_format(paths, format);
     for (const std::string& path : paths) {
         const std::string extension = extension_of(path, format);
-        if (extension == ".glb" || io::pair_format_of(extension) != io::PairFormat::automatic) continue;
+        if ((extension == ".glb" && coloured) || io::pair_format_of(extension) != io::PairFormat::automatic) continue;
         refuse("-o " + (path.empty() ? "''" : path) + (is_standard(path) ? " --format " + format : "") + ": " + what +
-               " are written as .txt, .csv, .json or .npz, coloured as .glb");
+               " are written as .txt, .csv, .json or .npz" + (coloured ? ", coloured as .glb" : ""));
     }
 }
 
@@ -81,10 +82,41 @@ void add_output_options(CLI::App& app, FeatureOutputs& outputs, const std::strin
     add_format_option(app, outputs.format, "txt|csv|json|npz|glb");
 }
 
+int FeatureCommand::report(bool any, const char* yes, const char* no) {
+    to_standard_output([&](std::ostream& out) { out << (any ? yes : no) << '\n'; });
+    return any ? collided : done;
+}
+
+int FeatureCommand::finish(bool any, const std::string& summary) const {
+    if (!stats && outputs.have_files()) say(summary);
+    return check && any ? collided : done;
+}
+
+void add_feature_command_options(CLI::App& app, FeatureCommand& command, const std::string& check) {
+    app.add_flag("--check", command.check, check);
+    app.add_flag("--stats", command.stats, "Print times and counts of the stages to standard error");
+    add_reading_options(app, command.answer);
+    add_group_options(app, command.answer);
+    add_cost_options(app, command.options);
+}
+
+std::string kinds_of(const CandidateLists& answer) {
+    std::string text;
+    for (const CandidateKind kind : io::all_kinds) {
+        if (!answer.listed[static_cast<std::size_t>(kind)]) continue;
+        std::string name(candidate_kind_name(kind));
+        name[name.find('_')] = '-';
+        const std::string count = grouped(static_cast<std::int64_t>(answer[kind].pairs.size()));
+        text += (text.empty() ? "" : ", ") + count + ' ' + name;
+    }
+    return text;
+}
+
 std::string text_of(const io::FeatureRow& row, bool has_bodies) {
-    std::string text(io::short_name(row.kind));
-    for (std::size_t k = 0; k < io::id_count(row.kind); ++k) {
-        const std::int32_t body = k < io::first_ids(row.kind) ? row.bodies.first : row.bodies.second;
+    const CandidateKind kind = io::kind_of(row.kind);
+    std::string text(io::short_name(kind));
+    for (std::size_t k = 0; k < io::id_count(kind); ++k) {
+        const std::int32_t body = k < io::first_ids(kind) ? row.bodies.first : row.bodies.second;
         text += ' ' + (has_bodies ? fmt::format("{}:", body) : "") + std::to_string(row.ids[k]);
     }
     return text + fmt::format(" {}", row.value);

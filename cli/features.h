@@ -1,8 +1,9 @@
 #pragma once
 
-// Options, outputs and words that the commands on impacts and on near pairs share.
+// Options, outputs and words that the commands on impacts, candidates and near pairs share.
 
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -41,8 +42,9 @@ struct FeatureOutputs {
     std::vector<std::string> paths;
     std::string format;
 
-    /// Throws Error (invalid_argument) where a file is none of these. `what`: "impacts".
-    void check(const std::string& what) const;
+    /// Throws Error (invalid_argument) where a file is none of these. `what`: "impacts"; `coloured`: whether there is a
+    /// mesh to colour.
+    void check(const std::string& what, bool coloured = true) const;
     /// Whether one of them is a file.
     bool have_files() const;
 
@@ -62,9 +64,31 @@ struct FeatureOutputs {
         }
         if (paths.empty()) to_standard_output([&](std::ostream& out) { list(out, io::PairFormat::txt); });
     }
+    /// The same where check() has let no picture pass.
+    template <class List>
+    void write(List list) const {
+        write(list, [](auto&) { throw std::logic_error("no mesh is coloured by this answer"); });
+    }
 };
 /// `-o` and `--format`. `what`: "Impacts", `coloured`: "the start, coloured by time".
 void add_output_options(CLI::App& app, FeatureOutputs& outputs, const std::string& what, const std::string& coloured);
+
+/// What these commands are given, beside their files and questions.
+struct FeatureCommand {
+    FeatureOutputs outputs;
+    AnswerOptions answer;
+    Options options;
+    bool check = false, stats = false;
+
+    /// Whether nothing but the status is wanted.
+    bool only_status() const { return check && outputs.paths.empty(); }
+    /// The status, and the line that says so.
+    static int report(bool any, const char* yes, const char* no);
+    /// The status once the answer is written; says the summary where that went to files.
+    int finish(bool any, const std::string& summary) const;
+};
+/// `--check` with this help, `--stats`, and all that changes how files are read and what an answer costs.
+void add_feature_command_options(CLI::App& app, FeatureCommand& command, const std::string& check);
 
 /// "27 vertex-face, 107 edge-edge"
 template <class Answer>
@@ -76,6 +100,20 @@ std::string kinds_of(const Answer& answer) {
     if (!answer.vertex_vertices().pairs.empty())
         text += fmt::format(", {} vertex-vertex", count(answer.vertex_vertices()));
     return text;
+}
+
+/// The same of those that are listed.
+std::string kinds_of(const CandidateLists& answer);
+
+/// "134 impacts (27 vertex-face, 107 edge-edge), 3.1 ms", or "nothing touches: 28 triangles, 3.1 ms". `one`: "impact";
+/// `more`: what follows the kinds.
+template <class Answer>
+std::string summary_of(const Answer& found, const char* one, const char* none, std::int64_t triangles,
+                       const std::string& more = {}) {
+    const double milliseconds = found.statistics.milliseconds;
+    if (found.count == 0) return fmt::format("{}: {} triangles, {:.1f} ms\n", none, grouped(triangles), milliseconds);
+    return fmt::format("{} {}{} ({}){}, {:.1f} ms\n", grouped(found.count), one, found.count == 1 ? "" : "s",
+                       kinds_of(found), more, milliseconds);
 }
 
 /// A row as a list of text has it: "vf 8481 17305 0.25".

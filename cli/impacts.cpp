@@ -1,9 +1,14 @@
-// crumple impacts: what touches what while a mesh goes from one file's vertices to another's, and when.
+// crumple impacts: what touches what while a mesh goes from one file's vertices to another's, and when; or which of its
+// features have boxes that overlap on the way.
 
 #include <memory>
+#include <optional>
 
 #include <fmt/format.h>
 
+#include "cli/bodies.h"
+#include "cli/candidates.h"
+#include "cli/choice.h"
 #include "cli/commands.h"
 #include "cli/features.h"
 #include "cli/search.h"
@@ -23,49 +28,68 @@ Impacts only_first(const Impacts& impacts) {
     return one;
 }
 
-struct ImpactsCommand {
-    std::string start, end;
-    FeatureOutputs outputs;
-    AnswerOptions answer;
-    MotionOptions motion;
-    Options options;
-    bool earliest = false, check = false, stats = false;
+/// What is listed.
+enum class Kind { features, candidates };
 
-    /// "134 impacts (27 vertex-face, 107 edge-edge), the first at 0.045, 3.1 ms"
-    std::string summary(const Impacts& found, std::int64_t triangles) const {
-        const double milliseconds = found.statistics.milliseconds;
-        if (!found.any)
-            return fmt::format("nothing touches: {} triangles, {:.1f} ms\n", grouped(triangles), milliseconds);
-        const std::string first = fmt::format("{:.6g}", found.first.toi);
-        if (earliest) return fmt::format("the first impact is at {}, {:.1f} ms\n", first, milliseconds);
-        return fmt::format("{} impact{} ({}), the first at {}, {:.1f} ms\n", grouped(found.count),
-                           found.count == 1 ? "" : "s", kinds_of(found), first, milliseconds);
-    }
+struct ImpactsCommand : FeatureCommand {
+    std::string start, end;
+    Kind kind = Kind::features;
+    MotionOptions motion;
+    CandidateOptions candidates;
+    bool earliest = false;
+    std::vector<const CLI::Option*> of_features, of_candidates;  ///< options of one kind alone
 
     int run() const {
+        refuse_options_of_other_kinds();
+        return kind == Kind::candidates ? list_candidates() : list_features();
+    }
+
+    void refuse_options_of_other_kinds() const {
+        for (const CLI::Option* const option : of_features)
+            if (*option && kind != Kind::features) refuse(option->get_name() + " does not go with --kind candidates");
+        for (const CLI::Option* const option : of_candidates)
+            if (*option && kind != Kind::candidates) refuse(option->get_name() + " needs --kind candidates");
+    }
+
+    int list_features() const {
         outputs.check("impacts");
+        if (end.empty()) refuse("impacts: END is required; see crumple impacts --help");
         check_outputs(outputs.paths, {start, end}, answer);
         Search search(answer, feature_options(options));
         const MovingInput input = read_moving_input(start, end, answer);
-        const bool only_status = check && outputs.paths.empty();
-        const MotionWants wants = only_status && !stats ? MotionWants::any
-                                  : earliest            ? MotionWants::earliest
-                                                        : MotionWants::impacts;
+        const MotionWants wants = only_status() && !stats ? MotionWants::any
+                                  : earliest              ? MotionWants::earliest
+                                                          : MotionWants::impacts;
         const Impacts& all = search.find(input.start, input.end, motion.question(answer, wants));
         if (stats) print_statistics(all.statistics, earliest ? "only the first was looked for" : kinds_of(all));
-        if (only_status) return report(all.any);
+        if (only_status()) return report(all.any, "something touches", "nothing touches");
 
         const Impacts one = earliest ? only_first(all) : Impacts();
         const Impacts& found = earliest ? one : all;
         outputs.write([&](auto& to, io::PairFormat format) { io::write_impacts(to, found, format); },
                       [&](auto& to) { io::write_coloured(to, input.start.first, found); });
-        if (!stats && outputs.have_files()) say(summary(found, input.start.triangle_count()));
-        return check && found.any ? collided : done;
+        return finish(found.any, summary(found, input.start.triangle_count()));
     }
 
-    static int report(bool touches) {
-        to_standard_output([&](std::ostream& out) { out << (touches ? "something touches\n" : "nothing touches\n"); });
-        return touches ? collided : done;
+    /// "134 impacts (27 vertex-face, 107 edge-edge), the first at 0.045, 3.1 ms"
+    std::string summary(const Impacts& found, std::int64_t triangles) const {
+        const std::string first = fmt::format("{:.6g}", found.first.toi);
+        if (earliest && found.any)
+            return fmt::format("the first impact is at {}, {:.1f} ms\n", first, found.statistics.milliseconds);
+        return summary_of(found, "impact", "nothing touches", triangles, ", the first at " + first);
+    }
+
+    int list_candidates() const {
+        outputs.check("candidates", false);
+        check_outputs(outputs.paths, {start, end}, answer);
+        Search search(answer, feature_options(options));
+        std::optional<MovingInput> step;
+        if (!end.empty()) step = read_moving_input(start, end, answer);
+        const Input input = step ? std::move(step->start) : read_input({start}, reading_of_motion(answer));
+        const CandidateLists& found = search.find(input, step ? &step->end : nullptr, candidates.question(answer));
+        if (stats) print_statistics(found.statistics, kinds_of(found));
+        outputs.write([&](auto& to, io::PairFormat format) { io::write_candidates(to, found, format); });
+        return finish(found.count > 0, summary_of(found, "candidate", "no candidates", input.triangle_count()));
     }
 };
 
@@ -79,26 +103,35 @@ Command add_impacts(CLI::App& app) {
         .add_option("START", impacts->start, "A mesh (PLY, OBJ, STL, OFF) at the start of a step. - is standard input")
         ->type_name("START")
         ->required();
-    command.add_option("END", impacts->end, "The same mesh at the end: its vertices go there straight")
-        ->type_name("END")
-        ->required();
-    add_output_options(command, impacts->outputs, "Impacts", "the mesh at the start with what is hit coloured by time");
+    command
+        .add_option("END", impacts->end,
+                    "The same mesh at the end: its vertices go there straight. Candidates may be without: at rest")
+        ->type_name("END");
+    add_choice<Kind, Kind>(command, "--kind", impacts->kind,
+                           {{"features", Kind::features}, {"candidates", Kind::candidates}},
+                           "What is listed: features that touch, and when (the default); or candidates, all whose "
+                           "boxes overlap on the way, "
+                           "for a narrow phase of your own");
+    add_output_options(command, impacts->outputs, "Impacts or candidates",
+                       "the mesh at the start with what is hit coloured by time");
     add_motion_options(command, impacts->motion);
     command.add_flag("--earliest", impacts->earliest, "Only the first impact, which is found faster");
-    command.add_flag(
-        "--check", impacts->check,
-        "Exit with status 1 if anything touches. Without -o that is all that is searched for, and one line "
-        "is printed");
-    command.add_flag("--stats", impacts->stats, "Print times and counts of the stages to standard error");
-    add_reading_options(command, impacts->answer);
-    add_group_options(command, impacts->answer);
-    add_cost_options(command, impacts->options);
+    impacts->of_candidates = add_candidate_options(command, impacts->candidates);
+    add_feature_command_options(
+        command, *impacts,
+        "Exit with status 1 if anything touches. Without -o that is all that is searched for, and one line is printed");
+    for (const char* const name : {"--separation", "--separation-share", "--earliest", "--check"})
+        impacts->of_features.push_back(command.get_option(name));
     command.footer(
         "A line `vf V F T S`: vertex V touches face F at time T, from 0 to 1 and rounded down; S is 1 if they touch\n"
         "at the start. `ee A B C D T S`: the edge from A to B touches that from C to D. --weld is about neighbours\n"
         "only: vertices that coincide at the start and at the end count as one, and keep their own ids. Lines and\n"
         "points of OBJ (l, p) count, too: `ve V A B T S`, `vv V W T S`.\n"
-        "Example: crumple impacts cloth_092.ply cloth_093.ply -o impacts.csv -o impacts.glb");
+        "Candidates are listed likewise, without T and S: `vf V F`, `ee A B C D`, `ef A B F`, `ff F G`, `ve V A B`,\n"
+        "`vv V W`. Two features are one if no vertex is common and on every axis the gap between their boxes, which\n"
+        "hold start and end, is at most twice --inflation.\n"
+        "Example: crumple impacts cloth_092.ply cloth_093.ply -o impacts.csv -o impacts.glb\n"
+        "         crumple impacts cloth_092.ply cloth_093.ply --kind candidates --inflation 0.001 -o candidates.npz");
     return {&command, [impacts] { return impacts->run(); }};
 }
 

@@ -14,23 +14,10 @@
 namespace crumple::cli {
 namespace {
 
-struct NearCommand {
+struct NearCommand : FeatureCommand {
     std::vector<std::string> files;
-    FeatureOutputs outputs;
-    AnswerOptions answer;
     NearOptions near;
     NearFilterOptions filters;
-    Options options;
-    bool check = false, stats = false;
-
-    /// "23,483 near pairs (6,270 vertex-face, 17,213 edge-edge), 8.2 ms"
-    static std::string summary(const Nearby& found, std::int64_t triangles) {
-        const double milliseconds = found.statistics.milliseconds;
-        if (!found.any)
-            return fmt::format("nothing is near: {} triangles, {:.1f} ms\n", grouped(triangles), milliseconds);
-        return fmt::format("{} near pair{} ({}), {:.1f} ms\n", grouped(found.count), found.count == 1 ? "" : "s",
-                           kinds_of(found), milliseconds);
-    }
 
     int run() const {
         outputs.check("near pairs");
@@ -43,22 +30,15 @@ struct NearCommand {
         const AnswerOptions reading = with_lines_and_points(filters.rest.empty() ? answer : reading_of_motion(answer));
         const Input input = read_input(files, reading);
         const NearFilters given(filters, input, reading);
-        const bool only_status = check && outputs.paths.empty();
-        const NearWants wants = only_status && !stats ? NearWants::any : NearWants::pairs;
+        const NearWants wants = only_status() && !stats ? NearWants::any : NearWants::pairs;
         Near question = near.question(answer, wants);
         given.tell(question);
         const Nearby& found = search.find(input, question);
         if (stats) print_statistics(found.statistics, kinds_of(found));
-        if (only_status) return report(found.any);
+        if (only_status()) return report(found.any, "something is near", "nothing is near");
         outputs.write([&](auto& to, io::PairFormat format) { io::write_near(to, found, format); },
                       [&](auto& to) { io::write_coloured(to, input.first, input.second_or_null(), found); });
-        if (!stats && outputs.have_files()) say(summary(found, input.triangle_count()));
-        return check && found.any ? collided : done;
-    }
-
-    static int report(bool near) {
-        to_standard_output([&](std::ostream& out) { out << (near ? "something is near\n" : "nothing is near\n"); });
-        return near ? collided : done;
+        return finish(found.any, summary_of(found, "near pair", "nothing is near", input.triangle_count()));
     }
 };
 
@@ -82,14 +62,9 @@ Command add_near(CLI::App& app) {
     add_near_filter_options(command, near->filters);
     radius->excludes("--radii");
     add_output_options(command, near->outputs, "Near pairs", "the mesh with what is near coloured by distance");
-    command.add_flag(
-        "--check", near->check,
-        "Exit with status 1 if anything is near. Without -o that is all that is searched for, and one line "
-        "is printed");
-    command.add_flag("--stats", near->stats, "Print times and counts of the stages to standard error");
-    add_reading_options(command, near->answer);
-    add_group_options(command, near->answer);
-    add_cost_options(command, near->options);
+    add_feature_command_options(
+        command, *near,
+        "Exit with status 1 if anything is near. Without -o that is all that is searched for, and one line is printed");
     command.footer(
         "A line `vf V F Q`: vertex V and face F are near, Q is the square of their distance, rounded to nearest.\n"
         "`ee A B C D Q`: the edge from A to B and that from C to D. Between two files an id is 0:ID or 1:ID. What\n"

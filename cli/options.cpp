@@ -11,25 +11,12 @@
 #include <string_view>
 #include <system_error>
 
+#include "cli/choice.h"
 #include "crumple/error.h"
 #include "io/text.h"
 
 namespace crumple::cli {
 namespace {
-
-/// An option whose value is one of a few words.
-template <class Target, class Value>
-void add_choice(CLI::App& app, const char* name, Target& target, std::vector<std::pair<std::string, Value>> choices,
-                const char* help) {
-    std::string words;
-    for (const auto& [word, value] : choices) words += (words.empty() ? "" : "|") + word;
-    const auto set = [&target, choices, words, name](const std::string& text) {
-        const auto found = std::find_if(choices.begin(), choices.end(), [&](const auto& c) { return c.first == text; });
-        if (found == choices.end()) throw CLI::ValidationError(name, text + " is none of " + words);
-        target = found->second;
-    };
-    app.add_option_function<std::string>(name, set, help)->type_name(words);
-}
 
 PartOfMany parse_part(const std::string& text) {
     constexpr int most_parts = 262144;

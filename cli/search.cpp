@@ -282,6 +282,14 @@ const Impacts& Search::find(const Input& start, const io::TriangleMesh& end, con
     });
 }
 
+const CandidateLists& Search::find(const Input& start, const io::TriangleMesh* end, const CandidateQuestion& question) {
+    return named(start.name, [&]() -> const CandidateLists& {
+        const ListedView listed(start.first);
+        return end ? detector_.find_candidates(listed.view(), end->view().vertices, question)
+                   : detector_.find_candidates(listed.view(), question);
+    });
+}
+
 const Nearby& Search::find(const Input& input, const Near& question) {
     return named(input.name, [&]() -> const Nearby& {
         const ListedView first(input.first);

@@ -68,6 +68,8 @@ class Search {
     /// What touches between a start and an end that check_same_faces has seen. Valid until the next call. Throws Error
     /// that names the input.
     const Impacts& find(const Input& start, const io::TriangleMesh& end, const Motion& question);
+    /// Which features have boxes that overlap, on the way to `end`, or where that is null at rest.
+    const CandidateLists& find(const Input& start, const io::TriangleMesh* end, const CandidateQuestion& question);
     /// What is near in one mesh, or between two: then these are bodies 0 and 1.
     const Nearby& find(const Input& input, const Near& question);
     /// The answer for bodies that have these names, again and again in each of several configurations, whose first one

@@ -1,0 +1,50 @@
+#include "cli/candidates.h"
+
+#include <string_view>
+
+#include "cli/choice.h"
+
+namespace crumple::cli {
+namespace {
+
+Choices<CandidateKind> kinds_by_name() {
+    Choices<CandidateKind> choices;
+    for (int k = 0; k < candidate_kinds; ++k) {
+        const auto kind = static_cast<CandidateKind>(k);
+        choices.emplace_back(candidate_kind_name(kind), kind);
+    }
+    return choices;
+}
+
+}  // namespace
+
+CandidateQuestion CandidateOptions::question(const AnswerOptions& answer) const {
+    CandidateQuestion question;
+    if (!kinds.empty()) question.kinds = kinds;
+    question.inflation = inflation;
+    question.weld = answer.weld.value_or(false);
+    question.rules.groups = answer.wanted.value_or(Wanted::both);
+    return question;
+}
+
+std::vector<const CLI::Option*> add_candidate_options(CLI::App& app, CandidateOptions& options) {
+    const CLI::Option* const inflation =
+        add_number_option(
+            app, "--inflation", [&options](double value) { options.inflation = value; }, any_distance,
+            "With --kind candidates: by how much each box is grown on all sides; without it not at all")
+            ->type_name("R");
+    const auto add = [&options](const std::vector<std::string>& names) {
+        for (const std::string& name : names) options.kinds.push_back(chosen("--kinds", name, kinds_by_name()));
+    };
+    const CLI::Option* const kinds =
+        app.add_option_function<std::vector<std::string>>(
+               "--kinds", add,
+               "With --kind candidates: which pairs are listed, by commas: " + words_of(kinds_by_name()) +
+                   "; without it vertex_face,edge_edge")
+            ->type_name("KIND,...")
+            ->delimiter(',')
+            ->allow_extra_args(false);
+    return {inflation, kinds};
+}
+
+}  // namespace crumple::cli

@@ -1,0 +1,21 @@
+#pragma once
+
+// What crumple impacts --kind candidates asks.
+
+#include <vector>
+
+#include "cli/options.h"
+#include "crumple/candidates.h"
+
+namespace crumple::cli {
+
+struct CandidateOptions {
+    std::vector<CandidateKind> kinds;  ///< empty: those of CCD
+    double inflation = 0;
+
+    CandidateQuestion question(const AnswerOptions& answer) const;
+};
+/// `--inflation` and `--kinds`.
+std::vector<const CLI::Option*> add_candidate_options(CLI::App& app, CandidateOptions& options);
+
+}  // namespace crumple::cli

@@ -1,0 +1,39 @@
+#pragma once
+
+// Options whose value is one of a few words.
+
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+namespace crumple::cli {
+
+template <class Value>
+using Choices = std::vector<std::pair<std::string, Value>>;
+
+/// "cpu|cuda"
+template <class Value>
+std::string words_of(const Choices<Value>& choices) {
+    std::string words;
+    for (const auto& [word, value] : choices) words += (words.empty() ? "" : "|") + word;
+    return words;
+}
+
+/// Throws CLI::ValidationError for a word that is none of them. `name`: the option.
+template <class Value>
+Value chosen(const char* name, const std::string& text, const Choices<Value>& choices) {
+    const auto found = std::find_if(choices.begin(), choices.end(), [&](const auto& c) { return c.first == text; });
+    if (found == choices.end()) throw CLI::ValidationError(name, text + " is none of " + words_of(choices));
+    return found->second;
+}
+
+template <class Target, class Value>
+CLI::Option* add_choice(CLI::App& app, const char* name, Target& target, Choices<Value> choices, const char* help) {
+    const auto set = [&target, choices, name](const std::string& text) { target = chosen(name, text, choices); };
+    return app.add_option_function<std::string>(name, set, help)->type_name(words_of(choices));
+}
+
+}  // namespace crumple::cli
