@@ -1,6 +1,6 @@
 #include "cli/candidates.h"
 
-#include <string_view>
+#include <string>
 
 #include "cli/choice.h"
 
@@ -27,11 +27,12 @@ CandidateQuestion CandidateOptions::question(const AnswerOptions& answer) const 
     return question;
 }
 
-std::vector<const CLI::Option*> add_candidate_options(CLI::App& app, CandidateOptions& options) {
+std::vector<const CLI::Option*> add_candidate_options(CLI::App& app, CandidateOptions& options,
+                                                      const std::string& with) {
     const CLI::Option* const inflation =
         add_number_option(
             app, "--inflation", [&options](double value) { options.inflation = value; }, any_distance,
-            "With --kind candidates: by how much each box is grown on all sides; without it not at all")
+            ("With " + with + ": by how much each box is grown on all sides; without it not at all").c_str())
             ->type_name("R");
     const auto add = [&options](const std::vector<std::string>& names) {
         for (const std::string& name : names) options.kinds.push_back(chosen("--kinds", name, kinds_by_name()));
@@ -39,7 +40,7 @@ std::vector<const CLI::Option*> add_candidate_options(CLI::App& app, CandidateOp
     const CLI::Option* const kinds =
         app.add_option_function<std::vector<std::string>>(
                "--kinds", add,
-               "With --kind candidates: which pairs are listed, by commas: " + words_of(kinds_by_name()) +
+               "With " + with + ": which pairs are listed, by commas: " + words_of(kinds_by_name()) +
                    "; without it vertex_face,edge_edge")
             ->type_name("KIND,...")
             ->delimiter(',')

@@ -15,7 +15,8 @@ struct CandidateOptions {
 
     CandidateQuestion question(const AnswerOptions& answer) const;
 };
-/// `--inflation` and `--kinds`.
-std::vector<const CLI::Option*> add_candidate_options(CLI::App& app, CandidateOptions& options);
+/// `--inflation` and `--kinds`. `with`: the option that they go with.
+std::vector<const CLI::Option*> add_candidate_options(CLI::App& app, CandidateOptions& options,
+                                                      const std::string& with);
 
 }  // namespace crumple::cli

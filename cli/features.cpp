@@ -113,13 +113,17 @@ std::string kinds_of(const CandidateLists& answer) {
 }
 
 std::string text_of(const io::FeatureRow& row, bool has_bodies) {
-    const CandidateKind kind = io::kind_of(row.kind);
-    std::string text(io::short_name(kind));
-    for (std::size_t k = 0; k < io::id_count(kind); ++k) {
-        const std::int32_t body = k < io::first_ids(kind) ? row.bodies.first : row.bodies.second;
+    const io::CandidateRow features{io::kind_of(row.kind), row.bodies, row.ids};
+    return text_of(features, has_bodies) + fmt::format(" {}", row.value);
+}
+
+std::string text_of(const io::CandidateRow& row, bool has_bodies) {
+    std::string text(io::short_name(row.kind));
+    for (std::size_t k = 0; k < io::id_count(row.kind); ++k) {
+        const std::int32_t body = k < io::first_ids(row.kind) ? row.bodies.first : row.bodies.second;
         text += ' ' + (has_bodies ? fmt::format("{}:", body) : "") + std::to_string(row.ids[k]);
     }
-    return text + fmt::format(" {}", row.value);
+    return text;
 }
 
 }  // namespace crumple::cli

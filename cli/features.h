@@ -116,7 +116,8 @@ std::string summary_of(const Answer& found, const char* one, const char* none, s
                        kinds_of(found), more, milliseconds);
 }
 
-/// A row as a list of text has it: "vf 8481 17305 0.25".
+/// A row as a list of text has it: "vf 8481 17305 0.25", "vf 8481 17305".
 std::string text_of(const io::FeatureRow& row, bool has_bodies);
+std::string text_of(const io::CandidateRow& row, bool has_bodies);
 
 }  // namespace crumple::cli

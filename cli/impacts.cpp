@@ -2,7 +2,6 @@
 // features have boxes that overlap on the way.
 
 #include <memory>
-#include <optional>
 
 #include <fmt/format.h>
 
@@ -83,13 +82,11 @@ struct ImpactsCommand : FeatureCommand {
         outputs.check("candidates", false);
         check_outputs(outputs.paths, {start, end}, answer);
         Search search(answer, feature_options(options));
-        std::optional<MovingInput> step;
-        if (!end.empty()) step = read_moving_input(start, end, answer);
-        const Input input = step ? std::move(step->start) : read_input({start}, reading_of_motion(answer));
-        const CandidateLists& found = search.find(input, step ? &step->end : nullptr, candidates.question(answer));
+        const StepOrRest input = read_step_or_rest(start, end, answer);
+        const CandidateLists& found = search.find(input.start, input.end_or_null(), candidates.question(answer));
         if (stats) print_statistics(found.statistics, kinds_of(found));
         outputs.write([&](auto& to, io::PairFormat format) { io::write_candidates(to, found, format); });
-        return finish(found.count > 0, summary_of(found, "candidate", "no candidates", input.triangle_count()));
+        return finish(found.count > 0, summary_of(found, "candidate", "no candidates", input.start.triangle_count()));
     }
 };
 
@@ -116,7 +113,7 @@ Command add_impacts(CLI::App& app) {
                        "the mesh at the start with what is hit coloured by time");
     add_motion_options(command, impacts->motion);
     command.add_flag("--earliest", impacts->earliest, "Only the first impact, which is found faster");
-    impacts->of_candidates = add_candidate_options(command, impacts->candidates);
+    impacts->of_candidates = add_candidate_options(command, impacts->candidates, "--kind candidates");
     add_feature_command_options(
         command, *impacts,
         "Exit with status 1 if anything touches. Without -o that is all that is searched for, and one line is printed");

@@ -171,6 +171,12 @@ MovingInput read_moving_input(const std::string& start, const std::string& end, 
     return input;
 }
 
+StepOrRest read_step_or_rest(const std::string& start, const std::string& end, const AnswerOptions& options) {
+    if (end.empty()) return {read_input({start}, reading_of_motion(options)), {}};
+    MovingInput step = read_moving_input(start, end, options);
+    return {std::move(step.start), std::move(step.end)};
+}
+
 // The library never raises the number of threads that oneTBB allows in the process; that is for its user to do.
 struct Search::Threads {
 #ifdef CRUMPLE_WITH_TBB

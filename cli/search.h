@@ -52,6 +52,16 @@ AnswerOptions with_lines_and_points(AnswerOptions options);
 /// Reads both; the groups are those of the start. Throws Error that names the file and the place.
 MovingInput read_moving_input(const std::string& start, const std::string& end, const AnswerOptions& options);
 
+/// A mesh, and perhaps the same one at the end of a step.
+struct StepOrRest {
+    Input start;
+    std::optional<io::TriangleMesh> end;
+
+    const io::TriangleMesh* end_or_null() const { return end ? &*end : nullptr; }
+};
+/// Reads both, or without an `end` the one as it would be read with it. Throws as read_moving_input does.
+StepOrRest read_step_or_rest(const std::string& start, const std::string& end, const AnswerOptions& options);
+
 /// A detector that stays warm from one input to the next.
 class Search {
    public:

@@ -83,14 +83,15 @@ struct Verify {
 Command add_verify(CLI::App& app) {
     const auto verify = std::make_shared<Verify>();
     CLI::App& command = *app.add_subcommand(
-        "verify", "Tell whether a list of pairs, impacts or near pairs is the whole answer and nothing else");
+        "verify",
+        "Tell whether a list of pairs, impacts, candidates or near pairs is the whole answer and nothing else");
     command
         .add_option("FILE", verify->files,
                     "One mesh or two, then a list of pairs in any order: a .csv, .json or .npz as detect -o writes it, "
                     "a .npy, or "
                     "text, the first two integers of each line. One of them may be -, standard input. With --impacts "
-                    "START, END "
-                    "and a list of impacts; with --near one mesh or two and a list of near pairs")
+                    "START, END and a list of impacts; with --candidates START, perhaps END, and a list of candidates; "
+                    "with --near one mesh or two and a list of near pairs")
         ->type_name("FILE [FILE_B] PAIRS")
         ->required()
         ->expected(2, 3);

@@ -16,50 +16,47 @@ namespace {
 
 using io::FeatureRow;
 
-auto features_of(const FeatureRow& row) { return std::tie(row.kind, row.bodies, row.ids); }
+template <class Row>
+auto features_of(const Row& row) {
+    return std::tie(row.kind, row.bodies, row.ids);
+}
 
 /// What touches at the start does so before what touches later in the same float64.
 auto value_of(const FeatureRow& row) { return std::tuple(row.value, !row.flag); }
 
-/// A row of the list with a wrong value, and the right one.
-struct Wrong {
-    FeatureRow listed, right;
+template <class Row>
+struct RowComparison {
+    std::vector<Row> missed, false_ones, repeated;
+
+    bool right() const { return missed.empty() && false_ones.empty() && repeated.empty(); }
 };
 
-struct FeatureComparison {
-    std::vector<FeatureRow> missed, false_ones, repeated;
-    std::vector<Wrong> larger, smaller;  ///< than they should be
-
-    bool right() const {
-        return missed.empty() && false_ones.empty() && repeated.empty() && larger.empty() && smaller.empty();
-    }
-};
-
-/// Rows in any order. `flags`: whether these count.
-FeatureComparison compare(std::vector<FeatureRow> list, std::vector<FeatureRow> answer, bool flags) {
-    const auto before = [](const FeatureRow& a, const FeatureRow& b) { return features_of(a) < features_of(b); };
+/// Rows in any order. meet(listed, exact) is called for each that is in both, once.
+template <class Row, class Meet>
+RowComparison<Row> compare_rows(std::vector<Row> list, std::vector<Row> answer, Meet meet) {
+    const auto before = [](const Row& a, const Row& b) { return features_of(a) < features_of(b); };
     std::stable_sort(list.begin(), list.end(), before);
     std::sort(answer.begin(), answer.end(), before);
-    FeatureComparison result;
+    RowComparison<Row> result;
     auto exact = answer.begin();
     for (auto row = list.begin(); row != list.end();) {
         for (; exact != answer.end() && before(*exact, *row); ++exact) result.missed.push_back(*exact);
         const auto next = std::upper_bound(row, list.end(), *row, before);
         if (next - row > 1) result.repeated.push_back(*row);
-        if (exact == answer.end() || before(*row, *exact)) {
+        if (exact == answer.end() || before(*row, *exact))
             result.false_ones.push_back(*row);
-        } else {
-            FeatureRow listed = *row;
-            if (!flags) listed.flag = exact->flag;
-            if (value_of(*exact) < value_of(listed)) result.larger.push_back({listed, *exact});
-            if (value_of(listed) < value_of(*exact)) result.smaller.push_back({listed, *exact});
-            ++exact;
-        }
+        else
+            meet(*row, *exact++);
         row = next;
     }
     result.missed.insert(result.missed.end(), exact, answer.end());
     return result;
 }
+
+/// A row of the list with a wrong value, and the right one.
+struct Wrong {
+    FeatureRow listed, right;
+};
 
 /// How the two questions call things.
 struct Words {
@@ -68,15 +65,23 @@ struct Words {
 };
 constexpr Words of_impacts{"impacts", "late", "early", true}, of_near{"near pairs", "far", "close", false};
 
-int print_verdict(const io::FeatureList& list, const io::FeatureList& answer, const Words& words, bool has_bodies) {
-    const FeatureComparison comparison = compare(list.rows, answer.rows, words.flags);
-    const bool right = comparison.right();
+std::string verdict(bool right) {
     const auto colour = fmt::fg(right ? fmt::terminal_color::green : fmt::terminal_color::red);
-    const std::string verdict = fmt::format(on_terminal(1, colour | fmt::emphasis::bold), right ? "right" : "wrong");
+    return fmt::format(on_terminal(1, colour | fmt::emphasis::bold), right ? "right" : "wrong");
+}
+
+int print_verdict(const io::FeatureList& list, const io::FeatureList& answer, const Words& words, bool has_bodies) {
+    std::vector<Wrong> larger, smaller;  // than they should be
+    const auto comparison = compare_rows(list.rows, answer.rows, [&](FeatureRow listed, const FeatureRow& exact) {
+        if (!words.flags) listed.flag = exact.flag;
+        if (value_of(exact) < value_of(listed)) larger.push_back({listed, exact});
+        if (value_of(listed) < value_of(exact)) smaller.push_back({listed, exact});
+    });
+    const bool right = comparison.right() && larger.empty() && smaller.empty();
     to_standard_output([&](std::ostream& out) {
-        out << fmt::format("{}: {} {}, {} missed, {} false, {} {}, {} {}, {} repeated\n", verdict, answer.rows.size(),
-                           words.what, comparison.missed.size(), comparison.false_ones.size(), comparison.larger.size(),
-                           words.larger, comparison.smaller.size(), words.smaller, comparison.repeated.size());
+        out << fmt::format("{}: {} {}, {} missed, {} false, {} {}, {} {}, {} repeated\n", verdict(right),
+                           answer.rows.size(), words.what, comparison.missed.size(), comparison.false_ones.size(),
+                           larger.size(), words.larger, smaller.size(), words.smaller, comparison.repeated.size());
         const auto text = [&](const FeatureRow& row) { return text_of(row, has_bodies); };
         const auto with_right = [&](const Wrong& row) {
             const bool same = row.listed.value == row.right.value;  // then it is the flag that is wrong
@@ -87,24 +92,70 @@ int print_verdict(const io::FeatureList& list, const io::FeatureList& answer, co
         };
         print_some(out, "missed", comparison.missed, text);
         print_some(out, "false", comparison.false_ones, text);
-        print_some(out, words.larger, comparison.larger, with_right);
-        print_some(out, words.smaller, comparison.smaller, with_right);
+        print_some(out, words.larger, larger, with_right);
+        print_some(out, words.smaller, smaller, with_right);
         print_some(out, "repeated", comparison.repeated, text);
     });
     return right ? done : collided;
 }
 
-io::FeatureList read_list(const std::string& path, const std::string& format, bool impacts, bool two_files) {
+int print_verdict(const io::CandidateRows& list, const io::CandidateRows& answer) {
+    const auto comparison = compare_rows(list.rows, answer.rows, [](const auto&, const auto&) {});
+    const bool right = comparison.right();
+    to_standard_output([&](std::ostream& out) {
+        out << fmt::format("{}: {} candidates, {} missed, {} false, {} repeated\n", verdict(right), answer.rows.size(),
+                           comparison.missed.size(), comparison.false_ones.size(), comparison.repeated.size());
+        const auto text = [](const io::CandidateRow& row) { return text_of(row, false); };
+        print_some(out, "missed", comparison.missed, text);
+        print_some(out, "false", comparison.false_ones, text);
+        print_some(out, "repeated", comparison.repeated, text);
+    });
+    return right ? done : collided;
+}
+
+/// read_file(path), or read_stream(in, name) for standard input.
+template <class ReadFile, class ReadStream>
+auto read_list(const std::string& path, const std::string& format, bool two_files, ReadFile read_file,
+               ReadStream read_stream) {
     if (!format.empty() && !is_standard(path)) refuse("--format is for a list from standard input, -");
     const std::string name = is_standard(path) ? "standard input" + (format.empty() ? "" : "." + format) : path;
-    io::FeatureList list = is_standard(path)
-                               ? impacts ? io::read_impacts(std::cin, name) : io::read_near(std::cin, name)
-                           : impacts ? io::read_impacts(path)
-                                     : io::read_near(path);
+    auto list = is_standard(path) ? read_stream(std::cin, name) : read_file(path);
     if (!list.rows.empty() && list.has_bodies != two_files)
         refuse(name +
                (two_files ? ": ids of two files are 0:ID and 1:ID" : ": ids of one mesh have no number of a file"));
     return list;
+}
+
+int verify_impacts(const FeatureCheck& check, const std::vector<std::string>& files, const std::string& format,
+                   const AnswerOptions& answer, Search& search) {
+    const io::FeatureList list = read_list(
+        files.back(), format, false, [](const auto& path) { return io::read_impacts(path); },
+        [](auto& in, const auto& name) { return io::read_impacts(in, name); });
+    const MovingInput input = read_moving_input(files[0], files[1], answer);
+    const Impacts& found = search.find(input.start, input.end, check.motion.question(answer, MotionWants::impacts));
+    return print_verdict(list, io::list_of(found), of_impacts, false);
+}
+
+int verify_candidates(const FeatureCheck& check, const std::vector<std::string>& files, const std::string& format,
+                      const AnswerOptions& answer, Search& search) {
+    const io::CandidateRows list = read_list(
+        files.back(), format, false, [](const auto& path) { return io::read_candidates(path); },
+        [](auto& in, const auto& name) { return io::read_candidates(in, name); });
+    const StepOrRest input = read_step_or_rest(files[0], files.size() == 3 ? files[1] : "", answer);
+    const CandidateLists& found =
+        search.find(input.start, input.end_or_null(), check.candidate_options.question(answer));
+    return print_verdict(list, io::list_of(found));
+}
+
+int verify_near(const FeatureCheck& check, const std::vector<std::string>& files, const std::string& format,
+                const AnswerOptions& answer, Search& search) {
+    const bool two_files = files.size() == 3;
+    const io::FeatureList list = read_list(
+        files.back(), format, two_files, [](const auto& path) { return io::read_near(path); },
+        [](auto& in, const auto& name) { return io::read_near(in, name); });
+    const Input input = read_input({files.begin(), files.end() - 1}, with_lines_and_points(answer));
+    const Nearby& found = search.find(input, check.near.question(answer, NearWants::pairs));
+    return print_verdict(list, io::list_of(found), of_near, two_files);
 }
 
 }  // namespace
@@ -112,9 +163,12 @@ io::FeatureList read_list(const std::string& path, const std::string& format, bo
 bool FeatureCheck::wanted(const AnswerOptions& answer) const {
     if (motion.any() && !impacts) refuse("--separation and --separation-share need --impacts");
     if (near.below && !near.radius) refuse("--below needs --near");
-    if (!impacts && !near.radius) return false;
-    if (impacts && near.radius) refuse("--impacts and --near are two questions");
-    refuse_beside_features(impacts ? "--impacts" : "--near", answer);
+    for (const CLI::Option* const option : of_candidates)
+        if (*option && !candidates) refuse(option->get_name() + " needs --candidates");
+    if (impacts + candidates + near.radius.has_value() > 1)
+        refuse("--impacts, --candidates and --near are three questions");
+    if (!impacts && !candidates && !near.radius) return false;
+    refuse_beside_features(impacts ? "--impacts" : candidates ? "--candidates" : "--near", answer);
     return true;
 }
 
@@ -123,6 +177,10 @@ void add_feature_check_options(CLI::App& app, FeatureCheck& check) {
                  "The list is one of impacts, as crumple impacts writes it, and so are the other files: START and END. "
                  "Besides what is missed or false, times are checked: late, or early");
     add_motion_options(app, check.motion);
+    app.add_flag("--candidates", check.candidates,
+                 "The list is one of candidates, as crumple impacts --kind candidates writes it, and so are the other "
+                 "files: START and perhaps END");
+    check.of_candidates = add_candidate_options(app, check.candidate_options, "--candidates");
     add_number_option(
         app, "--near", [&check](double value) { check.near.radius = value; }, any_distance,
         "The list is one of near pairs within this radius, as crumple near writes it. Squared distances are checked, "
@@ -136,16 +194,9 @@ int verify_features(const FeatureCheck& check, const std::vector<std::string>& f
     if (check.impacts && files.size() != 3) refuse("verify --impacts takes START, END and a list");
     Search search(answer, feature_options(options));
     check_standard_input(files);
-    const bool two_files = !check.impacts && files.size() == 3;
-    const io::FeatureList list = read_list(files.back(), format, check.impacts, two_files);
-    if (check.impacts) {
-        const MovingInput input = read_moving_input(files[0], files[1], answer);
-        const Impacts& found = search.find(input.start, input.end, check.motion.question(answer, MotionWants::impacts));
-        return print_verdict(list, io::list_of(found), of_impacts, false);
-    }
-    const Input input = read_input({files.begin(), files.end() - 1}, with_lines_and_points(answer));
-    const Nearby& found = search.find(input, check.near.question(answer, NearWants::pairs));
-    return print_verdict(list, io::list_of(found), of_near, two_files);
+    if (check.impacts) return verify_impacts(check, files, format, answer, search);
+    if (check.candidates) return verify_candidates(check, files, format, answer, search);
+    return verify_near(check, files, format, answer, search);
 }
 
 }  // namespace crumple::cli

@@ -1,21 +1,24 @@
 #pragma once
 
-// crumple verify --impacts and --near: is a list of impacts, or of near pairs, the answer?
+// crumple verify --impacts, --candidates and --near: is a list of impacts, candidates or near pairs the answer?
 
 #include <string>
 #include <vector>
 
+#include "cli/candidates.h"
 #include "cli/features.h"
 
 namespace crumple::cli {
 
 struct FeatureCheck {
-    bool impacts = false;
+    bool impacts = false, candidates = false;
     MotionOptions motion;
+    CandidateOptions candidate_options;
     NearOptions near;
+    std::vector<const CLI::Option*> of_candidates;  ///< options that need --candidates
 
-    /// Whether it is a list of impacts or near pairs that is to be checked. Throws Error (invalid_argument) for options
-    /// that do not go together.
+    /// Whether it is a list of impacts, candidates or near pairs that is to be checked. Throws Error (invalid_argument)
+    /// for options that do not go together.
     bool wanted(const AnswerOptions& answer) const;
 };
 void add_feature_check_options(CLI::App& app, FeatureCheck& check);

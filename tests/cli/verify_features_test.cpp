@@ -76,11 +76,39 @@ TEST_F(VerifyFeatures, OrderDoesNotMatter) {
     EXPECT_EQ(outcome.status, 0) << outcome.out;
 }
 
+TEST_F(VerifyFeatures, CandidatesOfAStepOrAtRest) {
+    write("list.txt", "ee 5 3 2 1\nvf 3 0\nee 1 2 3 4\n");
+    Outcome outcome = crumple("verify --candidates above.off below.off list.txt");
+    EXPECT_EQ(outcome.status, 0);
+    EXPECT_EQ(outcome.out, "right: 3 candidates, 0 missed, 0 false, 0 repeated\n");
+    write("list.txt", "ee 5 3 2 1\nvf 3 0\nvf 4 0\nvf 3 0\n");
+    outcome = crumple("verify --candidates above.off below.off list.txt");
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_EQ(outcome.out,
+              "wrong: 3 candidates, 1 missed, 1 false, 1 repeated\nmissed ee 1 2 3 4\nfalse vf 4 0\nrepeated vf 3 0\n");
+    const std::string at_rest = " --inflation 0.5 --kinds vertex_face,face_face";
+    ASSERT_EQ(crumple("impacts above.off --kind candidates" + at_rest + " -o a.txt -o a.csv -o a.json -o a.npz").status,
+              0);
+    for (const char* const name : {"a.txt", "a.csv", "a.json", "a.npz"})
+        EXPECT_EQ(crumple(std::string("verify --candidates above.off ") + name + at_rest).out,
+                  "right: 3 candidates, 0 missed, 0 false, 0 repeated\n");
+    EXPECT_TRUE(crumple("verify --candidates above.off a.txt --inflation 0.5").out.starts_with("wrong: "))
+        << "face_face is not asked for";
+    EXPECT_EQ(shell("$crumple verify --candidates above.off - --format json" + at_rest + " < a.json").status, 0);
+}
+
 TEST_F(VerifyFeatures, IsRefusedWhereItMakesNoSense) {
     write("list.txt", "vf 3 0 0.5 0\n");
     write("two.txt", "vf 0:3 1:0 0.5 0\n");
     expect_refused("verify --impacts above.off list.txt", "verify --impacts takes START, END and a list");
-    expect_refused("verify --impacts --near 1 above.off list.txt", "two questions");
+    expect_refused("verify --impacts --near 1 above.off list.txt",
+                   "--impacts, --candidates and --near are three questions");
+    expect_refused("verify --impacts --candidates above.off list.txt", "three questions");
+    expect_refused("verify --candidates --below above.off list.txt", "--below needs --near");
+    expect_refused("verify --inflation 0 above.off list.txt", "--inflation needs --candidates");
+    expect_refused("verify --near 1 --kinds face_face above.off list.txt", "--kinds needs --candidates");
+    expect_refused("verify --candidates above.off list.txt --polygons", "--polygons does not go with --candidates");
+    expect_refused("verify --candidates above.off list.txt", "list.txt, line 1: '0.5' is left over");
     expect_refused("verify --separation 1 above.off list.txt", "--separation and --separation-share need --impacts");
     expect_refused("verify --below above.off list.txt", "--below needs --near");
     expect_refused("verify --impacts above.off below.off two.txt", "ids of one mesh have no number of a file");
