@@ -1,7 +1,6 @@
 #include "io/feature_answer.h"
 
 #include <algorithm>
-#include <tuple>
 #include <utility>
 
 #include "crumple/error.h"
@@ -99,34 +98,20 @@ FeatureList as_list(const FeatureAnswer& answer) {
 }  // namespace
 
 void put_in_order(CandidateRow& row) {
-    auto& [a, b, c, d] = row.ids;
-    const auto swap_if = [&](bool second_is_less, auto swap_ids) {
-        if (!second_is_less) return;
-        std::swap(row.bodies.first, row.bodies.second);
-        swap_ids();
-    };
-    switch (row.kind) {
-        case CandidateKind::edge_edge:
-            if (a > b) std::swap(a, b);
-            if (c > d) std::swap(c, d);
-            swap_if(std::tuple(row.bodies.second, c, d) < std::tuple(row.bodies.first, a, b), [&] {
-                std::swap(a, c);
-                std::swap(b, d);
-            });
-            break;
-        case CandidateKind::edge_face:
-            if (a > b) std::swap(a, b);
-            break;
-        case CandidateKind::vertex_edge:
-            if (b > c) std::swap(b, c);
-            break;
-        case CandidateKind::face_face:
-        case CandidateKind::vertex_vertex:
-            swap_if(std::pair(row.bodies.second, b) < std::pair(row.bodies.first, a), [&] { std::swap(a, b); });
-            break;
-        case CandidateKind::vertex_face:
-            break;
+    const auto ids = row.ids.begin();
+    const std::size_t count = first_ids(row.kind);
+    for (const std::size_t side : {0U, 1U}) {
+        const auto edge = ids + static_cast<std::ptrdiff_t>(side * count);
+        if (is_edge(row.kind, side) && edge[1] < edge[0]) std::swap(edge[0], edge[1]);
     }
+    if (feature_of(row.kind, 0) != feature_of(row.kind, 1)) return;
+    const auto second = ids + static_cast<std::ptrdiff_t>(count), end = second + static_cast<std::ptrdiff_t>(count);
+    auto& [body, other] = row.bodies;
+    const bool second_is_less =
+        other < body || (other == body && std::lexicographical_compare(second, end, ids, second));
+    if (!second_is_less) return;
+    std::swap(body, other);
+    std::swap_ranges(ids, second, second);
 }
 
 BodyPair FeatureAnswer::bodies_of(CandidateKind kind, std::size_t i) const {
