@@ -68,14 +68,65 @@ void ClothSolver::set_fabric(const Fabric& fabric) {
     points.resize(fabric.flat.size());
     velocities.resize(fabric.flat.size());
     held.resize(fabric.flat.size());
+    obstacles_.clear();
+    goals_.clear();
+    friction_.clear();
+    near_.reset();
+}
+
+void ClothSolver::add_obstacle(std::span<const Vec3d> at, std::span<const Fabric::Corners> triangles, double friction) {
+    const auto first = static_cast<std::int32_t>(points.size());
+    for (const auto& [a, b, c] : triangles) obstacles_.push_back({first + a, first + b, first + c});
+    points.insert(points.end(), at.begin(), at.end());
+    velocities.resize(points.size());
+    held.resize(points.size(), 1);
+    goals_.insert(goals_.end(), at.begin(), at.end());
+    friction_.resize(goals_.size(), friction);
+    near_.reset();
 }
 
 void ClothSolver::step(double dt, std::span<const Collider* const> bodies, double age) {
+    pull(dt);
+    for (const SelfContact& contact : contacts_) part(contact, age);
+    push_out(bodies, dt);
+    read_velocities(dt);
+}
+
+StepTaken ClothSolver::step_freely(double dt, int substeps) {
+    if (!near_) near_.emplace(triangles_, obstacles_);
+    const std::size_t cloth = points.size() - goals_.size();
+    for (std::size_t i = 0; i < goals_.size(); ++i) velocities[cloth + i] = (1 / dt) * (goals_[i] - points[cloth + i]);
+    double fastest = 0;
+    for (const Vec3d& velocity : velocities) fastest = std::max(fastest, length(velocity));
+
+    // What may come closer than the thickness. Of what is still faster, which is little, only the way is cut short.
+    const double reach = std::min(2 * fastest * dt, properties_.thickness);
+    const std::span<const NearContact> contacts = near_->find(points, properties_.thickness + reach);
+    start_ = points;
+    const double h = dt / substeps;
+    for (int i = 1; i <= substeps; ++i) {
+        pull(h);
+        for (const NearContact& contact : contacts) part(contact, i * h);
+        read_velocities(h);
+    }
+    wanted_ = points;
+    const auto [toi, share] = near_->shorten(start_, points, held);
+    std::size_t held_back = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        if (points[i] == wanted_[i]) continue;
+        ++held_back;
+        if (!held[i]) velocities[i] = (1 / dt) * (points[i] - start_[i]);
+    }
+    return {contacts.size(), toi, held_back, share};
+}
+
+void ClothSolver::pull(double dt) {
     predict(dt);
     for (const Spring& spring : springs_) keep_distance(spring, dt);
     for (std::size_t i = springs_.size(); i-- > 0;) keep_distance(springs_[i], dt);
-    for (const SelfContact& contact : contacts_) part(contact, age);
-    push_out(bodies, dt);
+}
+
+void ClothSolver::read_velocities(double dt) {
     for (std::size_t i = 0; i < points.size(); ++i) {
         if (!held[i]) velocities[i] = (1 / dt) * (points[i] - before_[i]);
     }
@@ -125,6 +176,29 @@ void ClothSolver::part(const SelfContact& contact, double age) {
     points[p] = points[p] + ((1 - held[p]) / share) * change;
     for (std::size_t k = 0; k < 3; ++k) {
         points[t[k]] = points[t[k]] - ((1 - held[t[k]]) * contact.weights[k] / share) * change;
+    }
+}
+
+void ClothSolver::part(const NearContact& contact, double age) {
+    const Vec3d apart = contact.way(points);
+    const double wanted = std::min(properties_.thickness, contact.distance + properties_.separation_speed * age);
+    const double correction = wanted - dot(contact.direction, apart);
+    if (!(correction > 0)) return;
+    double share = 0;
+    std::int32_t last = 0;  // an obstacle's, if there is one
+    for (std::size_t k = 0; k < 4; ++k) {
+        share += (1 - held[static_cast<std::size_t>(contact.points[k])]) * contact.weights[k] * contact.weights[k];
+        last = std::max(last, contact.points[k]);
+    }
+    if (!(share > 0)) return;
+    const std::size_t cloth = points.size() - goals_.size(), of = static_cast<std::size_t>(last);
+    const double friction = of < cloth ? properties_.self_friction : friction_[of - cloth];
+    const Vec3d moved = apart - contact.way(before_);
+    const Vec3d slide = moved - dot(contact.direction, moved) * contact.direction;
+    const Vec3d change = correction * contact.direction - friction_share(slide, friction, correction) * slide;
+    for (std::size_t k = 0; k < 4; ++k) {
+        const auto i = static_cast<std::size_t>(contact.points[k]);
+        points[i] = points[i] + ((1 - held[i]) * contact.weights[k] / share) * change;
     }
 }
 

@@ -10,15 +10,21 @@
 // cloth is, and across each inner edge, between the two opposite corners, against bending. Then come contacts of the
 // sheet with itself and with bodies, with Coulomb friction. All points have mass 1.
 //
+// advance() takes contacts with bodies from signed distances and those of the sheet with itself from whiskers
+// (self_contact.h): fast, and cloth may pass through itself. advance_freely() takes all of them from nearness, bodies
+// are meshes, and every step ends where motion finds its way free (near_contact.h): nothing passes through anything.
+//
 // The order of everything is fixed and arithmetic is that of IEEE: the same input gives the same bits everywhere.
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "geometry/vec.h"
 #include "scenes/simulation/collider.h"
 #include "scenes/simulation/fabric.h"
+#include "scenes/simulation/near_contact.h"
 #include "scenes/simulation/self_contact.h"
 
 namespace crumple::scenes {
@@ -28,17 +34,26 @@ struct ClothProperties {
     double drag = 0.5;            ///< of the air, 1 / s
     double shear_speed = 0;       ///< of shear waves, units / s: the faster, the stiffer; warp and weft do not stretch
     double bend_speed = 0;        ///< the same for the springs across edges
-    double thickness = 0;         ///< distance that the sheet keeps from itself, units
+    double thickness = 0;         ///< distance that the sheet keeps from itself and from obstacles, units
     double clearance = 0;         ///< distance that it keeps from bodies, units
     double separation_speed = 0;  ///< at most, of points that come out of a contact, units / s
     double self_friction = 0.2;   ///< Coulomb's coefficient between cloth and cloth
+};
+
+/// What a step of ClothSolver::advance_freely() met with.
+struct StepTaken {
+    std::size_t contacts;   ///< pairs of features that were near at its start
+    double toi;             ///< share of the step until the first pair would have met; 1: none before its end
+    std::size_t held_back;  ///< points that did not go all their way
+    double share;           ///< how much of their way the others went; 1 but where something is caught
 };
 
 class ClothSolver {
    public:
     ClothSolver(const Fabric& fabric, const ClothProperties& properties);
 
-    /// Goes on with another fabric, for which `points` and `velocities` have been brought to its size.
+    /// Goes on with another fabric, for which `points` and `velocities` have been brought to its size. Obstacles are
+    /// gone.
     void set_fabric(const Fabric& fabric);
 
     /// `steps` equal steps from `time` on, `seconds` long together; `move(t)` brings the bodies to where they are at
@@ -55,7 +70,24 @@ class ClothSolver {
         }
     }
 
-    std::vector<Vec3d> points, velocities;
+    /// A body in the way of advance_freely(), as a mesh. Its points come after those that are there, and are held.
+    void add_obstacle(std::span<const Vec3d> at, std::span<const Fabric::Corners> triangles, double friction);
+
+    /// `steps` equal steps, each of `substeps`, through which nothing passes through anything, for the coordinates as
+    /// they are in `points`. Nothing may touch at the start, or an Error is thrown, and nothing should intersect: that
+    /// would stay. `move(t, at)` brings the obstacles' points, in their order, to where they should be at the time t;
+    /// they go straight there. `watch` is told of each StepTaken. Where cloth is caught between obstacles that move, a
+    /// step's share is less than 1: then obstacles lag behind, and catch up as soon as the way is free. If it never is,
+    /// because all that could give way is held, shares become less and less, and 0 in the end.
+    template <class Move, class Watch>
+    void advance_freely(double time, double seconds, int steps, int substeps, Move move, Watch watch) {
+        for (int i = 0; i < steps; ++i) {
+            move(time + seconds * (i + 1) / steps, std::span<Vec3d>(goals_));
+            watch(step_freely(seconds / steps, substeps));
+        }
+    }
+
+    std::vector<Vec3d> points, velocities;  ///< of the cloth, then of obstacles
     std::vector<std::uint8_t> held;  ///< 1 for points that move with their given velocity, whatever pulls at them
 
    private:
@@ -66,10 +98,15 @@ class ClothSolver {
 
     void find_contacts() { contacts_ = finder_.find(points, triangles_, properties_.thickness); }
     void step(double dt, std::span<const Collider* const> bodies, double age);
+    StepTaken step_freely(double dt, int substeps);
+    /// Predicts, and moves points along the springs.
+    void pull(double dt);
     void predict(double dt);
+    void read_velocities(double dt);
     void keep_distance(const Spring& spring, double dt);
     /// `age`: seconds from when the contact was found to the end of the step.
     void part(const SelfContact& contact, double age);
+    void part(const NearContact& contact, double age);
     void push_out(std::span<const Collider* const> bodies, double dt);
 
     ClothProperties properties_;
@@ -78,6 +115,12 @@ class ClothSolver {
     std::vector<Vec3d> before_;  ///< positions at the start of the step
     SelfContactFinder finder_;
     std::span<const SelfContact> contacts_;
+
+    std::vector<Fabric::Corners> obstacles_;
+    std::vector<Vec3d> goals_;      ///< of the obstacles' points
+    std::vector<double> friction_;  ///< of the obstacles' points
+    std::vector<Vec3d> start_, wanted_;
+    std::optional<NearContactFinder> near_;
 };
 
 }  // namespace crumple::scenes
