@@ -113,8 +113,7 @@ std::string kinds_of(const CandidateLists& answer) {
 }
 
 std::string text_of(const io::FeatureRow& row, bool has_bodies) {
-    const io::CandidateRow features{io::kind_of(row.kind), row.bodies, row.ids};
-    return text_of(features, has_bodies) + fmt::format(" {}", row.value);
+    return text_of(static_cast<const io::CandidateRow&>(row), has_bodies) + fmt::format(" {}", row.value);
 }
 
 std::string text_of(const io::CandidateRow& row, bool has_bodies) {

@@ -1,6 +1,7 @@
 // crumple impacts: what touches what while a mesh goes from one file's vertices to another's, and when; or which of its
 // features have boxes that overlap on the way.
 
+#include <algorithm>
 #include <memory>
 
 #include <fmt/format.h>
@@ -28,7 +29,7 @@ Impacts only_first(const Impacts& impacts) {
 }
 
 /// What is listed.
-enum class Kind { features, candidates };
+enum class Kind { features, pairs, candidates };
 
 struct ImpactsCommand : FeatureCommand {
     std::string start, end;
@@ -36,21 +37,23 @@ struct ImpactsCommand : FeatureCommand {
     MotionOptions motion;
     CandidateOptions candidates;
     bool earliest = false;
-    std::vector<const CLI::Option*> of_features, of_candidates;  ///< options of one kind alone
+    std::vector<const CLI::Option*> of_features, of_motion, of_candidates;  ///< options that not all kinds have
 
     int run() const {
         refuse_options_of_other_kinds();
-        return kind == Kind::candidates ? list_candidates() : list_features();
+        return kind == Kind::candidates ? list_candidates() : list_impacts();
     }
 
     void refuse_options_of_other_kinds() const {
         for (const CLI::Option* const option : of_features)
-            if (*option && kind != Kind::features) refuse(option->get_name() + " does not go with --kind candidates");
+            if (*option && kind != Kind::features) refuse(option->get_name() + " needs --kind features");
+        for (const CLI::Option* const option : of_motion)
+            if (*option && kind == Kind::candidates) refuse(option->get_name() + " does not go with --kind candidates");
         for (const CLI::Option* const option : of_candidates)
             if (*option && kind != Kind::candidates) refuse(option->get_name() + " needs --kind candidates");
     }
 
-    int list_features() const {
+    int list_impacts() const {
         outputs.check("impacts");
         if (end.empty()) refuse("impacts: END is required; see crumple impacts --help");
         check_outputs(outputs.paths, {start, end}, answer);
@@ -59,19 +62,37 @@ struct ImpactsCommand : FeatureCommand {
         const MotionWants wants = only_status() && !stats ? MotionWants::any
                                   : earliest              ? MotionWants::earliest
                                                           : MotionWants::impacts;
-        const Impacts& all = search.find(input.start, input.end, motion.question(answer, wants));
-        if (stats) print_statistics(all.statistics, earliest ? "only the first was looked for" : kinds_of(all));
+        Motion question = motion.question(answer, wants);
+        question.triangle_pairs = kind == Kind::pairs;
+        const Impacts& all = search.find(input.start, input.end, question);
+        if (stats) print_statistics(all.statistics, earliest ? "only the first was looked for" : found_in(all));
         if (only_status()) return report(all.any, "something touches", "nothing touches");
 
         const Impacts one = earliest ? only_first(all) : Impacts();
         const Impacts& found = earliest ? one : all;
-        outputs.write([&](auto& to, io::PairFormat format) { io::write_impacts(to, found, format); },
-                      [&](auto& to) { io::write_coloured(to, input.start.first, found); });
+        const auto write = [&](auto& to, io::PairFormat format) {
+            kind == Kind::pairs ? io::write_triangle_pairs(to, found, format) : io::write_impacts(to, found, format);
+        };
+        outputs.write(write, [&](auto& to) { io::write_coloured(to, input.start.first, found); });
         return finish(found.any, summary(found, input.start.triangle_count()));
+    }
+
+    std::string found_in(const Impacts& found) const {
+        return kind == Kind::pairs ? pairs_of_triangles(found) : kinds_of(found);
+    }
+    /// "81 pairs of triangles, 12 from the start"
+    static std::string pairs_of_triangles(const Impacts& found) {
+        const ImpactList& list = found.triangle_pairs;
+        const auto from_start = std::count(list.start.begin(), list.start.end(), std::uint8_t{1});
+        return fmt::format("{} pair{} of triangles, {} from the start",
+                           grouped(static_cast<std::int64_t>(list.pairs.size())), list.pairs.size() == 1 ? "" : "s",
+                           grouped(from_start));
     }
 
     /// "134 impacts (27 vertex-face, 107 edge-edge), the first at 0.045, 3.1 ms"
     std::string summary(const Impacts& found, std::int64_t triangles) const {
+        if (kind == Kind::pairs && found.any)
+            return fmt::format("{}, {:.1f} ms\n", pairs_of_triangles(found), found.statistics.milliseconds);
         const std::string first = fmt::format("{:.6g}", found.first.toi);
         if (earliest && found.any)
             return fmt::format("the first impact is at {}, {:.1f} ms\n", first, found.statistics.milliseconds);
@@ -104,11 +125,12 @@ Command add_impacts(CLI::App& app) {
         .add_option("END", impacts->end,
                     "The same mesh at the end: its vertices go there straight. Candidates may be without: at rest")
         ->type_name("END");
-    add_choice<Kind, Kind>(command, "--kind", impacts->kind,
-                           {{"features", Kind::features}, {"candidates", Kind::candidates}},
-                           "What is listed: features that touch, and when (the default); or candidates, all whose "
-                           "boxes overlap on the way, "
-                           "for a narrow phase of your own");
+    add_choice<Kind, Kind>(
+        command, "--kind", impacts->kind,
+        {{"features", Kind::features}, {"pairs", Kind::pairs}, {"candidates", Kind::candidates}},
+        "What is listed: features that touch, and when (the default); pairs of triangles, also those "
+        "that intersect at the start; or candidates, all features whose boxes overlap on the way, "
+        "for a narrow phase of your own");
     add_output_options(command, impacts->outputs, "Impacts or candidates",
                        "the mesh at the start with what is hit coloured by time");
     add_motion_options(command, impacts->motion);
@@ -117,13 +139,15 @@ Command add_impacts(CLI::App& app) {
     add_feature_command_options(
         command, *impacts,
         "Exit with status 1 if anything touches. Without -o that is all that is searched for, and one line is printed");
-    for (const char* const name : {"--separation", "--separation-share", "--earliest", "--check"})
-        impacts->of_features.push_back(command.get_option(name));
+    impacts->of_features.push_back(command.get_option("--earliest"));
+    for (const char* const name : {"--separation", "--separation-share", "--check"})
+        impacts->of_motion.push_back(command.get_option(name));
     command.footer(
         "A line `vf V F T S`: vertex V touches face F at time T, from 0 to 1 and rounded down; S is 1 if they touch\n"
         "at the start. `ee A B C D T S`: the edge from A to B touches that from C to D. --weld is about neighbours\n"
         "only: vertices that coincide at the start and at the end count as one, and keep their own ids. Lines and\n"
         "points of OBJ (l, p) count, too: `ve V A B T S`, `vv V W T S`.\n"
+        "Pairs of triangles are `ff F G T S`: they intersect at the start, or the first of their features touch at T.\n"
         "Candidates are listed likewise, without T and S: `vf V F`, `ee A B C D`, `ef A B F`, `ff F G`, `ve V A B`,\n"
         "`vv V W`. Two features are one if no vertex is common and on every axis the gap between their boxes, which\n"
         "hold start and end, is at most twice --inflation.\n"

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iostream>
 #include <tuple>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -63,7 +64,8 @@ struct Words {
     const char *what, *larger, *smaller;
     bool flags;  ///< lists of text have them
 };
-constexpr Words of_impacts{"impacts", "late", "early", true}, of_near{"near pairs", "far", "close", false};
+constexpr Words of_impacts{"impacts", "late", "early", true},
+    of_triangle_pairs{"pairs of triangles", "late", "early", true}, of_near{"near pairs", "far", "close", false};
 
 std::string verdict(bool right) {
     const auto colour = fmt::fg(right ? fmt::terminal_color::green : fmt::terminal_color::red);
@@ -132,8 +134,15 @@ int verify_impacts(const FeatureCheck& check, const std::vector<std::string>& fi
         files.back(), format, false, [](const auto& path) { return io::read_impacts(path); },
         [](auto& in, const auto& name) { return io::read_impacts(in, name); });
     const MovingInput input = read_moving_input(files[0], files[1], answer);
-    const Impacts& found = search.find(input.start, input.end, check.motion.question(answer, MotionWants::impacts));
-    return print_verdict(list, io::list_of(found), of_impacts, false);
+    // Lists are of features, of pairs of triangles, or of both.
+    const auto is_of_triangles = [](const FeatureRow& row) { return row.kind == CandidateKind::face_face; };
+    const bool of_triangles = std::any_of(list.rows.begin(), list.rows.end(), is_of_triangles);
+    const bool of_features = !of_triangles || !std::all_of(list.rows.begin(), list.rows.end(), is_of_triangles);
+    Motion question = check.motion.question(answer, MotionWants::impacts);
+    question.triangle_pairs = of_triangles;
+    io::FeatureList right = io::list_of(search.find(input.start, input.end, question));
+    if (!of_features) std::erase_if(right.rows, [&](const FeatureRow& row) { return !is_of_triangles(row); });
+    return print_verdict(list, right, of_features ? of_impacts : of_triangle_pairs, false);
 }
 
 int verify_candidates(const FeatureCheck& check, const std::vector<std::string>& files, const std::string& format,

@@ -15,14 +15,19 @@
 
 namespace crumple::io {
 
-/// A row of a list of impacts, or of near pairs. Edges are named by their vertices, and points are vertices, so that
-/// lists can be compared whoever has numbered edges and points.
-struct FeatureRow {
-    FeatureKind kind = FeatureKind::vertex_face;
+/// A row of a list of candidates. Edges are named by their vertices, and points are vertices, so that lists can be
+/// compared whoever has numbered edges and points.
+struct CandidateRow {
+    CandidateKind kind = CandidateKind::vertex_face;
     BodyPair bodies{0, 0};  ///< of the first and of the second feature
-    /// Vertex, face; both edges, the lesser first; vertex, edge; both vertices, the lesser first. Of an edge the lower
-    /// vertex is first. The rest is 0.
+    /// Vertex, face; both edges, the lesser first; an edge's vertices, face; both faces, the lesser first; vertex,
+    /// edge; both vertices, the lesser first. Of an edge the lower vertex is first. The rest is 0.
     std::array<std::int32_t, 4> ids{};
+    friend bool operator==(const CandidateRow&, const CandidateRow&) = default;
+};
+
+/// A row of a list of impacts, or of near pairs; of impacts also pairs of triangles, of the kind face_face.
+struct FeatureRow : CandidateRow {
     double value = 0;   ///< time of contact; squared distance
     bool flag = false;  ///< they touch at the start; they touch
     friend bool operator==(const FeatureRow&, const FeatureRow&) = default;
@@ -31,15 +36,6 @@ struct FeatureRow {
 struct FeatureList {
     std::vector<FeatureRow> rows;
     bool has_bodies = false;  ///< features have numbers of bodies, too; else there is one mesh
-};
-
-/// A row of a list of candidates.
-struct CandidateRow {
-    CandidateKind kind = CandidateKind::vertex_face;
-    BodyPair bodies{0, 0};  ///< of the first and of the second feature
-    /// As FeatureRow::ids; of two faces both, the lesser first; of an edge and a face the edge's vertices, the face.
-    std::array<std::int32_t, 4> ids{};
-    friend bool operator==(const CandidateRow&, const CandidateRow&) = default;
 };
 
 struct CandidateRows {
@@ -55,21 +51,28 @@ CandidateRows list_of(const CandidateLists& candidates);
 /// Writes impacts in the order of the answer, as txt, csv, json or npz.
 ///
 ///     txt   vf V F TOI START, ee A B C D TOI START, ve V A B TOI START, vv V A TOI START: a line each, points and
-///     edges
-///           by their vertices, START 0 or 1
+///           edges by their vertices, START 0 or 1
 ///     csv   the same in the columns kind,vertex,face,a,b,c,d,toi,start, of which those of the other kinds stay empty
 ///     json  vertex_faces, vertex_face_toi, vertex_face_start; edges, edge_edges (by index into edges), edge_edge_toi,
 ///           edge_edge_start; the same of vertex_edges and vertex_vertices; earliest, an object or null; statistics
 ///     npz   the same arrays, without earliest and statistics
 ///
-/// An answer of several bodies has ids `body:id` in txt and csv; json and npz have also vertex_face_bodies and so on,
-/// and first_edge. Numbers are the shortest decimals that give the same float64 back. Throws crumple::Error (file,
-/// invalid_argument); the file then stays as it was.
+/// Where pairs of triangles are listed, they are lines ff F G TOI START, and arrays face_faces, face_face_toi and
+/// face_face_start. An answer of several bodies has ids `body:id` in txt and csv; json and npz have also
+/// vertex_face_bodies and so on, and first_edge. Numbers are the shortest decimals that give the same float64 back.
+/// Throws crumple::Error (file, invalid_argument); the file then stays as it was.
 void write_impacts(const std::filesystem::path& path, const Impacts& impacts,
                    PairFormat format = PairFormat::automatic);
 
 /// The same to a stream; `automatic` is txt.
 void write_impacts(std::ostream& out, const Impacts& impacts, PairFormat format = PairFormat::automatic);
+
+/// Writes pairs of triangles alone, in the same way.
+void write_triangle_pairs(const std::filesystem::path& path, const Impacts& impacts,
+                          PairFormat format = PairFormat::automatic);
+
+/// The same to a stream; `automatic` is txt.
+void write_triangle_pairs(std::ostream& out, const Impacts& impacts, PairFormat format = PairFormat::automatic);
 
 /// The same of near pairs: a squared distance in place of the time, and `touching` in place of `start`, which txt does
 /// without. A squared distance beyond float64 is `inf`, in json null.
@@ -81,7 +84,7 @@ void write_near(std::ostream& out, const Nearby& nearby, PairFormat format = Pai
 /// The same of candidates, which have neither a number nor a flag; of those kinds that are listed.
 ///
 ///     txt   vf V F, ee A B C D, ef A B F, ff F G, ve V A B, vv V W: a line each
-///     csv   kind,vertex,face,a,b,c,d,second_face
+///     csv   kind,vertex,face,a,b,c,d
 ///     json  vertex_faces, edge_edges, edge_faces, face_faces, vertex_edges, vertex_vertices; edges; statistics
 ///     npz   the same arrays, without statistics
 void write_candidates(const std::filesystem::path& path, const CandidateLists& candidates,

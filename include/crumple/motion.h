@@ -79,6 +79,7 @@ struct Impacts {
     /// Where Motion::triangle_pairs asks for them: triangles a < b (of worlds body by body) whose groups are wanted.
     /// The first time of their features; 0, with `start`, if they intersect at the start.
     ImpactList triangle_pairs;
+    bool lists_triangle_pairs = false;  ///< they were asked for, be there none
 
     /// What edges are meant: those of body b are [first_edge[b], first_edge[b + 1]), as its shape lists them, or each
     /// edge of its triangles once, in lexicographic order. An edge's index counts within its body.

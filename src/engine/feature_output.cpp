@@ -90,6 +90,7 @@ CandidateLists metered_candidates(MemoryMeter* meter) { return metered_answer<Ca
 void clear(Impacts& answer) {
     clear_arrays(answer);
     answer.first = {};
+    answer.lists_triangle_pairs = false;
 }
 void clear(Nearby& answer) { clear_arrays(answer); }
 void clear(CandidateLists& answer) {
@@ -100,6 +101,7 @@ void clear(CandidateLists& answer) {
 void hand_over(Impacts& mine, Impacts& theirs) {
     swap_arrays(mine, theirs);
     theirs.first = mine.first;
+    theirs.lists_triangle_pairs = mine.lists_triangle_pairs;
     clear(mine);
 }
 void hand_over(Nearby& mine, Nearby& theirs) {

@@ -114,6 +114,8 @@ void FeatureSearch::search(BackendBase& backend, const World& world, const Quest
     if (wants_worlds(question)) answer.world_hit.assign(worlds, 0);
     if constexpr (is_motion<Question>)
         if (extent(question) >= Extent::first) answer.world_first.assign(worlds, FirstImpact());
+    if constexpr (is_motion<Question>)
+        answer.lists_triangle_pairs = question.triangle_pairs && extent(question) == Extent::all;
     if (extent(question) != Extent::any) {
         answer.first_edge.push_back(0);
         answer.first_point.push_back(0);

@@ -77,10 +77,9 @@ void add(std::vector<Least>& meshes, const FeatureRow& row, double value) {
             throw Error(ErrorCode::invalid_argument, "the answer names a body that is not there");
         return meshes[static_cast<std::size_t>(body)];
     };
-    const CandidateKind kind = kind_of(row.kind);
     Least &first = mesh(row.bodies.first), &second = mesh(row.bodies.second);
     const auto add_feature = [&](Least& least, std::size_t side, std::size_t at) {
-        const Feature feature = feature_of(kind, side);
+        const Feature feature = feature_of(row.kind, side);
         if (feature == Feature::edge)
             least.add_edge({row.ids[at], row.ids[at + 1]}, value);
         else if (feature == Feature::face)
@@ -89,7 +88,7 @@ void add(std::vector<Least>& meshes, const FeatureRow& row, double value) {
             least.add_vertex(row.ids[at], value);
     };
     add_feature(first, 0, 0);
-    add_feature(second, 1, first_ids(kind));
+    add_feature(second, 1, first_ids(row.kind));
 }
 
 /// 0, grey, for what is in no row; 1 for the least values to 8 for those about `most`.

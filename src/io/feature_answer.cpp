@@ -83,6 +83,14 @@ std::array<FeatureListView, candidate_kinds> views(const CandidateLists& answer)
     return lists;
 }
 
+std::array<FeatureListView, candidate_kinds> views(const Impacts& answer) {
+    auto lists = views<Impacts>(answer);
+    FeatureListView& pairs = lists[static_cast<std::size_t>(CandidateKind::face_face)];
+    pairs = view(answer.triangle_pairs);
+    pairs.listed = answer.lists_triangle_pairs;
+    return lists;
+}
+
 template <class Answer>
 FeatureAnswer view(const FeatureWords& words, const Answer& answer, const FirstImpact* first = nullptr) {
     return checked({words, views(answer), span_of(answer.edges), span_of(answer.first_edge), span_of(answer.points),
@@ -91,7 +99,7 @@ FeatureAnswer view(const FeatureWords& words, const Answer& answer, const FirstI
 
 FeatureList as_list(const FeatureAnswer& answer) {
     FeatureList list{{}, answer.has_bodies()};
-    for_each_row(answer, [&](const AnyRow& row) { list.rows.push_back(feature_row(row)); });
+    for_each_row(answer, [&](const FeatureRow& row) { list.rows.push_back(row); });
     return list;
 }
 
@@ -114,6 +122,12 @@ void put_in_order(CandidateRow& row) {
     std::swap_ranges(ids, second, second);
 }
 
+bool FeatureAnswer::lists_edges() const {
+    return std::any_of(all_kinds.begin(), all_kinds.end(), [&](CandidateKind kind) {
+        return (*this)[kind].listed && (is_edge(kind, 0) || is_edge(kind, 1));
+    });
+}
+
 BodyPair FeatureAnswer::bodies_of(CandidateKind kind, std::size_t i) const {
     const FeatureListView& list = (*this)[kind];
     return list.bodies.empty() ? BodyPair{0, 0} : list.bodies[i];
@@ -133,9 +147,9 @@ Pair FeatureAnswer::by_vertex(CandidateKind kind, std::size_t i) const {
     return by_vertex(kind, (*this)[kind].pairs[i], bodies_of(kind, i));
 }
 
-AnyRow FeatureAnswer::row(CandidateKind kind, std::size_t i) const {
+FeatureRow FeatureAnswer::row(CandidateKind kind, std::size_t i) const {
     const FeatureListView& list = (*this)[kind];
-    AnyRow row{{kind, bodies_of(kind, i), {}}};
+    FeatureRow row{{kind, bodies_of(kind, i), {}}};
     if (words.has_values()) {
         row.value = list.values[i];
         row.flag = list.flags[i] != 0;
@@ -158,6 +172,12 @@ AnyRow FeatureAnswer::row(CandidateKind kind, std::size_t i) const {
 }
 
 FeatureAnswer view(const Impacts& impacts) { return view(impact_words, impacts, &impacts.first); }
+FeatureAnswer view_of_triangle_pairs(const Impacts& impacts) {
+    FeatureAnswer answer = view(triangle_pair_words, impacts);
+    for (const CandidateKind kind : all_kinds)
+        if (kind != CandidateKind::face_face) answer.lists[static_cast<std::size_t>(kind)] = {};
+    return answer;
+}
 FeatureAnswer view(const Nearby& nearby) { return view(near_words, nearby); }
 FeatureAnswer view(const CandidateLists& candidates) { return view(candidate_words, candidates); }
 

@@ -16,16 +16,20 @@ struct FeatureWords {
     std::string_view what;         ///< for messages
     std::string_view value, flag;  ///< of columns and arrays; candidates have neither
     bool text_has_flag;
+    bool has_edge_faces, has_face_faces;  ///< may have pairs of these kinds
 
     bool has_values() const { return !value.empty(); }
     /// Whether such a list may have pairs of this kind.
     bool has(CandidateKind kind) const {
-        return !has_values() || (kind != CandidateKind::edge_face && kind != CandidateKind::face_face);
+        return kind == CandidateKind::edge_face   ? has_edge_faces
+               : kind == CandidateKind::face_face ? has_face_faces
+                                                  : true;
     }
 };
-inline constexpr FeatureWords impact_words{"impacts", "toi", "start", true};
-inline constexpr FeatureWords near_words{"near pairs", "squared_distance", "touching", false};
-inline constexpr FeatureWords candidate_words{"candidates", "", "", false};
+inline constexpr FeatureWords impact_words{"impacts", "toi", "start", true, false, true};
+inline constexpr FeatureWords triangle_pair_words{"pairs of triangles", "toi", "start", true, false, true};
+inline constexpr FeatureWords near_words{"near pairs", "squared_distance", "touching", false, false, false};
+inline constexpr FeatureWords candidate_words{"candidates", "", "", false, true, true};
 
 struct FeatureListView {
     bool listed = false;  ///< it is to be written, be it empty
@@ -33,12 +37,6 @@ struct FeatureListView {
     std::span<const BodyPair> bodies;
     std::span<const double> values;
     std::span<const std::uint8_t> flags;
-};
-
-/// A row of any list; of candidates without value and flag.
-struct AnyRow : CandidateRow {
-    double value = 0;
-    bool flag = false;
 };
 
 struct FeatureAnswer {
@@ -54,7 +52,8 @@ struct FeatureAnswer {
     const FeatureListView& operator[](CandidateKind kind) const { return lists[static_cast<std::size_t>(kind)]; }
     /// Whether there are several.
     bool has_bodies() const { return first_edge.size() > 2; }
-    AnyRow row(CandidateKind kind, std::size_t i) const;
+    bool lists_edges() const;
+    FeatureRow row(CandidateKind kind, std::size_t i) const;
     /// The pair with vertices in place of points.
     Pair by_vertex(CandidateKind kind, Pair pair, const BodyPair& bodies) const;
     Pair by_vertex(CandidateKind kind, std::size_t i) const;
@@ -66,8 +65,10 @@ struct FeatureAnswer {
 FeatureAnswer view(const Impacts& impacts);
 FeatureAnswer view(const Nearby& nearby);
 FeatureAnswer view(const CandidateLists& candidates);
+/// Of pairs of triangles alone.
+FeatureAnswer view_of_triangle_pairs(const Impacts& impacts);
 
-/// use(row) in the order of the answer.
+/// use(row) in the order of the answer; of candidates value and flag say nothing.
 template <class Use>
 void for_each_row(const FeatureAnswer& answer, Use use) {
     for (const CandidateKind kind : all_kinds)
@@ -76,10 +77,6 @@ void for_each_row(const FeatureAnswer& answer, Use use) {
 
 /// The lower vertex of each edge first, and of two features of one kind the lesser.
 void put_in_order(CandidateRow& row);
-/// A row of impacts or near pairs.
-inline FeatureRow feature_row(const AnyRow& row) {
-    return {feature_kind_of(row.kind), row.bodies, row.ids, row.value, row.flag};
-}
 
 void write_features_json(std::ostream& out, const FeatureAnswer& answer);
 void write_features_npz(std::ostream& out, const FeatureAnswer& answer);

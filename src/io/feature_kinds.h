@@ -7,7 +7,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 
@@ -27,12 +26,6 @@ constexpr CandidateKind kind_of(FeatureKind kind) {
     constexpr std::array<CandidateKind, feature_kinds> kinds{CandidateKind::vertex_face, CandidateKind::edge_edge,
                                                              CandidateKind::vertex_edge, CandidateKind::vertex_vertex};
     return kinds[static_cast<std::size_t>(kind)];
-}
-/// Throws std::logic_error for a kind that is of candidates alone.
-inline FeatureKind feature_kind_of(CandidateKind kind) {
-    for (const FeatureKind feature : all_feature_kinds)
-        if (kind_of(feature) == kind) return feature;
-    throw std::logic_error(std::string(candidate_kind_name(kind)) + " is of candidates alone");
 }
 
 /// "vertex_faces", "vertex_face_toi": the arrays of one kind.
@@ -62,13 +55,13 @@ inline bool is_edge(CandidateKind kind, std::size_t side) { return feature_of(ki
 inline std::size_t first_ids(CandidateKind kind) { return is_edge(kind, 0) ? 2 : 1; }
 inline std::size_t id_count(CandidateKind kind) { return first_ids(kind) + (is_edge(kind, 1) ? 2 : 1); }
 
-/// Columns of a .csv with ids: vertex, face, a, b, c, d, and second_face, which is of candidates alone.
-inline constexpr std::size_t id_columns_of_candidates = 7, id_columns_of_others = 6;
+/// Columns of a .csv with ids: vertex, face, a, b, c, d.
+inline constexpr std::size_t most_id_columns = 6;
 /// The column of each id of a row.
 inline std::span<const std::size_t> id_columns(CandidateKind kind) {
     static constexpr std::array<std::size_t, 4> edge_edge{2, 3, 4, 5};
     static constexpr std::array<std::size_t, 3> edge_face{2, 3, 1}, vertex_edge{0, 2, 3};
-    static constexpr std::array<std::size_t, 2> vertex_face{0, 1}, face_face{1, 6}, vertex_vertex{0, 2};
+    static constexpr std::array<std::size_t, 2> vertex_face{0, 1}, face_face{1, 2}, vertex_vertex{0, 2};
     const std::span<const std::size_t> columns[candidate_kinds] = {vertex_face, edge_edge,   edge_face,
                                                                    face_face,   vertex_edge, vertex_vertex};
     return columns[static_cast<std::size_t>(kind)];

@@ -19,7 +19,7 @@ void add_id(Sink& sink, const CandidateRow& row, bool has_bodies, std::size_t k)
 
 void write_txt(Sink& sink, const FeatureAnswer& answer) {
     const bool has_bodies = answer.has_bodies();
-    for_each_row(answer, [&](const AnyRow& row) {
+    for_each_row(answer, [&](const FeatureRow& row) {
         sink << short_name(row.kind);
         for (std::size_t k = 0; k < id_count(row.kind); ++k) {
             sink << ' ';
@@ -33,16 +33,13 @@ void write_txt(Sink& sink, const FeatureAnswer& answer) {
 
 void write_csv(Sink& sink, const FeatureAnswer& answer) {
     const bool has_bodies = answer.has_bodies(), has_values = answer.words.has_values();
-    const std::size_t id_columns_here = has_values ? id_columns_of_others : id_columns_of_candidates;
     sink << "kind,vertex,face,a,b,c,d";
-    if (has_values)
-        sink << ',' << answer.words.value << ',' << answer.words.flag << '\n';
-    else
-        sink << ",second_face\n";
-    for_each_row(answer, [&](const AnyRow& row) {
+    if (has_values) sink << ',' << answer.words.value << ',' << answer.words.flag;
+    sink << '\n';
+    for_each_row(answer, [&](const FeatureRow& row) {
         sink << short_name(row.kind);
         const auto columns = id_columns(row.kind);
-        for (std::size_t column = 0; column < id_columns_here; ++column) {
+        for (std::size_t column = 0; column < most_id_columns; ++column) {
             sink << ',';
             const auto k =
                 static_cast<std::size_t>(std::find(columns.begin(), columns.end(), column) - columns.begin());
@@ -85,6 +82,15 @@ void write_impacts(std::ostream& out, const Impacts& impacts, PairFormat format)
 void write_impacts(const std::filesystem::path& path, const Impacts& impacts, PairFormat format) {
     const FloatEnvironment environment;
     write_list(path, view(impacts), format);
+}
+
+void write_triangle_pairs(std::ostream& out, const Impacts& impacts, PairFormat format) {
+    const FloatEnvironment environment;
+    write_list(out, view_of_triangle_pairs(impacts), format);
+}
+void write_triangle_pairs(const std::filesystem::path& path, const Impacts& impacts, PairFormat format) {
+    const FloatEnvironment environment;
+    write_list(path, view_of_triangle_pairs(impacts), format);
 }
 
 void write_near(std::ostream& out, const Nearby& nearby, PairFormat format) {

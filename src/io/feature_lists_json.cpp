@@ -70,7 +70,7 @@ void write_features_json(std::ostream& out, const FeatureAnswer& answer) {
     Sink sink(out);
     Members members(sink);
     for (const CandidateKind kind : all_kinds) {
-        if (kind == CandidateKind::edge_edge) add_edges(members, sink, answer);
+        if (kind == CandidateKind::edge_edge && answer.lists_edges()) add_edges(members, sink, answer);
         add_list(members, sink, answer, kind);
     }
     if (answer.first) {

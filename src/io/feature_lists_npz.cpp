@@ -32,7 +32,7 @@ void write_features_npz(std::ostream& out, const FeatureAnswer& answer) {
     NpzWriter archive;
     std::array<std::vector<Pair>, candidate_kinds> pairs;
     for (const CandidateKind kind : all_kinds) {
-        if (kind == CandidateKind::edge_edge) add_edges(archive, answer);
+        if (kind == CandidateKind::edge_edge && answer.lists_edges()) add_edges(archive, answer);
         add_list(archive, answer, kind, pairs[static_cast<std::size_t>(kind)]);
     }
     archive.write(out);

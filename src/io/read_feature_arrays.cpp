@@ -56,9 +56,11 @@ class Lists {
     const std::optional<std::vector<double>>& array_of_pairs(CandidateKind kind) const {
         return arrays_[arrays_of_a_kind * static_cast<std::size_t>(kind) + pairs];
     }
-    /// Lists of candidates have the kinds that were asked for; others may be without rods and particles.
+    /// Lists of candidates have the kinds that were asked for; others may be without rods, particles and pairs of
+    /// triangles, or have nothing but these.
     bool may_lack(CandidateKind kind) const {
-        return !rows_.words().has_values() || kind >= CandidateKind::vertex_edge;
+        const bool of_triangles = array_of_pairs(CandidateKind::face_face).has_value();
+        return !rows_.words().has_values() || of_triangles || kind >= CandidateKind::face_face;
     }
 
     void add(CandidateKind kind) {
@@ -74,7 +76,7 @@ class Lists {
                 fail("\"" + names_[array].name + "\" is not as long as \"" + names_[base + pairs].name + "\"");
         }
         for (std::size_t i = 0; i < count; ++i) {
-            AnyRow row;
+            FeatureRow row;
             row.kind = kind;
             if (has_bodies) row.bodies = {index(base + bodies, i, 0, "body"), index(base + bodies, i, 1, "body")};
             take_ids(base, i, 0, row, 0);

@@ -57,7 +57,7 @@ std::string take_ids(std::span<const std::string_view> words, CandidateRow& row,
 }
 
 /// The value, and perhaps the flag. Says what is wrong; empty: nothing.
-std::string take_value(std::span<const std::string_view> words, AnyRow& row) {
+std::string take_value(std::span<const std::string_view> words, FeatureRow& row) {
     const auto value = number_of(words[0]);
     if (!value) return in_quotes(words[0]) + " is no number";
     row.value = *value;
@@ -71,7 +71,7 @@ std::string take_value(std::span<const std::string_view> words, AnyRow& row) {
 /// Ids and what follows them. Says what is wrong; empty: nothing.
 std::string add_row(FeatureRows& rows, CandidateKind kind, std::span<const std::string_view> words) {
     const bool has_values = rows.words().has_values();
-    AnyRow row;
+    FeatureRow row;
     row.kind = kind;
     const std::size_t ids = id_count(kind), least = ids + (has_values ? 1 : 0), most = ids + (has_values ? 2 : 0);
     if (words.size() < least)
@@ -92,8 +92,13 @@ std::optional<CandidateKind> kind_of(std::string_view word, const FeatureRows& r
 }
 
 std::string no_kind(std::string_view word, const FeatureRows& rows) {
-    const bool all = rows.words().has(CandidateKind::face_face);
-    return in_quotes(word) + " is none of " + (all ? "vf, ee, ef, ff, ve and vv" : "vf, ee, ve and vv");
+    std::string names;
+    for (const CandidateKind kind : all_kinds) {
+        if (!rows.words().has(kind)) continue;
+        if (!names.empty()) names += kind == CandidateKind::vertex_vertex ? " and " : ", ";
+        names += short_name(kind);
+    }
+    return in_quotes(word) + " is none of " + names;
 }
 
 void read_txt(const Source& source, FeatureRows& rows) {
@@ -125,14 +130,14 @@ std::vector<std::string_view> fields_of(std::string_view line) {
     return fields;
 }
 
-/// kind, vertex, face, a, b, c, d, value, flag, of which the last may be missing; or kind, ..., second_face. Cells of
+/// kind, vertex, face, a, b, c, d, value, flag, of which the last may be missing; candidates end with d. Cells of
 /// other kinds are empty.
 std::string add_fields(FeatureRows& rows, const std::vector<std::string_view>& fields) {
     const auto kind = kind_of(fields[0], rows);
     if (!kind) return no_kind(fields[0], rows);
     const bool has_values = rows.words().has_values();
     constexpr std::size_t first_id = 1;
-    const std::size_t value = first_id + (has_values ? id_columns_of_others : id_columns_of_candidates);
+    const std::size_t value = first_id + most_id_columns;
     const std::size_t least = value + (has_values ? 1 : 0), most = value + (has_values ? 2 : 0);
     if (fields.size() < least || fields.size() > most)
         return std::to_string(fields.size()) + " columns in place of " + std::to_string(most);
@@ -186,7 +191,7 @@ CandidateRows read_rows_of_candidates(const Source& source) {
 }
 
 /// What is wrong with the numbers of a row; empty: nothing.
-std::string check_value(const AnyRow& row, const FeatureWords& words) {
+std::string check_value(const FeatureRow& row, const FeatureWords& words) {
     const bool motion = words.value == impact_words.value;
     if (motion && !(row.value >= 0 && row.value <= 1)) return "a time of contact lies in [0, 1]";
     if (!(row.value >= 0)) return "a squared distance is 0 or more";
@@ -196,7 +201,7 @@ std::string check_value(const AnyRow& row, const FeatureWords& words) {
 
 }  // namespace
 
-std::string FeatureRows::add(AnyRow row, bool has_bodies) {
+std::string FeatureRows::add(FeatureRow row, bool has_bodies) {
     if (words_.has_values())
         if (std::string mistake = check_value(row, words_); !mistake.empty()) return mistake;
     if (has_bodies_.value_or(has_bodies) != has_bodies) return "some ids have the number of a file and some do not";
@@ -211,7 +216,7 @@ std::string FeatureRows::add(AnyRow row, bool has_bodies) {
         candidates_->rows.push_back(row);
     } else {
         features_->has_bodies = has_bodies;
-        features_->rows.push_back(feature_row(row));
+        features_->rows.push_back(row);
     }
     return {};
 }

@@ -19,7 +19,7 @@ class FeatureRows {
 
     const FeatureWords& words() const { return words_; }
     /// Puts the row's edges in order and appends it. Says what is wrong with it; empty: nothing.
-    std::string add(AnyRow row, bool has_bodies);
+    std::string add(FeatureRow row, bool has_bodies);
 
    private:
     FeatureWords words_;

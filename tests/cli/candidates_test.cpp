@@ -43,7 +43,7 @@ TEST_F(Candidates, AreWrittenInEveryFormat) {
     EXPECT_EQ(outcome.out, "");
     EXPECT_TRUE(outcome.err.starts_with("2 candidates (1 vertex-face, 1 face-face), ")) << outcome.err;
     EXPECT_EQ(read("a.txt"), "vf 3 0\nff 0 1\n");
-    EXPECT_EQ(read("a.csv"), "kind,vertex,face,a,b,c,d,second_face\nvf,3,0,,,,,\nff,,0,,,,,1\n");
+    EXPECT_EQ(read("a.csv"), "kind,vertex,face,a,b,c,d\nvf,3,0,,,,\nff,,0,1,,,\n");
     const auto json = nlohmann::json::parse(read("a.json"));
     EXPECT_EQ(json["vertex_faces"], nlohmann::json::parse("[[3,0]]"));
     EXPECT_EQ(json["face_faces"], nlohmann::json::parse("[[0,1]]"));

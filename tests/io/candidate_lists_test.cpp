@@ -48,9 +48,9 @@ TEST(CandidateLists, TextHasALineForEach) {
 
 TEST(CandidateLists, CsvHasNamedColumns) {
     EXPECT_EQ(written(example(), PairFormat::csv),
-              "kind,vertex,face,a,b,c,d,second_face\nvf,7,1,,,,,\nee,,,0,7,2,9,\nef,,3,2,9,,,\nff,,4,,,,,5\n"
-              "ve,8,,0,7,,,\nvv,3,,4,,,,\n");
-    EXPECT_TRUE(written(example(true), PairFormat::csv).ends_with("vv,0:3,,1:4,,,,\n"));
+              "kind,vertex,face,a,b,c,d\nvf,7,1,,,,\nee,,,0,7,2,9\nef,,3,2,9,,\nff,,4,5,,,\n"
+              "ve,8,,0,7,,\nvv,3,,4,,,\n");
+    EXPECT_TRUE(written(example(true), PairFormat::csv).ends_with("vv,0:3,,1:4,,,\n"));
 }
 
 TEST(CandidateLists, JsonHasAnArrayForEachKindThatIsListed) {
@@ -125,7 +125,7 @@ TEST(CandidateLists, OfOthersMayNameFeaturesInAnyOrder) {
               read_candidates(folder.write("b.txt", "ff 0:5 1:4\n")).rows);
     EXPECT_NE(read_candidates(folder.write("a.txt", "ff 1:4 0:5\n")).rows,
               read_candidates(folder.write("b.txt", "ff 0:4 1:5\n")).rows);
-    std::istringstream in("kind,vertex,face,a,b,c,d,second_face\nff,,5,,,,,4\n");
+    std::istringstream in("kind,vertex,face,a,b,c,d\nff,,5,4,,,\n");
     EXPECT_EQ(read_candidates(in, "in.csv").rows, rows("ff 4 5"));
 }
 
@@ -146,10 +146,10 @@ TEST(CandidateLists, ThatAreNoneAreRefused) {
     expect_refused("a.txt", "ef 1 1 2\n", "an edge names a vertex twice");
     expect_refused("a.txt", "ef 0:1 1:2 0:3\n", "an edge has vertices of two files");
     expect_refused("a.txt", "vv 1 2\nvv 0:1 1:2\n", "some ids have the number of a file and some do not");
-    expect_refused("a.csv", "ff,,1,,,,2\n", "7 columns in place of 8");
-    expect_refused("a.csv", "ff,,1,,,,,\n", "'' names no face");
-    expect_refused("a.csv", "ff,7,1,,,,,2\n", "'7' is in a column of another kind");
-    expect_refused("a.csv", "vf,7,1,,,,,2\n", "'2' is in a column of another kind");
+    expect_refused("a.csv", "ff,,1,2,,\n", "6 columns in place of 7");
+    expect_refused("a.csv", "ff,,1,,,,\n", "'' names no face");
+    expect_refused("a.csv", "ff,7,1,2,,,\n", "'7' is in a column of another kind");
+    expect_refused("a.csv", "vf,7,1,,,,2\n", "'2' is in a column of another kind");
     expect_refused("a.json", "{}", "there is none of the arrays");
     expect_refused("a.json", R"({"edge_faces":[[0,1]]})", "there is no array \"edges\"");
     expect_refused("a.json", R"({"edges":[[0,1]],"edge_faces":[[1,1]]})",
@@ -165,10 +165,11 @@ TEST(CandidateLists, ArraysOfOtherListsAreLetBe) {
     const std::string more = R"("vertex_face_":["theirs"],"vertex_face_toi":{},"":1,"face_faces":)";
     EXPECT_EQ(read_candidates(folder.write("a.json", "{" + more + "[[0,1]]}")).rows.size(), 1u);
     const std::string impacts = R"("vertex_faces":[],"vertex_face_toi":[],"edge_edges":[],"edge_edge_toi":[]})";
-    EXPECT_TRUE(read_impacts(folder.write("a.json", R"({"face_faces":"none",)" + impacts)).rows.empty());
-    for (const char* const line : {"ff 1 2 0.5\n", "ef 1 2 3 0.5\n"})
-        EXPECT_TRUE(contains(error_of([&] { read_impacts(folder.write("a.txt", line)); }).what(),
-                             "is none of vf, ee, ve and vv"));
+    EXPECT_TRUE(read_impacts(folder.write("a.json", R"({"edge_faces":"none",)" + impacts)).rows.empty());
+    EXPECT_TRUE(contains(error_of([&] { read_impacts(folder.write("a.txt", "ef 1 2 3 0.5\n")); }).what(),
+                         "is none of vf, ee, ff, ve and vv"));
+    EXPECT_TRUE(contains(error_of([&] { read_near(folder.write("a.txt", "ff 1 2 0.5\n")); }).what(),
+                         "is none of vf, ee, ve and vv"));
 }
 
 }  // namespace

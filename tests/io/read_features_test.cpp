@@ -13,7 +13,7 @@ namespace crumple::io::test {
 namespace {
 
 FeatureRow face(std::int32_t vertex, std::int32_t triangle, double value, bool flag) {
-    return {FeatureKind::vertex_face, {0, 0}, {vertex, triangle, 0, 0}, value, flag};
+    return {{CandidateKind::vertex_face, {0, 0}, {vertex, triangle, 0, 0}}, value, flag};
 }
 
 void expect_bad_rows(const std::string& bytes, const std::string& name, const std::string& what) {
@@ -35,10 +35,10 @@ TEST(ReadFeatures, TextMayHaveCommentsAndNoFlag) {
 
 TEST(ReadFeatures, EdgesMayComeInAnyOrder) {
     const Folder folder;
-    const FeatureRow row{FeatureKind::edge_edge, {0, 0}, {1, 8, 3, 5}, 0.5, false};
+    const FeatureRow row{{CandidateKind::edge_edge, {0, 0}, {1, 8, 3, 5}}, 0.5, false};
     for (const char* const text : {"ee 1 8 3 5 0.5 0", "ee 8 1 5 3 0.5", "ee 3 5 1 8 0.5", "ee 5 3 8 1 0.5"})
         EXPECT_EQ(read_impacts(folder.write("a.txt", text)).rows, std::vector{row}) << text;
-    const FeatureRow between{FeatureKind::edge_edge, {0, 1}, {4, 5, 1, 2}, 0.5, false};
+    const FeatureRow between{{CandidateKind::edge_edge, {0, 1}, {4, 5, 1, 2}}, 0.5, false};
     for (const char* const text : {"ee 0:4 0:5 1:1 1:2 0.5", "ee 1:2 1:1 0:5 0:4 0.5"}) {
         const FeatureList list = read_impacts(folder.write("a.txt", text));
         EXPECT_EQ(list.rows, std::vector{between}) << text;
@@ -128,7 +128,7 @@ std::string json_with(const std::string& name, const std::string& value) {
 
 TEST(ReadFeatures, JsonMayHoldMore) {
     const Folder folder;
-    const FeatureRow edges{FeatureKind::edge_edge, {0, 0}, {0, 1, 2, 3}, 0, true};
+    const FeatureRow edges{{CandidateKind::edge_edge, {0, 0}, {0, 1, 2, 3}}, 0, true};
     EXPECT_EQ(read_impacts(folder.write("a.json", json_with("", ""))).rows,
               (std::vector{face(0, 1, 0.5, false), edges}));
     EXPECT_EQ(read_impacts(folder.write("a.json", json_with("edge_edge_start", ""))).rows.back(), edges)
@@ -166,7 +166,7 @@ TEST(ReadFeatures, BodiesOfArraysAreChecked) {
                R"("edge_edge_toi": [0.5], "edge_edge_bodies": )" + bodies + R"(, "first_edge": )" + first_edge + "}";
     };
     const Folder folder;
-    const FeatureRow row{FeatureKind::edge_edge, {0, 1}, {0, 1, 2, 3}, 0.5, false};
+    const FeatureRow row{{CandidateKind::edge_edge, {0, 1}, {0, 1, 2, 3}}, 0.5, false};
     EXPECT_EQ(read_impacts(folder.write("a.json", list("[[0,1]]", "[0,1,2]"))).rows, std::vector{row});
     expect_bad_rows(list("[[0,2]]", "[0,1,2]"), "a.json", "no such body");
     expect_bad_rows(list("[[0,-1]]", "[0,1,2]"), "a.json", "this is no body");
@@ -200,7 +200,7 @@ std::string npz_with(const std::string& name, const std::string& array) {
 
 TEST(ReadFeatures, NpzMayHoldNumbersOfAnyOrderAndSize) {
     const Folder folder;
-    const FeatureRow edges{FeatureKind::edge_edge, {0, 0}, {0, 1, 2, 3}, 0, true};
+    const FeatureRow edges{{CandidateKind::edge_edge, {0, 0}, {0, 1, 2, 3}}, 0, true};
     EXPECT_EQ(read_impacts(folder.write("a.npz", npz_with("", ""))).rows, (std::vector{face(0, 1, 0.5, false), edges}));
 }
 
@@ -270,7 +270,7 @@ TEST(ReadFeatures, AnyBytesAreAListOrAnError) {
                         ASSERT_TRUE(row.value >= 0 && row.value <= 1) << in.str();
                         for (const std::int32_t id : row.ids) ASSERT_GE(id, 0) << in.str();
                         ASSERT_TRUE(row.bodies.first >= 0 && row.bodies.second >= 0) << in.str();
-                        const bool face = row.kind == FeatureKind::vertex_face;
+                        const bool face = row.kind == CandidateKind::vertex_face;
                         ASSERT_TRUE(face || (row.ids[0] < row.ids[1] && row.ids[2] < row.ids[3])) << in.str();
                     }
                     ++lists;
