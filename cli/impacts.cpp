@@ -46,7 +46,9 @@ struct ImpactsCommand : FeatureCommand {
 
     void refuse_options_of_other_kinds() const {
         for (const CLI::Option* const option : of_features)
-            if (*option && kind != Kind::features) refuse(option->get_name() + " needs --kind features");
+            if (*option && kind != Kind::features)
+                refuse(option->get_name() + " does not go with --kind " +
+                       (kind == Kind::pairs ? "pairs" : "candidates"));
         for (const CLI::Option* const option : of_motion)
             if (*option && kind == Kind::candidates) refuse(option->get_name() + " does not go with --kind candidates");
         for (const CLI::Option* const option : of_candidates)

@@ -98,7 +98,7 @@ TEST_F(Candidates, AreRefusedWhereTheyMakeNoSense) {
     for (const char* const bad : {"-1", "nan", "inf", "x"})
         expect_refused(step + " --inflation " + bad,
                        "--inflation: " + std::string(bad) + " is no distance of 0 or more");
-    expect_refused("impacts above.off below.off --kind both", "--kind: both is none of features|candidates");
+    expect_refused("impacts above.off below.off --kind both", "--kind: both is none of features|pairs|candidates");
     expect_refused("impacts - - --kind candidates", "standard input, -, can be read once");
     expect_refused("impacts missing.off --kind candidates", "missing.off");
     write("a.csv", above_off);

@@ -98,6 +98,43 @@ Impacts example_rods(bool has_bodies) {
     return a;
 }
 
+TEST(FeatureLists, PairsOfTrianglesComeWithImpactsOrAlone) {
+    const Folder folder;
+    for (const bool has_bodies : {false, true}) {
+        Impacts impacts = example_rods(has_bodies);
+        impacts.lists_triangle_pairs = true;
+        const auto with = [&](auto write, PairFormat format) {
+            std::ostringstream out;
+            write(out, impacts, format);
+            return out.str();
+        };
+        const auto all = [](auto& out, const Impacts& i, PairFormat format) { write_impacts(out, i, format); };
+        const auto alone = [](auto& out, const Impacts& i, PairFormat format) { write_triangle_pairs(out, i, format); };
+        EXPECT_EQ(with(alone, PairFormat::txt), "");
+        EXPECT_TRUE(nlohmann::json::parse(with(all, PairFormat::json)).contains("face_faces")) << "be there none";
+        add(impacts.triangle_pairs, {4, 5}, {0, has_bodies ? 1 : 0}, has_bodies);
+        impacts.triangle_pairs.toi.push_back(0.5);
+        impacts.triangle_pairs.start.push_back(0);
+        const std::string line = has_bodies ? "ff 0:4 1:5 0.5 0\n" : "ff 4 5 0.5 0\n";
+        EXPECT_EQ(with(alone, PairFormat::txt), line);
+        EXPECT_EQ(with(all, PairFormat::txt).find(line) != std::string::npos, true);
+        const auto json = nlohmann::json::parse(with(alone, PairFormat::json));
+        EXPECT_EQ(json["face_faces"], nlohmann::json::parse("[[4,5]]"));
+        for (const char* const absent : {"vertex_faces", "edges", "edge_edges", "earliest"})
+            EXPECT_FALSE(json.contains(absent)) << absent;
+        for (const char* const name : {"a.txt", "a.csv", "a.json", "a.npz"}) {
+            write_impacts(folder / name, impacts);
+            EXPECT_EQ(read_impacts(folder / name).rows, list_of(impacts).rows) << name;
+            write_triangle_pairs(folder / name, impacts);
+            const FeatureList pairs = read_impacts(folder / name);
+            ASSERT_EQ(pairs.rows.size(), 1U) << name;
+            EXPECT_EQ(pairs.rows[0], list_of(impacts).rows[list_of(impacts).rows.size() - 3]) << "before ve and vv";
+        }
+        impacts.triangle_pairs.toi.clear();
+        EXPECT_EQ(error_of([&] { list_of(impacts); }).code, ErrorCode::invalid_argument);
+    }
+}
+
 TEST(FeatureLists, RodsAndParticlesAreNamedByTheirVertices) {
     const auto text = [](bool has_bodies, PairFormat format) {
         std::ostringstream out;
