@@ -52,6 +52,11 @@ void check_question(const CandidateQuestion& q, bool) {
     check(q.inflation >= 0 && std::isfinite(q.inflation), "inflation must be finite and 0 or more");
 }
 
+void check_question(const Nearest& q) {
+    check(q.radius >= 0, "radius must be 0 or more, or infinite");
+    check(q.rules.bodies != Wanted::within, "bodies must not be within: distances are between bodies");
+}
+
 void check_query(const MeshView& a, const MeshView* b, const Query& q) {
     check(q.wanted == Wanted::both || q.wanted == Wanted::between || q.wanted == Wanted::within,
           "wanted must be both, between or within");

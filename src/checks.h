@@ -6,6 +6,7 @@
 #include "crumple/mesh.h"
 #include "crumple/motion.h"
 #include "crumple/near.h"
+#include "crumple/nearest.h"
 #include "crumple/options.h"
 
 namespace crumple {
@@ -20,6 +21,7 @@ void check_query(const MeshView& a, const MeshView* b, const Query& query);
 void check_question(const Motion& question, bool world);
 void check_question(const Near& question, bool world);
 void check_question(const CandidateQuestion& question, bool world);
+void check_question(const Nearest& question);
 void check_blocks(const Streaming& how);
 
 }  // namespace crumple

@@ -17,7 +17,10 @@
 #include "engine/backend.h"
 #include "engine/feature_output.h"
 #include "engine/feature_search.h"
+#include "engine/nearest.h"
+#include "engine/nearest_output.h"
 #include "engine/output.h"
+#include "engine/reference/nearest.h"
 #include "engine/reference/worlds.h"
 #include "engine/world_output.h"
 #include "engine/worlds.h"
@@ -35,8 +38,11 @@ struct Detector::Implementation {
     Impacts impacts = metered_impacts(&meter);
     Nearby nearby = metered_nearby(&meter);
     CandidateLists candidates = metered_candidates(&meter);
+    NearestBodies nearest_bodies = metered_nearest(&meter);
     Cancellation cancellation;
-    WorldSearch worlds{meter, cancellation};
+    ShapeTrees named{meter};
+    WorldSearch worlds{meter, cancellation, named};
+    NearestSearch nearest{meter, cancellation, named};
     FeatureSearch features{meter, cancellation};
     Backend working = Backend::cpu;  ///< what `backend` is
     std::unique_ptr<BackendBase> backend;
@@ -76,7 +82,10 @@ struct Detector::Implementation {
         buffers = SceneBuffers(&meter);
         result = metered(&meter);
         worlds.release();
+        nearest.release();
+        named.release();
         world_result = metered_world(&meter);
+        nearest_bodies = metered_nearest(&meter);
         features.release();
         impacts = metered_impacts(&meter);
         nearby = metered_nearby(&meter);
@@ -244,6 +253,25 @@ struct Detector::Implementation {
         answer.statistics.peak_memory_bytes = meter.peak;
         answer.statistics.milliseconds = watch.lap();
         return answer;
+    }
+    const NearestBodies& find_nearest(const World& world, const Nearest& question, std::stop_token stop) {
+        Stopwatch watch;
+        bool frugal = false;
+        const auto attempt = [&] {
+            check(working != Backend::cuda, "distances of bodies need the cpu backend (Options::backend)");
+            check_question(question);
+            if (working == Backend::reference)
+                find_nearest_by_brute_force(world, question, meter, cancellation, nearest_bodies);
+            else
+                nearest.find(*backend, world, question, frugal, nearest_bodies);
+        };
+        within_limit(
+            std::move(stop), attempt, [&] { return frugal = true; }, [&] { return peak_of(attempt); });
+        Statistics& statistics = nearest_bodies.statistics;
+        statistics.pairs = static_cast<std::int64_t>(nearest_bodies.bodies.size());
+        statistics.peak_memory_bytes = meter.peak;
+        statistics.milliseconds = watch.lap();
+        return nearest_bodies;
     }
     // One mesh is a world of one body.
     const Impacts& find_impacts(const MeshView& mesh, const VertexView& end, const Motion& question,
@@ -496,6 +524,9 @@ const CandidateLists& Detector::find_candidates(const MeshView& mesh, const Vert
                                                 const CandidateQuestion& question, std::stop_token stop) {
     return implementation_->find_candidates(mesh, &end, question, std::move(stop));
 }
+const NearestBodies& Detector::find_nearest(const World& world, const Nearest& question, std::stop_token stop) {
+    return implementation_->find_nearest(world, question, std::move(stop));
+}
 Statistics Detector::stream(const World& world, TakeWorldBlock take, const Intersect& question, const Streaming& how,
                             std::stop_token stop) {
     return implementation_->stream(world, take, question, how, std::move(stop));
@@ -526,6 +557,9 @@ void Detector::swap_result(WorldCollisions& other) { implementation_->swap_resul
 void Detector::swap_result(Impacts& other) { implementation_->swap_answer(implementation_->impacts, other); }
 void Detector::swap_result(Nearby& other) { implementation_->swap_answer(implementation_->nearby, other); }
 void Detector::swap_result(CandidateLists& other) { implementation_->swap_answer(implementation_->candidates, other); }
+void Detector::swap_result(NearestBodies& other) {
+    implementation_->swap_answer(implementation_->nearest_bodies, other);
+}
 void Detector::set_poll(std::function<void()> poll) { implementation_->cancellation.set_poll(std::move(poll)); }
 const Options& Detector::options() const { return implementation_->options; }
 Backend Detector::backend() const { return implementation_->working; }

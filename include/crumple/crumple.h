@@ -11,5 +11,6 @@
 #include "crumple/mesh.h"
 #include "crumple/motion.h"
 #include "crumple/near.h"
+#include "crumple/nearest.h"
 #include "crumple/options.h"
 #include "crumple/version.h"

@@ -15,6 +15,7 @@
 #include "crumple/mesh.h"
 #include "crumple/motion.h"
 #include "crumple/near.h"
+#include "crumple/nearest.h"
 #include "crumple/options.h"
 #include "crumple/part.h"
 #include "crumple/world.h"
@@ -117,6 +118,11 @@ class Detector {
     const CandidateLists& find_candidates(const MeshView& mesh, const VertexView& end,
                                           const CandidateQuestion& question = {}, std::stop_token stop = {});
 
+    /// How far apart bodies are: of each pair of them the distance, exactly, the triangles and the points where they
+    /// are closest (docs/nearest.md). Fast where shapes are named; a shape without a name gets its tree for the call.
+    /// Errors name body or shape. Not with the cuda backend.
+    const NearestBodies& find_nearest(const World& world, const Nearest& question = {}, std::stop_token stop = {});
+
     /// The same by the question's type, which has to be named: `find(world, {.weld = true})` is about intersections.
     template <std::same_as<Motion> Question>
     const Impacts& find(const World& world, const Question& question, std::stop_token stop = {}) {
@@ -129,6 +135,10 @@ class Detector {
     template <std::same_as<CandidateQuestion> Question>
     const CandidateLists& find(const World& world, const Question& question, std::stop_token stop = {}) {
         return find_candidates(world, question, std::move(stop));
+    }
+    template <std::same_as<Nearest> Question>
+    const NearestBodies& find(const World& world, const Question& question, std::stop_token stop = {}) {
+        return find_nearest(world, question, std::move(stop));
     }
 
     /// Cuts a scene into `count` (1 to 262,144) parts. Depends only on the arguments, so that several machines that are
@@ -155,10 +165,11 @@ class Detector {
     }
     /// The same for the result of the last find of a world.
     void swap_result(WorldCollisions& other);
-    /// The same for the last answer about motion, nearness, or candidates.
+    /// The same for the last answer about motion, nearness, candidates, or nearest bodies.
     void swap_result(Impacts& other);
     void swap_result(Nearby& other);
     void swap_result(CandidateLists& other);
+    void swap_result(NearestBodies& other);
 
     /// Has `poll` called about every 20 ms while a call runs, in the thread that made the call; shorter calls do not
     /// poll. What it throws ends the call and leaves it, as an Error does; it must not call this detector. For

@@ -27,9 +27,10 @@ bool finite(const Bounds& box, double most) {
 
 }  // namespace
 
-WorldSearch::WorldSearch(MemoryMeter& meter, Cancellation& cancellation)
+WorldSearch::WorldSearch(MemoryMeter& meter, Cancellation& cancellation, ShapeTrees& named)
     : meter_(meter),
       cancellation_(cancellation),
+      named_(named),
       outline_(&meter),
       rules_(&meter),
       box_(&meter),
@@ -41,7 +42,6 @@ WorldSearch::WorldSearch(MemoryMeter& meter, Cancellation& cancellation)
       found_(metered(&meter)) {}
 
 void WorldSearch::release() {
-    named_.clear();
     trees_.clear();
     of_call_.clear();
     outline_ = WorldOutline(&meter_);
@@ -57,7 +57,7 @@ void WorldSearch::release() {
 
 void WorldSearch::find(BackendBase& backend, const World& world, const Intersect& question, WorldCollisions& result,
                        const WorldBlocks* blocks) {
-    ++calls_;
+    named_.begin();
     question_ = question;
     blocks_ = blocks;
     outline_.read(world, question.rules);
@@ -87,60 +87,15 @@ void WorldSearch::read_shapes() {
     trees_.assign(world.shapes.size(), nullptr);
     of_call_.clear();
     for (std::size_t s = 0; s < world.shapes.size(); ++s)
-        if (world.shapes[s].name != 0) trees_[s] = &named_tree(s);
+        if (world.shapes[s].name != 0) trees_[s] = &named_.named(world.shapes[s], s);
     if (outline_.worlds() < 2) return;
     for (std::int32_t b = outline_.first_body(outline_.worlds()); b < outline_.bodies(); ++b) {
         const auto s = static_cast<std::size_t>(outline_.body(b).shape);
         if (trees_[s]) continue;
         of_call_.push_back(std::make_unique<ShapeTree>(&meter_));
-        build(*of_call_.back(), s);
+        named_.build(*of_call_.back(), world.shapes[s], s);
         trees_[s] = of_call_.back().get();
     }
-}
-
-const ShapeTree& WorldSearch::named_tree(std::size_t s) {
-    const Shape& shape = outline_.world().shapes[s];
-    if (const auto known = named_.find(shape.name); known != named_.end()) {
-        Named& named = *known->second;
-        if (named.vertices != shape.vertices.rows || named.triangles != shape.triangles.rows ||
-            named.type != shape.vertices.type)
-            throw Error(ErrorCode::invalid_argument,
-                        "shape " + std::to_string(s) + ": what is named " + std::to_string(shape.name) + " has " +
-                            std::to_string(named.vertices) + " vertices, " + std::to_string(named.triangles) +
-                            " triangles and its own precision; a named shape stays as it is",
-                        Element::shape, static_cast<std::int64_t>(s));
-        named.used = calls_;
-        return named.tree;
-    }
-    auto named = std::make_unique<Named>(&meter_);
-    named->vertices = shape.vertices.rows;
-    named->triangles = shape.triangles.rows;
-    named->type = shape.vertices.type;
-    named->used = calls_;
-    build(named->tree, s);
-    return named_.emplace(shape.name, std::move(named)).first->second->tree;
-}
-
-// Under a memory limit, shapes that this call does not use make room, those that were not used for longest first.
-void WorldSearch::build(ShapeTree& tree, std::size_t s) {
-    for (;;) {
-        try {
-            tree.build(outline_.world().shapes[s]);
-            return;
-        } catch (const MemoryMeter::Exceeded&) {
-            if (!drop_oldest()) throw;
-        } catch (const Error& error) {
-            throw Error(error.code, "shape " + std::to_string(s) + ": " + error.what(), error.element, error.index);
-        }
-    }
-}
-
-bool WorldSearch::drop_oldest() {
-    const auto oldest = std::min_element(named_.begin(), named_.end(),
-                                         [](const auto& a, const auto& b) { return a.second->used < b.second->used; });
-    if (oldest == named_.end() || oldest->second->used == calls_) return false;
-    named_.erase(oldest);
-    return true;
 }
 
 // Boxes, where bodies can be left out by them: not where all must be searched anyway.

@@ -10,14 +10,13 @@
 // So a body that is clear of all others costs one box, and the work of one world does not depend on how many others
 // there are, or how far triangles that are in all worlds reach.
 
-#include <functional>
 #include <memory>
-#include <unordered_map>
 #include <vector>
 
 #include "base/cancellation.h"
 #include "crumple/world.h"
 #include "engine/backend.h"
+#include "engine/shape_trees.h"
 #include "engine/world_output.h"
 #include "engine/world_scene.h"
 #include "model/body_rules.h"
@@ -28,23 +27,16 @@ namespace crumple {
 
 class WorldSearch {
    public:
-    WorldSearch(MemoryMeter& meter, Cancellation& cancellation);
+    WorldSearch(MemoryMeter& meter, Cancellation& cancellation, ShapeTrees& named);
 
     /// In blocks, if `blocks` is not null.
     void find(BackendBase& backend, const World& world, const Intersect& question, WorldCollisions& result,
               const WorldBlocks* blocks = nullptr);
 
-    /// Forgets named shapes and gives all memory back.
+    /// Gives all memory back, but for named shapes.
     void release();
 
    private:
-    struct Named {
-        explicit Named(MemoryMeter* m) : tree(m) {}
-        ShapeTree tree;
-        std::int64_t vertices = 0, triangles = 0;
-        ScalarType type{};
-        std::int64_t used = 0;  ///< the call that used it last
-    };
     struct Mark {
         std::int32_t body, group;
         friend auto operator<=>(const Mark&, const Mark&) = default;
@@ -57,9 +49,6 @@ class WorldSearch {
     };
 
     void read_shapes();
-    const ShapeTree& named_tree(std::size_t s);
-    void build(ShapeTree& tree, std::size_t s);
-    bool drop_oldest();
     void read_bodies();
     Bounds read_box(std::int32_t b) const;
 
@@ -85,8 +74,7 @@ class WorldSearch {
 
     MemoryMeter& meter_;
     Cancellation& cancellation_;
-    std::int64_t calls_ = 0;
-    std::unordered_map<std::uint64_t, std::unique_ptr<Named>> named_;
+    ShapeTrees& named_;
 
     // Of the call that runs:
     Intersect question_;

@@ -29,6 +29,7 @@ void ShapeTree::build(const Shape& shape) {
     const std::int64_t n = shape.triangles.rows;
     const VertexReader position = reader_of(shape);
     node_.clear();
+    first_.clear();
     group_.clear();
     vertex_.clear();
     box_.clear();
@@ -39,6 +40,7 @@ void ShapeTree::build(const Shape& shape) {
     if (n == 0) return;
     const std::int64_t leaves = (n + most_triangles - 1) / most_triangles;
     node_.reserve(static_cast<std::size_t>(2 * leaves));
+    first_.reserve(static_cast<std::size_t>(2 * leaves));
     group_.reserve(static_cast<std::size_t>(leaves));
     with_corner_reader(shape, [&](auto corner) {
         const auto corners = [&](std::int64_t t) {
@@ -102,18 +104,22 @@ Bounds ShapeTree::add_node(const Shape& shape, Item* begin, Item* end, Corners c
     const auto i = static_cast<std::int32_t>(node_.size());
     node_.push_back({});
     box_.push_back({});
+    first_.push_back(0);
     const auto box_of = [&](const Bounds& box) {
         box_[i] = CentredBox(box);
         return box;
     };
     if (end - begin <= most_triangles) {
         node_[i].group = static_cast<std::int32_t>(group_.size());
-        return box_of(add_group(shape, begin, end, corners));
+        const Bounds box = add_group(shape, begin, end, corners);
+        first_[i] = group_.back().triangle[0];
+        return box_of(box);
     }
     Item* const middle = split(begin, end);
     Bounds box = add_node(shape, begin, middle, corners);
     node_[i].right = static_cast<std::int32_t>(node_.size());
     box.widen(add_node(shape, middle, end, corners));
+    first_[i] = std::min(first_[i + 1], first_[node_[i].right]);
     return box_of(box);
 }
 

@@ -44,7 +44,8 @@ class ShapeTree {
     /// Coordinates of a group's vertices: all x, all y, all z.
     using Posed = double[3][3 * most_triangles];
 
-    explicit ShapeTree(MemoryMeter* meter) : node_(meter), group_(meter), vertex_(meter), box_(meter), order_(meter) {}
+    explicit ShapeTree(MemoryMeter* meter)
+        : node_(meter), first_(meter), group_(meter), vertex_(meter), box_(meter), order_(meter) {}
 
     /// Reads the shape: coordinates must be finite and indices in range, or Error (without a shape's name) is thrown.
     /// O(m log m).
@@ -52,6 +53,8 @@ class ShapeTree {
 
     bool empty() const { return group_.empty(); }
     const Node& node(std::int32_t i) const { return node_[i]; }
+    /// The lowest triangle below a node.
+    std::int32_t first_triangle(std::int32_t i) const { return first_[i]; }
     const Group& group(std::int32_t g) const { return group_[g]; }
     std::int32_t groups() const { return static_cast<std::int32_t>(group_.size()); }
     /// Coordinates of a group's vertices along an axis.
@@ -84,6 +87,7 @@ class ShapeTree {
 
     SmallFrame frame_;
     Array<Node> node_;
+    Array<std::int32_t> first_;  ///< of each node: its lowest triangle
     Array<Group> group_;
     Array<double> vertex_;   ///< group by group: all x, all y, all z
     Array<CentredBox> box_;  ///< scratch: of the nodes

@@ -30,6 +30,8 @@ class RationalDistance {
     /// The squared distance in units of 2^(2 exponent()).
     const Quotient& quotient() const { return squared_; }
     int exponent() const { return exponent_; }
+    /// The parameters of ClosestPoints, before they are rounded.
+    const std::array<Quotient, 2>& at() const { return at_; }
 
    private:
     Quotient squared_;            ///< in units of 2^(2 exponent_)

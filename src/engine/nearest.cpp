@@ -1,0 +1,141 @@
+#include "engine/nearest.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <limits>
+
+#include "engine/nearest_output.h"
+#include "engine/nearest_walk.h"
+#include "engine/world_scene.h"
+
+namespace crumple {
+namespace {
+
+// Pairs of bodies that are answered in one task: some microseconds each.
+constexpr std::size_t pairs_of_task = 8;
+
+}  // namespace
+
+NearestSearch::NearestSearch(MemoryMeter& meter, Cancellation& cancellation, ShapeTrees& named)
+    : meter_(meter), cancellation_(cancellation), named_(named), outline_(&meter), rules_(&meter), kept_(&meter) {}
+
+void NearestSearch::release() {
+    outline_ = WorldOutline(&meter_);
+    rules_ = BodyRules(&meter_);
+    trees_.clear();
+    of_call_.clear();
+    kept_.release();
+}
+
+void NearestSearch::find(ParallelFor& workers, const World& world, const Nearest& question, bool frugal,
+                         NearestBodies& answer) {
+    named_.begin();
+    radius_ = question.radius;
+    outline_.read(world, question.rules);
+    rules_.prepare(question.rules);
+    clear(answer);
+    answer.statistics.triangles = outline_.triangles();
+    answer.statistics.backend = "cpu";
+    answer.statistics.simd = "scalar";
+    read_shapes();
+    check_bodies();
+    list_pairs(answer);
+    make_rows(answer);
+    const std::size_t rows = answer.bodies.size();
+    kept_.assign(rows, 0);
+    std::atomic<std::int64_t> tests{0}, exact{0}, rational{0};
+    const auto run = [&](std::size_t task) {
+        NearestWalk walk(outline_, rules_, cancellation_, &meter_);
+        for (std::size_t i = task * pairs_of_task; i < std::min(rows, (task + 1) * pairs_of_task); ++i) {
+            cancellation_.check();
+            const auto [a, b] = answer.bodies[i];
+            const auto tree = [&](std::int32_t body) -> const ShapeTree& {
+                return *trees_[static_cast<std::size_t>(outline_.body(body).shape)];
+            };
+            NearestRow row;
+            kept_[i] = walk(a, tree(a), b, tree(b), radius_, row);
+            put_row(answer, i, row);
+        }
+        tests += walk.counts().tests, exact += walk.counts().exact, rational += walk.counts().rational;
+    };
+    const std::size_t tasks = (rows + pairs_of_task - 1) / pairs_of_task;
+    if (frugal || tasks <= 1)
+        for (std::size_t task = 0; task < tasks; ++task) run(task);
+    else
+        workers.parallel_for(tasks, run);
+    keep_rows(answer, kept_);
+    answer.statistics.box_overlaps = tests;
+    answer.statistics.exact_tests = exact;
+    answer.statistics.rational_tests = rational;
+    of_call_.clear();
+}
+
+void NearestSearch::read_shapes() {
+    const World& world = outline_.world();
+    trees_.assign(world.shapes.size(), nullptr);
+    of_call_.clear();
+    for (const Body& body : world.bodies) {
+        const auto s = static_cast<std::size_t>(body.shape);
+        if (trees_[s]) continue;
+        cancellation_.check();
+        if (world.shapes[s].name != 0) {
+            trees_[s] = &named_.named(world.shapes[s], s);
+            continue;
+        }
+        of_call_.push_back(std::make_unique<ShapeTree>(&meter_));
+        named_.build(*of_call_.back(), world.shapes[s], s);
+        trees_[s] = of_call_.back().get();
+    }
+}
+
+// Throws Error where a vertex is posed to infinity. Only bodies whose boxes reach that far are looked at.
+void NearestSearch::check_bodies() const {
+    const auto within = [](const Bounds& box, double most) {
+        for (int axis = 0; axis < 3; ++axis)
+            if (!(box.low[axis] >= -most && box.high[axis] <= most)) return false;
+        return true;
+    };
+    for (std::int32_t b = 0; b < outline_.bodies(); ++b) {
+        const Shape& shape = outline_.shape(b);
+        const ShapeTree& tree = *trees_[static_cast<std::size_t>(outline_.body(b).shape)];
+        const Placement place = outline_.placement(b);
+        const double most =
+            shape.vertices.type == ScalarType::float32 ? std::numeric_limits<float>::max() : largest_number;
+        if (!tree.empty() && within(place(tree.box()), most)) continue;
+        const VertexReader position = reader_of(shape);
+        for (std::int64_t v = 0; v < shape.vertices.rows; ++v) {
+            const Vec3d p = place(position(v));
+            if (!within({p, p}, largest_number)) fail_body_not_finite(outline_, b);
+        }
+    }
+}
+
+// Bodies are in the order of their worlds, so ascending pairs are as the answer wants them.
+void NearestSearch::list_pairs(NearestBodies& answer) {
+    const std::int32_t worlds = outline_.worlds(), rest = outline_.first_body(worlds);
+    for (std::int32_t w = 0; w < worlds; ++w) {
+        const std::int32_t end = outline_.first_body(w + 1);
+        for (std::int32_t a = outline_.first_body(w); a < end; ++a) {
+            cancellation_.check();
+            add_pairs(a, a + 1, end, answer);
+            add_pairs(a, rest, outline_.bodies(), answer);
+        }
+    }
+    for (std::int32_t a = rest; a < outline_.bodies(); ++a) {
+        cancellation_.check();
+        add_pairs(a, a + 1, outline_.bodies(), answer);
+    }
+}
+
+void NearestSearch::add_pairs(std::int32_t a, std::int32_t begin, std::int32_t end, NearestBodies& answer) {
+    const auto lacks_triangles = [&](std::int32_t b) { return outline_.shape(b).triangles.rows == 0; };
+    if (lacks_triangles(a)) return;
+    for (std::int32_t b = begin; b < end; ++b) {
+        if (lacks_triangles(b) || !rules_.between(a, b)) continue;
+        const bool grouped = !outline_.shape(a).groups.empty() || !outline_.shape(b).groups.empty();
+        if (grouped || rules_.groups(outline_.body(a).group, outline_.body(b).group)) answer.bodies.push_back({a, b});
+    }
+}
+
+}  // namespace crumple

@@ -1,0 +1,47 @@
+#pragma once
+
+// How far bodies are apart, on any backend that runs on the host: trees of all shapes, kept by name; all pairs of bodies
+// that the rules allow and that may be near enough; and a walk for each of them (engine/nearest_walk.h), on all threads.
+
+#include <memory>
+#include <vector>
+
+#include "base/cancellation.h"
+#include "base/parallel_for.h"
+#include "crumple/nearest.h"
+#include "engine/shape_trees.h"
+#include "model/body_rules.h"
+#include "model/world.h"
+
+namespace crumple {
+
+class NearestSearch {
+   public:
+    NearestSearch(MemoryMeter& meter, Cancellation& cancellation, ShapeTrees& named);
+
+    /// `frugal`: one pair after the other, so that as much memory is needed as in each such call.
+    void find(ParallelFor& workers, const World& world, const Nearest& question, bool frugal, NearestBodies& answer);
+
+    /// Gives all memory back, but for named shapes.
+    void release();
+
+   private:
+    void read_shapes();
+    void check_bodies() const;
+    void list_pairs(NearestBodies& answer);
+    void add_pairs(std::int32_t a, std::int32_t begin, std::int32_t end, NearestBodies& answer);
+
+    MemoryMeter& meter_;
+    Cancellation& cancellation_;
+    ShapeTrees& named_;
+
+    // Of the call that runs:
+    double radius_ = 0;
+    WorldOutline outline_;
+    BodyRules rules_;
+    std::vector<const ShapeTree*> trees_;              ///< by shape
+    std::vector<std::unique_ptr<ShapeTree>> of_call_;  ///< those of shapes without a name
+    Array<std::uint8_t> kept_;                         ///< of each row, whether its bodies are near enough
+};
+
+}  // namespace crumple

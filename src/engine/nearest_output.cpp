@@ -1,0 +1,64 @@
+#include "engine/nearest_output.h"
+
+#include <utility>
+
+namespace crumple {
+namespace {
+
+template <class Act>
+void for_each_array(NearestBodies& answer, Act act) {
+    act(answer.bodies);
+    act(answer.squared_distance);
+    act(answer.touching);
+    act(answer.triangles);
+    act(answer.points);
+}
+
+}  // namespace
+
+NearestBodies metered_nearest(MemoryMeter* meter) {
+    NearestBodies answer;
+    for_each_array(answer, [&]<class T>(Array<T>& array) { array = Array<T>(meter); });
+    return answer;
+}
+
+void hand_over(NearestBodies& mine, NearestBodies& theirs) {
+    const auto swap = [](auto& one, auto& other) {
+        one.swap_elements(other);
+        one.clear();
+    };
+    swap(mine.bodies, theirs.bodies);
+    swap(mine.squared_distance, theirs.squared_distance);
+    swap(mine.touching, theirs.touching);
+    swap(mine.triangles, theirs.triangles);
+    swap(mine.points, theirs.points);
+    theirs.statistics = std::exchange(mine.statistics, {});
+}
+
+void clear(NearestBodies& answer) {
+    for_each_array(answer, [](auto& array) { array.clear(); });
+    answer.statistics = {};
+}
+
+void make_rows(NearestBodies& answer) {
+    const std::size_t rows = answer.bodies.size();
+    for_each_array(answer, [&](auto& array) { array.resize(rows); });
+}
+
+void put_row(NearestBodies& answer, std::size_t i, const NearestRow& row) {
+    answer.squared_distance[i] = row.squared;
+    answer.touching[i] = row.touching;
+    answer.triangles[i] = row.triangles;
+    for (std::size_t k = 0; k < 2; ++k) answer.points[i][k] = {row.points[k].x, row.points[k].y, row.points[k].z};
+}
+
+void keep_rows(NearestBodies& answer, const Array<std::uint8_t>& kept) {
+    for_each_array(answer, [&](auto& array) {
+        std::size_t n = 0;
+        for (std::size_t i = 0; i < kept.size(); ++i)
+            if (kept[i]) array[n++] = array[i];
+        array.resize(n);
+    });
+}
+
+}  // namespace crumple

@@ -1,0 +1,54 @@
+#include "engine/shape_trees.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "crumple/error.h"
+
+namespace crumple {
+
+const ShapeTree& ShapeTrees::named(const Shape& shape, std::size_t s) {
+    if (const auto known = named_.find(shape.name); known != named_.end()) {
+        Named& named = *known->second;
+        if (named.vertices != shape.vertices.rows || named.triangles != shape.triangles.rows ||
+            named.type != shape.vertices.type)
+            throw Error(ErrorCode::invalid_argument,
+                        "shape " + std::to_string(s) + ": what is named " + std::to_string(shape.name) + " has " +
+                            std::to_string(named.vertices) + " vertices, " + std::to_string(named.triangles) +
+                            " triangles and its own precision; a named shape stays as it is",
+                        Element::shape, static_cast<std::int64_t>(s));
+        named.used = calls_;
+        return named.tree;
+    }
+    auto named = std::make_unique<Named>(&meter_);
+    named->vertices = shape.vertices.rows;
+    named->triangles = shape.triangles.rows;
+    named->type = shape.vertices.type;
+    named->used = calls_;
+    build(named->tree, shape, s);
+    return named_.emplace(shape.name, std::move(named)).first->second->tree;
+}
+
+void ShapeTrees::build(ShapeTree& tree, const Shape& shape, std::size_t s) {
+    for (;;) {
+        try {
+            tree.build(shape);
+            return;
+        } catch (const MemoryMeter::Exceeded&) {
+            if (!drop_oldest()) throw;
+        } catch (const Error& error) {
+            throw Error(error.code, "shape " + std::to_string(s) + ": " + error.what(), error.element, error.index);
+        }
+    }
+}
+
+bool ShapeTrees::drop_oldest() {
+    const auto oldest = std::min_element(named_.begin(), named_.end(),
+                                         [](const auto& a, const auto& b) { return a.second->used < b.second->used; });
+    if (oldest == named_.end() || oldest->second->used == calls_) return false;
+    named_.erase(oldest);
+    return true;
+}
+
+}  // namespace crumple

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include "agreement/compare.h"
+
+namespace crumple::test {
+
+/// Everything byte for byte; a failure names the bodies.
+inline testing::AssertionResult same_nearest(const NearestBodies& found, const NearestBodies& expected) {
+    testing::AssertionResult same = same_bytes(found.bodies, expected.bodies, "bodies");
+    if (same) same = same_bytes(found.touching, expected.touching, "flags");
+    if (same) same = same_bytes(found.squared_distance, expected.squared_distance, "squared distances");
+    if (same) same = same_bytes(found.triangles, expected.triangles, "triangles");
+    if (same) same = same_bytes(found.points, expected.points, "points");
+    return same;
+}
+
+}  // namespace crumple::test
