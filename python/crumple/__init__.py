@@ -13,6 +13,7 @@
 
     crumple.time_of_first_impact(vertices, next_vertices, faces)      # on the straight way there: in [0, 1], or None
     detector.find_near(vertices, faces, radius=0.01)                  # features within a distance, and how near
+    detector.find_nearest(world).squared_distance                     # of each pair of bodies, and where
 
 Vertices are (n, 3) float32 or float64, faces (m, 3) integers or flat: NumPy arrays, or anything that speaks DLPack.
 Any triangle soup will do. What counts as a collision: docs/contract.md.
@@ -39,6 +40,7 @@ from ._files import Scene, make_scene, read_mesh, read_pairs, scenes, write_mesh
 from ._impacts import FirstImpact, FreeStep, Impacts
 from ._mesh import FileMesh, Mesh, Polygons, as_mesh
 from ._near import EdgeEdgeType, Nearby, VertexEdgeType, VertexFaceType, VertexVertexType
+from ._nearest import NearestBodies
 from ._result import Block, ContactKind, Contacts, Result
 from ._short_forms import (
     find_candidates,
@@ -46,6 +48,7 @@ from ._short_forms import (
     find_impacts,
     find_intersections_between,
     find_near,
+    find_nearest,
     find_self_intersections,
     has_intersections,
     has_intersections_between,
@@ -79,6 +82,7 @@ __all__ = [
     "MemoryLimit",
     "Mesh",
     "Nearby",
+    "NearestBodies",
     "PairDistances",
     "PairImpacts",
     "Part",
@@ -101,6 +105,7 @@ __all__ = [
     "find_impacts",
     "find_intersections_between",
     "find_near",
+    "find_nearest",
     "find_self_intersections",
     "has_intersections",
     "has_intersections_between",

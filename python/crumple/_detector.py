@@ -13,6 +13,7 @@ from ._mesh import Mesh, as_mesh, soup_of
 from ._motion import find_free_step, find_impacts, is_free, time_of_first_impact
 from ._names import suggesting
 from ._near import find_near
+from ._nearest import find_nearest
 from ._result import Block, Result
 from ._world import World
 from ._world_result import WorldResult
@@ -396,6 +397,7 @@ class Detector(_core.Detector):
     find_free_step = find_free_step
     find_near = find_near
     find_candidates = find_candidates
+    find_nearest = find_nearest
 
 
 def _find_in_part(

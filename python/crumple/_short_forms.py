@@ -13,6 +13,8 @@ if TYPE_CHECKING:
     from ._candidates import Candidates
     from ._impacts import FreeStep, Impacts
     from ._near import Nearby
+    from ._nearest import NearestBodies
+    from ._world import World
 
 
 def find_self_intersections(vertices: Any, faces: Any = None, *, copy: bool = False, **query: Any) -> NDArray[np.int32]:
@@ -70,3 +72,8 @@ def find_near(*scene: Any, **question: Any) -> Nearby:
 def find_candidates(*scene: Any, **question: Any) -> Candidates:
     """Which features of (vertices, faces) or of a world have boxes that overlap. All else: Detector.find_candidates."""
     return Detector().find_candidates(*scene, **question)
+
+
+def find_nearest(world: World, **question: Any) -> NearestBodies:
+    """How far apart the bodies of a world are, each pair of them. All else: Detector.find_nearest."""
+    return Detector().find_nearest(world, **question)

@@ -19,6 +19,7 @@
 #include "feature_search.h"
 #include "gil.h"
 #include "names.h"
+#include "nearest.h"
 #include "part.h"
 #include "world_search.h"
 
@@ -118,6 +119,10 @@ void SharedDetector::find(const MeshView& mesh, const CandidateQuestion& questio
 void SharedDetector::find(const MeshView& mesh, const VertexView& end, const CandidateQuestion& question,
                           CandidateLists& answer) {
     answer_into(answer, [&](std::stop_token stop) { detector_.find_candidates(mesh, end, question, std::move(stop)); });
+}
+
+void SharedDetector::find(const World& world, const Nearest& question, NearestBodies& answer) {
+    answer_into(answer, [&](std::stop_token stop) { detector_.find_nearest(world, question, std::move(stop)); });
 }
 
 FreeStep SharedDetector::find_free_step(const MeshView& mesh, const VertexView& end, const Motion& question) {
@@ -332,6 +337,8 @@ void bind_detector(nb::module_& module) {
         .def("_find_candidates", find_candidates, "mesh"_a, "end"_a.none(), "question"_a, "copy"_a.none(), "lists"_a)
         .def("_find_candidates_in_world", find_candidates_in_world, "world"_a, "poses"_a.none(), "end_poses"_a.none(),
              "question"_a, "excluded"_a.none(), "copy"_a.none())
+        .def("_find_nearest", find_nearest, "world"_a, "poses"_a.none(), "question"_a, "excluded"_a.none(),
+             "copy"_a.none())
         .def("_stream", stream, "take"_a, "first"_a, "second"_a.none(), "query"_a, "block_pairs"_a.none(),
              "ordered"_a.none())
         .def("_any", any, "first"_a, "second"_a.none(), "query"_a)

@@ -54,6 +54,7 @@ class SharedDetector {
     void find(const World& world, const CandidateQuestion& question, CandidateLists& answer);
     void find(const MeshView& mesh, const CandidateQuestion& question, CandidateLists& answer);
     void find(const MeshView& mesh, const VertexView& end, const CandidateQuestion& question, CandidateLists& answer);
+    void find(const World& world, const Nearest& question, NearestBodies& answer);
     FreeStep find_free_step(const MeshView& mesh, const VertexView& end, const Motion& question);
     bool any(const MeshView& first, const MeshView* second, const Query& query);
     /// `take` is called with the GIL, in any thread of the library.
@@ -106,7 +107,9 @@ class SharedDetector {
     void wait_for_another_turn();
 
     Detector detector_;
-    std::tuple<Two<Collisions>, Two<WorldCollisions>, Two<Impacts>, Two<Nearby>, Two<CandidateLists>> answers_;
+    std::tuple<Two<Collisions>, Two<WorldCollisions>, Two<Impacts>, Two<Nearby>, Two<CandidateLists>,
+               Two<NearestBodies>>
+        answers_;
     std::vector<Pose> poses_, end_poses_;
     std::optional<std::stop_source> stop_;  ///< of the turn; each has its own
     std::thread::id caller_;                ///< whose turn it is; guarded by the GIL, as `stop_` and `waiting_` are

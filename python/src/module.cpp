@@ -12,6 +12,7 @@
 #include "feature_pairs.h"
 #include "files.h"
 #include "gil.h"
+#include "nearest.h"
 #include "part.h"
 #include "pickling.h"
 #include "world.h"
@@ -31,6 +32,7 @@ NB_MODULE(_core, module) {
     crumple::python::bind_world_answer(module);
     crumple::python::bind_feature_answers(module);
     crumple::python::bind_candidates(module);
+    crumple::python::bind_nearest(module);
     crumple::python::bind_detector(module);
     crumple::python::bind_files(module);
     crumple::python::bind_world_files(module);

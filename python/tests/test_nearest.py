@@ -1,0 +1,149 @@
+"""How far bodies are apart: as brute force and the reference find it, as asked for, and as values."""
+
+import copy
+import pickle
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from conftest import soup
+from worlds import random_poses
+
+import crumple
+
+SQUARE = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], np.float32), np.array([[0, 1, 2], [0, 2, 3]])
+ARRAYS = ("bodies", "squared_distance", "touching", "triangles", "points")
+
+
+def moved(*steps):
+    poses = np.tile(np.eye(3, 4), (len(steps), 1, 1))
+    poses[:, :, 3] = steps
+    return poses
+
+
+def assert_same(found, expected):
+    for name in ARRAYS:
+        np.testing.assert_array_equal(getattr(found, name), getattr(expected, name), name, strict=True)
+
+
+def test_two_squares(either):
+    world = crumple.World([SQUARE], [0, 0], poses=moved((0, 0, 0), (0.25, 0.5, 3)))
+    found = either.find_nearest(world)
+    assert found.bodies.tolist() == [[0, 1]] and found.triangles.tolist() == [[0, 0]] and len(found) == 1
+    assert found.squared_distance.tolist() == [9] and found.distance.tolist() == [3] and not found.touching[0]
+    assert found.points.shape == (1, 2, 3) and found.points[0, :, 2].tolist() == [0, 3]
+    assert "1 pair of bodies, 0 touching" in repr(found)
+    touching = either.find_nearest(world, poses=moved((0, 0, 0), (1, 1, 0)))
+    assert touching.touching.tolist() == [True] and touching.points.tolist() == [[[1, 1, 0], [1, 1, 0]]]
+
+
+def test_vertices_are_as_near_as_rational_numbers_say(either):
+    """Single points, as collapsed triangles: nothing is closer than two vertices."""
+    points = np.random.default_rng(2).uniform(-1, 1, (8, 3))
+    shapes = [(points[k : k + 4], np.repeat(np.arange(4)[:, None], 3, axis=1)) for k in (0, 4)]
+    found = either.find_nearest(crumple.World(shapes))
+    exact = [[sum((Fraction(x) - Fraction(y)) ** 2 for x, y in zip(p, q)) for q in points[4:]] for p in points[:4]]
+    a, b = min(((i, j) for i in range(4) for j in range(4)), key=lambda pair: exact[pair[0]][pair[1]])
+    assert found.triangles.tolist() == [[a, b]]
+    assert found.squared_distance[0] == float(exact[a][b])
+    np.testing.assert_array_equal(found.points[0], points[[a, 4 + b]])
+
+
+def test_it_is_that_of_the_reference():
+    random = np.random.default_rng(5)
+    reference = crumple.Detector(backend="reference")
+    meshes = [soup(12, seed=seed)[:2] for seed in (1, 2, 3)]
+    worlds = [0, 0, 1, 1, -1]
+    for threads in (1, 3):
+        detector = crumple.Detector(threads=threads, backend="cpu")
+        shapes = [crumple.Shape(*mesh, name=f"nearest {threads} {i}") for i, mesh in enumerate(meshes)]
+        world = crumple.World(shapes, [0, 1, 2, 0, 1], worlds=worlds, groups=[0, 1, 0, 1, 1])
+        for spread in (0.5, 2, 6):
+            world.poses = random_poses(random, 5, spread)
+            for question in ({}, {"radius": spread}, {"groups": "between"}, {"excluded": [(0, 4), (2, 3)]}):
+                expected = reference.find_nearest(world, **question)
+                assert_same(detector.find_nearest(world, **question), expected)
+
+
+def test_configurations_and_names():
+    world = crumple.World([SQUARE, SQUARE], worlds=[0, -1], names=["arm", "room"])
+    poses = np.stack([moved((0, 0, z)) for z in (1, 2, 0)])
+    found = crumple.find_nearest(world.configurations(poses))
+    assert found.bodies.tolist() == [[0, 3], [1, 3], [2, 3]]
+    assert found.distance.tolist() == [1, 2, 0] and found.touching.tolist() == [False, False, True]
+    assert len(crumple.find_nearest(world.configurations(poses), excluded=[{"arm", "room"}])) == 0
+    assert crumple.find_nearest(world.configurations(poses), radius=1).bodies.tolist() == [[0, 3], [2, 3]]
+
+
+def test_arrays_are_views_or_copies():
+    world = crumple.World([SQUARE], [0, 0], poses=moved((0, 0, 0), (0, 0, 3)))
+    detector = crumple.Detector()
+    found = detector.find_nearest(world)
+    assert not any(getattr(found, name).flags.writeable for name in (*ARRAYS, "distance"))
+    for z in (4, 5, 6):
+        detector.find_nearest(world, poses=moved((0, 0, 0), (0, 0, z)))
+    assert found.squared_distance.tolist() == [9]
+    own = detector.find_nearest(world, copy=True)
+    assert all(getattr(own, name).flags.writeable for name in (*ARRAYS, "distance"))
+    del detector
+    assert found.points[0, 1, 2] == 3
+
+
+def test_copies_and_pickles():
+    world = crumple.World([SQUARE], [0, 0, 0], poses=moved((0, 0, 0), (0, 0, 3), (0, 0, 0)))
+    found = crumple.find_nearest(world)
+    for other in (copy.copy(found), copy.deepcopy(found), pickle.loads(pickle.dumps(found))):
+        assert_same(other, found)
+        assert repr(other) == repr(found)
+    restore, (state,) = found.__reduce__()
+    for name, wrong, error in (
+        ("bodies", state["bodies"][::-1], crumple.InvalidInput),
+        ("bodies", state["bodies"][:, ::-1], crumple.InvalidInput),
+        ("squared_distance", -1 - state["squared_distance"], crumple.InvalidInput),
+        ("touching", ~state["touching"], crumple.InvalidInput),
+        ("touching", state["touching"][:1], crumple.InvalidInput),
+        ("triangles", state["triangles"] - 9, crumple.InvalidInput),
+        ("triangles", state["triangles"].astype(float), crumple.InvalidType),
+        ("points", state["points"] * np.nan, crumple.InvalidInput),
+        ("points", state["points"][:, 0], crumple.InvalidType),
+        ("copy", 1, crumple.InvalidType),
+    ):
+        with pytest.raises(error, match="the state of NearestBodies"):
+            restore({**state, name: wrong})
+    with pytest.raises(crumple.InvalidType, match="the state of NearestBodies"):
+        restore({})
+
+
+@pytest.mark.parametrize(
+    "question, message",
+    [
+        ({"radius": -1}, "radius must be 0 or more, or infinite"),
+        ({"radius": np.nan}, "radius must be 0 or more, or infinite"),
+        ({"radius": "1"}, "radius must be"),
+        ({"groups": "all"}, 'groups must be one of "both", '),
+        ({"excluded": [(0, 7)]}, "excluded names body 7 of 2"),
+        ({"poses": moved((0, 0, 0))}, "poses must have shape"),
+        ({"poses": moved((0, 0, 0), (np.nan, 0, 0))}, "body 1: its pose is not finite"),
+    ],
+)
+def test_what_is_refused(either, question, message):
+    world = crumple.World([SQUARE], [0, 0])
+    with pytest.raises(crumple.InvalidInput, match=message):
+        either.find_nearest(world, **question)
+    assert len(either.find_nearest(world)) == 1, "usable still"
+
+
+def test_it_is_asked_of_worlds():
+    with pytest.raises(crumple.InvalidType, match=r"find_nearest takes a crumple\.World, not tuple"):
+        crumple.find_nearest(SQUARE)
+    with pytest.raises(TypeError, match="Did you mean 'radius'"):
+        crumple.find_nearest(crumple.World([SQUARE]), radios=1)
+
+
+def test_a_memory_limit_that_suffices_is_told():
+    vertices, faces, _ = soup(3000, seed=1)
+    world = crumple.World([(vertices, faces)], [0, 0], poses=moved((0, 0, 0), (3, 0, 0)))
+    with pytest.raises(crumple.MemoryLimit) as refused:
+        crumple.Detector(backend="cpu", memory_limit=20_000, count_bytes_needed=True).find_nearest(world)
+    enough = crumple.Detector(backend="cpu", memory_limit=refused.value.bytes_needed)
+    assert_same(enough.find_nearest(world), crumple.find_nearest(world))
