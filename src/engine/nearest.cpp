@@ -4,9 +4,9 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "engine/nearest_output.h"
-#include "engine/nearest_walk.h"
 #include "engine/world_scene.h"
 
 namespace crumple {
@@ -25,6 +25,7 @@ void NearestSearch::release() {
     rules_ = BodyRules(&meter_);
     trees_.clear();
     of_call_.clear();
+    idle_.clear();
     kept_.release();
 }
 
@@ -46,7 +47,8 @@ void NearestSearch::find(ParallelFor& workers, const World& world, const Nearest
     kept_.assign(rows, 0);
     std::atomic<std::int64_t> tests{0}, exact{0}, rational{0};
     const auto run = [&](std::size_t task) {
-        NearestWalk walk(outline_, rules_, cancellation_, &meter_);
+        auto owned = take_walk();
+        NearestWalk& walk = *owned;
         for (std::size_t i = task * pairs_of_task; i < std::min(rows, (task + 1) * pairs_of_task); ++i) {
             cancellation_.check();
             const auto [a, b] = answer.bodies[i];
@@ -58,6 +60,7 @@ void NearestSearch::find(ParallelFor& workers, const World& world, const Nearest
             put_row(answer, i, row);
         }
         tests += walk.counts().tests, exact += walk.counts().exact, rational += walk.counts().rational;
+        give_back(std::move(owned));
     };
     const std::size_t tasks = (rows + pairs_of_task - 1) / pairs_of_task;
     if (frugal || tasks <= 1)
@@ -69,6 +72,24 @@ void NearestSearch::find(ParallelFor& workers, const World& world, const Nearest
     answer.statistics.exact_tests = exact;
     answer.statistics.rational_tests = rational;
     of_call_.clear();
+}
+
+std::unique_ptr<NearestWalk> NearestSearch::take_walk() {
+    {
+        const std::lock_guard lock(mutex_);
+        if (!idle_.empty()) {
+            auto walk = std::move(idle_.back());
+            idle_.pop_back();
+            walk->clear_counts();
+            return walk;
+        }
+    }
+    return std::make_unique<NearestWalk>(outline_, rules_, cancellation_, &meter_);
+}
+
+void NearestSearch::give_back(std::unique_ptr<NearestWalk> walk) {
+    const std::lock_guard lock(mutex_);
+    idle_.push_back(std::move(walk));
 }
 
 void NearestSearch::read_shapes() {

@@ -1,14 +1,17 @@
 #pragma once
 
-// How far bodies are apart, on any backend that runs on the host: trees of all shapes, kept by name; all pairs of bodies
-// that the rules allow and that may be near enough; and a walk for each of them (engine/nearest_walk.h), on all threads.
+// How far bodies are apart, on any backend that runs on the host: trees of all shapes, kept by name; all pairs of
+// bodies that the rules allow and that may be near enough; and a walk for each of them (engine/nearest_walk.h), on all
+// threads.
 
 #include <memory>
+#include <mutex>
 #include <vector>
 
 #include "base/cancellation.h"
 #include "base/parallel_for.h"
 #include "crumple/nearest.h"
+#include "engine/nearest_walk.h"
 #include "engine/shape_trees.h"
 #include "model/body_rules.h"
 #include "model/world.h"
@@ -26,6 +29,8 @@ class NearestSearch {
     void release();
 
    private:
+    std::unique_ptr<NearestWalk> take_walk();
+    void give_back(std::unique_ptr<NearestWalk> walk);
     void read_shapes();
     void check_bodies() const;
     void list_pairs(NearestBodies& answer);
@@ -41,7 +46,9 @@ class NearestSearch {
     BodyRules rules_;
     std::vector<const ShapeTree*> trees_;              ///< by shape
     std::vector<std::unique_ptr<ShapeTree>> of_call_;  ///< those of shapes without a name
-    Array<std::uint8_t> kept_;                         ///< of each row, whether its bodies are near enough
+    std::mutex mutex_;
+    std::vector<std::unique_ptr<NearestWalk>> idle_;  ///< guarded by the mutex
+    Array<std::uint8_t> kept_;                        ///< of each row, whether its bodies are near enough
 };
 
 }  // namespace crumple

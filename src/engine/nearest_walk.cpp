@@ -37,6 +37,7 @@ bool NearestWalk::operator()(std::int32_t a, const ShapeTree& tree_a, std::int32
     begin(a_, a, tree_a);
     begin(b_, b, tree_b);
     found_ = touching_ = false;
+    direction_ = {};
     candidates_.clear();
     few_ = few_candidates;
     upper_ = radius * (1 + 0x1p-50);
@@ -75,8 +76,8 @@ void NearestWalk::aim(const Vec3d& known) {
     boxes_.emplace(a_.place, a_.tree->frame(), b_.place, b_.tree->frame(), known);
     a_.boxes = &boxes_->a();
     b_.boxes = &boxes_->b();
-    for (Side* side : {&a_, &b_})
-        for (PosedLeaf& leaf : side->leaves) leaf.index = -1;
+    a_.forget();
+    b_.forget();
     limit_ = boxes_->limit(upper_);
 }
 
@@ -101,6 +102,10 @@ void NearestWalk::descend(At a, At b) {
     }
     visit(a_.tree->node(a.node).group, b_.tree->node(b.node).group);
 }
+
+NearestWalk::Side::Side(MemoryMeter* meter) : leaves(meter) { leaves.resize(leaves_kept); }
+
+void NearestWalk::Side::forget() { group.fill(-1); }
 
 // Of two nodes that may be as close as what was found. The closer ones come first.
 void NearestWalk::walk(const At& a, const At& b) {
@@ -127,9 +132,10 @@ bool NearestWalk::comes_later(const At& a, const At& b) const {
 }
 
 const PosedLeaf& NearestWalk::posed(Side& side, std::int32_t group) {
-    PosedLeaf& leaf = side.leaves[static_cast<std::size_t>(group) % side.leaves.size()];
-    if (leaf.index == group) return leaf;
-    leaf.index = group;
+    const std::size_t place = static_cast<std::size_t>(group) % leaves_kept;
+    PosedLeaf& leaf = side.leaves[place];
+    if (side.group[place] == group) return leaf;
+    side.group[place] = group;
     leaf.group = &side.tree->group(group);
     side.tree->pose(*leaf.group, side.place, leaf.coordinate);
     alignas(16) BoxDistance::Lanes at[3 * ShapeTree::most_triangles];
@@ -154,6 +160,7 @@ const PosedLeaf& NearestWalk::posed(Side& side, std::int32_t group) {
 void NearestWalk::visit(std::int32_t group_a, std::int32_t group_b) {
     if (++visits_ % visits_between_checks == 0) cancellation_.check();
     const PosedLeaf &a = posed(a_, group_a), &b = posed(b_, group_b);
+    if (gap(a.all, b.all) > limit_) return;
     std::array<std::size_t, ShapeTree::most_triangles> near_b;
     std::size_t n = 0;
     for (std::size_t j = 0; j < static_cast<std::size_t>(b.group->count); ++j)
@@ -183,7 +190,9 @@ void NearestWalk::test(const PosedLeaf& a, std::size_t i, const PosedLeaf& b, st
     const TrianglePoints points_a = a.triangle(i), points_b = b.triangle(j);
     ++counts_.tests;
     if (touching_) return test_contact(pair, points_a, points_b);
-    const QuickNearest quick(points_a, points_b);
+    const TriangleGap gap(points_a, points_b);
+    if (gap.lower(direction_) > upper_) return;
+    const QuickNearest quick(points_a, points_b, gap, upper_);
     if (quick.lower() > upper_) return;
     if (!(quick.lower() > 0)) {
         test_contact(pair, points_a, points_b);
@@ -204,8 +213,7 @@ void NearestWalk::test_contact(const Pair& pair, const TrianglePoints& a, const 
     if (apart(a, b)) return;
     ++counts_.exact;
     DecisionCounts counts;
-    const bool meet =
-        collide(first_triangle(a), second_triangle(b), Neighbours::geometric, Intersections::all, counts);
+    const bool meet = collide(first_triangle(a), second_triangle(b), Neighbours::geometric, Intersections::all, counts);
     counts_.rational += counts.rational;
     if (!meet) return;
     found_ = touching_ = true;

@@ -19,7 +19,6 @@ namespace crumple {
 
 /// A group of a tree under a pose: its vertices, and how far it and its triangles reach.
 struct PosedLeaf {
-    std::int32_t index = -1;  ///< of the group, -1: none
     const ShapeTree::Group* group = nullptr;
     BoxDistance::Reach all;
     std::array<BoxDistance::Reach, ShapeTree::most_triangles> reach;
@@ -35,31 +34,38 @@ struct NearestCounts {
     std::int64_t rational = 0;  ///< in rational arithmetic
 };
 
-/// What a walk needs room for; one at a time uses it.
+/// Walks of one thread, one after the other; what they need room for is kept.
 class NearestWalk {
    public:
     NearestWalk(const WorldOutline& outline, const BodyRules& rules, Cancellation& cancellation, MemoryMeter* meter)
-        : outline_(outline), rules_(rules), cancellation_(cancellation), candidates_(meter) {}
+        : outline_(outline), rules_(rules), cancellation_(cancellation), a_(meter), b_(meter), candidates_(meter) {}
 
     /// Whether the bodies have a wanted pair of triangles at most `radius` apart; then it is told in `row`.
     bool operator()(std::int32_t a, const ShapeTree& tree_a, std::int32_t b, const ShapeTree& tree_b, double radius,
                     NearestRow& row);
 
     const NearestCounts& counts() const { return counts_; }
+    void clear_counts() { counts_ = {}; }
 
    private:
+    /// Nodes meet the same groups again and again. So many fit a core's own memory.
+    static constexpr std::size_t leaves_kept = 64;
+
     struct At {
         std::int32_t node;
         BoxDistance::Reach reach;
     };
     /// One of the bodies.
     struct Side {
-        std::int32_t body;
-        const ShapeTree* tree;
+        explicit Side(MemoryMeter* meter);
+        void forget();
+
+        std::int32_t body = 0;
+        const ShapeTree* tree = nullptr;
         Placement place;
-        const BoxDistance::Side* boxes;
-        bool slack;  ///< whether its triangles reach farther by the slack
-        std::array<PosedLeaf, 4> leaves;
+        const BoxDistance::Side* boxes = nullptr;
+        Array<PosedLeaf> leaves;                        ///< by group, as far as there is room
+        std::array<std::int32_t, leaves_kept> group{};  ///< what is in `leaves`; -1: nothing
     };
 
     void begin(Side& side, std::int32_t body, const ShapeTree& tree);
@@ -88,13 +94,13 @@ class NearestWalk {
     std::int64_t visits_ = 0;
 
     // Of the bodies that are walked:
-    Side a_{}, b_{};
+    Side a_, b_;
     std::optional<BoxDistance> boxes_;
     double upper_ = 0;  ///< what is farther apart is of no interest
     float limit_ = 0;   ///< the same as BoxDistance has it
     bool found_ = false, touching_ = false;
     NearestCandidate closest_{};          ///< which gave `upper_`, or that touches
-    Vec3d direction_;                     ///< in which that is closest
+    Vec3d direction_;                     ///< in which that is closest, 0 if there is none
     Array<NearestCandidate> candidates_;  ///< all that may be closest
     std::size_t few_ = 0;                 ///< candidates that are not worth a look whether they are near enough
 };

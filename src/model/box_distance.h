@@ -4,9 +4,9 @@
 //
 // Directions are as in box_separation.h: the columns of both poses, which are the axes of the boxes, the line through
 // both shapes' middles, and one that the caller knows: from the one body to the other where they are closest. Here they
-// are taken as long as makes lengths along them lengths. Along the three axes of a frame gaps are the parts of one vector
-// that no two points are closer than, so their squares add up. The columns of a pose that is not rigid are no frame;
-// they are shortened until they stretch no vector (Gershgorin's bound on the squares of what they make of it).
+// are taken as long as makes lengths along them lengths. Along the three axes of a frame gaps are the parts of one
+// vector that no two points are closer than, so their squares add up. The columns of a pose that is not rigid are no
+// frame; they are shortened until they stretch no vector (Gershgorin's bound on the squares of what they make of it).
 //
 // Lengths are in units of more than all boxes of both bodies can reach, so the bounds on errors are those of
 // box_separation.h. Numbers that leave float64's middle range set nothing apart.
@@ -107,12 +107,13 @@ class BoxDistance {
         return static_cast<float>(scaled * scaled * (1 + 0x1p-18) + 1e-36);
     }
 
-    /// Where posed vertices lie along each direction, of `count` vertices; triangles of the first body reach slack() farther to both
-    /// sides.
+    /// Where posed vertices lie along each direction, of `count` vertices; triangles of the first body reach slack()
+    /// farther to both sides.
     void project(const double* x, const double* y, const double* z, int count, Lanes* at) const {
         const double scale = usable_ ? 1 / unit_ : 0;
         for (int v = 0; v < count; ++v) {
-            const auto p = static_cast<float>((x[v] - origin_.x) * scale), q = static_cast<float>((y[v] - origin_.y) * scale),
+            const auto p = static_cast<float>((x[v] - origin_.x) * scale),
+                       q = static_cast<float>((y[v] - origin_.y) * scale),
                        r = static_cast<float>((z[v] - origin_.z) * scale);
             for (int i = 0; i < lanes; ++i)
                 at[v][i] = (direction_[0][i] * p + direction_[1][i] * q) + direction_[2][i] * r;

@@ -48,7 +48,8 @@ class ClosestParts {
 
     /// The parts as features, and whether the second triangle's comes first.
     Features features() const {
-        const auto& [p, q] = std::array{second_comes_first() ? second_ : first_, second_comes_first() ? first_ : second_};
+        const auto& [p, q] =
+            std::array{second_comes_first() ? second_ : first_, second_comes_first() ? first_ : second_};
         if (p.count == 2) return {FeatureKinds::edge_edge, {p.point[0], p.point[1], q.point[0], q.point[1]}};
         const FeatureKinds kinds = q.count == 3   ? FeatureKinds::vertex_face
                                    : q.count == 2 ? FeatureKinds::vertex_edge

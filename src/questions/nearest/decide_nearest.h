@@ -28,7 +28,8 @@ struct LeastDistance {
 
 /// `candidates`, at least one, in any order, among them all pairs of triangles whose distance is the least one; they
 /// are sorted. `upper`: the least distance is at most this, or more than the radius, and then not `within`; all else is
-/// then of no meaning. `closest`: the candidate that seems to be the closest. `radius`: 0 or more, or infinite. Counts in `rational` the pairs that take rational arithmetic.
+/// then of no meaning. `closest`: the candidate that seems to be the closest. `radius`: 0 or more, or infinite. Counts
+/// in `rational` the pairs that take rational arithmetic.
 LeastDistance decide_nearest(Array<NearestCandidate>& candidates, const NearestCandidate& closest, double upper,
                              double radius, std::int64_t& rational);
 

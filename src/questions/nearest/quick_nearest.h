@@ -7,30 +7,79 @@
 #include <cstdint>
 #include <limits>
 
-#include "questions/nearest/triangle_features.h"
 #include "questions/near/closest_guess.h"
+#include "questions/nearest/triangle_features.h"
 
 namespace crumple {
 
+/// Two triangles along any direction: what gaps between them prove.
+class TriangleGap {
+   public:
+    TriangleGap(const TrianglePoints& a, const TrianglePoints& b)
+        : across_(a[0] - b[0]), a1_(a[1] - a[0]), a2_(a[2] - a[0]), b1_(b[1] - b[0]), b2_(b[2] - b[0]) {
+        using detail::length_1;
+        size_ = length_1(across_) + length_1(a1_) + length_1(a2_) + length_1(b1_) + length_1(b2_);
+    }
+
+    /// More than the largest difference between two of the points.
+    double size() const { return size_; }
+
+    /// How far the first triangle is beyond the second one along g, times the length of g; and how far that may be off.
+    struct Along {
+        double gap, error;
+    };
+    Along along(const Vec3d& g) const {
+        const double back = min(0.0, min(dot(g, a1_), dot(g, a2_))), forth = max(0.0, max(dot(g, b1_), dot(g, b2_)));
+        return {dot(g, across_) + (back - forth),
+                8 * detail::near_epsilon * largest(abs(g)) * size_ + detail::near_slack};
+    }
+    /// The distance is certainly at least this, by any g; 0: nothing is known, and above 0 the triangles do not
+    /// intersect.
+    double lower(const Vec3d& g) const {
+        const auto [gap, error] = along(g);
+        return lower(gap, error, dot(g, g));
+    }
+    static double lower(double gap, double error, double squared) {
+        // Squares of smaller numbers underflow.
+        constexpr double least_squared = 0x1p-1000;
+        if (!(gap > error) || squared < least_squared) return 0;
+        return (gap - error) / std::sqrt(squared) * (1 - 16 * detail::near_epsilon);
+    }
+
+   private:
+    Vec3d across_, a1_, a2_, b1_, b2_;
+    double size_;
+};
+
 class QuickNearest {
    public:
-    QuickNearest(const TrianglePoints& a, const TrianglePoints& b) {
+    /// `gap`: of these triangles. Ends as soon as they are certainly farther apart than `enough`; then `lower` is above
+    /// that, and all else is unknown.
+    QuickNearest(const TrianglePoints& a, const TrianglePoints& b, const TriangleGap& gap,
+                 double enough = std::numeric_limits<double>::infinity()) {
+        if (!(gap.size() <= detail::largest_size / 4)) return;
         double least = std::numeric_limits<double>::infinity(), size = 0;
-        Vec3d g;
         for (std::size_t k = 0; k < triangle_features; ++k) {
             const detail::Differences d(features_of_triangles(a, b, k));
-            if (!(d.size <= detail::largest_size)) return;
             const detail::Guess guess = detail::guess_closest(d);
-            const Vec3d difference = d.w + guess.s * d.u + guess.t * d.v;
-            const double squared = dot(difference, difference);
+            // Of a vertex of the first triangle and a point of the second, it is that of the second.
+            const double sign = k < 3 ? -1 : 1;
+            const Vec3d g = sign * (d.w + guess.s * d.u + guess.t * d.v);
+            const double squared = dot(g, g);
             if (!(squared < least)) continue;
-            least = squared, g = difference, size = d.size;
-            feature_ = k, type_ = guess.type;
+            least = squared, size = d.size;
+            direction_ = g, feature_ = k, type_ = guess.type;
+            const auto [along, error] = gap.along(g);
+            lower_ = max(lower_, TriangleGap::lower(along, error, squared));
+            if (lower_ > enough) return;
+            if (squared - along <= 2 * error) break;  // no other features are closer but by rounding errors
         }
-        // Of a vertex of the first triangle and a point of the second, the difference is that of the second.
-        direction_ = feature_ < 3 ? -1.0 * g : g;
-        bound(a, b, size);
+        const double length = std::sqrt(least);
+        upper_ = ((1 + 16 * epsilon) * length + 0x1p-500 + 8 * epsilon * size) * (1 + 8 * epsilon);
+        if (lower_ > 0)
+            error_ = std::sqrt(max(0.0, upper_ - lower_) * (upper_ + lower_)) * (1 + 8 * epsilon) + 8 * epsilon * size;
     }
+    QuickNearest(const TrianglePoints& a, const TrianglePoints& b) : QuickNearest(a, b, TriangleGap(a, b)) {}
 
     /// The distance is certainly at most `upper` and at least `lower`; infinite and 0 where nothing is known. Above a
     /// `lower` of 0 the triangles do not intersect.
@@ -47,25 +96,6 @@ class QuickNearest {
 
    private:
     static constexpr double epsilon = detail::near_epsilon;
-    /// Squares of larger numbers do not underflow.
-    static constexpr double least_squared = 0x1p-1000;
-
-    void bound(const TrianglePoints& a, const TrianglePoints& b, double size) {
-        const double squared = dot(direction_, direction_), length = std::sqrt(squared);
-        upper_ = ((1 + 16 * epsilon) * length + 0x1p-500 + 8 * epsilon * size) * (1 + 8 * epsilon);
-        if (squared < least_squared) return;
-        // How far the first triangle reaches back along the direction, and the second one forth.
-        const Vec3d across = a[0] - b[0], a1 = a[1] - a[0], a2 = a[2] - a[0], b1 = b[1] - b[0], b2 = b[2] - b[0];
-        const double back = min(0.0, min(dot(direction_, a1), dot(direction_, a2)));
-        const double forth = max(0.0, max(dot(direction_, b1), dot(direction_, b2)));
-        const double whole = detail::length_1(across) + detail::length_1(a1) + detail::length_1(a2) +
-                             detail::length_1(b1) + detail::length_1(b2);
-        const double error = 8 * epsilon * largest(abs(direction_)) * whole + detail::near_slack;
-        const double gap = (dot(direction_, across) + (back - forth)) - error;
-        if (!(gap > 0)) return;
-        lower_ = gap / length * (1 - 16 * epsilon);
-        error_ = std::sqrt(max(0.0, upper_ - lower_) * (upper_ + lower_)) * (1 + 8 * epsilon) + 8 * epsilon * size;
-    }
 
     double upper_ = std::numeric_limits<double>::infinity(), lower_ = 0, error_ = upper_;
     Vec3d direction_;

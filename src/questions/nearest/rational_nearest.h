@@ -26,8 +26,8 @@ class RationalNearest {
     /// Cost: some 100 us for ordinary coordinates.
     RationalNearest(const TrianglePoints& a, const TrianglePoints& b);
 
-    /// The same of two triangles that do not intersect. `features`: a bit for each pair of features, of which those that
-    /// are closest must be set; others need not. Cost: some microseconds for each that is set.
+    /// The same of two triangles that do not intersect. `features`: a bit for each pair of features, of which those
+    /// that are closest must be set; others need not. Cost: some microseconds for each that is set.
     RationalNearest(const TrianglePoints& a, const TrianglePoints& b, std::uint16_t features);
 
     bool touching() const { return !distance_; }
@@ -36,8 +36,8 @@ class RationalNearest {
     /// Whether the distance is at most the radius, 0 or more.
     bool within(double radius) const { return touching() || distance_->within({radius, 0}); }
     double squared() const { return touching() ? 0 : distance_->squared(); }
-    /// Of several pairs of points those of the first pair of features. Of triangles that intersect the lexicographically
-    /// smallest point of the intersection, twice.
+    /// Of several pairs of points those of the first pair of features. Of triangles that intersect the
+    /// lexicographically smallest point of the intersection, twice.
     Witnesses points() const;
 
    private:

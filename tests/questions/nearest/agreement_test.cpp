@@ -130,7 +130,8 @@ TEST_P(NearestAgreement, of_the_largest_and_the_smallest_numbers) {
         ASSERT_TRUE(same_nearest(detector_.find_nearest(world), reference_.find_nearest(world)));
         for (const double radius : {0.25, 0.5, 1.0}) {
             const Nearest question{.radius = radius * size};
-            ASSERT_TRUE(same_nearest(detector_.find_nearest(world, question), reference_.find_nearest(world, question)));
+            ASSERT_TRUE(
+                same_nearest(detector_.find_nearest(world, question), reference_.find_nearest(world, question)));
         }
     }
 }

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "questions/nearest/rational_nearest.h"
 #include "questions/nearest/random_triangles.h"
+#include "questions/nearest/rational_nearest.h"
 
 namespace crumple::test {
 namespace {
@@ -84,9 +84,8 @@ TEST(RationalNearest, IsTheLeastOverManyPoints) {
                 for (int j = 0; i + j <= steps; ++j)
                     visit(t[0] + (1.0 * i / steps) * (t[1] - t[0]) + (1.0 * j / steps) * (t[2] - t[0]));
         };
-        each(a, [&](const Vec3d& p) {
-            each(b, [&](const Vec3d& q) { ASSERT_GE(dot(p - q, p - q), squared - slack); });
-        });
+        each(a,
+             [&](const Vec3d& p) { each(b, [&](const Vec3d& q) { ASSERT_GE(dot(p - q, p - q), squared - slack); }); });
         // Each point is in its own triangle: no farther from it than rounding.
         for (std::size_t side = 0; side < 2; ++side) {
             const TrianglePoints point{points[side], points[side], points[side]};
