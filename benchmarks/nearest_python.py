@@ -84,7 +84,7 @@ def pairs_of_bodies(quick):
 
 
 def robot(quick):
-    """Distances of all links of many configurations to the obstacles, in one call; Coal in a loop, which is subtracted."""
+    """All links of many configurations to the obstacles, in one call; Coal in a loop, less what that takes."""
     links, length, count = 8, 1.5, 20 if quick else 200
     mesh = scenes.link(25, 41, length, 0.2)
     room = scenes.obstacles(20_000 if quick else 200_000)

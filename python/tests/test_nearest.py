@@ -6,10 +6,10 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from conftest import soup
-from worlds import random_poses
 
 import crumple
+from conftest import soup
+from worlds import random_poses
 
 SQUARE = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], np.float32), np.array([[0, 1, 2], [0, 2, 3]])
 ARRAYS = ("bodies", "squared_distance", "touching", "triangles", "points")

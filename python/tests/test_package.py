@@ -70,6 +70,7 @@ def test_types_hold(tmp_path):
         "share: float = detector.find_free_step(v, v, f, separation=0.1).share\n"
         "near: crumple.Nearby = detector.find_near(many, radius=0.1, wants='any_by_world')\n"
         "touching: bool = near.vertex_face_touching.dtype == np.bool_\n"
+        "apart: bool = detector.find_nearest(many, radius=1).distance.dtype == np.float64\n"
         "kind: str = 'none' if impacts.first is None else impacts.first.kind\n"
         "why: str = crumple.Detector().fallback or crumple.list_devices().reason\n"
     )
@@ -80,6 +81,7 @@ def test_types_hold(tmp_path):
         "find(crumple.World([]), wants='all')",
         "find_near([], radius='1')",
         "find_impacts([], [], wants='pairs')",
+        "find_nearest([])",
     ):
         program.write_text(f"import crumple\ncrumple.Detector().{wrong}\n")
         checked = run("-m", "mypy", "--strict", str(program), cwd=tmp_path)
