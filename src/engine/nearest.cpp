@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "engine/nearest_output.h"
+#include "engine/nearest_walk.h"
 #include "engine/world_scene.h"
 
 namespace crumple {
@@ -19,6 +20,8 @@ constexpr std::size_t pairs_of_task = 8;
 
 NearestSearch::NearestSearch(MemoryMeter& meter, Cancellation& cancellation, ShapeTrees& named)
     : meter_(meter), cancellation_(cancellation), named_(named), outline_(&meter), rules_(&meter), kept_(&meter) {}
+
+NearestSearch::~NearestSearch() = default;
 
 void NearestSearch::release() {
     outline_ = WorldOutline(&meter_);

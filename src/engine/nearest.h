@@ -11,16 +11,18 @@
 #include "base/cancellation.h"
 #include "base/parallel_for.h"
 #include "crumple/nearest.h"
-#include "engine/nearest_walk.h"
 #include "engine/shape_trees.h"
 #include "model/body_rules.h"
 #include "model/world.h"
 
 namespace crumple {
 
+class NearestWalk;
+
 class NearestSearch {
    public:
     NearestSearch(MemoryMeter& meter, Cancellation& cancellation, ShapeTrees& named);
+    ~NearestSearch();
 
     /// `frugal`: one pair after the other, so that as much memory is needed as in each such call.
     void find(ParallelFor& workers, const World& world, const Nearest& question, bool frugal, NearestBodies& answer);

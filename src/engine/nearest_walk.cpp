@@ -69,6 +69,7 @@ void NearestWalk::begin(Side& side, std::int32_t body, const ShapeTree& tree) {
     side.body = body;
     side.tree = &tree;
     side.place = outline_.placement(body);
+    side.unit = static_cast<float>(tree.frame().unit);
 }
 
 // Along other directions all reach otherwise.
@@ -89,8 +90,7 @@ void NearestWalk::set_upper(double upper) {
 bool NearestWalk::first_is_split(const At& a, const At& b) const {
     const ShapeTree::Node &node_a = a_.tree->node(a.node), &node_b = b_.tree->node(b.node);
     if (node_a.group >= 0 || node_b.group >= 0) return node_b.group >= 0;
-    return static_cast<float>(a_.tree->frame().unit) * node_a.extent() >
-           static_cast<float>(b_.tree->frame().unit) * node_b.extent();
+    return a_.unit * node_a.extent() > b_.unit * node_b.extent();
 }
 
 void NearestWalk::descend(At a, At b) {
@@ -138,17 +138,14 @@ const PosedLeaf& NearestWalk::posed(Side& side, std::int32_t group) {
     side.group[place] = group;
     leaf.group = &side.tree->group(group);
     side.tree->pose(*leaf.group, side.place, leaf.coordinate);
-    alignas(16) BoxDistance::Lanes at[3 * ShapeTree::most_triangles];
-    boxes_->project(leaf.coordinate[0], leaf.coordinate[1], leaf.coordinate[2], leaf.group->vertices, at);
-    const float* const slack = side.boxes->slack();
+    BoxDistance::Lanes at[3 * ShapeTree::most_triangles];
+    const auto& coordinate = leaf.coordinate;
+    for (std::int32_t v = 0; v < leaf.group->vertices; ++v)
+        at[v] = (*boxes_)({coordinate[0][v], coordinate[1][v], coordinate[2][v]});
     for (std::size_t k = 0; k < static_cast<std::size_t>(leaf.group->count); ++k) {
         const auto& c = leaf.group->corner[k];
-        const float *const p = at[c[0]], *const q = at[c[1]], *const r = at[c[2]];
-        BoxDistance::Reach& reach = leaf.reach[k];
-        for (int i = 0; i < BoxDistance::lanes; ++i) {
-            reach.low[i] = min(p[i], min(q[i], r[i])) - slack[i];
-            reach.high[i] = max(p[i], max(q[i], r[i])) + slack[i];
-        }
+        const BoxDistance::Reach reach = (*side.boxes)(at[c[0]], at[c[1]], at[c[2]]);
+        leaf.reach[k] = reach;
         if (k == 0)
             leaf.all = reach;
         else

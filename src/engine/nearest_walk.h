@@ -63,6 +63,7 @@ class NearestWalk {
         std::int32_t body = 0;
         const ShapeTree* tree = nullptr;
         Placement place;
+        float unit = 1;  ///< of the tree's boxes
         const BoxDistance::Side* boxes = nullptr;
         Array<PosedLeaf> leaves;                        ///< by group, as far as there is room
         std::array<std::int32_t, leaves_kept> group{};  ///< what is in `leaves`; -1: nothing

@@ -12,39 +12,42 @@
 // box_separation.h. Numbers that leave float64's middle range set nothing apart.
 
 #include <cmath>
-#include <cstddef>
 #include <limits>
 
 #include "model/box_separation.h"
 
 namespace crumple {
 
+/// Four float32 numbers at a time, as Two is two float64 ones (geometry/two.h).
+using Four = float __attribute__((vector_size(16)));
+inline Four least(Four x, Four y) { return x < y ? x : y; }
+inline Four most(Four x, Four y) { return x > y ? x : y; }
+
 class BoxDistance {
    public:
-    static constexpr int lanes = 8;  // the first body's axes, the middles; the second body's axes, the known direction
-    using Lanes = float[lanes];
+    /// A number for each direction: the first body's axes and the middles; the second one's axes and the known one.
+    struct Lanes {
+        Four first{}, second{};
+    };
 
     /// From where to where something reaches along each direction.
     struct Reach {
-        alignas(16) Lanes low, high;
+        Lanes low, high;
 
         void widen(const Reach& other) {
-            for (int i = 0; i < lanes; ++i) {
-                low[i] = min(low[i], other.low[i]);
-                high[i] = max(high[i], other.high[i]);
-            }
+            low = {least(low.first, other.low.first), least(low.second, other.low.second)};
+            high = {most(high.first, other.high.first), most(high.second, other.high.second)};
         }
 
         /// Above 0: at most the square of the distance. Else they may touch, and the lower it is the deeper.
         friend float gap(const Reach& a, const Reach& b) {
-            alignas(16) Lanes apart, square;
-            for (int i = 0; i < lanes; ++i) apart[i] = max(a.low[i] - b.high[i], b.low[i] - a.high[i]);
-            for (int i = 0; i < lanes; ++i) square[i] = apart[i] > 0 ? apart[i] * apart[i] : 0;
-            for (int i = 0; i < 4; ++i) apart[i] = max(apart[i], apart[i + 4]);
-            const float most = max(max(apart[0], apart[1]), max(apart[2], apart[3]));
-            if (!(most > 0)) return most;
-            return max(max(square[0] + square[1] + square[2], square[3]),
-                       max(square[4] + square[5] + square[6], square[7]));
+            const Four first = most(a.low.first - b.high.first, b.low.first - a.high.first),
+                       second = most(a.low.second - b.high.second, b.low.second - a.high.second);
+            const Four zero{}, p = most(zero, first) * most(zero, first), q = most(zero, second) * most(zero, second);
+            const float squared = max(max(p[0] + p[1] + p[2], p[3]), max(q[0] + q[1] + q[2], q[3]));
+            if (squared > 0) return squared;
+            const Four both = most(first, second);
+            return min(max(max(both[0], both[1]), max(both[2], both[3])), 0.0f);
         }
     };
 
@@ -52,22 +55,28 @@ class BoxDistance {
     class Side {
        public:
         Reach operator()(const SmallBox& box) const {
-            Reach reach;
-            const float *m = box.middle, *h = box.half;
-            for (int i = 0; i < lanes; ++i) {
-                const float middle = offset_[i] + ((along_[0][i] * m[0] + along_[1][i] * m[1]) + along_[2][i] * m[2]);
-                const float radius = slack_[i] + ((size_[0][i] * h[0] + size_[1][i] * h[1]) + size_[2][i] * h[2]);
-                reach.low[i] = middle - radius;
-                reach.high[i] = middle + radius;
+            Lanes middle = offset_, radius = slack_;
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                middle.first += along_[axis].first * box.middle[axis];
+                middle.second += along_[axis].second * box.middle[axis];
+                radius.first += size_[axis].first * box.half[axis];
+                radius.second += size_[axis].second * box.half[axis];
             }
-            return reach;
+            return {{middle.first - radius.first, middle.second - radius.second},
+                    {middle.first + radius.first, middle.second + radius.second}};
         }
 
-        const float* slack() const { return slack_; }
+        /// How far a triangle of posed vertices reaches that lie at p, q and r.
+        Reach operator()(const Lanes& p, const Lanes& q, const Lanes& r) const {
+            return {{least(p.first, least(q.first, r.first)) - slack_.first,
+                     least(p.second, least(q.second, r.second)) - slack_.second},
+                    {most(p.first, most(q.first, r.first)) + slack_.first,
+                     most(p.second, most(q.second, r.second)) + slack_.second}};
+        }
 
        private:
         friend class BoxDistance;
-        alignas(16) Lanes along_[3]{}, size_[3]{}, offset_{}, slack_{};
+        Lanes along_[3], size_[3], offset_, slack_;
     };
 
     /// `known`: any vector, 0 if there is none.
@@ -90,10 +99,10 @@ class BoxDistance {
         for (int i = 0; i < lanes; ++i) {
             set(a_, i, n[i], pa, frame_a.unit);
             set(b_, i, n[i], pb, frame_b.unit);
-            b_.offset_[i] = usable_ ? static_cast<float>(dot(n[i], apart) / unit_) : 0;
-            a_.slack_[i] = usable_ ? static_cast<float>(2 * error / unit_ * 1.0001 + 0x1p-18)
-                                   : std::numeric_limits<float>::infinity();
-            for (int axis = 0; axis < 3; ++axis) direction_[axis][i] = static_cast<float>(n[i][axis]);
+            if (usable_) lane(b_.offset_, i, dot(n[i], apart) / unit_);
+            lane(a_.slack_, i,
+                 usable_ ? 2 * error / unit_ * 1.0001 + 0x1p-18 : std::numeric_limits<double>::infinity());
+            for (int axis = 0; axis < 3; ++axis) lane(direction_[axis], i, n[i][axis]);
         }
     }
 
@@ -107,17 +116,15 @@ class BoxDistance {
         return static_cast<float>(scaled * scaled * (1 + 0x1p-18) + 1e-36);
     }
 
-    /// Where posed vertices lie along each direction, of `count` vertices; triangles of the first body reach slack()
-    /// farther to both sides.
-    void project(const double* x, const double* y, const double* z, int count, Lanes* at) const {
-        const double scale = usable_ ? 1 / unit_ : 0;
-        for (int v = 0; v < count; ++v) {
-            const auto p = static_cast<float>((x[v] - origin_.x) * scale),
-                       q = static_cast<float>((y[v] - origin_.y) * scale),
-                       r = static_cast<float>((z[v] - origin_.z) * scale);
-            for (int i = 0; i < lanes; ++i)
-                at[v][i] = (direction_[0][i] * p + direction_[1][i] * q) + direction_[2][i] * r;
-        }
+    /// Where a posed vertex lies along each direction.
+    Lanes operator()(const Vec3d& vertex) const {
+        if (!usable_) return {};
+        const double scale = 1 / unit_;
+        const auto x = static_cast<float>((vertex.x - origin_.x) * scale),
+                   y = static_cast<float>((vertex.y - origin_.y) * scale),
+                   z = static_cast<float>((vertex.z - origin_.z) * scale);
+        return {(direction_[0].first * x + direction_[1].first * y) + direction_[2].first * z,
+                (direction_[0].second * x + direction_[1].second * y) + direction_[2].second * z};
     }
 
    private:
@@ -142,18 +149,24 @@ class BoxDistance {
         const double shorter = 1 / std::sqrt(1 + max(overlap[0], max(overlap[1], overlap[2])));
         for (int j = 0; j < 3; ++j) n[j] = shorter * n[j];
     }
-    void set(Side& side, int lane, const Vec3d& n, const Affine& pose, double unit) const {
+    void set(Side& side, int i, const Vec3d& n, const Affine& pose, double unit) const {
+        if (!usable_) return;
         for (int j = 0; j < 3; ++j) {
-            side.along_[j][lane] = usable_ ? static_cast<float>(dot(n, pose.column(j)) * unit / unit_) : 0;
-            side.size_[j][lane] = std::abs(side.along_[j][lane]);
+            const double along = dot(n, pose.column(j)) * unit / unit_;
+            lane(side.along_[j], i, along);
+            lane(side.size_[j], i, std::abs(static_cast<float>(along)));
         }
     }
+    static void lane(Lanes& lanes, int i, double x) {
+        (i < 4 ? lanes.first : lanes.second)[i % 4] = static_cast<float>(x);
+    }
 
+    static constexpr int lanes = 8;
     bool usable_ = false;
     double unit_ = 1;
     Vec3d origin_;
     Side a_, b_;
-    alignas(16) Lanes direction_[3];
+    Lanes direction_[3];
 };
 
 }  // namespace crumple
