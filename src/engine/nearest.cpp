@@ -16,10 +16,32 @@ namespace {
 // Pairs of bodies that are answered in one task: some microseconds each.
 constexpr std::size_t pairs_of_task = 8;
 
+bool within(const Bounds& box, double most) {
+    for (int axis = 0; axis < 3; ++axis)
+        if (!(box.low[axis] >= -most && box.high[axis] <= most)) return false;
+    return true;
+}
+
+// What is in the boxes is certainly farther apart than the radius.
+bool beyond(const Bounds& a, const Bounds& b, double radius) {
+    double squared = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+        const double gap = max(0.0, max(a.low[axis] - b.high[axis], b.low[axis] - a.high[axis]));
+        squared += gap * gap;
+    }
+    return squared * (1 - 0x1p-48) > radius * radius + 0x1p-1000;
+}
+
 }  // namespace
 
 NearestSearch::NearestSearch(MemoryMeter& meter, Cancellation& cancellation, ShapeTrees& named)
-    : meter_(meter), cancellation_(cancellation), named_(named), outline_(&meter), rules_(&meter), kept_(&meter) {}
+    : meter_(meter),
+      cancellation_(cancellation),
+      named_(named),
+      outline_(&meter),
+      rules_(&meter),
+      box_(&meter),
+      kept_(&meter) {}
 
 NearestSearch::~NearestSearch() = default;
 
@@ -29,6 +51,7 @@ void NearestSearch::release() {
     trees_.clear();
     of_call_.clear();
     idle_.clear();
+    box_.release();
     kept_.release();
 }
 
@@ -43,7 +66,7 @@ void NearestSearch::find(ParallelFor& workers, const World& world, const Nearest
     answer.statistics.backend = "cpu";
     answer.statistics.simd = "scalar";
     read_shapes();
-    check_bodies();
+    read_bodies();
     list_pairs(answer);
     make_rows(answer);
     const std::size_t rows = answer.bodies.size();
@@ -113,25 +136,26 @@ void NearestSearch::read_shapes() {
     }
 }
 
-// Throws Error where a vertex is posed to infinity. Only bodies whose boxes reach that far are looked at.
-void NearestSearch::check_bodies() const {
-    const auto within = [](const Bounds& box, double most) {
-        for (int axis = 0; axis < 3; ++axis)
-            if (!(box.low[axis] >= -most && box.high[axis] <= most)) return false;
-        return true;
-    };
+// Boxes, and Error where a vertex is posed to infinity: only bodies whose boxes reach that far are looked at.
+void NearestSearch::read_bodies() {
+    box_.resize_discard(static_cast<std::size_t>(outline_.bodies()));
     for (std::int32_t b = 0; b < outline_.bodies(); ++b) {
         const Shape& shape = outline_.shape(b);
         const ShapeTree& tree = *trees_[static_cast<std::size_t>(outline_.body(b).shape)];
-        const Placement place = outline_.placement(b);
         const double most =
             shape.vertices.type == ScalarType::float32 ? std::numeric_limits<float>::max() : largest_number;
-        if (!tree.empty() && within(place(tree.box()), most)) continue;
-        const VertexReader position = reader_of(shape);
-        for (std::int64_t v = 0; v < shape.vertices.rows; ++v) {
-            const Vec3d p = place(position(v));
-            if (!within({p, p}, largest_number)) fail_body_not_finite(outline_, b);
-        }
+        box_[b] = tree.empty() ? no_bounds : outline_.placement(b)(tree.box());
+        if (tree.empty() || !within(box_[b], most)) check_vertices(b);
+    }
+}
+
+void NearestSearch::check_vertices(std::int32_t b) const {
+    const Shape& shape = outline_.shape(b);
+    const VertexReader position = reader_of(shape);
+    const Placement place = outline_.placement(b);
+    for (std::int64_t v = 0; v < shape.vertices.rows; ++v) {
+        const Vec3d p = place(position(v));
+        if (!within({p, p}, largest_number)) fail_body_not_finite(outline_, b);
     }
 }
 
@@ -156,7 +180,7 @@ void NearestSearch::add_pairs(std::int32_t a, std::int32_t begin, std::int32_t e
     const auto lacks_triangles = [&](std::int32_t b) { return outline_.shape(b).triangles.rows == 0; };
     if (lacks_triangles(a)) return;
     for (std::int32_t b = begin; b < end; ++b) {
-        if (lacks_triangles(b) || !rules_.between(a, b)) continue;
+        if (lacks_triangles(b) || !rules_.between(a, b) || beyond(box_[a], box_[b], radius_)) continue;
         const bool grouped = !outline_.shape(a).groups.empty() || !outline_.shape(b).groups.empty();
         if (grouped || rules_.groups(outline_.body(a).group, outline_.body(b).group)) answer.bodies.push_back({a, b});
     }

@@ -34,7 +34,8 @@ class NearestSearch {
     std::unique_ptr<NearestWalk> take_walk();
     void give_back(std::unique_ptr<NearestWalk> walk);
     void read_shapes();
-    void check_bodies() const;
+    void read_bodies();
+    void check_vertices(std::int32_t b) const;
     void list_pairs(NearestBodies& answer);
     void add_pairs(std::int32_t a, std::int32_t begin, std::int32_t end, NearestBodies& answer);
 
@@ -48,6 +49,7 @@ class NearestSearch {
     BodyRules rules_;
     std::vector<const ShapeTree*> trees_;              ///< by shape
     std::vector<std::unique_ptr<ShapeTree>> of_call_;  ///< those of shapes without a name
+    Array<Bounds> box_;                                ///< of each body; holds all posed vertices
     std::mutex mutex_;
     std::vector<std::unique_ptr<NearestWalk>> idle_;  ///< guarded by the mutex
     Array<std::uint8_t> kept_;                        ///< of each row, whether its bodies are near enough
