@@ -31,30 +31,22 @@ void make_question(CandidateQuestion* place, const nb::tuple& kinds, nb::handle 
     new (place) CandidateQuestion(std::move(question));
 }
 
-std::string plural(CandidateKind kind) {
-    const std::string name(name_of(candidate_kind_names, kind));
-    return kind == CandidateKind::vertex_vertex ? "vertex_vertices" : name + 's';
-}
-
 }  // namespace
 
 CandidatesAnswer find_candidates(nb::handle self, const nb::tuple& mesh, nb::handle end,
                                  const CandidateQuestion& question, nb::handle copy, const nb::tuple& lists) {
     SharedDetector& detector = detector_of(self);
-    const BorrowedMesh start(mesh);
-    check_on_host(start);
+    const AskedOfMesh start(mesh, lists);
     std::optional<BorrowedEnd> at_end;
-    if (!end.is_none()) at_end.emplace(end, start);
-    const BorrowedLists listed(lists);
-    const MeshView view = with_lists(start, listed);
+    if (!end.is_none()) at_end.emplace(end, start.mesh);
     const bool copied = flag("copy", copy);
     const SharedDetector::Turn turn(detector);
     CandidatesAnswer answer{detector.storage<CandidateLists>(), question.kinds, false, copied};
     const auto find = [&] {
         if (at_end)
-            detector.find(view, at_end->view(), question, *answer.storage);
+            detector.find(start.view, at_end->view(), question, *answer.storage);
         else
-            detector.find(view, question, *answer.storage);
+            detector.find(start.view, question, *answer.storage);
     };
     without_gil(find, detector.stop());
     return answer;
@@ -68,8 +60,7 @@ CandidatesAnswer find_candidates_in_world(nb::handle self, nb::handle world, nb:
     const BorrowedPoses start(poses, bodies), end(end_poses, bodies, BorrowedPoses::When::end);
     const bool copied = flag("copy", copy);
     const SharedDetector::Turn turn(detector);
-    World view{bodies.shapes, bodies.bodies, start.read(bodies, detector.poses())};
-    if (end.given()) view.end_poses = end.read(bodies, detector.end_poses());
+    const World view = moving_world(bodies, start, end, detector);
     CandidatesAnswer answer{detector.storage<CandidateLists>(), question.kinds, true, copied};
     without_gil([&] { detector.find(view, asked.question, *answer.storage); }, detector.stop());
     return answer;
@@ -85,7 +76,8 @@ void bind_candidates(nb::module_& module) {
     for (const auto& [name, kind] : candidate_kind_names) {
         const CandidateKind of = kind;
         type.def_prop_ro(
-            plural(of).c_str(), [of](const A& a) { return view<std::int32_t>(a.found()[of].pairs, 2U); }, owner);
+            plural_of_kind(name).c_str(), [of](const A& a) { return view<std::int32_t>(a.found()[of].pairs, 2U); },
+            owner);
         type.def_prop_ro((std::string(name) + "_bodies").c_str(),
                          [of](const A& a) { return view<std::int32_t>(a.found()[of].bodies, 2U); }, owner);
     }

@@ -83,32 +83,32 @@ nb::object give_rows(const Array<double>& values) {
 
 }  // namespace
 
-void check_on_host(const BorrowedMesh& mesh) {
+AskedOfMesh::AskedOfMesh(const nb::tuple& given, const nb::tuple& listed)
+    : mesh(given), lists(listed), view(mesh.view()) {
     if (mesh.device() != BorrowedArray::on_host)
         refuse(std::string("vertices lie in CUDA memory, but those of motion, nearness and candidates are wanted in "
                            "the host's: ") +
                copy_to_host);
+    lists.put_into(view);
 }
 
-MeshView with_lists(const BorrowedMesh& mesh, const BorrowedLists& lists) {
-    MeshView view = mesh.view();
-    lists.put_into(view);
-    return view;
+World moving_world(const Bodies& bodies, const BorrowedPoses& start, const BorrowedPoses& end,
+                   SharedDetector& detector) {
+    World world{bodies.shapes, bodies.bodies, start.read(bodies, detector.poses())};
+    if (end.given()) world.end_poses = end.read(bodies, detector.end_poses());
+    return world;
 }
 
 ImpactsAnswer find_impacts(nb::handle self, const nb::tuple& mesh, nb::handle end, const Motion& question,
                            nb::handle copy, const nb::tuple& lists) {
     SharedDetector& detector = detector_of(self);
-    const BorrowedMesh start(mesh);
-    check_on_host(start);
-    const BorrowedEnd at_end(end, start);
-    const BorrowedLists listed(lists);
-    const MeshView view = with_lists(start, listed);
+    const AskedOfMesh start(mesh, lists);
+    const BorrowedEnd at_end(end, start.mesh);
     const bool copied = flag("copy", copy), index = question.index && question.wants == MotionWants::impacts;
     const SharedDetector::Turn turn(detector);
     ImpactsAnswer answer{detector.storage<Impacts>(),   question.wants, false, index, false, false, copied,
                          lists_triangle_pairs(question)};
-    without_gil([&] { detector.find(view, at_end.view(), question, *answer.storage); }, detector.stop());
+    without_gil([&] { detector.find(start.view, at_end.view(), question, *answer.storage); }, detector.stop());
     return answer;
 }
 
@@ -120,8 +120,7 @@ ImpactsAnswer find_impacts_in_world(nb::handle self, nb::handle world, nb::handl
     const BorrowedPoses start(poses, bodies), end(end_poses, bodies, BorrowedPoses::When::end);
     const bool copied = flag("copy", copy);
     const SharedDetector::Turn turn(detector);
-    World view{bodies.shapes, bodies.bodies, start.read(bodies, detector.poses())};
-    if (end.given()) view.end_poses = end.read(bodies, detector.end_poses());
+    const World view = moving_world(bodies, start, end, detector);
     ImpactsAnswer answer{detector.storage<Impacts>(),   question.wants, true, false, false, false, copied,
                          lists_triangle_pairs(question)};
     without_gil([&] { detector.find(view, asked.question, *answer.storage); }, detector.stop());
@@ -131,36 +130,30 @@ ImpactsAnswer find_impacts_in_world(nb::handle self, nb::handle world, nb::handl
 nb::tuple find_free_step(nb::handle self, const nb::tuple& mesh, nb::handle end, const Motion& question,
                          const nb::tuple& lists) {
     SharedDetector& detector = detector_of(self);
-    const BorrowedMesh start(mesh);
-    check_on_host(start);
-    const BorrowedEnd at_end(end, start);
-    const BorrowedLists listed(lists);
-    const MeshView view = with_lists(start, listed);
+    const AskedOfMesh start(mesh, lists);
+    const BorrowedEnd at_end(end, start.mesh);
     const SharedDetector::Turn turn(detector);
     const FreeStep step =
-        without_gil([&] { return detector.find_free_step(view, at_end.view(), question); }, detector.stop());
-    const bool single = start.view().vertices.type == ScalarType::float32 && at_end.view().type == ScalarType::float32;
+        without_gil([&] { return detector.find_free_step(start.view, at_end.view(), question); }, detector.stop());
+    const bool single = start.view.vertices.type == ScalarType::float32 && at_end.view().type == ScalarType::float32;
     return nb::make_tuple(step.share, single ? give_rows<float>(step.positions) : give_rows<double>(step.positions));
 }
 
 NearbyAnswer find_near(nb::handle self, const nb::tuple& mesh, const Near& asked, nb::handle radii, nb::handle rest,
                        nb::handle copy, const nb::tuple& lists) {
     SharedDetector& detector = detector_of(self);
-    const BorrowedMesh borrowed(mesh);
-    check_on_host(borrowed);
-    const BorrowedLists given(lists);
-    const MeshView view = with_lists(borrowed, given);
+    const AskedOfMesh given(mesh, lists);
     Near question = asked;
     std::optional<BorrowedRadii> of_vertices;
     std::optional<BorrowedEnd> at_rest;
-    if (!radii.is_none()) question.radii = of_vertices.emplace(radii, borrowed).view();
-    if (!rest.is_none()) question.rest = at_rest.emplace(rest, borrowed, "", BorrowedEnd::When::rest).view();
+    if (!radii.is_none()) question.radii = of_vertices.emplace(radii, given.mesh).view();
+    if (!rest.is_none()) question.rest = at_rest.emplace(rest, given.mesh, "", BorrowedEnd::When::rest).view();
     const bool copied = flag("copy", copy), index = question.index && question.wants == NearWants::pairs;
     const SharedDetector::Turn turn(detector);
     const bool listed = question.wants == NearWants::pairs;
     NearbyAnswer answer{detector.storage<Nearby>(), question.wants,           false, index,
                         listed && question.closest, listed && question.least, copied};
-    without_gil([&] { detector.find(view, question, *answer.storage); }, detector.stop());
+    without_gil([&] { detector.find(given.view, question, *answer.storage); }, detector.stop());
     return answer;
 }
 

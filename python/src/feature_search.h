@@ -5,14 +5,19 @@
 #include <nanobind/nanobind.h>
 
 #include "arrays.h"
+#include "detector.h"
 #include "feature_answer.h"
 #include "world.h"
 
 namespace crumple::python {
 
-/// Refuses meshes in device memory.
-void check_on_host(const BorrowedMesh& mesh);
-MeshView with_lists(const BorrowedMesh& mesh, const BorrowedLists& lists);
+/// The mesh of one call, with the edges and points that are listed. Refuses meshes in device memory.
+struct AskedOfMesh {
+    AskedOfMesh(const nanobind::tuple& mesh, const nanobind::tuple& listed);
+    BorrowedMesh mesh;
+    BorrowedLists lists;
+    MeshView view;
+};
 
 /// The bodies and exclusions of one call on a world, which may get other poses while the call runs without the GIL.
 template <class Question>
@@ -24,6 +29,11 @@ struct AskedOfWorld {
     std::shared_ptr<const Bodies> bodies;
     Question question;
 };
+
+/// The bodies where they are, and where they go if that is given; as the detector's own arrays, which it is the turn
+/// of.
+World moving_world(const Bodies& bodies, const BorrowedPoses& start, const BorrowedPoses& end,
+                   SharedDetector& detector);
 
 ImpactsAnswer find_impacts(nanobind::handle self, const nanobind::tuple& mesh, nanobind::handle end,
                            const Motion& question, nanobind::handle copy, const nanobind::tuple& lists);
