@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable
 from functools import cached_property
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, overload
 
 from . import _core
@@ -11,6 +13,8 @@ from ._core import Statistics
 from ._errors import InvalidInput, InvalidType
 from ._feature_question import or_of_world
 from ._mesh import listing_of
+from ._pair_lists import PairLists
+from ._result import file_name
 from ._world_search import excluded_in, with_names
 
 if TYPE_CHECKING:
@@ -35,7 +39,7 @@ _LISTS = {
 _KIND_OF = {name: kind for kind, name in _LISTS.items()} | {f"{kind}_bodies": kind for kind in _LISTS}
 
 
-class Candidates:
+class Candidates(PairLists):
     """Which features have boxes that overlap, of the kinds that were asked for: the same bytes wherever it is computed.
 
     A list for each kind, sorted and unique; of worlds by body before vertex, edge or face. IPC Toolkit's face-vertex,
@@ -47,27 +51,12 @@ class Candidates:
     be copied and pickled: copy.copy shares the arrays, copy.deepcopy does not.
     """
 
-    def __init__(self, answer: Any) -> None:
-        self._answer = answer
-
-    def _array(self, name: str) -> Any:
+    def _check_listed(self, name: str) -> None:
         answer, kind = self._answer, _KIND_OF.get(name)
         if name.endswith("_bodies") and not answer.of_world:
             raise InvalidInput(f"{name} are those of a world, but this was asked of one mesh")
         if kind is not None and kind not in answer.kinds:
             raise InvalidInput(f'{name} was not asked for: find_candidates(..., kinds=["{kind}"])')
-        array = getattr(answer, name)
-        return array.copy() if answer.copy else array
-
-    @cached_property
-    def vertex_faces(self) -> NDArray[np.int32]:
-        """(k, 2) int32: each a vertex and a face that does not name it."""
-        return self._array("vertex_faces")
-
-    @cached_property
-    def edge_edges(self) -> NDArray[np.int32]:
-        """(k, 2) int32: each two of `edges` without a common vertex, the lower first."""
-        return self._array("edge_edges")
 
     @cached_property
     def edge_faces(self) -> NDArray[np.int32]:
@@ -90,16 +79,6 @@ class Candidates:
         return self._array("vertex_vertices")
 
     @cached_property
-    def vertex_face_bodies(self) -> NDArray[np.int32]:
-        """(k, 2) int32, of a world: the vertex's body and the face's."""
-        return self._array("vertex_face_bodies")
-
-    @cached_property
-    def edge_edge_bodies(self) -> NDArray[np.int32]:
-        """(k, 2) int32, of a world: the body of each of the two edges."""
-        return self._array("edge_edge_bodies")
-
-    @cached_property
     def edge_face_bodies(self) -> NDArray[np.int32]:
         """(k, 2) int32, of a world: the edge's body and the face's."""
         return self._array("edge_face_bodies")
@@ -108,43 +87,6 @@ class Candidates:
     def face_face_bodies(self) -> NDArray[np.int32]:
         """(k, 2) int32, of a world: the body of each of the two faces."""
         return self._array("face_face_bodies")
-
-    @cached_property
-    def vertex_edge_bodies(self) -> NDArray[np.int32]:
-        """(k, 2) int32, of a world: the vertex's body and the edge's."""
-        return self._array("vertex_edge_bodies")
-
-    @cached_property
-    def vertex_vertex_bodies(self) -> NDArray[np.int32]:
-        """(k, 2) int32, of a world: the body of each of the two vertices."""
-        return self._array("vertex_vertex_bodies")
-
-    @cached_property
-    def edges(self) -> NDArray[np.int32]:
-        """(n, 2) int32: the vertices of each edge, the lower first; each edge once, in lexicographic order.
-
-        Or as they were listed (`edges`).
-        Of a world those of body b are edges[first_edge[b]:first_edge[b + 1]], and an edge counts within its body.
-        """
-        return self._array("edges")
-
-    @cached_property
-    def first_edge(self) -> NDArray[np.int64]:
-        """(bodies + 1,) int64: where each body's edges begin in `edges`; one mesh is one body."""
-        return self._array("first_edge")
-
-    @cached_property
-    def points(self) -> NDArray[np.int32]:
-        """(n,) int32: the vertices that were listed as points, in their order; then rows name vertices by place here.
-
-        Of a world those of body b are points[first_point[b]:first_point[b + 1]]; a body without any names its vertices.
-        """
-        return self._array("points")
-
-    @cached_property
-    def first_point(self) -> NDArray[np.int64]:
-        """(bodies + 1,) int64: where each body's listed points begin in `points`."""
-        return self._array("first_point")
 
     @property
     def kinds(self) -> tuple[str, ...]:
@@ -156,18 +98,21 @@ class Candidates:
         """How many candidates are listed, of all kinds."""
         return self._answer.count
 
-    @property
-    def statistics(self) -> Statistics:
-        """Counts and times of the stages."""
-        return self._answer.statistics
-
     def __bool__(self) -> bool:
         """Whether anything is listed."""
         return self._answer.count > 0
 
-    def __len__(self) -> int:
-        """How many candidates are listed."""
-        return self._answer.count
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes the lists that were asked for as .txt, .csv, .json or .npz, by extension (docs/feature_lists.md).
+
+        Edges are named by their vertices in .txt and .csv; of worlds ids are body:id there. A file appears when it is
+        complete; the old one stays until then. Ctrl-C waits until the file is written. Raises InvalidInput for other
+        extensions; FileError.
+        """
+        name = file_name(path)
+        if Path(name).suffix.lower() not in (".txt", ".csv", ".json", ".npz"):
+            raise InvalidInput(f"{name}: candidates are saved as .txt, .csv, .json or .npz")
+        _core.write_candidates(path, self._answer)
 
     def __repr__(self) -> str:
         of = ", ".join(f"{len(getattr(self._answer, _LISTS[kind]))} {kind}" for kind in self.kinds)
@@ -176,9 +121,6 @@ class Candidates:
 
     def __reduce__(self) -> Any:
         return _restore, (_stored(self._answer),)
-
-    def __copy__(self) -> Self:
-        return type(self)(self._answer)
 
     def __deepcopy__(self, memo: dict[int, Any]) -> Self:
         return type(self)(_StoredAnswer(_stored(self._answer)))

@@ -1,4 +1,4 @@
-"""What the answers about motion and nearness have in common: pairs of features, as NumPy views."""
+"""What the answers about motion and nearness have in common, beside what all lists of pairs have."""
 
 from __future__ import annotations
 
@@ -10,13 +10,12 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from ._errors import InvalidInput, InvalidType
 from ._mesh import as_mesh
+from ._pair_lists import PairLists
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
     from typing_extensions import Self
-
-    from ._core import Statistics
 
 _INDEX = (
     *("vertex_offsets", "face_offsets", "by_face"),
@@ -31,7 +30,7 @@ _BODIES = (
 )
 
 
-class FeatureResult:
+class FeatureResult(PairLists):
     """Base of Impacts and Nearby."""
 
     _find: ClassVar[str]  # the search
@@ -39,72 +38,20 @@ class FeatureResult:
     _wants: ClassVar[tuple[str, ...]]
     _from: ClassVar[dict[str, int]]  # what is made from which of `_wants` on; all else is made for the last
 
-    def __init__(self, answer: Any) -> None:
-        self._answer = answer
-
     def _check_wanted(self, name: str) -> None:
         least = self._from.get(name, len(self._wants) - 1)
         if self._wants.index(self._answer.wants) < least:
             raise InvalidInput(f'{name} was not asked for: {self._find}(..., wants="{self._wants[least]}")')
 
-    def _array(self, name: str) -> Any:
-        answer = self._answer
-        if name in _BODIES and not answer.of_world:
+    def _check_listed(self, name: str) -> None:
+        of_world = self._answer.of_world
+        if name in _BODIES and not of_world:
             raise InvalidInput(f"{name} are those of a world, but this was asked of one mesh")
-        if name in _INDEX and answer.of_world:
+        if name in _INDEX and of_world:
             raise InvalidInput(f"{name} is made for one mesh alone, but this was asked of a world")
         self._check_wanted(name)
-        if name in _INDEX and not answer.has_index:
+        if name in _INDEX and not self._answer.has_index:
             raise InvalidInput(f"{name} was not asked for: {self._find}(..., index=True)")
-        array = getattr(answer, name)
-        return array.copy() if answer.copy else array
-
-    @cached_property
-    def vertex_faces(self) -> NDArray[np.int32]:
-        """(k, 2) int32: each a vertex and a face that does not name it, sorted; of worlds within their bodies."""
-        return self._array("vertex_faces")
-
-    @cached_property
-    def vertex_face_bodies(self) -> NDArray[np.int32]:
-        """(k, 2) int32, of a world: the vertex's body and the face's."""
-        return self._array("vertex_face_bodies")
-
-    @cached_property
-    def edge_edges(self) -> NDArray[np.int32]:
-        """(k, 2) int32: each two of `edges` without a common vertex, sorted; of worlds within their bodies."""
-        return self._array("edge_edges")
-
-    @cached_property
-    def edge_edge_bodies(self) -> NDArray[np.int32]:
-        """(k, 2) int32, of a world: the body of each of the two edges."""
-        return self._array("edge_edge_bodies")
-
-    @cached_property
-    def edges(self) -> NDArray[np.int32]:
-        """(n, 2) int32: the vertices of each edge, the lower first; each edge once, in lexicographic order.
-
-        Or as they were listed (`edges`).
-        Of a world those of body b are edges[first_edge[b]:first_edge[b + 1]], and an edge counts within its body.
-        """
-        return self._array("edges")
-
-    @cached_property
-    def first_edge(self) -> NDArray[np.int64]:
-        """(bodies + 1,) int64: where each body's edges begin in `edges`; one mesh is one body."""
-        return self._array("first_edge")
-
-    @cached_property
-    def points(self) -> NDArray[np.int32]:
-        """(n,) int32: the vertices that were listed as points, in their order; then rows name vertices by place here.
-
-        Of a world those of body b are points[first_point[b]:first_point[b + 1]]; a body without any names its vertices.
-        """
-        return self._array("points")
-
-    @cached_property
-    def first_point(self) -> NDArray[np.int64]:
-        """(bodies + 1,) int64: where each body's listed points begin in `points`."""
-        return self._array("first_point")
 
     @cached_property
     def vertex_edges(self) -> NDArray[np.int32]:
@@ -112,19 +59,9 @@ class FeatureResult:
         return self._array("vertex_edges")
 
     @cached_property
-    def vertex_edge_bodies(self) -> NDArray[np.int32]:
-        """(k, 2) int32, of a world: the vertex's body and the edge's."""
-        return self._array("vertex_edge_bodies")
-
-    @cached_property
     def vertex_vertices(self) -> NDArray[np.int32]:
         """(k, 2) int32: each two vertices of no face and no edge, sorted."""
         return self._array("vertex_vertices")
-
-    @cached_property
-    def vertex_vertex_bodies(self) -> NDArray[np.int32]:
-        """(k, 2) int32, of a world: the body of each of the two vertices."""
-        return self._array("vertex_vertex_bodies")
 
     @cached_property
     def vertex_offsets(self) -> NDArray[np.int64]:
@@ -202,18 +139,9 @@ class FeatureResult:
         self._check_wanted("count")
         return self._answer.count
 
-    @property
-    def statistics(self) -> Statistics:
-        """Counts and times of the stages."""
-        return self._answer.statistics
-
     def __bool__(self) -> bool:
         """Whether there is anything at all."""
         return self._answer.any
-
-    def __len__(self) -> int:
-        """How many pairs of features are listed; 0 where they were not asked for."""
-        return self._answer.count
 
     def save(self, path: str | os.PathLike[str], mesh: Any = None) -> None:
         """Writes a file of the kind that its extension names.
@@ -253,9 +181,6 @@ class FeatureResult:
         from ._feature_pickling import restore, stored
 
         return restore, (type(self).__name__, stored(self._answer))
-
-    def __copy__(self) -> Self:
-        return type(self)(self._answer)
 
     def __deepcopy__(self, memo: dict[int, Any]) -> Self:
         from ._feature_pickling import StoredAnswer, stored

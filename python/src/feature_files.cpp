@@ -14,10 +14,12 @@
 
 #include "arguments.h"
 #include "arrays.h"
+#include "candidates.h"
 #include "crumple/io_features.h"
 #include "feature_answer.h"
 #include "files.h"
 #include "gil.h"
+#include "names.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -42,15 +44,16 @@ template <class List>
 void take_list(nb::handle answer, FeatureKind kind, Array<double>& values, const char* value,
                Array<std::uint8_t>& flags, const char* flag, List& list) {
     const std::string name(feature_kind_name(kind));
-    take<std::int32_t>(answer, kind == FeatureKind::vertex_vertex ? "vertex_vertices" : name + "s", list.pairs);
+    take<std::int32_t>(answer, plural_of_kind(name), list.pairs);
     take<std::int32_t>(answer, name + "_bodies", list.bodies);
     take<double>(answer, name + "_" + value, values);
     take<bool>(answer, name + "_" + flag, flags);
 }
 
+// What all answers have.
 template <class Storage>
-void take_both(nb::handle answer, Storage& storage) {
-    storage.any = nb::cast<bool>(answer.attr("any"));
+void take_rest(nb::handle answer, Storage& storage) {
+    if constexpr (requires { storage.any; }) storage.any = nb::cast<bool>(answer.attr("any"));
     storage.count = nb::cast<std::int64_t>(answer.attr("count"));
     take<std::int32_t>(answer, "edges", storage.edges);
     take<std::int64_t>(answer, "first_edge", storage.first_edge);
@@ -73,15 +76,21 @@ FirstImpact taken_first(nb::handle given) {
     return first;
 }
 
-// What a crumple.Impacts or crumple.Nearby holds: the library's answer, or arrays that came through pickle.
+// What a crumple.Impacts, crumple.Nearby or crumple.Candidates holds: the library's answer, or arrays that came through
+// pickle.
 std::shared_ptr<const Impacts> impacts_of(nb::handle answer) {
     if (nb::isinstance<ImpactsAnswer>(answer)) return nb::cast<const ImpactsAnswer&>(answer).storage;
     const auto made = std::make_shared<Impacts>();
-    take_both(answer, *made);
+    take_rest(answer, *made);
     for (const FeatureKind kind : all_kinds) {
         ImpactList& list = (*made)[kind];
         take_list(answer, kind, list.toi, "toi", list.start, "start", list);
     }
+    take<std::int32_t>(answer, "triangle_pairs", made->triangle_pairs.pairs);
+    take<std::int32_t>(answer, "triangle_pair_bodies", made->triangle_pairs.bodies);
+    take<double>(answer, "triangle_pair_toi", made->triangle_pairs.toi);
+    take<bool>(answer, "triangle_pair_start", made->triangle_pairs.start);
+    made->lists_triangle_pairs = nb::cast<bool>(answer.attr("has_triangle_pairs"));
     made->first = taken_first(answer.attr("first"));
     return made;
 }
@@ -89,10 +98,24 @@ std::shared_ptr<const Impacts> impacts_of(nb::handle answer) {
 std::shared_ptr<const Nearby> nearby_of(nb::handle answer) {
     if (nb::isinstance<NearbyAnswer>(answer)) return nb::cast<const NearbyAnswer&>(answer).storage;
     const auto made = std::make_shared<Nearby>();
-    take_both(answer, *made);
+    take_rest(answer, *made);
     for (const FeatureKind kind : all_kinds) {
         NearList& list = (*made)[kind];
         take_list(answer, kind, list.squared_distance, "squared_distance", list.touching, "touching", list);
+    }
+    return made;
+}
+
+std::shared_ptr<const CandidateLists> candidates_of(nb::handle answer) {
+    if (nb::isinstance<CandidatesAnswer>(answer)) return nb::cast<const CandidatesAnswer&>(answer).storage;
+    const auto made = std::make_shared<CandidateLists>();
+    take_rest(answer, *made);
+    for (const auto& [name, kind] : candidate_kind_names) {
+        CandidateList& list = (*made)[kind];
+        take<std::int32_t>(answer, plural_of_kind(name), list.pairs);
+        take<std::int32_t>(answer, std::string(name) + "_bodies", list.bodies);
+        made->listed[static_cast<std::size_t>(kind)] =
+            nb::cast<bool>(answer.attr("kinds").attr("__contains__")(std::string(name)));
     }
     return made;
 }
@@ -129,6 +152,15 @@ void bind_feature_files(nb::module_& module) {
                 io::write_near(to, *nearby);
         },
         "path"_a.none(), "answer"_a, "mesh"_a.none());
+    module.def(
+        "write_candidates",
+        [](nb::handle path, nb::handle answer) {
+            const std::filesystem::path to = python::path("path", path);
+            const std::shared_ptr<const CandidateLists> candidates = candidates_of(answer);
+            const WithoutGil released(at_exit(to));
+            io::write_candidates(to, *candidates);
+        },
+        "path"_a.none(), "answer"_a);
 }
 
 }  // namespace crumple::python

@@ -1,6 +1,6 @@
 #pragma once
 
-// Lists of impacts and of near pairs, and meshes that are coloured by them, to files.
+// Lists of impacts, of near pairs and of candidates, and meshes that are coloured by them, to files.
 
 #include <nanobind/nanobind.h>
 

@@ -11,7 +11,9 @@ FACES = np.array([[0, 1, 2], [3, 4, 5]], np.int32)
 
 _KINDS = ("vertex_face", "edge_edge", "vertex_edge", "vertex_vertex")
 _PAIRS = ["vertex_faces", "edge_edges", "vertex_edges", "vertex_vertices"]
+CANDIDATE_KINDS = ("vertex_face", "edge_edge", "edge_face", "face_face", "vertex_edge", "vertex_vertex")
 LISTS = {
+    "Candidates": [*_PAIRS, "edge_faces", "face_faces"],
     "Impacts": [*_PAIRS, *(f"{kind}_{value}" for kind in _KINDS for value in ("toi", "start"))],
     "Nearby": [*_PAIRS, *(f"{kind}_{value}" for kind in _KINDS for value in ("squared_distance", "touching"))],
 }

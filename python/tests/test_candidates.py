@@ -10,9 +10,9 @@ import pytest
 
 import crumple
 from conftest import OnDevice, soup
+from features import CANDIDATE_KINDS as KINDS
 from features import END, FACES, START
 
-KINDS = ("vertex_face", "edge_edge", "edge_face", "face_face", "vertex_edge", "vertex_vertex")
 LISTS = dict(zip(KINDS, ("vertex_faces", "edge_edges", "edge_faces", "face_faces", "vertex_edges", "vertex_vertices")))
 
 

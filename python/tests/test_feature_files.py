@@ -1,5 +1,6 @@
-"""Impacts and near pairs to files."""
+"""Impacts, near pairs and candidates to files."""
 
+import copy
 import json
 import pickle
 
@@ -8,14 +9,17 @@ import pytest
 
 import crumple
 from conftest import OnDevice
-from features import END, FACES, LISTS, START
+from features import CANDIDATE_KINDS, END, FACES, LISTS, START
 
 WORLD = crumple.World([crumple.Shape(START[:3], FACES[:1]), crumple.Shape(START[3:], FACES[:1], end=END[3:])])
 ANSWERS = {
     "impacts": lambda d: d.find_impacts(START, END, FACES),
     "near": lambda d: d.find_near(START, FACES, radius=2),
     "impacts of a world": lambda d: d.find_impacts(WORLD),
+    "impacts with triangles": lambda d: d.find_impacts(START, END, FACES, triangle_pairs=True),
     "near of a world": lambda d: d.find_near(WORLD, radius=2),
+    "candidates": lambda d: d.find_candidates(START, FACES, end=END, kinds=CANDIDATE_KINDS, inflation=0.25),
+    "candidates of a world": lambda d: d.find_candidates(WORLD, kinds=CANDIDATE_KINDS, inflation=0.25),
 }
 
 
@@ -49,9 +53,20 @@ def test_lines_of_text(detector, tmp_path):
         assert (tmp_path / "list.txt").read_text() == lines
     detector.find_impacts(START, END, FACES, groups=[0, 1], wanted="between").save(tmp_path / "list.txt")
     assert (tmp_path / "list.txt").read_text() == expected["impacts"]
+    detector.find_candidates(WORLD, kinds=["face_face", "vertex_face"]).save(tmp_path / "list.txt")
+    assert (tmp_path / "list.txt").read_text() == "vf 1:0 0:0\nff 0:0 1:0\n"
     ANSWERS["near"](detector).save(tmp_path / "list.txt")
     lines = (tmp_path / "list.txt").read_text().splitlines()
     assert len(lines) == 10 and lines[1] == "vf 3 0 1" and lines[4] == "ee 0 1 3 4 2"
+
+
+def test_files_hold_the_kinds_that_were_asked_for(detector, tmp_path):
+    for answer in (one := detector.find_candidates(START, FACES, end=END, kinds="face_face"), copy.deepcopy(one)):
+        answer.save(tmp_path / "list.npz")
+        answer.save(str(tmp_path / "list.CSV"))
+        with np.load(tmp_path / "list.npz") as read:
+            assert sorted(read) == ["face_faces"] and read["face_faces"].tolist() == [[0, 1]]
+        assert (tmp_path / "list.CSV").read_text() == "kind,vertex,face,a,b,c,d\nff,,0,1,,,\n"
 
 
 @pytest.mark.parametrize("name", ["impacts", "near"])
@@ -68,6 +83,14 @@ def test_meshes_are_coloured(name, detector, tmp_path):
 
 
 def test_what_cannot_be_saved_is_refused(detector, tmp_path):
+    candidates = ANSWERS["candidates"](detector)
+    for wrong in ("list.docx", "mesh.glb", "list"):
+        with pytest.raises(crumple.InvalidInput, match=rf"{wrong}: candidates are saved as \.txt, \.csv, "):
+            candidates.save(tmp_path / wrong)
+    with pytest.raises(crumple.FileError, match="none"):
+        candidates.save(tmp_path / "none" / "list.csv")
+    with pytest.raises(crumple.InvalidType, match="path must be a str, bytes or os.PathLike, not int"):
+        candidates.save(3)
     answer = ANSWERS["impacts"](detector)
     with pytest.raises(crumple.InvalidInput, match=r"list\.docx: an answer is saved as \.txt, "):
         answer.save(tmp_path / "list.docx")
