@@ -20,6 +20,8 @@ from seed_searches import search_inputs, world_inputs
 # kinds in readers.cpp
 MESH, PLY, OBJ, STL, OFF, STL_MENDED, TXT, CSV, JSON, NPZ, NPZ_MENDED, NPY = range(12)
 GLTF, GLB, GLB_MENDED, WORLD, POSES_TEXT, POSES_NPY, POSES_MENDED = range(12, 19)
+FEATURES_TXT, FEATURES_CSV, FEATURES_JSON, FEATURES_NPZ, FEATURES_MENDED = range(19, 24)
+CANDIDATES, IMPACTS, NEAR = range(3)  # what a list of features is of
 FLOAT32, FLOAT64, UNWELDED, WELDED, GROUP, LABEL, FAN, STRICT = 2, 3, 4, 8, 32, 48, 64, 128  # options in readers.cpp
 
 BOM = b"\xef\xbb\xbf"
@@ -330,6 +332,54 @@ def pose_files():
         yield POSES_MENDED, bytes([kind]) + 6 * struct.pack(code, *(min(x, 9.0) for x in numbers))
 
 
+KIND_NAMES = {"vf": "vertex_face", "ee": "edge_edge", "ef": "edge_face", "ff": "face_face", "ve": "vertex_edge",
+              "vv": "vertex_vertex"}
+
+
+def archive_of_arrays(arrays):
+    """Pairs and numbers, by name."""
+    out = io.BytesIO()
+    with zipfile.ZipFile(out, "w") as archive:
+        for name, rows in arrays.items():
+            if isinstance(rows[0], list):
+                data = struct.pack(f"<{2 * len(rows)}i", *itertools.chain(*rows))
+                file = npy("<i4", f"({len(rows)}, 2)", data)
+            else:
+                file = npy("<f8", f"({len(rows)},)", struct.pack(f"<{len(rows)}d", *rows))
+            archive.writestr(zipfile.ZipInfo(name + ".npy"), file)
+    return out.getvalue()
+
+
+def feature_files():
+    """(kind of file, what the list is of, file)"""
+    ids = {"vf": "7 1", "ee": "0 7 2 9", "ef": "9 2 3", "ff": "5 4", "ve": "8 0 7", "vv": "3 4"}
+    of_files = {"vf": "0:7 1:1", "ee": "1:0 1:7 0:2 0:9", "ef": "0:9 0:2 1:3", "ff": "1:5 0:4", "ve": "1:8 0:0 0:7",
+                "vv": "1:3 1:4"}
+    cells = {"vf": "7,1,,,,", "ee": ",,0,7,2,9", "ef": ",3,2,9,,", "ff": ",5,4,,,", "ve": "8,,0,7,,", "vv": "3,,4,,,"}
+    for list_of, end, array in ((CANDIDATES, "", ""), (IMPACTS, " 0.5 0", "toi"), (NEAR, " inf", "squared_distance")):
+        without = {CANDIDATES: (), IMPACTS: ("ef",), NEAR: ("ef", "ff")}[list_of]
+        kinds = [kind for kind in ids if kind not in without]
+        for row in (ids, of_files):
+            yield FEATURES_TXT, list_of, "\n".join(["# theirs", *(f"{k} {row[k]}{end}" for k in kinds)]).encode()
+        for file in (b"", b"vf 1\n", b"ee 1 1 2 3\n", b"ff 1 2\n", b"vf 0 0 0 1\nvf 0 1 0 0 0\n"):
+            yield FEATURES_TXT, list_of, file
+        numbers = "" if list_of == CANDIDATES else ",0,1"
+        rows = "\n".join(f"{kind},{cells[kind]}{numbers}" for kind in kinds).encode()
+        for file in (rows, b"kind,vertex,face\n" + rows, b"vf,1,2\n"):
+            yield FEATURES_CSV, list_of, file
+        arrays = {"edges": [[0, 7], [2, 9]]}
+        for kind in kinds:
+            name = KIND_NAMES[kind]
+            arrays["vertex_vertices" if kind == "vv" else name + "s"] = [[0, 1]]
+            if array:
+                arrays[f"{name}_{array}"] = [0.5]
+        for more in ({}, {"edges": []}, {"vertex_faces": [[1, -1]]}, {"face_faces": [[0, 1.5]]}, {"first_edge": [0]}):
+            yield FEATURES_JSON, list_of, json.dumps({**arrays, **more}).encode()
+        yield FEATURES_NPZ, list_of, archive_of_arrays(arrays)
+    for file in npy_files():
+        yield FEATURES_MENDED, CANDIDATES, file
+
+
 def reader_inputs():
     for kind, files in ((PLY, ply_files()), (OBJ, obj_files()), (STL, stl_files()), (OFF, off_files())):
         for number, file in enumerate(files):
@@ -346,6 +396,8 @@ def reader_inputs():
     for kind, file in world_files():
         for options in (0, FLOAT64, STRICT | UNWELDED, WELDED):
             yield bytes([kind, options]), file
+    for kind, list_of, file in feature_files():
+        yield bytes([kind, list_of]), file
     for kind, file in pose_files():
         for bodies in range(4):
             yield bytes([kind, bodies]), file

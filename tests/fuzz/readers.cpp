@@ -1,7 +1,8 @@
-// Fuzz target: the readers of meshes, of pair lists, of worlds and of poses. The first byte of an input tells what file
-// it is to be, the second one with which options it is read; the file follows. Broken promises besides what the
-// sanitizers see: another exception than crumple::Error, an error that does not tell its place in a short printable
-// line, a mesh that is not sound, memory out of proportion, and a mesh that a writer and a reader do not keep.
+// Fuzz target: the readers of meshes, of pair lists, of worlds, of poses and of lists of features. The first byte of an
+// input tells what file it is to be, the second one with which options it is read; the file follows. Broken promises
+// besides what the sanitizers see: another exception than crumple::Error, an error that does not tell its place in a
+// short printable line, a mesh that is not sound, memory out of proportion, and a mesh that a writer and a reader do
+// not keep.
 
 #include <algorithm>
 #include <cstring>
@@ -14,6 +15,7 @@
 #include "fuzz/bodies.h"
 #include "fuzz/containers.h"
 #include "fuzz/fail.h"
+#include "fuzz/feature_rows.h"
 #include "fuzz/file.h"
 #include "fuzz/memory.h"
 #include "fuzz/polygons.h"
@@ -23,8 +25,8 @@
 namespace crumple::fuzz {
 namespace {
 
-enum class Content { mesh, pairs, world, poses };
-enum class Mended { nothing, stl_count, archive, glb, array_of_poses };
+enum class Content { mesh, pairs, world, poses, features };
+enum class Mended { nothing, stl_count, archive, glb, array_of_poses, archive_of_faces };
 
 struct Kind {
     const char* name;  ///< of the file; its extension is a reader's second hint
@@ -52,10 +54,16 @@ constexpr Kind kinds[] = {
     {"file.csv", Content::poses},
     {"file.npy", Content::poses},
     {"file.npy", Content::poses, Mended::array_of_poses},
+    {"file.txt", Content::features},
+    {"file.csv", Content::features},
+    {"file.json", Content::features},
+    {"file.npz", Content::features},
+    {"file.npz", Content::features, Mended::archive_of_faces},
 };
 
 std::string mend(std::string_view bytes, Mended mended) {
     if (mended == Mended::archive) return archive_of("pairs.npy", bytes);
+    if (mended == Mended::archive_of_faces) return archive_of("face_faces.npy", bytes);
     if (mended == Mended::glb) return glb_of(bytes);
     if (mended == Mended::array_of_poses) return npy_of_poses(bytes);
     std::string file(bytes);
@@ -201,6 +209,19 @@ void check_poses(std::string_view file, const Kind& kind, std::uint8_t byte) {
     if (poses) require_kept(*poses, bodies);
 }
 
+/// `byte`: what the list is of.
+void check_features(std::string_view file, const Kind& kind, std::uint8_t byte) {
+    if (byte % 3 == 0) {
+        const auto rows = watched(file, kind, false, [&] { return read_candidates(file, kind.name); });
+        if (rows) require_kept(*rows);
+        return;
+    }
+    const bool impacts = byte % 3 == 1;
+    const auto rows = watched(file, kind, false,
+                              [&] { return impacts ? read_impacts(file, kind.name) : read_near(file, kind.name); });
+    if (rows) require_kept(*rows, impacts);
+}
+
 }  // namespace
 }  // namespace crumple::fuzz
 
@@ -222,6 +243,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
             break;
         case Content::poses:
             check_poses(file, kind, data[1]);
+            break;
+        case Content::features:
+            check_features(file, kind, data[1]);
             break;
     }
     return 0;
