@@ -270,7 +270,7 @@ def test_what_was_not_asked_for_says_how_to_ask(detector):
         _ = every.vertex_face_bodies
 
 
-def test_triangles_that_are_stuck_or_come_to_touch(either):
+def test_triangles_that_are_stuck_or_come_to_touch(either, tmp_path):
     """A blade that sticks in a plate and moves along, and one that comes down on it."""
     start = np.array([[-9, -9, 0], [9, -9, 0], [0, 9, 0], [0, 0, -1], [0.5, 0, 1], [-0.5, 0.2, 1]])
     start = np.vstack([start, np.array([1, 0, 2]) + start[3:]])
@@ -290,6 +290,9 @@ def test_triangles_that_are_stuck_or_come_to_touch(either):
     assert found.second_triangle_offsets.tolist() == [0, 0, 1, 2] and found.by_second_triangle.tolist() == [0, 1]
     assert found.count == 1 and found.vertex_faces.tolist() == [[6, 0]]
     assert_same(pickle.loads(pickle.dumps(found)), found, more=TRIANGLES[:3])
+    for answer in (found, pickle.loads(pickle.dumps(found))):
+        answer.save(tmp_path / "a.txt")
+        assert (tmp_path / "a.txt").read_text() == "vf 6 0 0.5 0\nff 0 1 0 1\nff 0 2 0.5 0\n"
     stuck = either.find_impacts(start[:6], end[:6], faces[:2], triangle_pairs=True)
     assert stuck.any and stuck.first is None and len(stuck) == 0
     assert pickle.loads(pickle.dumps(stuck)).triangle_pairs.tolist() == [[0, 1]]
