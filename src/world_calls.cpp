@@ -1,0 +1,139 @@
+#include "world_calls.h"
+
+#include <utility>
+
+#include "base/stopwatch.h"
+#include "engine/reference/nearest.h"
+#include "engine/reference/worlds.h"
+
+namespace crumple {
+
+const WorldCollisions& WorldCalls::find(const World& world, const Intersect& question, std::stop_token stop,
+                                        const WorldBlocks* blocks) {
+    Stopwatch watch;
+    bool handed_over = false;
+    const auto noting = [&](const WorldCollisions& block) {
+        handed_over = true;
+        blocks->take(block);
+    };
+    const auto attempt = [&] {
+        if (!blocks) return search(world, question, nullptr);
+        const WorldBlocks noted{blocks->how, noting};
+        search(world, question, &noted);
+    };
+    // Who has taken blocks cannot begin again.
+    within_limit(
+        std::move(stop), attempt, [&] { return !handed_over; }, [&] { return bytes_needed(world, question, blocks); });
+    Statistics& statistics = world_result.statistics;
+    statistics.pairs = world_result.count;
+    statistics.peak_memory_bytes = meter.peak;
+    statistics.milliseconds = watch.lap();
+    return world_result;
+}
+
+template <class Question, class Answer>
+const Answer& WorldCalls::find_features(const World& world, const Question& question, bool bodies, Answer& answer,
+                                        std::stop_token stop) {
+    Stopwatch watch;
+    bool frugal = false;
+    const auto attempt = [&] {
+        check_question(question, bodies);
+        features.find(*backend, world, question, bodies, frugal, answer);
+    };
+    // What several workers need depends on who does what, so it cannot be promised.
+    within_limit(
+        std::move(stop), attempt, [&] { return frugal = true; }, [&] { return peak_of(attempt); });
+    answer.statistics.peak_memory_bytes = meter.peak;
+    answer.statistics.milliseconds = watch.lap();
+    return answer;
+}
+const NearestBodies& WorldCalls::find_nearest(const World& world, const Nearest& question, std::stop_token stop) {
+    Stopwatch watch;
+    bool frugal = false;
+    const auto attempt = [&] {
+        check(working != Backend::cuda, "distances of bodies need the cpu backend (Options::backend)");
+        check_question(question);
+        if (working == Backend::reference)
+            find_nearest_by_brute_force(world, question, meter, cancellation, nearest_bodies);
+        else
+            nearest.find(*backend, world, question, frugal, nearest_bodies);
+    };
+    within_limit(
+        std::move(stop), attempt, [&] { return frugal = true; }, [&] { return peak_of(attempt); });
+    Statistics& statistics = nearest_bodies.statistics;
+    statistics.pairs = static_cast<std::int64_t>(nearest_bodies.bodies.size());
+    statistics.peak_memory_bytes = meter.peak;
+    statistics.milliseconds = watch.lap();
+    return nearest_bodies;
+}
+
+const Impacts& WorldCalls::find_impacts(const World& world, const Motion& question, std::stop_token stop) {
+    return find_features(world, question, true, impacts, std::move(stop));
+}
+const Nearby& WorldCalls::find_near(const World& world, const Near& question, std::stop_token stop) {
+    return find_features(world, question, true, nearby, std::move(stop));
+}
+const CandidateLists& WorldCalls::find_candidates(const World& world, const CandidateQuestion& question,
+                                                  std::stop_token stop) {
+    return find_features(world, question, true, candidates, std::move(stop));
+}
+
+// One mesh is a world of one body.
+const Impacts& WorldCalls::find_impacts(const MeshView& mesh, const VertexView& end, const Motion& question,
+                                        std::stop_token stop) {
+    const Shape shape = moving_shape(mesh, end);
+    const Body body;
+    return find_features({{&shape, 1}, {&body, 1}, {}, {}}, question, false, impacts, std::move(stop));
+}
+const Nearby& WorldCalls::find_near(const MeshView& mesh, const Near& question, std::stop_token stop) {
+    Shape shape = host_shape(mesh);
+    shape.radii = question.radii;
+    shape.rest = question.rest;
+    const Body body;
+    return find_features({{&shape, 1}, {&body, 1}, {}, {}}, question, false, nearby, std::move(stop));
+}
+const CandidateLists& WorldCalls::find_candidates(const MeshView& mesh, const VertexView* end,
+                                                  const CandidateQuestion& question, std::stop_token stop) {
+    const Shape shape = end ? moving_shape(mesh, *end) : host_shape(mesh);
+    const Body body;
+    return find_features({{&shape, 1}, {&body, 1}, {}, {}}, question, false, candidates, std::move(stop));
+}
+Shape WorldCalls::host_shape(const MeshView& mesh) {
+    if (mesh.memory != MemorySpace::host) refuse("motion, nearness and candidates take meshes in host memory");
+    return Shape(mesh);
+}
+Shape WorldCalls::moving_shape(const MeshView& mesh, const VertexView& end) {
+    Shape shape = host_shape(mesh);
+    shape.end = end;
+    if (!end.data && end.rows == 0 && mesh.vertices.rows > 0) refuse("the vertices at the end are missing");
+    return shape;
+}
+void WorldCalls::refuse(const char* message) {
+    forget();
+    throw Error(ErrorCode::invalid_argument, message, Element::option);
+}
+
+void WorldCalls::search(const World& world, const Intersect& question, const WorldBlocks* blocks) {
+    if (working == Backend::reference)
+        find_by_brute_force(world, question, meter, cancellation, world_result, blocks);
+    else
+        worlds.find(*backend, world, question, world_result, blocks);
+}
+
+Statistics WorldCalls::stream(const World& world, TakeWorldBlock take, const Intersect& question, const Streaming& how,
+                              std::stop_token stop) {
+    check_blocks(how);
+    check(question.wants == Wants::pairs || question.wants == Wants::contacts, "blocks have pairs, or contacts");
+    if (meter.limit > 0) forget();
+    const WorldBlocks blocks{how, take};
+    return find(world, question, std::move(stop), &blocks).statistics;
+}
+
+// The limit that suffices: found by answering without one.
+std::int64_t WorldCalls::bytes_needed(const World& world, const Intersect& question, const WorldBlocks* blocks) {
+    const auto ignore = [](const WorldCollisions&) {};
+    const WorldBlocks ignored{blocks ? blocks->how : Streaming(), ignore};
+    return peak_of([&] { search(world, question, blocks ? &ignored : nullptr); });
+}
+
+}  // namespace crumple

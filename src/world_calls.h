@@ -1,0 +1,43 @@
+#pragma once
+
+// A detector's calls on worlds of bodies; one mesh in motion, or at rest for nearness and candidates, is a world of one
+// body.
+
+#include "crumple/detector.h"
+#include "detector_state.h"
+
+namespace crumple {
+
+struct WorldCalls : DetectorState {
+    using DetectorState::DetectorState;
+    using TakeWorldBlock = Detector::TakeWorldBlock;
+
+    const WorldCollisions& find(const World& world, const Intersect& question, std::stop_token stop,
+                                const WorldBlocks* blocks = nullptr);
+    Statistics stream(const World& world, TakeWorldBlock take, const Intersect& question, const Streaming& how,
+                      std::stop_token stop);
+    const NearestBodies& find_nearest(const World& world, const Nearest& question, std::stop_token stop);
+
+    const Impacts& find_impacts(const World& world, const Motion& question, std::stop_token stop);
+    const Impacts& find_impacts(const MeshView& mesh, const VertexView& end, const Motion& question,
+                                std::stop_token stop);
+    const Nearby& find_near(const World& world, const Near& question, std::stop_token stop);
+    const Nearby& find_near(const MeshView& mesh, const Near& question, std::stop_token stop);
+    const CandidateLists& find_candidates(const World& world, const CandidateQuestion& question, std::stop_token stop);
+    /// `end`: null at rest.
+    const CandidateLists& find_candidates(const MeshView& mesh, const VertexView* end,
+                                          const CandidateQuestion& question, std::stop_token stop);
+
+   private:
+    void search(const World& world, const Intersect& question, const WorldBlocks* blocks);
+    std::int64_t bytes_needed(const World& world, const Intersect& question, const WorldBlocks* blocks);
+    /// `bodies`: whether the answer names bodies.
+    template <class Question, class Answer>
+    const Answer& find_features(const World& world, const Question& question, bool bodies, Answer& answer,
+                                std::stop_token stop);
+    Shape host_shape(const MeshView& mesh);
+    Shape moving_shape(const MeshView& mesh, const VertexView& end);
+    [[noreturn]] void refuse(const char* message);
+};
+
+}  // namespace crumple
