@@ -26,6 +26,8 @@ struct TrianglePart {
     }
 };
 
+/// They have one pair of closest points: edges that are about parallel are never both parts, for of these a guess names
+/// a vertex at least.
 class ClosestParts {
    public:
     /// Those that `quick` names of the triangles that it was made of.
@@ -57,13 +59,6 @@ class ClosestParts {
         return {kinds, {p.point[0], q.point[0], q.point[1], q.point[2]}};
     }
     bool second_comes_first() const { return first_.count > second_.count; }
-
-    /// Whether they have one pair of closest points for certain: all parts have, but for edges that are parallel.
-    bool one_pair_of_points() const {
-        if (first_.count != 2 || second_.count != 2) return true;
-        const Vec3d u = first_.point[1] - first_.point[0], v = second_.point[1] - second_.point[0];
-        return largest(abs(cross(u, v))) > 0x1p-40 * largest(abs(u)) * largest(abs(v));
-    }
 
     /// Whether both triangles have these parts, and their distance is certainly that of the parts: of all corners but
     /// those of the parts it is certain that they are farther along the direction in which the parts are closest.

@@ -52,7 +52,7 @@ LeastDistance decide_nearest(Array<NearestCandidate>& candidates, const NearestC
         least = std::move(nearest);
         least_triangles = candidate.triangles;
     };
-    const bool by_parts = parts.one_pair_of_points() && parts.are_closest_of(closest.a, closest.b);
+    const bool by_parts = parts.are_closest_of(closest.a, closest.b);
     for (const NearestCandidate& candidate : candidates) {
         if (candidate.lower > upper) continue;
         if (!by_parts || !parts.are_closest_of(candidate.a, candidate.b))

@@ -64,6 +64,12 @@ TEST_P(NearestAgreement, of_larger_bodies) {
     for (unsigned seed = 300; seed < 304; ++seed)
         compare(seed, {.shapes = 2, .bodies = 3, .triangles = 60, .named = 1, .reach = 3});
 }
+/// So many triangles touch that the first ones are seldom found first.
+TEST_P(NearestAgreement, of_larger_bodies_at_one_place) {
+    for (unsigned seed = 350; seed < 358; ++seed)
+        compare(seed, {.shapes = 2, .bodies = 4, .triangles = 60, .named = 1, .everywhere = 0, .reach = 0.1});
+    EXPECT_GT(touching_, 4u);
+}
 TEST_P(NearestAgreement, of_single_triangles) {
     for (unsigned seed = 400; seed < 440; ++seed) compare(seed, {.shapes = 5, .triangles = 1, .reach = 1.5});
 }

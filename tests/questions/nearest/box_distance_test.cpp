@@ -1,0 +1,90 @@
+// Boxes and posed triangles are never told to be farther apart than points of theirs are.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "model/box_distance.h"
+#include "worlds/random_worlds.h"
+
+namespace crumple::test {
+namespace {
+
+/// Any matrix, so that axes are neither orthogonal nor of one length; now and then a motion.
+Pose any_pose(Dice& dice) {
+    Pose pose = random_pose(dice, 3);
+    if (dice.chance(0.3)) return pose;
+    for (double& x : pose.rows) x = dice.between(-2, 2);
+    if (dice.chance(0.3))
+        for (std::size_t i = 0; i < 12; i += 4) pose.rows[i + 1] = 1.01 * pose.rows[i];  // nearly parallel columns
+    return pose;
+}
+
+struct PosedShape {
+    PosedShape(const Pose& pose, double size, Dice& dice)
+        : pose(pose),
+          place(&this->pose, false),
+          size(size),
+          frame(CentredBox(Bounds{{-size, -size, -size}, {size, size, size}})) {
+        Bounds part = no_bounds;
+        for (int i = 0; i < 2; ++i) part.widen(Vec3d{coordinate(dice), coordinate(dice), coordinate(dice)});
+        box = part;
+    }
+    double coordinate(Dice& dice) const { return dice.between(-size, size); }
+    /// A posed point of the box, which is a corner now and then.
+    Vec3d point(Dice& dice) const {
+        const auto within = [&](double low, double high) {
+            return dice.chance(0.4) ? low : dice.chance(0.6) ? high : dice.between(low, high);
+        };
+        return place({within(box.low.x, box.high.x), within(box.low.y, box.high.y), within(box.low.z, box.high.z)});
+    }
+
+    Pose pose;
+    Placement place;
+    double size;
+    SmallFrame frame;
+    Bounds box;
+};
+
+double length(const Vec3d& v) { return std::sqrt(dot(v, v)); }
+
+TEST(BoxDistance, IsNoMoreThanThatOfTheirPoints) {
+    int apart = 0;
+    for (unsigned seed = 0; seed < 2000; ++seed) {
+        SCOPED_TRACE(seed);
+        Dice dice(seed);
+        const PosedShape a(any_pose(dice), dice.between(0.1, 3), dice), b(any_pose(dice), dice.between(0.1, 3), dice);
+        const Vec3d known = dice.chance(0.2) ? Vec3d{} : Vec3d{dice.between(-1, 1), dice.between(-1, 1), 0.5};
+        const BoxDistance boxes(a.place, a.frame, b.place, b.frame, known);
+        const float between = gap(boxes.a()(a.frame(CentredBox(a.box))), boxes.b()(b.frame(CentredBox(b.box))));
+        apart += between > 0;
+        for (int i = 0; i < 60; ++i) {
+            const Vec3d p = a.point(dice), q = b.point(dice);
+            ASSERT_FALSE(between > boxes.limit(length(p - q)));
+            const Vec3d r = a.point(dice), s = b.point(dice);
+            const float triangles =
+                gap(boxes.a()(boxes(p), boxes(p), boxes(r)), boxes.b()(boxes(q), boxes(s), boxes(q)));
+            for (const Vec3d& x : {p, r, 0.5 * (p + r)})
+                for (const Vec3d& y : {q, s, 0.5 * (q + s)}) ASSERT_FALSE(triangles > boxes.limit(length(x - y)));
+        }
+    }
+    EXPECT_GT(apart, 200);
+}
+/// Two cubes in line with each other, and corner to corner: of rigid poses it is the distance, nearly.
+TEST(BoxDistance, IsThatOfCubesInLine) {
+    const Bounds cube{{-1, -1, -1}, {1, 1, 1}};
+    const SmallFrame frame{CentredBox(cube)};
+    const SmallBox box = frame(CentredBox(cube));
+    for (const Vec3d& step : {Vec3d{5, 0, 0}, Vec3d{5, 6, 0}, Vec3d{5, 6, 7}}) {
+        const Pose pose{{1, 0, 0, step.x, 0, 1, 0, step.y, 0, 0, 1, step.z}};
+        const Placement a(nullptr, false), b(&pose, false);
+        const BoxDistance boxes(a, frame, b, frame, {});
+        const float between = gap(boxes.a()(box), boxes.b()(box));
+        const Vec3d least = max(step - Vec3d{2, 2, 2}, Vec3d{});
+        EXPECT_FALSE(between > boxes.limit(length(least)));
+        EXPECT_GT(between, boxes.limit(0.999 * length(least)));
+    }
+}
+
+}  // namespace
+}  // namespace crumple::test
