@@ -173,6 +173,24 @@ TEST(NearestBodies, KnowNamedShapes) {
     EXPECT_EQ(error_of([&] { detector.find_nearest({shapes, bodies, poses}); }).element, Element::shape);
 }
 
+/// The first of all pairs that intersect, however many there are, and where their contact begins.
+TEST(NearestBodies, ThatTouchNameTheFirstPair) {
+    Detector detector({.backend = Backend::cpu}), other({.backend = Backend::cpu});
+    const std::vector<Body> bodies{{.shape = 0}, {.shape = 1}};
+    for (unsigned seed = 0; seed < 60; ++seed) {
+        const auto a = random_soup(400, 0.2, 2 * seed + 1), b = random_soup(400, 0.2, 2 * seed + 2);
+        const std::vector<Shape> shapes{Shape(a.view()), Shape(b.view())};
+        const std::vector<Pose> poses{{}, moved(0.001 * seed, 0.3)};
+        Intersect question{.wants = Wants::contacts};
+        question.rules.bodies = Wanted::between;
+        const WorldCollisions& all = other.find({shapes, bodies, poses}, question);
+        const NearestBodies& found = detector.find_nearest({shapes, bodies, poses});
+        ASSERT_GT(all.count, 20);
+        ASSERT_EQ(found.triangles[0], all.pairs[0]) << "seed " << seed;
+        ASSERT_EQ(found.points[0][0], all.contacts.points[0]);
+    }
+}
+
 TEST(NearestBodies, EndSoonAfterAStop) {
     const auto soup = random_soup(3000, 0.05);
     const std::vector<Shape> shapes{Shape(soup.view(), 1)};
