@@ -301,8 +301,8 @@ def find_candidates(
     Of a world (crumple.World): find_candidates(world), on the way to `end_poses` and to the shapes' `end`.
         bodies, groups, excluded, excluded_groups, poses, end_poses: as find_impacts has them.
 
-    Raises InvalidInput, which names the argument and the place; MemoryLimit; BackendUnavailable on a detector of the
-    cuda backend. More: docs/candidates.md.
+    Raises InvalidInput, which names the argument and the place, also on a detector of the cuda backend; MemoryLimit.
+    More: docs/candidates.md.
     """
     question = _question(kinds, inflation, weld, _core.rules_of_mesh(wanted, excluded_groups))
     mesh = listing_of(vertices, faces, groups, edges, points)

@@ -138,8 +138,8 @@ def find_impacts(
         excluded, excluded_groups: pairs of bodies and of groups, as Detector.find has them.
         poses, end_poses: instead of those of the world, for this call.
 
-    Raises InvalidInput, which names the argument and the place; MemoryLimit; BackendUnavailable on a detector of the
-    cuda backend. What an impact is: docs/motion.md.
+    Raises InvalidInput, which names the argument and the place, also on a detector of the cuda backend; MemoryLimit.
+    What an impact is: docs/motion.md.
     """
     rules = _core.rules_of_mesh(wanted, excluded_groups)
     question = _core.Motion(wants, separation, separation_share, weld, rules, index, triangle_pairs)
