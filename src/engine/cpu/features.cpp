@@ -101,9 +101,8 @@ Inflation inflation_of_radii(const Scene& scene, std::span<const double> radii, 
             for (std::size_t i = c * some; i < std::min(n, (c + 1) * some); ++i) visit(i);
         });
     };
-    for_each(vertex.size(), [&](std::size_t v) {
-        vertex[v] = normalised_length(radii[v], normaliser) * 1.000002f + 1e-30f;
-    });
+    for_each(vertex.size(),
+             [&](std::size_t v) { vertex[v] = normalised_length(radii[v], normaliser) * 1.000002f + 1e-30f; });
     for_each(triangle.size(), [&](std::size_t t) {
         const std::int32_t* c = scene.corners + 3 * t;
         triangle[t] = std::max(vertex[c[0]], std::max(vertex[c[1]], vertex[c[2]]));
