@@ -125,20 +125,20 @@ class Detector {
 
     /// The same by the question's type, which has to be named: `find(world, {.weld = true})` is about intersections.
     template <std::same_as<Motion> Question>
-    const Impacts& find(const World& world, const Question& question, std::stop_token stop = {}) {
-        return find_impacts(world, question, std::move(stop));
+    const Impacts& find(const World& world, const Question& question, const std::stop_token& stop = {}) {
+        return find_impacts(world, question, stop);
     }
     template <std::same_as<Near> Question>
-    const Nearby& find(const World& world, const Question& question, std::stop_token stop = {}) {
-        return find_near(world, question, std::move(stop));
+    const Nearby& find(const World& world, const Question& question, const std::stop_token& stop = {}) {
+        return find_near(world, question, stop);
     }
     template <std::same_as<CandidateQuestion> Question>
-    const CandidateLists& find(const World& world, const Question& question, std::stop_token stop = {}) {
-        return find_candidates(world, question, std::move(stop));
+    const CandidateLists& find(const World& world, const Question& question, const std::stop_token& stop = {}) {
+        return find_candidates(world, question, stop);
     }
     template <std::same_as<Nearest> Question>
-    const NearestBodies& find(const World& world, const Question& question, std::stop_token stop = {}) {
-        return find_nearest(world, question, std::move(stop));
+    const NearestBodies& find(const World& world, const Question& question, const std::stop_token& stop = {}) {
+        return find_nearest(world, question, stop);
     }
 
     /// Cuts a scene into `count` (1 to 262,144) parts. Depends only on the arguments, so that several machines that are

@@ -82,6 +82,7 @@ void find_nearest_by_brute_force(const World& world, const Nearest& question, Me
     answer.statistics.simd = "scalar";
     answer.statistics.triangles = outline.triangles();
     std::vector<std::vector<PosedTriangle>> bodies;
+    bodies.reserve(static_cast<std::size_t>(outline.bodies()));
     for (std::int32_t b = 0; b < outline.bodies(); ++b) bodies.push_back(triangles_of(outline, b));
     for (std::size_t a = 0; a < bodies.size(); ++a) {
         for (std::size_t b = a + 1; b < bodies.size(); ++b) {
