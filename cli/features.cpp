@@ -107,7 +107,7 @@ std::string kinds_of(const CandidateLists& answer) {
         std::string name(candidate_kind_name(kind));
         name[name.find('_')] = '-';
         const std::string count = grouped(static_cast<std::int64_t>(answer[kind].pairs.size()));
-        text += (text.empty() ? "" : ", ") + count + ' ' + name;
+        text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, name);
     }
     return text;
 }
