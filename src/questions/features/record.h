@@ -6,7 +6,7 @@
 // Corners are relative to the leaf's origin, in rows of four, so that one load is a coordinate of three corners and of
 // the normal:
 //
-//     x0 x1 x2 nx [x0' x1' x2' nx'] | y ... | z ... | vertices | edges | triangle | owned
+//     x0 x1 x2 nx [x0' x1' x2' nx'] | y ... | z ... | vertices, owned | edges, triangle
 //
 // Normals have length 1, about; that of a triangle without one is 0. Corners and normals of big members (leaf_frame.h)
 // are NaN, from which no filter concludes anything.
@@ -22,9 +22,9 @@ template <int moments>
 struct alignas(16) FeatureRecord {
     float x[4 * moments], y[4 * moments], z[4 * moments];
     std::int32_t vertex[3];
+    std::uint32_t owned;   ///< see SceneFeatures
     std::int32_t edge[3];  ///< -1 where a side's ends are equal
     std::int32_t triangle;
-    std::uint32_t owned;  ///< see SceneFeatures
 
     CRUMPLE_HD Vec3f at(int i) const { return {x[i], y[i], z[i]}; }
     CRUMPLE_HD void set(int i, const Vec3f& p) { x[i] = p.x, y[i] = p.y, z[i] = p.z; }

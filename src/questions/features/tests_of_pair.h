@@ -4,6 +4,7 @@
 // owns against an edge that the other owns, less what has a vertex in common. Compiled for host and device.
 
 #include "crumple/collisions.h"
+#include "crumple/features.h"
 #include "questions/features/record.h"
 
 namespace crumple {
@@ -14,11 +15,16 @@ struct FeatureTest {
     std::int32_t vertex[4];
 };
 
-/// Writes the tests of a pair of triangles, and moves behind them: at most 6 of a vertex and a face, 9 of two edges.
+/// Which tests a pair of triangles stands for. Of a vertex and a face: bit k for the vertex at corner k of the first
+/// against the second, bit 3 + k the other way round. Of two edges: bit 4 i + j for edge i of the first and j of the
+/// second.
+struct TestsOfPair {
+    unsigned vertex_face = 0, edge_edge = 0;
+};
+
 /// `name(vertex)`: what it is called where two are compared.
 template <int moments, class Name>
-CRUMPLE_HD void list_tests_of_pair(const FeatureRecord<moments>& a, const FeatureRecord<moments>& b, Name name,
-                                   FeatureTest*& vertex_face, FeatureTest*& edge_edge) {
+CRUMPLE_HD TestsOfPair tests_of_pair(const FeatureRecord<moments>& a, const FeatureRecord<moments>& b, Name name) {
     unsigned shared_a = 0, shared_b = 0;  // corners that the other triangle has as well
     unsigned same[3];                     // of each corner of a: which of b's it is
     const std::int32_t name_b[3] = {name(b.vertex[0]), name(b.vertex[1]), name(b.vertex[2])};
@@ -28,30 +34,59 @@ CRUMPLE_HD void list_tests_of_pair(const FeatureRecord<moments>& a, const Featur
         shared_b |= same[i];
         shared_a |= unsigned{same[i] != 0} << i;
     }
-    const auto against = [&](unsigned vertices, const FeatureRecord<moments>& of, const FeatureRecord<moments>& face) {
-        for (int k = 0; k < 3; ++k) {
-            *vertex_face = {{of.vertex[k], face.triangle},
-                            {of.vertex[k], face.vertex[0], face.vertex[1], face.vertex[2]}};
-            vertex_face += vertices >> k & 1;
-        }
-    };
-    against(a.owned & ~shared_a, a, b);
-    against(b.owned & ~shared_b, b, a);
+    TestsOfPair tests;
+    tests.vertex_face = (a.owned & ~shared_a & 7) | (b.owned & ~shared_b & 7) << 3;
     for (int i = 0; i < 3; ++i) {
-        if (!(a.owned >> (3 + i) & 1)) continue;
         const unsigned of_edge = same[i] | same[(i + 1) % 3];
-        for (int j = 0; j < 3; ++j) {
-            const unsigned ends = 1u << j | 1u << (j + 1) % 3;
-            if (!(b.owned >> (3 + j) & 1) || (of_edge & ends)) continue;
-            const std::int32_t e[2] = {a.vertex[i], a.vertex[(i + 1) % 3]}, f[2] = {b.vertex[j], b.vertex[(j + 1) % 3]};
-            // The lesser edge first, and of an edge the lesser vertex.
-            const bool in_order = a.edge[i] < b.edge[j];
-            const std::int32_t(&first)[2] = in_order ? e : f, (&second)[2] = in_order ? f : e;
-            *edge_edge++ = {{min(a.edge[i], b.edge[j]), max(a.edge[i], b.edge[j])},
-                            {min(first[0], first[1]), max(first[0], first[1]), min(second[0], second[1]),
-                             max(second[0], second[1])}};
-        }
+        const unsigned touched = of_edge | (of_edge >> 1) | (of_edge << 2);  // edges of b with such a corner
+        if (a.owned >> (3 + i) & 1) tests.edge_edge |= (b.owned >> 3 & ~touched & 7) << 4 * i;
     }
+    return tests;
+}
+
+/// The vertices of the test of a bit: a vertex and then the face's; or those of an edge of each triangle.
+template <FeatureKind kind, int moments>
+CRUMPLE_HD void vertices_of_test(const FeatureRecord<moments>& a, const FeatureRecord<moments>& b, unsigned bit,
+                                 std::int32_t (&vertex)[4]) {
+    if constexpr (kind == FeatureKind::vertex_face) {
+        const bool swapped = bit >= 3;
+        const FeatureRecord<moments>&of = swapped ? b : a, &face = swapped ? a : b;
+        vertex[0] = of.vertex[swapped ? bit - 3 : bit];
+        for (int k = 0; k < 3; ++k) vertex[1 + k] = face.vertex[k];
+    } else {
+        const unsigned i = bit >> 2, j = bit & 3;
+        vertex[0] = a.vertex[i], vertex[1] = a.vertex[i == 2 ? 0 : i + 1];
+        vertex[2] = b.vertex[j], vertex[3] = b.vertex[j == 2 ? 0 : j + 1];
+    }
+}
+
+/// The test of a bit, as it is decided: of edges the lesser first, and of an edge the lesser vertex.
+template <FeatureKind kind, int moments>
+CRUMPLE_HD void write_test(const FeatureRecord<moments>& a, const FeatureRecord<moments>& b, unsigned bit,
+                           FeatureTest& test) {
+    if constexpr (kind == FeatureKind::vertex_face) {
+        vertices_of_test<kind>(a, b, bit, test.vertex);
+        test.pair = {test.vertex[0], bit >= 3 ? a.triangle : b.triangle};
+    } else {
+        std::int32_t v[4];
+        vertices_of_test<kind>(a, b, bit, v);
+        const std::int32_t e = a.edge[bit >> 2], f = b.edge[bit & 3];
+        const int first = e < f ? 0 : 2, second = 2 - first;
+        test.pair = {min(e, f), max(e, f)};
+        test.vertex[first] = min(v[0], v[1]), test.vertex[first + 1] = max(v[0], v[1]);
+        test.vertex[second] = min(v[2], v[3]), test.vertex[second + 1] = max(v[2], v[3]);
+    }
+}
+
+/// Writes the tests of a pair of triangles, and moves behind them: at most 6 of a vertex and a face, 9 of two edges.
+template <int moments, class Name>
+CRUMPLE_HD void list_tests_of_pair(const FeatureRecord<moments>& a, const FeatureRecord<moments>& b, Name name,
+                                   FeatureTest*& vertex_face, FeatureTest*& edge_edge) {
+    const TestsOfPair tests = tests_of_pair(a, b, name);
+    for (unsigned bit = 0; bit < 6; ++bit)
+        if (tests.vertex_face >> bit & 1) write_test<FeatureKind::vertex_face>(a, b, bit, *vertex_face++);
+    for (unsigned bit = 0; bit < 11; ++bit)
+        if (tests.edge_edge >> bit & 1) write_test<FeatureKind::edge_edge>(a, b, bit, *edge_edge++);
 }
 
 }  // namespace crumple

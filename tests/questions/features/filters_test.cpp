@@ -52,6 +52,45 @@ class Rows {
                                      : table.moving.filter[kind](points(), ends_, distance, test.data(), test.size());
         std::vector<bool> kept(cases.size(), false);
         for (std::size_t i = 0; i < left; ++i) kept[static_cast<std::size_t>(test[i].pair.a)] = true;
+        if (!each) {
+            EXPECT_EQ((cases.front().moments == 1 ? kept_of_listed<1>(table.at_rest, cases)
+                                                  : kept_of_listed<2>(table.moving, cases)),
+                      kept);
+        }
+        return kept;
+    }
+
+    /// The same of tests that are not written out yet, each of two triangles of its own.
+    template <int moments>
+    std::vector<bool> kept_of_listed(const cpu::FeatureKernels<moments>& kernels,
+                                     std::span<const FeatureCase> cases) const {
+        const FeatureKind kind = cases.front().kind;
+        std::vector<FeatureRecord<moments>> rows(cases.size()), columns(cases.size());
+        std::vector<std::uint32_t> packed, listed(cases.size() + cpu::padding);
+        for (std::uint32_t i = 0; i < cases.size(); ++i) {
+            const auto v = static_cast<std::int32_t>(4 * i), id = static_cast<std::int32_t>(i);
+            FeatureRecord<moments>&a = rows[i], &b = columns[i];
+            a.triangle = b.triangle = a.edge[0] = id;
+            b.edge[0] = id + static_cast<std::int32_t>(cases.size());
+            for (int k = 0; k < 3; ++k) {
+                a.vertex[k] = v + std::min(k, 1);
+                b.vertex[k] = v + (kind == FeatureKind::vertex_face ? 1 + k : 2 + std::min(k, 1));
+            }
+            unsigned bit = 0;
+            if (kind == FeatureKind::vertex_face && i % 2) std::swap(a, b), bit = 3;
+            packed.push_back(i << 16 | i);
+            listed[i] = i << 4 | bit;
+        }
+        const cpu::PairsLeft<moments> pairs{rows.data(), columns.data(), packed.data(), packed.size()};
+        cpu::ListedTests tests{listed.data(), cases.size()};
+        std::vector<FeatureTest> test(cases.size());
+        const std::size_t left = kernels.filter_listed[static_cast<std::size_t>(kind)](
+            points(), ends_, cases.front().distance, pairs, tests, test.data());
+        std::vector<bool> kept(cases.size(), false);
+        for (std::size_t i = 0; i < left; ++i) {
+            const Pair& pair = test[i].pair;
+            kept[static_cast<std::size_t>(kind == FeatureKind::vertex_face ? pair.b : pair.a)] = true;
+        }
         return kept;
     }
 

@@ -41,8 +41,9 @@ bool balls_overlap(const TriangleCase& c, const Inflation& inflation) {
 
 // Stage `sort` lowers starts against ends by 20 u M at least (docs/align.md).
 template <int moments>
-bool boxes_overlap(const TriangleCase& c, bool float32, const LeafFrame& frame, const Inflation& inflation) {
-    const LeafOfTwo<moments> leaf(c, float32, frame, inflation);
+bool boxes_overlap(const cpu::FeatureTables& table, const TriangleCase& c, bool float32, const LeafFrame& frame,
+                   const Inflation& inflation) {
+    const LeafOfTwo<moments> leaf(table, c, float32, frame, inflation);
     const double margin = 20 * 0x1p-24 * static_cast<double>(leaf.bounds().reach) + 1e-30;
     const cpu::BoxCorner* low = leaf.boxes().low.data();
     const cpu::BoxCorner* high = leaf.boxes().high.data();
@@ -53,8 +54,11 @@ bool boxes_overlap(const TriangleCase& c, bool float32, const LeafFrame& frame, 
     return !behind(0, 1) && !behind(1, 0);
 }
 bool boxes_overlap(const TriangleCase& c, bool float32, const LeafFrame& frame, const Inflation& inflation) {
-    return c.moments == 1 ? boxes_overlap<1>(c, float32, frame, inflation)
-                          : boxes_overlap<2>(c, float32, frame, inflation);
+    const auto& tables = feature_tables();
+    return std::all_of(tables.begin(), tables.end(), [&](const cpu::FeatureTables* table) {
+        return c.moments == 1 ? boxes_overlap<1>(*table, c, float32, frame, inflation)
+                              : boxes_overlap<2>(*table, c, float32, frame, inflation);
+    });
 }
 
 const LeafFrame straight = around({});

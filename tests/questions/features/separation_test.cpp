@@ -12,10 +12,11 @@ namespace {
 /// How many tables drop the pair; `frame`: of their leaf, in which there is nothing else.
 template <int moments>
 std::size_t dropping(const TriangleCase& c, bool float32, const LeafFrame& frame) {
-    const LeafOfTwo<moments> leaf(c, float32, frame, {});
-    const float gap = needed_gap(static_cast<float>(c.separation.distance), leaf.bounds().reach);
     std::size_t count = 0;
-    for (const auto* table : feature_tables()) count += !leaf.kept(*table, gap);
+    for (const auto* table : feature_tables()) {
+        const LeafOfTwo<moments> leaf(*table, c, float32, frame, {});
+        count += !leaf.kept(needed_gap(static_cast<float>(c.separation.distance), leaf.bounds().reach));
+    }
     return count;
 }
 std::size_t dropping(const TriangleCase& c, bool float32, const LeafFrame& frame) {
@@ -151,8 +152,8 @@ TEST(TrianglesApart, AreNoneWhereTheGapIsEndless) {
     for (const double scale : {1.0, 1e-19, 1e-30}) {
         TriangleCase c = stacked(0.5, {}, {}, 0);
         for (MovingPoint& p : c.corner) p = {scale * p.start, scale * p.end};
-        const LeafOfTwo<2> leaf(c, false, around({}), {});
-        for (const auto* table : feature_tables()) EXPECT_TRUE(leaf.kept(*table, most));
+        for (const auto* table : feature_tables())
+            EXPECT_TRUE(LeafOfTwo<2>(*table, c, false, around({}), {}).kept(most));
     }
 }
 

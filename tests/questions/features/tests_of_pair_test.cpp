@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "model/scene_features.h"
+#include "questions/features/cpu/kernels.h"
 #include "soups.h"
 
 namespace crumple {
@@ -90,6 +91,36 @@ class Tangle {
         return lines;
     }
 
+    /// The same by a table of kernels, in one batch.
+    std::array<std::vector<Line>, feature_kinds> listed_by(const cpu::FeatureTables& table) const {
+        const std::int64_t n = scene.triangle_count();
+        std::vector<FeatureRecord<1>> records;
+        for (std::int32_t t = 0; t < n; ++t) records.push_back(record(t));
+        std::vector<std::uint32_t> packed;
+        for (std::uint32_t i = 0; i < n; ++i)
+            for (std::uint32_t j = i + 1; j < n; ++j) packed.push_back((i + j) % 2 ? j << 16 | i : i << 16 | j);
+        const cpu::PairsLeft<1> pairs{records.data(), records.data(), packed.data(), packed.size()};
+        std::vector<std::uint32_t> room[2];
+        cpu::ListedTests tests[2];
+        for (std::size_t k = 0; k < 2; ++k) {
+            room[k].resize(9 * packed.size() + cpu::padding);
+            tests[k].test = room[k].data();
+        }
+        table.at_rest.list(pairs, features.renames() ? features.names().data() : nullptr, tests[0], tests[1]);
+        std::array<std::vector<Line>, feature_kinds> lines;
+        FeatureTest test;
+        for (std::size_t i = 0; i < tests[0].count; ++i) {
+            cpu::write_test<FeatureKind::vertex_face>(pairs, tests[0], i, test);
+            lines[0].push_back(line_of(test));
+        }
+        for (std::size_t i = 0; i < tests[1].count; ++i) {
+            cpu::write_test<FeatureKind::edge_edge>(pairs, tests[1], i, test);
+            lines[1].push_back(line_of(test));
+        }
+        for (auto& list : lines) std::sort(list.begin(), list.end());
+        return lines;
+    }
+
     Scene scene;
     SceneFeatures features;
 
@@ -120,6 +151,11 @@ TEST(TestsOfPairs, AreAllThatAreNotIncidentOnce) {
             const auto vertex_faces = tangle.vertex_faces(), edge_edges = tangle.edge_edges();
             for (const bool lower_first : {true, false}) {
                 const auto listed = tangle.listed(lower_first);
+                ASSERT_EQ(listed[0], vertex_faces) << seed;
+                ASSERT_EQ(listed[1], edge_edges) << seed;
+            }
+            for (const auto* table : cpu::all_feature_kernels()) {
+                const auto listed = tangle.listed_by(*table);
                 ASSERT_EQ(listed[0], vertex_faces) << seed;
                 ASSERT_EQ(listed[1], edge_edges) << seed;
             }

@@ -88,8 +88,9 @@ class LeafOfTwo {
    public:
     using Record = FeatureRecord<moments>;
 
-    LeafOfTwo(const TriangleCase& c, bool float32, const LeafFrame& frame, const Inflation& inflation)
-        : features_(nullptr) {
+    LeafOfTwo(const cpu::FeatureTables& table, const TriangleCase& c, bool float32, const LeafFrame& frame,
+              const Inflation& inflation)
+        : table_(table), features_(nullptr) {
         Scene scene;
         scene.vertices = {6, 0};
         scene.triangles = {2, 0};
@@ -103,25 +104,25 @@ class LeafOfTwo {
         std::vector<std::int32_t> triangle(2 + cpu::padding, 1);
         triangle[0] = 0;
         boxes_.resize(2);
+        record_.resize(2 + cpu::padding);
         const FlushToZero mode;
-        cpu::scalar_features.of<moments>().build(
-            {float32 ? PointRows{rows32_.data(), nullptr} : PointRows{nullptr, rows_.data()}, corners_.data(), 2,
-             triangle.data(), 2, frame, 6, inflation},
-            features_, record_.data(), boxes_, bounds_);
+        table.of<moments>().build({float32 ? PointRows{rows32_.data(), nullptr} : PointRows{nullptr, rows_.data()},
+                                   corners_.data(), 2, triangle.data(), 2, frame, 6, inflation},
+                                  features_, record_.data(), boxes_, bounds_);
     }
 
     const cpu::LeafBounds& bounds() const { return bounds_; }
     const cpu::Boxes& boxes() const { return boxes_; }
 
-    /// Whether a table keeps the pair, either way round, where no direction has a gap of more than this.
-    bool kept(const cpu::FeatureTables& table, float gap) const {
-        const bool kept = separate(table, 0, 1, gap) == 1;
-        EXPECT_EQ(separate(table, 1, 0, gap) == 1, kept);
+    /// Whether the table keeps the pair, either way round, where no direction has a gap of more than this.
+    bool kept(float gap) const {
+        const bool kept = separate(0, 1, gap) == 1;
+        EXPECT_EQ(separate(1, 0, gap) == 1, kept);
         return kept;
     }
 
    private:
-    std::size_t separate(const cpu::FeatureTables& table, std::uint16_t row, std::uint16_t column, float gap) const {
+    std::size_t separate(std::uint16_t row, std::uint16_t column, float gap) const {
         constexpr std::uint16_t dummy = 2;
         cpu::Candidates candidates(nullptr);
         candidates.count = 16;
@@ -132,16 +133,17 @@ class LeafOfTwo {
         candidates.column[0] = column;
         std::uint32_t left[16 + cpu::padding];
         const FlushToZero mode;
-        const std::size_t count = table.of<moments>().separate(record_.data(), candidates, gap, left);
+        const std::size_t count = table_.of<moments>().separate(record_.data(), candidates, gap, left);
         EXPECT_TRUE(count == 0 || left[0] == (std::uint32_t{column} << 16 | row));
         return count;
     }
 
     static constexpr std::array<std::int32_t, 6> corners_{0, 1, 2, 3, 4, 5};
+    const cpu::FeatureTables& table_;
     std::vector<double> rows_;
     std::vector<float> rows32_;
     SceneFeatures features_;
-    std::array<Record, 3> record_{};
+    Array<Record> record_;
     cpu::Boxes boxes_{nullptr};
     cpu::LeafBounds bounds_;
 };

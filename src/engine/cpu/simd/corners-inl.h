@@ -63,6 +63,36 @@ HWY_INLINE V sum_of(V v) {
     return hn::Add(pairs, hn::Shuffle1032(pairs));
 }
 
+/// The largest of each block's lanes, in all of them.
+template <class V>
+HWY_INLINE V largest_of(V v) {
+    const V pairs = hn::Max(v, hn::Shuffle2301(v));
+    return hn::Max(pairs, hn::Shuffle1032(pairs));
+}
+
+/// Stores four rows of each block, one behind the other, from out[block] on.
+template <class D, class V>
+HWY_INLINE void store_rows(D d, V r0, V r1, V r2, V r3, float* const (&out)[blocks]) {
+    constexpr std::size_t lanes = hn::MaxLanes(d);
+    if constexpr (blocks == 4) {
+        transpose_blocks(d, r0, r1, r2, r3);
+        hn::StoreU(r0, d, out[0]);
+        hn::StoreU(r1, d, out[1]);
+        hn::StoreU(r2, d, out[2]);
+        hn::StoreU(r3, d, out[3]);
+    } else if constexpr (blocks == 2) {
+        hn::StoreU(hn::ConcatLowerLower(d, r1, r0), d, out[0]);
+        hn::StoreU(hn::ConcatLowerLower(d, r3, r2), d, out[0] + lanes);
+        hn::StoreU(hn::ConcatUpperUpper(d, r1, r0), d, out[1]);
+        hn::StoreU(hn::ConcatUpperUpper(d, r3, r2), d, out[1] + lanes);
+    } else {
+        hn::StoreU(r0, d, out[0]);
+        hn::StoreU(r1, d, out[0] + lanes);
+        hn::StoreU(r2, d, out[0] + 2 * lanes);
+        hn::StoreU(r3, d, out[0] + 3 * lanes);
+    }
+}
+
 /// Corners relative to the leaf's origin, and the edges from the first one.
 template <class V>
 struct LocalCorners {

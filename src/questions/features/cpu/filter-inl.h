@@ -7,9 +7,9 @@
 #define CRUMPLE_FEATURES_CPU_FILTER_INL_H_
 #endif
 
+#include "questions/features/cpu/kernels.h"
 #include "questions/features/cpu/vectors-inl.h"
 #include "questions/features/feature_filters.h"
-#include "questions/features/tests_of_pair.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace crumple::cpu::features {
@@ -37,14 +37,14 @@ HWY_INLINE V4 row_difference(const Points64& points, std::int64_t to, std::int64
 }
 
 template <int moments, class D, class Points, class V = hn::Vec<D>>
-HWY_INLINE void load_seen(D d, const Points& points, std::int64_t ends, const FeatureTest* const* test,
+HWY_INLINE void load_seen(D d, const Points& points, std::int64_t ends, const std::int32_t* const* vertices,
                           Seen<V, moments>& seen) {
     for (int m = 0; m < moments; ++m)
         for (int k = 0; k < 3; ++k) {
             V row[4], unused;
             for (int r = 0; r < 4; ++r)
                 row[r] = gather_blocks(d, [&](int b) HWY_ATTR {
-                    const std::int32_t* vertex = test[4 * b + r]->vertex;
+                    const std::int32_t* vertex = vertices[4 * b + r];
                     return row_difference(points, vertex[k + 1] + m * ends, vertex[0] + m * ends);
                 });
             transpose_rows(d, row, seen.to[m][k].x, seen.to[m][k].y, seen.to[m][k].z, unused);
@@ -199,19 +199,22 @@ HWY_INLINE auto surely_far_fine(const SeenTests<V, moments>& tests) {
     return far;
 }
 
-/// Keeps the tests that are not `far`: moves them to the front, in order, and returns how many.
-template <int moments, class D, class Points, class Far>
+/// Calls keep(i, next) for each test that is not `far`, in order: it is to be the next of those that are left. Returns
+/// how many. `vertices_of(i, room)`: where the vertices of test i stand, if nowhere else then in `room`.
+template <int moments, class D, class Points, class VerticesOf, class Far, class Keep>
 HWY_INLINE std::size_t keep_near(D d, const Points& points, std::int64_t ends, AskedDistance distance,
-                                 FeatureTest* test, std::size_t count, Far far) {
+                                 std::size_t count, VerticesOf vertices_of, Far far, Keep keep) {
     using V = hn::Vec<D>;
     constexpr std::size_t lanes = hn::MaxLanes(d);
     const V of_all = hn::Set(d, distance.all * up);
     std::size_t left = 0;
     for (std::size_t first = 0; first < count; first += lanes) {
-        const FeatureTest* of_lane[lanes];
-        for (std::size_t lane = 0; lane < lanes; ++lane) of_lane[lane] = test + std::min(first + lane, count - 1);
+        std::int32_t room[lanes][4];
+        const std::int32_t* vertices[lanes];
+        for (std::size_t lane = 0; lane < lanes; ++lane)
+            vertices[lane] = vertices_of(std::min(first + lane, count - 1), room[lane]);
         SeenTests<V, moments> tests;
-        load_seen<moments>(d, points, ends, of_lane, tests.seen);
+        load_seen<moments>(d, points, ends, vertices, tests.seen);
         const Point<V> reach[3] = {tests.seen.reach(0), tests.seen.reach(1), tests.seen.reach(2)};
         tests.reach = add(add(reach[0], reach[1]), reach[2]);
         tests.magnitude = dot(product_magnitudes(reach[0], reach[1]), reach[2]);
@@ -220,29 +223,62 @@ HWY_INLINE std::size_t keep_near(D d, const Points& points, std::int64_t ends, A
         for (; near; near &= near - 1) {
             const std::size_t from = first + static_cast<std::size_t>(__builtin_ctzll(near));
             if (distance.each) distance.each[left] = distance.each[from];
-            test[left++] = test[from];
+            keep(from, left++);
         }
     }
     return left;
 }
 
-template <FeatureKind kind, int moments, class D, class Points>
-HWY_INLINE std::size_t filter_from(D d, const Points& points, std::int64_t ends, AskedDistance distance,
-                                   FeatureTest* test, std::size_t count) {
-    using Tests = SeenTests<hn::Vec<D>, moments>;
-    const bool contact = !distance.each && distance.all == 0;
-    count = keep_near<moments>(d, points, ends, distance, test, count,
-                               [&](const Tests& tests) HWY_ATTR { return surely_far_coarse<kind>(tests, contact); });
-    return keep_near<moments>(d, points, ends, distance, test, count,
-                              [&](const Tests& tests) HWY_ATTR { return surely_far_fine<kind>(tests); });
+/// Of tests that are written out: those that are left move to the front.
+template <int moments, class D, class Points, class Far>
+HWY_INLINE std::size_t keep_near(D d, const Points& points, std::int64_t ends, AskedDistance distance,
+                                 FeatureTest* test, std::size_t count, Far far) {
+    return keep_near<moments>(
+        d, points, ends, distance, count, [&](std::size_t i, std::int32_t*) { return test[i].vertex; }, far,
+        [&](std::size_t from, std::size_t to) { test[to] = test[from]; });
+}
+
+/// Calls filter(d, points) with the rows as they are.
+template <class Filter>
+HWY_INLINE std::size_t with_points(const PointRows& points, Filter filter) {
+    const hn::ScalableTag<float> d;
+    if (points.f) return filter(d, Points32(points.f));
+    return filter(d, Points64(points.d));
 }
 
 template <FeatureKind kind, int moments>
 std::size_t filter(const PointRows& points, std::int64_t ends, AskedDistance distance, FeatureTest* test,
                    std::size_t count) {
-    const hn::ScalableTag<float> d;
-    if (points.f) return filter_from<kind, moments>(d, Points32(points.f), ends, distance, test, count);
-    return filter_from<kind, moments>(d, Points64(points.d), ends, distance, test, count);
+    using Tests = SeenTests<hn::Vec<hn::ScalableTag<float>>, moments>;
+    const bool contact = !distance.each && distance.all == 0;
+    return with_points(points, [&](auto d, const auto& rows) HWY_ATTR {
+        count = keep_near<moments>(d, rows, ends, distance, test, count, [&](const Tests& tests) HWY_ATTR {
+            return surely_far_coarse<kind>(tests, contact);
+        });
+        return keep_near<moments>(d, rows, ends, distance, test, count,
+                                  [&](const Tests& tests) HWY_ATTR { return surely_far_fine<kind>(tests); });
+    });
+}
+
+/// Few of the tests that are listed pass, and only these are written out.
+template <FeatureKind kind, int moments>
+std::size_t filter_listed(const PointRows& points, std::int64_t ends, float distance, const PairsLeft<moments>& pairs,
+                          ListedTests& listed, FeatureTest* test) {
+    using Tests = SeenTests<hn::Vec<hn::ScalableTag<float>>, moments>;
+    const auto vertices_of = [&](std::size_t i, std::int32_t(&room)[4]) -> const std::int32_t* {
+        const std::size_t pair = listed.pair(i);
+        vertices_of_test<kind>(pairs.row(pair), pairs.column(pair), listed.bit(i), room);
+        return room;
+    };
+    return with_points(points, [&](auto d, const auto& rows) HWY_ATTR {
+        const std::size_t left = keep_near<moments>(
+            d, rows, ends, distance, listed.count, vertices_of,
+            [&](const Tests& tests) HWY_ATTR { return surely_far_coarse<kind>(tests, distance == 0); },
+            [&](std::size_t from, std::size_t to) { listed.test[to] = listed.test[from]; });
+        for (std::size_t i = 0; i < left; ++i) write_test<kind>(pairs, listed, i, test[i]);
+        return keep_near<moments>(d, rows, ends, distance, test, left,
+                                  [&](const Tests& tests) HWY_ATTR { return surely_far_fine<kind>(tests); });
+    });
 }
 
 }  // namespace HWY_NAMESPACE

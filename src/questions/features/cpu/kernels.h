@@ -25,6 +25,33 @@ struct AskedDistance {
     float of(std::size_t test) const { return each ? each[test] : all; }
 };
 
+/// Some pairs of triangles that separate() has left.
+template <int moments>
+struct PairsLeft {
+    const FeatureRecord<moments>*rows, *columns;
+    const std::uint32_t* packed;
+    std::size_t count;
+
+    const FeatureRecord<moments>& row(std::size_t i) const { return rows[packed[i] & 0xffff]; }
+    const FeatureRecord<moments>& column(std::size_t i) const { return columns[packed[i] >> 16]; }
+};
+
+/// The tests of such pairs, fewer than 2^28, of one kind: a pair's place << 4 | the test's bit of TestsOfPair.
+struct ListedTests {
+    std::uint32_t* test = nullptr;  ///< `padding` more may be written
+    std::size_t count = 0;
+
+    std::size_t pair(std::size_t i) const { return test[i] >> 4; }
+    unsigned bit(std::size_t i) const { return test[i] & 15; }
+};
+
+/// Writes one of them out.
+template <FeatureKind kind, int moments>
+void write_test(const PairsLeft<moments>& pairs, const ListedTests& listed, std::size_t i, FeatureTest& test) {
+    const std::size_t pair = listed.pair(i);
+    write_test<kind>(pairs.row(pair), pairs.column(pair), listed.bit(i), test);
+}
+
 template <int moments>
 struct FeatureKernels {
     using Record = FeatureRecord<moments>;
@@ -40,8 +67,17 @@ struct FeatureKernels {
     /// many. `record`: by physical row. Writes up to `padding` more.
     std::size_t (*separate)(const Record* record, const Candidates& candidates, float gap, std::uint32_t* left);
 
-    /// By kind, of which the last two are vertices and faces that are edges and vertices: keeps the tests that may be
-    /// an answer: moves them to the front, in order, and returns how many. `ends` as in BuildInput.
+    /// Lists the tests of pairs. `names`: what vertices are called where two are compared, or null.
+    void (*list)(const PairsLeft<moments>& pairs, const std::int32_t* names, ListedTests& vertex_face,
+                 ListedTests& edge_edge);
+
+    /// Of a vertex and a face, and of two edges: writes out the listed tests that may be an answer, and returns how
+    /// many. What is listed is not kept. `ends` as in BuildInput.
+    std::size_t (*filter_listed[2])(const PointRows& points, std::int64_t ends, float distance,
+                                    const PairsLeft<moments>& pairs, ListedTests& listed, FeatureTest* test);
+
+    /// By kind, of which the last two are vertices and faces that are edges and vertices: the same of tests that are
+    /// written out; moves them to the front, in order, and returns how many.
     std::size_t (*filter[feature_kinds])(const PointRows& points, std::int64_t ends, AskedDistance distance,
                                          FeatureTest* test, std::size_t count);
 };

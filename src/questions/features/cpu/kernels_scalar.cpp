@@ -3,8 +3,8 @@
 
 #include "engine/cpu/align.h"
 #include "questions/features/cpu/kernels.h"
+#include "questions/features/cpu/member.h"
 #include "questions/features/feature_filters.h"
-#include "questions/features/length.h"
 #include "questions/features/separation.h"
 
 namespace crumple::cpu {
@@ -15,28 +15,11 @@ void build(const BuildInput& in, const SceneFeatures& features, FeatureRecord<mo
            LeafBounds& bounds) {
     bounds = {};
     for (std::int64_t i = 0; i < in.members; ++i) {
-        const std::int32_t t = in.triangle[i];
-        const std::int32_t* corner = in.corners + 3 * std::int64_t{t};
         Vec3d p[3 * moments];
-        float way = 0;
-        for (int k = 0; k < 3; ++k) {
-            p[k] = in.points[corner[k]];
-            if constexpr (moments == 2) {
-                p[3 + k] = in.points[static_cast<std::int32_t>(corner[k] + in.ends)];
-                way = max(way, length(to_float(p[3 + k] - p[k])));
-            }
-        }
-        InFrame<3 * moments> member(p, in.frame);
-        const float more = in.inflation.of(t)(way);
-        member.low = member.low - Vec3f{more, more, more};
-        member.high = member.high + Vec3f{more, more, more};
-        member.reach += more;
-        FeatureRecord<moments>& r = record[i];
-        write_geometry<moments>(p, member, r);
-        const TriangleEdges& edges = features.edges_of(t);
-        for (std::size_t k = 0; k < 3; ++k) r.vertex[k] = corner[k], r.edge[k] = edges[k];
-        r.triangle = t;
-        r.owned = features.owned(t);
+        corners_of<moments>(in, in.triangle[i], p);
+        const auto member = widened<moments>(in, in.triangle[i], p);
+        write_geometry<moments>(p, member, record[i]);
+        write_names(in, in.triangle[i], features, record[i]);
         add_box(member, i, boxes, bounds);
     }
 }
@@ -62,6 +45,22 @@ std::size_t separate(const FeatureRecord<moments>* record, const Candidates& can
     return count;
 }
 
+template <int moments>
+void list(const PairsLeft<moments>& pairs, const std::int32_t* names, ListedTests& vertex_face,
+          ListedTests& edge_edge) {
+    const auto name = [&](std::int32_t vertex) { return names ? names[vertex] : vertex; };
+    const auto add = [](ListedTests& listed, std::size_t pair, unsigned bits) {
+        for (; bits; bits &= bits - 1)
+            listed.test[listed.count++] =
+                static_cast<std::uint32_t>(pair << 4) | static_cast<unsigned>(__builtin_ctz(bits));
+    };
+    for (std::size_t pair = 0; pair < pairs.count; ++pair) {
+        const TestsOfPair tests = tests_of_pair(pairs.row(pair), pairs.column(pair), name);
+        add(vertex_face, pair, tests.vertex_face);
+        add(edge_edge, pair, tests.edge_edge);
+    }
+}
+
 template <FeatureKind kind, int moments>
 std::size_t filter(const PointRows& points, std::int64_t ends, AskedDistance distance, FeatureTest* test,
                    std::size_t count) {
@@ -77,11 +76,20 @@ std::size_t filter(const PointRows& points, std::int64_t ends, AskedDistance dis
     return left;
 }
 
+template <FeatureKind kind, int moments>
+std::size_t filter_listed(const PointRows& points, std::int64_t ends, float distance, const PairsLeft<moments>& pairs,
+                          ListedTests& listed, FeatureTest* test) {
+    for (std::size_t i = 0; i < listed.count; ++i) write_test<kind>(pairs, listed, i, test[i]);
+    return filter<kind, moments>(points, ends, distance, test, listed.count);
+}
+
 template <int moments>
 constexpr FeatureKernels<moments> table{
     build<moments>,
     scatter<moments>,
     separate<moments>,
+    list<moments>,
+    {filter_listed<FeatureKind::vertex_face, moments>, filter_listed<FeatureKind::edge_edge, moments>},
     {filter<FeatureKind::vertex_face, moments>, filter<FeatureKind::edge_edge, moments>,
      filter<FeatureKind::vertex_face, moments>, filter<FeatureKind::vertex_face, moments>}};
 

@@ -15,7 +15,9 @@
 
 // One-lane vectors have no fixed tags: the plain kernels serve there.
 #if HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128
+#include "questions/features/cpu/build-inl.h"
 #include "questions/features/cpu/filter-inl.h"
+#include "questions/features/cpu/list-inl.h"
 #include "questions/features/cpu/separate-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -25,9 +27,11 @@ namespace HWY_NAMESPACE {
 template <int moments>
 FeatureKernels<moments> kernels() {
     const FeatureKernels<moments>& plain = scalar_features.of<moments>();
-    return {plain.build,
+    return {build<moments>,
             plain.scatter,
             separate<moments>,
+            list<moments>,
+            {filter_listed<FeatureKind::vertex_face, moments>, filter_listed<FeatureKind::edge_edge, moments>},
             {filter<FeatureKind::vertex_face, moments>, filter<FeatureKind::edge_edge, moments>,
              filter<FeatureKind::vertex_face, moments>, filter<FeatureKind::vertex_face, moments>}};
 }

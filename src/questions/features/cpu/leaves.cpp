@@ -69,6 +69,7 @@ void FeatureLeaves<moments>::begin(const Call& call) {
     any_ = false;
     for (const auto& worker : worker_) {
         for (auto& list : worker->hits) list.clear();
+        for (auto& list : worker->tests) list.clear();  // not each kind is listed in each call
         worker->statistics = {};
     }
 }
@@ -128,8 +129,11 @@ void FeatureLeaves<moments>::narrow(const SortedLeaf& leaf, const Ownership& own
 
 template <int moments>
 void FeatureLeaves<moments>::narrow(std::size_t pairs, const Worker& builder, Worker& worker) {
+    const Record* rows = builder.sorted.data() + worker.candidates.rows;
+    const Record* columns = builder.sorted.data() + worker.candidates.columns;
     for (std::size_t first = 0; first < pairs; first += batch) {
-        list_tests({worker.left.data() + first, std::min(batch, pairs - first)}, builder, worker);
+        const PairsLeft<moments> some{rows, columns, worker.left.data() + first, std::min(batch, pairs - first)};
+        find_tests(some, worker);
         for (std::size_t k = 0; k < feature_kinds; ++k) decide_tests(static_cast<FeatureKind>(k), worker);
     }
 }
@@ -162,28 +166,49 @@ std::size_t FeatureLeaves<moments>::own_pairs(const SortedLeaf& leaf, const Owne
     return static_cast<std::size_t>(std::remove_if(begin, begin + left, foreign) - begin);
 }
 
+// Tests that filters leave.
 template <int moments>
-void FeatureLeaves<moments>::list_tests(std::span<const std::uint32_t> pairs, const Worker& builder,
-                                        Worker& worker) const {
-    const Record* rows = builder.sorted.data() + worker.candidates.rows;
-    const Record* columns = builder.sorted.data() + worker.candidates.columns;
+void FeatureLeaves<moments>::find_tests(const PairsLeft<moments>& pairs, Worker& worker) const {
     const SceneFeatures& features = query_->features;
-    constexpr std::array<std::size_t, feature_kinds> most{6, 9, 4, 1};
+    if (!features.plain()) {
+        list_tests_of_listed(pairs, worker);
+        for (std::size_t k = 0; k < feature_kinds; ++k) filter_tests(static_cast<FeatureKind>(k), worker);
+        return;
+    }
+    constexpr std::size_t most[] = {6, 9};
+    ListedTests listed[2];
+    for (std::size_t k = 0; k < 2; ++k) listed[k].test = worker.listed[k].resize_discard(most[k] * batch + padding);
+    kernels_.list(pairs, features.renames() ? features.names().data() : nullptr, listed[0], listed[1]);
+    filter_listed<FeatureKind::vertex_face>(pairs, listed[0], worker);
+    filter_listed<FeatureKind::edge_edge>(pairs, listed[1], worker);
+}
+
+template <int moments>
+template <FeatureKind kind>
+void FeatureLeaves<moments>::filter_listed(const PairsLeft<moments>& pairs, ListedTests& listed, Worker& worker) const {
+    constexpr auto k = static_cast<std::size_t>(kind);
+    Array<FeatureTest>& tests = worker.tests[k];
+    FeatureTest* test = tests.resize_discard(listed.count);
+    if (query_->share > 0 || radius_) {
+        for (std::size_t i = 0; i < listed.count; ++i) write_test<kind>(pairs, listed, i, test[i]);
+        return filter_tests(kind, worker);
+    }
+    worker.statistics.edge_tests += static_cast<std::int64_t>(listed.count);
+    const FlushToZero mode;
+    tests.resize(kernels_.filter_listed[k](call_->points(), ends(), distance_, pairs, listed, test));
+    drop_neighbours(kind, tests);
+}
+
+// Of edges and points that a caller lists.
+template <int moments>
+void FeatureLeaves<moments>::list_tests_of_listed(const PairsLeft<moments>& pairs, Worker& worker) const {
+    constexpr std::size_t most[feature_kinds] = {6, 9, 4, 1};
+    const SceneFeatures& features = query_->features;
+    const auto name = [&](std::int32_t vertex) { return features.name(vertex); };
     std::array<FeatureTest*, feature_kinds> next;
     for (std::size_t k = 0; k < feature_kinds; ++k) next[k] = worker.tests[k].resize_discard(most[k] * batch);
-    const auto list = [&](auto name) {
-        if (!features.plain()) {
-            for (const std::uint32_t packed : pairs)
-                list_tests_of_listed(rows[packed & 0xffff], columns[packed >> 16], features, name, next);
-            return;
-        }
-        for (const std::uint32_t packed : pairs)
-            list_tests_of_pair(rows[packed & 0xffff], columns[packed >> 16], name, next[0], next[1]);
-    };
-    if (features.renames())
-        list([&](std::int32_t vertex) { return features.name(vertex); });
-    else
-        list([](std::int32_t vertex) { return vertex; });
+    for (std::size_t pair = 0; pair < pairs.count; ++pair)
+        crumple::list_tests_of_listed(pairs.row(pair), pairs.column(pair), features, name, next);
     for (std::size_t k = 0; k < feature_kinds; ++k)
         worker.tests[k].resize(static_cast<std::size_t>(next[k] - worker.tests[k].data()));
 }
@@ -192,13 +217,24 @@ template <int moments>
 void FeatureLeaves<moments>::filter_tests(FeatureKind kind, Worker& worker) const {
     const auto k = static_cast<std::size_t>(kind);
     Array<FeatureTest>& tests = worker.tests[k];
+    worker.statistics.edge_tests += static_cast<std::int64_t>(tests.size());
     if (query_->share == 0) {
         const FlushToZero mode;
-        const std::int64_t ends = call_->scene.moving ? call_->scene.vertex_count() : 0;
         if (radius_) add_radii(kind, tests, radius_, worker.distance);
         const AskedDistance asked = radius_ ? AskedDistance(worker.distance.data()) : AskedDistance(distance_);
-        tests.resize(kernels_.filter[k](call_->points(), ends, asked, tests.data(), tests.size()));
+        tests.resize(kernels_.filter[k](call_->points(), ends(), asked, tests.data(), tests.size()));
     }
+    drop_neighbours(kind, tests);
+}
+
+// As BuildInput::ends.
+template <int moments>
+std::int64_t FeatureLeaves<moments>::ends() const {
+    return call_->scene.moving ? call_->scene.vertex_count() : 0;
+}
+
+template <int moments>
+void FeatureLeaves<moments>::drop_neighbours(FeatureKind kind, Array<FeatureTest>& tests) const {
     if (!query_->rings) return;
     const auto neighbours = [&](const FeatureTest& test) { return are_neighbours(kind, test.vertex, *query_); };
     tests.resize(static_cast<std::size_t>(std::remove_if(tests.begin(), tests.end(), neighbours) - tests.begin()));
@@ -209,8 +245,6 @@ void FeatureLeaves<moments>::decide_tests(FeatureKind kind, Worker& worker) {
     const auto k = static_cast<std::size_t>(kind);
     const Array<FeatureTest>& tests = worker.tests[k];
     if (tests.empty()) return;
-    worker.statistics.edge_tests += static_cast<std::int64_t>(tests.size());
-    filter_tests(kind, worker);
     worker.statistics.double_tests += static_cast<std::int64_t>(tests.size());
     FeatureCounts counts;
     for (const FeatureTest& test : tests) {

@@ -57,6 +57,7 @@ class FeatureLeaves final : public LeafQuestion {
               candidates(m),
               left(m),
               distance(m),
+              listed{Array<std::uint32_t>(m), Array<std::uint32_t>(m)},
               tests{Array<FeatureTest>(m), Array<FeatureTest>(m), Array<FeatureTest>(m), Array<FeatureTest>(m)},
               hits{Array<FeatureHit>(m), Array<FeatureHit>(m), Array<FeatureHit>(m), Array<FeatureHit>(m)} {}
         Array<Record> built;   ///< in the order of LeafMembers
@@ -64,8 +65,9 @@ class FeatureLeaves final : public LeafQuestion {
         float reach = 0;       ///< the leaf's largest |coordinate|
         float farthest = 0;    ///< what is asked of any pair in the leaf
         Candidates candidates;
-        Array<std::uint32_t> left;  ///< candidates that no direction separates, packed
-        Array<float> distance;      ///< of each test, where vertices have radii
+        Array<std::uint32_t> left;                   ///< candidates that no direction separates, packed
+        Array<float> distance;                       ///< of each test, where vertices have radii
+        std::array<Array<std::uint32_t>, 2> listed;  ///< see ListedTests
         std::array<Array<FeatureTest>, feature_kinds> tests;
         std::array<Array<FeatureHit>, feature_kinds> hits;
         Statistics statistics;
@@ -75,9 +77,15 @@ class FeatureLeaves final : public LeafQuestion {
     void narrow(std::size_t pairs, const Worker& builder, Worker& worker);
     std::size_t separate(const Worker& builder, Worker& worker) const;
     std::size_t own_pairs(const SortedLeaf& leaf, const Ownership& ownership, std::size_t left, Worker& worker) const;
-    void list_tests(std::span<const std::uint32_t> pairs, const Worker& builder, Worker& worker) const;
+    void find_tests(const PairsLeft<moments>& pairs, Worker& worker) const;
+    template <FeatureKind kind>
+    void filter_listed(const PairsLeft<moments>& pairs, ListedTests& listed, Worker& worker) const;
+    void list_tests_of_listed(const PairsLeft<moments>& pairs, Worker& worker) const;
     void filter_tests(FeatureKind kind, Worker& worker) const;
+    void drop_neighbours(FeatureKind kind, Array<FeatureTest>& tests) const;
     void decide_tests(FeatureKind kind, Worker& worker);
+
+    std::int64_t ends() const;
 
     const FeatureKernels<moments>& kernels_;
     std::vector<std::unique_ptr<Worker>> worker_;

@@ -15,24 +15,6 @@ namespace crumple::cpu::intersect {
 namespace HWY_NAMESPACE {
 using namespace cpu::HWY_NAMESPACE;  // what the stages' lanes share
 
-/// Stores the record of each block, whose rows are X, Y, Z and I.
-template <class D, class V>
-HWY_INLINE void store_records(D d, V X, V Y, V Z, V I, Record* HWY_RESTRICT record) {
-    auto* out = reinterpret_cast<float*>(record);
-    constexpr std::size_t lanes = hn::MaxLanes(d);
-    if constexpr (blocks == 4) transpose_blocks(d, X, Y, Z, I);
-    if constexpr (blocks == 2) {
-        // Columns of two blocks to two rows of four.
-        const V a = hn::ConcatLowerLower(d, Y, X), a2 = hn::ConcatLowerLower(d, I, Z);
-        const V b = hn::ConcatUpperUpper(d, Y, X), b2 = hn::ConcatUpperUpper(d, I, Z);
-        X = a, Y = a2, Z = b, I = b2;
-    }
-    hn::StoreU(X, d, out);
-    hn::StoreU(Y, d, out + lanes);
-    hn::StoreU(Z, d, out + 2 * lanes);
-    hn::StoreU(I, d, out + 3 * lanes);
-}
-
 /// The record of a big member, one by one.
 HWY_INLINE void rewrite_big(const BuildInput& in, std::int64_t i, Record& record) {
     const std::int32_t* corner = in.corners + 3 * static_cast<std::int64_t>(in.triangle[i]);
@@ -88,7 +70,9 @@ HWY_INLINE void build_from(const BuildInput& in, const Points& points, Record* H
         const auto ids =
             gather_blocks(di, [&](int k) HWY_ATTR { return hn::LoadU(hn::RebindToSigned<Four>(), corner[k]); });
         const V I = hn::IfThenElse(is_id, hn::BitCast(d, ids), c);
-        store_records(d, X, Y, Z, I, record + i);
+        float* out[blocks];
+        for (int k = 0; k < blocks; ++k) out[k] = reinterpret_cast<float*>(record + i + k);
+        store_rows(d, X, Y, Z, I, out);
 
         V size = hn::Max(hn::Abs(q0), hn::Max(hn::Abs(q1), hn::Abs(q2)));
         if (lanes.any_big(size))
