@@ -29,6 +29,18 @@ void check_blocks(const Streaming& how) {
     check(how.block_pairs >= 1 && how.block_pairs <= std::int64_t{1} << 40, "block_pairs must be 1 to 2^40");
 }
 
+void check_in_blocks(const Motion& q) {
+    check(q.wants == MotionWants::impacts, "wants must be impacts: blocks list them");
+    check(!q.index, "index must be false: blocks have no offsets by feature");
+    check(!q.triangle_pairs, "triangle_pairs must be false: blocks have none");
+}
+
+void check_in_blocks(const Near& q) {
+    check(q.wants == NearWants::pairs, "wants must be pairs: blocks list them");
+    check(!q.index, "index must be false: blocks have no offsets by feature");
+    check(!q.least, "least must be false: blocks have no least distances");
+}
+
 void check_question(const Motion& q, bool world) {
     check(!world || !q.index, "offsets by feature are made of a single mesh");
     check(q.separation >= 0 && std::isfinite(q.separation), "separation must be finite and 0 or more");

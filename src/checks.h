@@ -23,5 +23,9 @@ void check_question(const Near& question, bool world);
 void check_question(const CandidateQuestion& question, bool world);
 void check_question(const Nearest& question);
 void check_blocks(const Streaming& how);
+/// What cannot be answered in blocks.
+void check_in_blocks(const Motion& question);
+void check_in_blocks(const Near& question);
+inline void check_in_blocks(const CandidateQuestion&) {}
 
 }  // namespace crumple

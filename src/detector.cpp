@@ -271,6 +271,34 @@ const CandidateLists& Detector::find_candidates(const MeshView& mesh, const Vert
                                                 const CandidateQuestion& question, std::stop_token stop) {
     return implementation_->find_candidates(mesh, &end, question, std::move(stop));
 }
+Statistics Detector::stream_impacts(const World& world, TakeImpacts take, const Motion& question, const Streaming& how,
+                                    std::stop_token stop) {
+    return implementation_->stream_impacts(world, take, question, how, std::move(stop));
+}
+Statistics Detector::stream_impacts(const MeshView& mesh, const VertexView& end, TakeImpacts take,
+                                    const Motion& question, const Streaming& how, std::stop_token stop) {
+    return implementation_->stream_impacts(mesh, end, take, question, how, std::move(stop));
+}
+Statistics Detector::stream_near(const World& world, TakeNearby take, const Near& question, const Streaming& how,
+                                 std::stop_token stop) {
+    return implementation_->stream_near(world, take, question, how, std::move(stop));
+}
+Statistics Detector::stream_near(const MeshView& mesh, TakeNearby take, const Near& question, const Streaming& how,
+                                 std::stop_token stop) {
+    return implementation_->stream_near(mesh, take, question, how, std::move(stop));
+}
+Statistics Detector::stream_candidates(const World& world, TakeCandidates take, const CandidateQuestion& question,
+                                       const Streaming& how, std::stop_token stop) {
+    return implementation_->stream_candidates(world, take, question, how, std::move(stop));
+}
+Statistics Detector::stream_candidates(const MeshView& mesh, TakeCandidates take, const CandidateQuestion& question,
+                                       const Streaming& how, std::stop_token stop) {
+    return implementation_->stream_candidates(mesh, nullptr, take, question, how, std::move(stop));
+}
+Statistics Detector::stream_candidates(const MeshView& mesh, const VertexView& end, TakeCandidates take,
+                                       const CandidateQuestion& question, const Streaming& how, std::stop_token stop) {
+    return implementation_->stream_candidates(mesh, &end, take, question, how, std::move(stop));
+}
 const NearestBodies& Detector::find_nearest(const World& world, const Nearest& question, std::stop_token stop) {
     return implementation_->find_nearest(world, question, std::move(stop));
 }

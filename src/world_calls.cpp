@@ -47,6 +47,65 @@ const Answer& WorldCalls::find_features(const World& world, const Question& ques
     answer.statistics.milliseconds = watch.lap();
     return answer;
 }
+
+// Under a limit from the start as with nothing kept: a call that has handed over blocks cannot begin again.
+template <class Question, class Answer>
+Statistics WorldCalls::stream_features(const World& world, const Question& question, bool bodies,
+                                       const FeatureBlocks<Answer>& blocks, Answer& answer, std::stop_token stop) {
+    Stopwatch watch;
+    if (meter.limit > 0) forget();
+    const auto stream = [&](const FeatureBlocks<Answer>& to) {
+        check_blocks(to.how);
+        check_question(question, bodies);
+        check_in_blocks(question);
+        features.stream(*backend, world, question, bodies, meter.limit > 0, to, answer);
+    };
+    const auto count = [&] {
+        const auto ignore = [](const Answer&) {};
+        return peak_of([&] { stream({blocks.how, ignore}); });
+    };
+    within_limit(
+        std::move(stop), [&] { stream(blocks); }, [] { return false; }, count);
+    Statistics statistics = answer.statistics;
+    clear(answer);
+    statistics.peak_memory_bytes = meter.peak;
+    statistics.milliseconds = watch.lap();
+    return statistics;
+}
+
+Statistics WorldCalls::stream_impacts(const World& world, TakeImpacts take, const Motion& question,
+                                      const Streaming& how, std::stop_token stop) {
+    return stream_features(world, question, true, {how, take}, impacts, std::move(stop));
+}
+Statistics WorldCalls::stream_near(const World& world, TakeNearby take, const Near& question, const Streaming& how,
+                                   std::stop_token stop) {
+    return stream_features(world, question, true, {how, take}, nearby, std::move(stop));
+}
+Statistics WorldCalls::stream_candidates(const World& world, TakeCandidates take, const CandidateQuestion& question,
+                                         const Streaming& how, std::stop_token stop) {
+    return stream_features(world, question, true, {how, take}, candidates, std::move(stop));
+}
+Statistics WorldCalls::stream_impacts(const MeshView& mesh, const VertexView& end, TakeImpacts take,
+                                      const Motion& question, const Streaming& how, std::stop_token stop) {
+    const Shape shape = moving_shape(mesh, end);
+    const Body body;
+    return stream_features({{&shape, 1}, {&body, 1}, {}, {}}, question, false, {how, take}, impacts, std::move(stop));
+}
+Statistics WorldCalls::stream_near(const MeshView& mesh, TakeNearby take, const Near& question, const Streaming& how,
+                                   std::stop_token stop) {
+    const Shape shape = with_radii_and_rest(host_shape(mesh), question);
+    const Body body;
+    return stream_features({{&shape, 1}, {&body, 1}, {}, {}}, question, false, {how, take}, nearby, std::move(stop));
+}
+Statistics WorldCalls::stream_candidates(const MeshView& mesh, const VertexView* end, TakeCandidates take,
+                                         const CandidateQuestion& question, const Streaming& how,
+                                         std::stop_token stop) {
+    const Shape shape = end ? moving_shape(mesh, *end) : host_shape(mesh);
+    const Body body;
+    return stream_features({{&shape, 1}, {&body, 1}, {}, {}}, question, false, {how, take}, candidates,
+                           std::move(stop));
+}
+
 const NearestBodies& WorldCalls::find_nearest(const World& world, const Nearest& question, std::stop_token stop) {
     Stopwatch watch;
     bool frugal = false;
@@ -86,9 +145,7 @@ const Impacts& WorldCalls::find_impacts(const MeshView& mesh, const VertexView& 
     return find_features({{&shape, 1}, {&body, 1}, {}, {}}, question, false, impacts, std::move(stop));
 }
 const Nearby& WorldCalls::find_near(const MeshView& mesh, const Near& question, std::stop_token stop) {
-    Shape shape = host_shape(mesh);
-    shape.radii = question.radii;
-    shape.rest = question.rest;
+    const Shape shape = with_radii_and_rest(host_shape(mesh), question);
     const Body body;
     return find_features({{&shape, 1}, {&body, 1}, {}, {}}, question, false, nearby, std::move(stop));
 }
@@ -97,6 +154,11 @@ const CandidateLists& WorldCalls::find_candidates(const MeshView& mesh, const Ve
     const Shape shape = end ? moving_shape(mesh, *end) : host_shape(mesh);
     const Body body;
     return find_features({{&shape, 1}, {&body, 1}, {}, {}}, question, false, candidates, std::move(stop));
+}
+Shape WorldCalls::with_radii_and_rest(Shape shape, const Near& question) {
+    shape.radii = question.radii;
+    shape.rest = question.rest;
+    return shape;
 }
 Shape WorldCalls::host_shape(const MeshView& mesh) {
     if (mesh.memory != MemorySpace::host) refuse("motion, nearness and candidates take meshes in host memory");

@@ -11,6 +11,9 @@ namespace crumple {
 struct WorldCalls : DetectorState {
     using DetectorState::DetectorState;
     using TakeWorldBlock = Detector::TakeWorldBlock;
+    using TakeImpacts = Detector::TakeImpacts;
+    using TakeNearby = Detector::TakeNearby;
+    using TakeCandidates = Detector::TakeCandidates;
 
     const WorldCollisions& find(const World& world, const Intersect& question, std::stop_token stop,
                                 const WorldBlocks* blocks = nullptr);
@@ -28,6 +31,20 @@ struct WorldCalls : DetectorState {
     const CandidateLists& find_candidates(const MeshView& mesh, const VertexView* end,
                                           const CandidateQuestion& question, std::stop_token stop);
 
+    Statistics stream_impacts(const World& world, TakeImpacts take, const Motion& question, const Streaming& how,
+                              std::stop_token stop);
+    Statistics stream_impacts(const MeshView& mesh, const VertexView& end, TakeImpacts take, const Motion& question,
+                              const Streaming& how, std::stop_token stop);
+    Statistics stream_near(const World& world, TakeNearby take, const Near& question, const Streaming& how,
+                           std::stop_token stop);
+    Statistics stream_near(const MeshView& mesh, TakeNearby take, const Near& question, const Streaming& how,
+                           std::stop_token stop);
+    Statistics stream_candidates(const World& world, TakeCandidates take, const CandidateQuestion& question,
+                                 const Streaming& how, std::stop_token stop);
+    /// `end`: null at rest.
+    Statistics stream_candidates(const MeshView& mesh, const VertexView* end, TakeCandidates take,
+                                 const CandidateQuestion& question, const Streaming& how, std::stop_token stop);
+
    private:
     void search(const World& world, const Intersect& question, const WorldBlocks* blocks);
     std::int64_t bytes_needed(const World& world, const Intersect& question, const WorldBlocks* blocks);
@@ -35,6 +52,10 @@ struct WorldCalls : DetectorState {
     template <class Question, class Answer>
     const Answer& find_features(const World& world, const Question& question, bool bodies, Answer& answer,
                                 std::stop_token stop);
+    template <class Question, class Answer>
+    Statistics stream_features(const World& world, const Question& question, bool bodies,
+                               const FeatureBlocks<Answer>& blocks, Answer& answer, std::stop_token stop);
+    static Shape with_radii_and_rest(Shape shape, const Near& question);
     Shape host_shape(const MeshView& mesh);
     Shape moving_shape(const MeshView& mesh, const VertexView& end);
     [[noreturn]] void refuse(const char* message);

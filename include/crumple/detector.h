@@ -118,6 +118,36 @@ class Detector {
     const CandidateLists& find_candidates(const MeshView& mesh, const VertexView& end,
                                           const CandidateQuestion& question = {}, std::stop_token stop = {});
 
+    /// The answers of find_impacts, find_near and find_candidates in blocks, for those that exceed memory:
+    /// `take(block)` is called with one after another, which is gone when it returns. A block has at most
+    /// Streaming::block_pairs rows, of all its lists together; `count`: the rows handed over so far, with its own; and
+    /// edges and points as the whole answer has them. Nothing else: no hits of worlds, no first impact. In order, the
+    /// lists of all blocks, one behind the other, are those of the whole answer: world by world, and in each kind by
+    /// kind. Not in order: as found, from any thread of the detector, one at a time. Memory is that of find without its
+    /// lists, and of about three blocks; under a memory limit on one thread. Cost: see Streaming::ordered; of worlds,
+    /// where there are several, the scene of each is made twice. `take` must not call this detector; what it throws
+    /// ends the call, as a stop does, and then some blocks have been handed over. Throws Error (invalid_argument) for
+    /// what blocks have not: `index`, `Motion::triangle_pairs`, `Near::least`, and wants other than lists. Not with the
+    /// cuda backend.
+    using TakeImpacts = FunctionRef<void(const Impacts& block)>;
+    Statistics stream_impacts(const World& world, TakeImpacts take, const Motion& question = {},
+                              const Streaming& how = {}, std::stop_token stop = {});
+    Statistics stream_impacts(const MeshView& mesh, const VertexView& end, TakeImpacts take,
+                              const Motion& question = {}, const Streaming& how = {}, std::stop_token stop = {});
+    using TakeNearby = FunctionRef<void(const Nearby& block)>;
+    Statistics stream_near(const World& world, TakeNearby take, const Near& question, const Streaming& how = {},
+                           std::stop_token stop = {});
+    Statistics stream_near(const MeshView& mesh, TakeNearby take, const Near& question, const Streaming& how = {},
+                           std::stop_token stop = {});
+    using TakeCandidates = FunctionRef<void(const CandidateLists& block)>;
+    Statistics stream_candidates(const World& world, TakeCandidates take, const CandidateQuestion& question = {},
+                                 const Streaming& how = {}, std::stop_token stop = {});
+    Statistics stream_candidates(const MeshView& mesh, TakeCandidates take, const CandidateQuestion& question = {},
+                                 const Streaming& how = {}, std::stop_token stop = {});
+    Statistics stream_candidates(const MeshView& mesh, const VertexView& end, TakeCandidates take,
+                                 const CandidateQuestion& question = {}, const Streaming& how = {},
+                                 std::stop_token stop = {});
+
     /// How far apart bodies are: of each pair of them the distance, exactly, the triangles and the points where they
     /// are closest (docs/nearest.md). Fast where shapes are named; a shape without a name gets its tree for the call.
     /// Errors name body or shape. Not with the cuda backend.

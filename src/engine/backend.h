@@ -47,6 +47,14 @@ class BackendBase : public ParallelFor {
     /// Pairs of features whose grown boxes overlap, likewise.
     virtual void find_candidates(const Scene& scene, const CandidateQuery& query, CandidateAnswer& answer);
 
+    /// The same, handed over in pieces of any size (Detector::stream_impacts, stream_near, stream_candidates). In order
+    /// there is one piece at a time, and what they say of a kind is in the order of the answer; else pieces come from
+    /// several threads at once. A call that throws may have handed over some.
+    virtual void stream(const Scene& scene, const FeatureQuery& query, const Streaming& how, FeatureSink sink,
+                        Statistics& statistics);
+    virtual void stream_candidates(const Scene& scene, const CandidateQuery& query, const Streaming& how,
+                                   CandidateSink sink, Statistics& statistics);
+
     /// Whether the rules of a scene that is made of a world (Scene::bodies) are heeded; else its answer has pairs that
     /// they do not want, too.
     virtual bool heeds_bodies() const { return false; }

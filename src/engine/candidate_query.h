@@ -4,10 +4,13 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 
 #include "crumple/array.h"
 #include "crumple/candidates.h"
 #include "crumple/collisions.h"
+#include "crumple/function_ref.h"
+#include "engine/feature_query.h"
 #include "model/rules.h"
 #include "model/scene_features.h"
 
@@ -37,11 +40,9 @@ inline void clear(CandidateAnswer& answer) {
     answer.statistics = {};
 }
 
-/// What a list's features are.
-enum class FeatureType : std::uint8_t { vertex, edge, face };
-struct FeatureTypes {
-    FeatureType first, second;
-};
+/// As FeatureSink.
+using CandidateSink = FunctionRef<void(CandidateKind kind, std::span<const Pair> rows)>;
+
 constexpr FeatureTypes types_of(CandidateKind kind) {
     constexpr auto vertex = FeatureType::vertex, edge = FeatureType::edge, face = FeatureType::face;
     constexpr FeatureTypes types[candidate_kinds] = {{vertex, face}, {edge, edge},   {edge, face},

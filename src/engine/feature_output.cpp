@@ -13,6 +13,7 @@ auto arrays(NearList& l) {
     return std::tie(l.pairs, l.bodies, l.squared_distance, l.touching, l.type, l.at, l.offsets, l.second_offsets,
                     l.by_second);
 }
+auto arrays(CandidateList& l) { return std::tie(l.pairs, l.bodies); }
 auto arrays(Impacts& a) {
     return std::tuple_cat(std::tie(a.world_hit, a.world_first, a.edges, a.first_edge, a.points, a.first_point),
                           arrays(a.lists[0]), arrays(a.lists[1]), arrays(a.lists[2]), arrays(a.lists[3]),
@@ -25,7 +26,7 @@ auto arrays(Nearby& a) {
 }
 static_assert(feature_kinds == 4);
 auto arrays(CandidateLists& a) {
-    const auto list = [&](CandidateKind kind) { return std::tie(a[kind].pairs, a[kind].bodies); };
+    const auto list = [&](CandidateKind kind) { return arrays(a[kind]); };
     return std::tuple_cat(std::tie(a.edges, a.first_edge, a.points, a.first_point), list(CandidateKind::vertex_face),
                           list(CandidateKind::edge_edge), list(CandidateKind::edge_face),
                           list(CandidateKind::face_face), list(CandidateKind::vertex_edge),
@@ -38,16 +39,14 @@ void for_each_array(Answer& answer, Visit visit) {
     std::apply([&](auto&... array) { (visit(array), ...); }, arrays(answer));
 }
 
-template <class Answer>
-Answer metered_answer(MemoryMeter* meter) {
-    Answer answer;
-    for_each_array(answer, [&](auto& array) { array = std::decay_t<decltype(array)>(meter); });
-    return answer;
+template <class Arrays>
+void clear_each(Arrays& of) {
+    for_each_array(of, [](auto& array) { array.clear(); });
 }
 
 template <class Answer>
 void clear_arrays(Answer& answer) {
-    for_each_array(answer, [](auto& array) { array.clear(); });
+    clear_each(answer);
     if constexpr (requires { answer.any; }) answer.any = false;
     answer.count = 0;
     answer.statistics = {};
@@ -83,6 +82,16 @@ void index_list(List& list, std::int64_t firsts, std::int64_t seconds) {
 
 }  // namespace
 
+template <class Answer>
+Answer metered_answer(MemoryMeter* meter) {
+    Answer answer;
+    for_each_array(answer, [&](auto& array) { array = std::decay_t<decltype(array)>(meter); });
+    return answer;
+}
+template Impacts metered_answer(MemoryMeter*);
+template Nearby metered_answer(MemoryMeter*);
+template CandidateLists metered_answer(MemoryMeter*);
+
 Impacts metered_impacts(MemoryMeter* meter) { return metered_answer<Impacts>(meter); }
 Nearby metered_nearby(MemoryMeter* meter) { return metered_answer<Nearby>(meter); }
 CandidateLists metered_candidates(MemoryMeter* meter) { return metered_answer<CandidateLists>(meter); }
@@ -97,6 +106,10 @@ void clear(CandidateLists& answer) {
     clear_arrays(answer);
     answer.listed = {};
 }
+
+void clear(ImpactList& list) { clear_each(list); }
+void clear(NearList& list) { clear_each(list); }
+void clear(CandidateList& list) { clear_each(list); }
 
 void hand_over(Impacts& mine, Impacts& theirs) {
     swap_arrays(mine, theirs);

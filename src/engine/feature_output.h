@@ -15,6 +15,9 @@ Impacts metered_impacts(MemoryMeter* meter);
 Nearby metered_nearby(MemoryMeter* meter);
 CandidateLists metered_candidates(MemoryMeter* meter);
 
+template <class Answer>
+Answer metered_answer(MemoryMeter* meter);
+
 /// Swaps the contents of two answers, and clears `mine`.
 void hand_over(Impacts& mine, Impacts& theirs);
 void hand_over(Nearby& mine, Nearby& theirs);
@@ -24,6 +27,9 @@ void hand_over(CandidateLists& mine, CandidateLists& theirs);
 void clear(Impacts& answer);
 void clear(Nearby& answer);
 void clear(CandidateLists& answer);
+void clear(ImpactList& list);
+void clear(NearList& list);
+void clear(CandidateList& list);
 
 // The arrays of a list, by what they are in both answers.
 inline Array<double>& values(ImpactList& list) { return list.toi; }

@@ -10,6 +10,7 @@
 #include "crumple/array.h"
 #include "crumple/collisions.h"
 #include "crumple/features.h"
+#include "crumple/function_ref.h"
 #include "crumple/motion.h"
 #include "crumple/near.h"
 #include "model/rest_shape.h"
@@ -36,6 +37,28 @@ struct FeatureQuery {
     const VertexRings* rings = nullptr;  ///< neighbours that have no vertex in common; null: there are none
     const RestShape* rest = nullptr;     ///< null: there is none
 };
+
+/// What a list's features are.
+enum class FeatureType : std::uint8_t { vertex, edge, face };
+struct FeatureTypes {
+    FeatureType first, second;
+};
+constexpr FeatureTypes types_of(FeatureKind kind) {
+    constexpr auto vertex = FeatureType::vertex, edge = FeatureType::edge;
+    constexpr FeatureTypes types[feature_kinds] = {
+        {vertex, FeatureType::face}, {edge, edge}, {vertex, edge}, {vertex, vertex}};
+    return types[static_cast<std::size_t>(kind)];
+}
+
+/// A pair of features that is an answer: indices of the scene's points, edges, triangles.
+struct FeatureHit {
+    Pair pair;
+    double value;       ///< toi, or squared distance
+    std::uint8_t flag;  ///< start, or touching
+};
+
+/// Takes some of an answer, as much as there is at the time: rows of one kind.
+using FeatureSink = FunctionRef<void(FeatureKind kind, std::span<const FeatureHit> rows)>;
 
 /// Pairs of one kind: indices of the scene's points, edges, triangles. Sorted, unique.
 struct FeatureRows {

@@ -1,60 +1,23 @@
 #include "engine/feature_search.h"
 
 #include <algorithm>
-#include <type_traits>
 #include <utility>
 
 #include "engine/feature_output.h"
+#include "engine/feature_questions.h"
 #include "engine/near_details.h"
 #include "engine/output.h"
 
 namespace crumple {
 namespace {
 
-Extent extent(const Motion& question) {
-    if (question.wants == MotionWants::impacts) return Extent::all;
-    return question.wants == MotionWants::earliest ? Extent::first : Extent::any;
-}
-Extent extent(const Near& question) { return question.wants == NearWants::pairs ? Extent::all : Extent::any; }
-
 bool wants_worlds(const Motion& question) { return question.wants != MotionWants::any; }
 bool wants_worlds(const Near& question) { return question.wants != NearWants::any; }
-
-FeatureQuery query_of(const Motion& question, bool frugal, const SceneFeatures& features, const GroupRule& rule) {
-    return {true, extent(question), question.separation, question.separation_share, false, frugal, features, rule};
-}
-FeatureQuery query_of(const Near& question, bool frugal, const SceneFeatures& features, const GroupRule& rule) {
-    return {false, extent(question), question.radius, 0, question.strict, frugal, features, rule};
-}
-
-CandidateQuery query_of(const CandidateQuestion& question, bool frugal, const SceneFeatures& features,
-                        const GroupRule& rule) {
-    CandidateQuery query{{}, question.inflation, frugal, features, rule};
-    for (const CandidateKind kind : question.kinds) query.wanted[static_cast<std::size_t>(kind)] = true;
-    return query;
-}
-
-template <class Question>
-constexpr bool is_motion = std::is_same_v<Question, Motion>;
-
-constexpr FeatureTypes types_of(FeatureKind kind) {
-    constexpr auto vertex = FeatureType::vertex, edge = FeatureType::edge;
-    constexpr FeatureTypes types[feature_kinds] = {
-        {vertex, FeatureType::face}, {edge, edge}, {vertex, edge}, {vertex, vertex}};
-    return types[static_cast<std::size_t>(kind)];
-}
 
 // Whether every pair of the one body is wanted, as if there were no bodies.
 bool all_wanted(const Rules& rules) {
     return rules.bodies != Wanted::between && rules.groups == Wanted::both && rules.excluded_bodies.empty() &&
            rules.excluded_groups.empty();
-}
-
-template <class Answer>
-void append_listed_points(const Shape& shape, Answer& answer) {
-    if (shape.points)
-        for (const std::int32_t v : *shape.points) answer.points.push_back(v);
-    answer.first_point.push_back(static_cast<std::int64_t>(answer.points.size()));
 }
 
 }  // namespace
@@ -207,7 +170,7 @@ void FeatureSearch::search_in_place(BackendBase& backend, const Question& questi
     }
     answer.edges = features_.edges();
     answer.first_edge.push_back(static_cast<std::int64_t>(answer.edges.size()));
-    append_listed_points(outline_.shape(0), answer);
+    append_listed_points(0, answer);
     if (extent(question) != Extent::all) return;
     const auto take = [&](FeatureRows& rows, auto& list) {
         list.pairs.swap_elements(rows.pairs);
@@ -240,8 +203,7 @@ void FeatureSearch::search_world(BackendBase& backend, std::int32_t pass, const 
     if (!answer.world_hit.empty() && pass < outline_.worlds()) answer.world_hit[pass] = found_.any;
     if (extent(question) == Extent::any) return;
     if constexpr (is_motion<Question>) add_first(pass, answer);
-    append_edges(static_cast<std::size_t>(own_bodies(pass)), answer);
-    append_points(static_cast<std::size_t>(own_bodies(pass)), answer);
+    append_features(pass, answer);
     if (extent(question) != Extent::all) return;
     if constexpr (!is_motion<Question>)
         if (question.closest)
@@ -313,25 +275,6 @@ void FeatureSearch::place(FeatureTypes types, const Pair& found, Pair& pair, Bod
     bodies = {a.body, b.body};
 }
 
-// Those of the bodies whose own world this is: the first so many that were added.
-template <class Answer>
-void FeatureSearch::append_edges(std::size_t bodies, Answer& answer) {
-    answer.edges.make_room_for(static_cast<std::size_t>(first_edge_[bodies]));
-    for (std::size_t i = 0; i < bodies; ++i) {
-        const auto first = static_cast<std::int32_t>(scene_.first_vertex(i));
-        for (std::int64_t e = first_edge_[i]; e < first_edge_[i + 1]; ++e) {
-            const Edge& edge = features_.edges()[e];
-            answer.edges.push_back({edge.a - first, edge.b - first});
-        }
-        answer.first_edge.push_back(static_cast<std::int64_t>(answer.edges.size()));
-    }
-}
-
-template <class Answer>
-void FeatureSearch::append_points(std::size_t bodies, Answer& answer) {
-    for (std::size_t i = 0; i < bodies; ++i) append_listed_points(outline_.shape(scene_.added_body(i)), answer);
-}
-
 template <class List>
 void FeatureSearch::append_rows(FeatureTypes types, const FeatureRows& rows, List& list) {
     const std::size_t more = rows.pairs.size();
@@ -378,7 +321,7 @@ void FeatureSearch::search_in_place(BackendBase& backend, const CandidateQuestio
     add_pass(found_candidates_.statistics, answer.statistics);
     answer.edges = features_.edges();
     answer.first_edge.push_back(static_cast<std::int64_t>(answer.edges.size()));
-    append_listed_points(outline_.shape(0), answer);
+    append_listed_points(0, answer);
     for (std::size_t k = 0; k < candidate_kinds; ++k) {
         CandidateList& list = answer.lists[k];
         list.pairs.swap_elements(found_candidates_.pairs[k]);
@@ -392,8 +335,7 @@ void FeatureSearch::search_world(BackendBase& backend, std::int32_t pass, const 
     if (!scene) return;
     backend.find_candidates(*scene, query_of(question, frugal_, features_, rule_), found_candidates_);
     add_pass(found_candidates_.statistics, answer.statistics);
-    append_edges(static_cast<std::size_t>(own_bodies(pass)), answer);
-    append_points(static_cast<std::size_t>(own_bodies(pass)), answer);
+    append_features(pass, answer);
     for (std::size_t k = 0; k < candidate_kinds; ++k) {
         CandidateList& list = answer.lists[k];
         const Array<Pair>& found = found_candidates_.pairs[k];
@@ -402,7 +344,7 @@ void FeatureSearch::search_world(BackendBase& backend, std::int32_t pass, const 
         for (const Pair& pair : found) {
             Pair placed;
             BodyPair bodies;
-            place(crumple::types_of(static_cast<CandidateKind>(k)), pair, placed, bodies);
+            place(types_of(static_cast<CandidateKind>(k)), pair, placed, bodies);
             list.pairs.push_back(placed);
             if (bodies_) list.bodies.push_back(bodies);
         }

@@ -22,6 +22,13 @@
 
 namespace crumple {
 
+/// Where an answer goes that is handed over in blocks (Detector::stream_impacts and its like).
+template <class Answer>
+struct FeatureBlocks {
+    Streaming how;
+    FunctionRef<void(const Answer& block)> take;
+};
+
 class FeatureSearch {
    public:
     FeatureSearch(MemoryMeter& meter, Cancellation& cancellation);
@@ -32,6 +39,12 @@ class FeatureSearch {
     void find(BackendBase& backend, const World& world, const Near& question, bool bodies, bool frugal, Nearby& answer);
     void find(BackendBase& backend, const World& world, const CandidateQuestion& question, bool bodies, bool frugal,
               CandidateLists& answer);
+
+    /// The same in blocks, whose edges and points are complete. The answer is what the blocks are made of, and has
+    /// their number and the statistics in the end.
+    template <class Question, class Answer>
+    void stream(BackendBase& backend, const World& world, const Question& question, bool bodies, bool frugal,
+                const FeatureBlocks<Answer>& blocks, Answer& answer);
 
     /// Gives all memory back.
     void release();
@@ -47,6 +60,12 @@ class FeatureSearch {
     void search_world(BackendBase& backend, std::int32_t pass, const CandidateQuestion& question,
                       CandidateLists& answer);
 
+    template <class Answer>
+    void list_features(BackendBase& backend, bool step, bool weld, Answer& answer);
+    template <class Question, class Filling>
+    void stream_scene(BackendBase& backend, const Scene& scene, const Question& question, bool in_place,
+                      const Streaming& how, Filling& filling, Statistics& statistics);
+
     /// Reads the world.
     void read(const World& world, const Rules& rules);
     /// Whether it is one body that is searched where the caller has it.
@@ -60,10 +79,12 @@ class FeatureSearch {
     template <class Question>
     void ask(BackendBase& backend, const Scene& scene, const Question& question);
     void ask_for_triangles(BackendBase& backend, const Scene& scene, const Motion& question);
+    /// The edges and points of the bodies that a pass has of its own.
     template <class Answer>
-    void append_edges(std::size_t bodies, Answer& answer);
+    void append_features(std::int32_t pass, Answer& answer);
+    /// The points of a body whose shape lists them.
     template <class Answer>
-    void append_points(std::size_t bodies, Answer& answer);
+    void append_listed_points(std::int32_t body, Answer& answer);
     template <class List>
     void append_rows(FeatureTypes types, const FeatureRows& rows, List& list);
     void add_first(std::int32_t pass, Impacts& answer) const;
@@ -96,5 +117,28 @@ class FeatureSearch {
     // Of each body that was added to the scene; and how many there are:
     Array<std::int64_t> first_edge_, first_point_;
 };
+
+// The first of the bodies that were added are those whose own world this is.
+template <class Answer>
+void FeatureSearch::append_features(std::int32_t pass, Answer& answer) {
+    const auto bodies = static_cast<std::size_t>(own_bodies(pass));
+    answer.edges.make_room_for(static_cast<std::size_t>(first_edge_[bodies]));
+    for (std::size_t i = 0; i < bodies; ++i) {
+        const auto first = static_cast<std::int32_t>(scene_.first_vertex(i));
+        for (std::int64_t e = first_edge_[i]; e < first_edge_[i + 1]; ++e) {
+            const Edge& edge = features_.edges()[e];
+            answer.edges.push_back({edge.a - first, edge.b - first});
+        }
+        answer.first_edge.push_back(static_cast<std::int64_t>(answer.edges.size()));
+        append_listed_points(scene_.added_body(i), answer);
+    }
+}
+
+template <class Answer>
+void FeatureSearch::append_listed_points(std::int32_t body, Answer& answer) {
+    if (const auto& points = outline_.shape(body).points)
+        for (const std::int32_t v : *points) answer.points.push_back(v);
+    answer.first_point.push_back(static_cast<std::int64_t>(answer.points.size()));
+}
 
 }  // namespace crumple

@@ -60,6 +60,20 @@ void tell_closest(const Scene& scene, const SceneFeatures& features, FeatureKind
     });
 }
 
+void find_closest(const Scene& scene, const SceneFeatures& features, FeatureKind kind, std::span<const FeatureHit> rows,
+                  ParallelFor* workers, Array<ClosestPoints>& closest) {
+    closest.resize_discard(rows.size());
+    const auto find = [&](std::size_t begin, std::size_t end) {
+        DistanceCounts counts;
+        for (std::size_t i = begin; i < end; ++i)
+            closest[i] = Distance(at_rest(scene, features, kind, rows[i].pair), counts).closest();
+    };
+    if (workers)
+        for_each_chunk(rows.size(), *workers, find);
+    else
+        find(0, rows.size());
+}
+
 // Rounding keeps the order: the least distance of a feature is that of a pair whose rounded square is least, and only
 // such pairs are asked for their distance.
 void tell_least(const Scene& scene, const SceneFeatures& features, ParallelFor& workers, Nearby& answer) {

@@ -5,14 +5,20 @@
 
 #include "base/parallel_for.h"
 #include "crumple/near.h"
+#include "engine/feature_query.h"
 #include "model/scene.h"
 #include "model/scene_features.h"
+#include "questions/near/features.h"
 
 namespace crumple {
 
 /// Type and parameters of `pairs`, which are the scene's, into those of the list from `first` on.
 void tell_closest(const Scene& scene, const SceneFeatures& features, FeatureKind kind, const Array<Pair>& pairs,
                   std::size_t first, ParallelFor& workers, NearList& list);
+
+/// The same of some rows, into `closest`. `workers`: null in one of their own tasks.
+void find_closest(const Scene& scene, const SceneFeatures& features, FeatureKind kind, std::span<const FeatureHit> rows,
+                  ParallelFor* workers, Array<ClosestPoints>& closest);
 
 /// Least distances of the features of a single mesh, from its complete lists.
 void tell_least(const Scene& scene, const SceneFeatures& features, ParallelFor& workers, Nearby& answer);

@@ -11,6 +11,7 @@
 #include "engine/cpu/intersections.h"
 #include "engine/cpu/limit.h"
 #include "engine/cpu/stream.h"
+#include "engine/cpu/stream_features.h"
 #include "engine/output.h"
 
 namespace crumple {
@@ -78,7 +79,10 @@ class CpuBackend final : public BackendBase {
         workers_.run([&] {
             const IntersectCall call =
                 meter_.limit > 0 ? call_in_chunks(scene, query, nullptr) : make_call(scene, query, nullptr);
-            (how.ordered ? stream_in_order : stream_as_found)(call, how.block_pairs, sink);
+            if (how.ordered)
+                stream_in_order(call, how.block_pairs, sink);
+            else
+                stream_as_found(call, how.block_pairs, sink);
         });
         statistics = statistics_;
     }
@@ -86,31 +90,41 @@ class CpuBackend final : public BackendBase {
     void find(const Scene& scene, const FeatureQuery& query, FeatureAnswer& answer) override {
         clear(answer);
         statistics_ = {};
-        workers_.run([&] {
-            Kept& k = *kept_;
-            LeafQuestion& question = scene.moving ? static_cast<LeafQuestion&>(k.features.moving) : k.features.at_rest;
-            Call call{scene, query.rule,    Levels(nullptr), options_,  kernels_,    workers_,
-                      *this, cancellation_, meter_,          k.buffers, statistics_, question};
-            call.frugal = query.frugal;
-            call.inflation = query.radii.empty() ? inflation_of(scene, query)
-                                                 : inflation_of_radii(scene, query.radii, workers_, k.features);
-            cpu::find(call, query, k.features, answer);
-        });
+        workers_.run([&] { cpu::find(make_call(scene, query), query, kept_->features, answer); });
         answer.statistics = statistics_;
+    }
+
+    void stream(const Scene& scene, const FeatureQuery& query, const Streaming& how, FeatureSink sink,
+                Statistics& statistics) override {
+        statistics_ = {};
+        workers_.run([&] {
+            const Call call = make_call(scene, query);
+            if (how.ordered)
+                stream_in_order(call, query, kept_->features, how.block_pairs, sink);
+            else
+                stream_as_found(call, query, kept_->features, sink);
+        });
+        statistics = statistics_;
     }
 
     void find_candidates(const Scene& scene, const CandidateQuery& query, CandidateAnswer& answer) override {
         clear(answer);
         statistics_ = {};
-        workers_.run([&] {
-            Kept& k = *kept_;
-            Call call{scene, query.rule,    Levels(nullptr), options_,  kernels_,    workers_,
-                      *this, cancellation_, meter_,          k.buffers, statistics_, k.candidates.leaves};
-            call.frugal = query.frugal;
-            call.inflation = inflation_of(scene, query);
-            cpu::find(call, query, k.candidates, answer);
-        });
+        workers_.run([&] { cpu::find(make_call(scene, query), query, kept_->candidates, answer); });
         answer.statistics = statistics_;
+    }
+
+    void stream_candidates(const Scene& scene, const CandidateQuery& query, const Streaming& how, CandidateSink sink,
+                           Statistics& statistics) override {
+        statistics_ = {};
+        workers_.run([&] {
+            const Call call = make_call(scene, query);
+            if (how.ordered)
+                stream_in_order(call, query, kept_->candidates, how.block_pairs, sink);
+            else
+                stream_as_found(call, query, kept_->candidates, sink);
+        });
+        statistics = statistics_;
     }
 
     bool heeds_bodies() const override { return true; }
@@ -151,6 +165,25 @@ class CpuBackend final : public BackendBase {
                 query,
                 k.leaves,
                 k.output};
+    }
+    Call make_call(const Scene& scene, const GroupRule& rule, LeafQuestion& question) {
+        return {scene, rule,          Levels(nullptr), options_,       kernels_,    workers_,
+                *this, cancellation_, meter_,          kept_->buffers, statistics_, question};
+    }
+    Call make_call(const Scene& scene, const FeatureQuery& query) {
+        FeatureBuffers& features = kept_->features;
+        LeafQuestion& question = scene.moving ? static_cast<LeafQuestion&>(features.moving) : features.at_rest;
+        Call call = make_call(scene, query.rule, question);
+        call.frugal = query.frugal;
+        call.inflation = query.radii.empty() ? inflation_of(scene, query)
+                                             : inflation_of_radii(scene, query.radii, workers_, features);
+        return call;
+    }
+    Call make_call(const Scene& scene, const CandidateQuery& query) {
+        Call call = make_call(scene, query.rule, kept_->candidates.leaves);
+        call.frugal = query.frugal;
+        call.inflation = inflation_of(scene, query);
+        return call;
     }
     // With nothing kept.
     IntersectCall call_in_chunks(const Scene& scene, const Query& query, const Part* part) {

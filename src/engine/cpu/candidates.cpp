@@ -21,17 +21,6 @@ void search_within(const Call& call, const CandidateQuery& query, CandidateLeave
     });
 }
 
-std::int32_t features(const CandidateQuery& query, FeatureType type) {
-    switch (type) {
-        case FeatureType::vertex:
-            return static_cast<std::int32_t>(query.features.points());
-        case FeatureType::edge:
-            return static_cast<std::int32_t>(query.features.edges().size());
-        default:
-            return static_cast<std::int32_t>(query.features.faces());
-    }
-}
-
 }  // namespace
 
 Inflation inflation_of(const Scene& scene, const CandidateQuery& query) {
@@ -44,23 +33,31 @@ Inflation inflation_of(const Scene& scene, const CandidateQuery& query) {
     return inflation;
 }
 
-void find(const Call& call, const CandidateQuery& query, CandidateBuffers& buffers, CandidateAnswer& answer) {
-    CandidateLeaves& leaves = buffers.leaves;
-    leaves.ask(query);
-    measure(call);
+void search_candidates(const Call& call, const CandidateQuery& query, CandidateLeaves& leaves) {
     search(call);
     search_within(call, query, leaves);
-    Stopwatch watch;
+}
+
+void sort_candidates(const Call& call, const CandidateQuery& query, CandidateKind kind, CandidateBuffers& buffers,
+                     Array<Pair>& pairs) {
+    const auto count = [&](FeatureType type) { return static_cast<std::int32_t>(count_of(query.features, type)); };
+    const FeatureTypes types = types_of(kind);
+    const PairCounts counts{count(types.first), count(types.second)};
     const auto nothing = [](std::span<const std::span<const Pair>>) {};
+    // What one worker has found all alone does not depend on how many there are.
+    const auto found = buffers.leaves.found(kind);
+    sort_pairs(call.workers, call.frugal ? found.first(1) : found, counts, buffers.sorting, pairs, buffers.offsets,
+               nothing);
+}
+
+void find(const Call& call, const CandidateQuery& query, CandidateBuffers& buffers, CandidateAnswer& answer) {
+    buffers.leaves.ask(query);
+    measure(call);
+    search_candidates(call, query, buffers.leaves);
+    Stopwatch watch;
     for (std::size_t k = 0; k < candidate_kinds; ++k) {
         const auto kind = static_cast<CandidateKind>(k);
-        if (!query.wants(kind)) continue;
-        const FeatureTypes types = types_of(kind);
-        const PairCounts counts{features(query, types.first), features(query, types.second)};
-        // What one worker has found all alone does not depend on how many there are.
-        const auto found = leaves.found(kind);
-        sort_pairs(call.workers, call.frugal ? found.first(1) : found, counts, buffers.sorting, answer.pairs[k],
-                   buffers.offsets, nothing);
+        if (query.wants(kind)) sort_candidates(call, query, kind, buffers, answer.pairs[k]);
     }
     call.statistics[Stage::output] += watch.lap();
 }

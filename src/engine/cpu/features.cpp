@@ -12,36 +12,51 @@ namespace {
 
 constexpr std::int64_t chunk = 4096;
 
-// Rows in order: a counting sort by first feature, then those of each by the second.
-void write_rows(std::span<const Array<FeatureHit>* const> found, std::int64_t firsts, Workers& workers,
-                FeatureBuffers& buffers, FeatureRows& rows) {
+// A counting sort by first feature, then those of each by the second; and sorted(begin, end) with the places of each
+// chunk, on all threads. make_room(n) is told how many there are.
+template <class MakeRoom, class Sorted>
+void sort_hits(std::span<const Array<FeatureHit>* const> found, IdRange firsts, Workers& workers,
+               FeatureBuffers& buffers, MakeRoom make_room, Sorted sorted) {
     Array<std::int64_t>& place = buffers.place;
-    place.assign(static_cast<std::size_t>(firsts) + 2, 0);
+    const std::int64_t n = firsts.size();
+    place.assign(static_cast<std::size_t>(n) + 2, 0);
     std::int64_t* next = place.data() + 1;
     std::size_t all = 0;
     for (const auto* list : found) {
         all += list->size();
-        for (const FeatureHit& hit : *list) ++next[hit.pair.a + 1];
+        for (const FeatureHit& hit : *list) ++next[hit.pair.a - firsts.begin + 1];
     }
-    for (std::int64_t i = 0; i < firsts; ++i) next[i + 1] += next[i];
+    for (std::int64_t i = 0; i < n; ++i) next[i + 1] += next[i];
     buffers.placed.resize_discard(all);
     for (const auto* list : found)
-        for (const FeatureHit& hit : *list) buffers.placed[next[hit.pair.a]++] = hit;
-    rows.pairs.resize_discard(all);
-    rows.value.resize_discard(all);
-    rows.flag.resize_discard(all);
-    workers.parallel_for(static_cast<std::size_t>((firsts + chunk - 1) / chunk), [&](std::size_t c, std::size_t) {
-        const std::int64_t begin = static_cast<std::int64_t>(c) * chunk, end = std::min(firsts, begin + chunk);
+        for (const FeatureHit& hit : *list) buffers.placed[next[hit.pair.a - firsts.begin]++] = hit;
+    make_room(all);
+    workers.parallel_for(static_cast<std::size_t>((n + chunk - 1) / chunk), [&](std::size_t c, std::size_t) {
+        const std::int64_t begin = static_cast<std::int64_t>(c) * chunk, end = std::min(n, begin + chunk);
         FeatureHit* hits = buffers.placed.data();
         for (std::int64_t i = begin; i < end; ++i)
             std::sort(hits + place[i], hits + place[i + 1],
                       [](const FeatureHit& a, const FeatureHit& b) { return a.pair.b < b.pair.b; });
-        for (std::int64_t i = place[begin]; i < place[end]; ++i) {
-            rows.pairs[i] = hits[i].pair;
-            rows.value[i] = hits[i].value;
-            rows.flag[i] = hits[i].flag;
-        }
+        sorted(place[begin], place[end]);
     });
+}
+
+void write_rows(std::span<const Array<FeatureHit>* const> found, std::int64_t firsts, Workers& workers,
+                FeatureBuffers& buffers, FeatureRows& rows) {
+    const auto make_room = [&](std::size_t all) {
+        rows.pairs.resize_discard(all);
+        rows.value.resize_discard(all);
+        rows.flag.resize_discard(all);
+    };
+    const auto write = [&](std::int64_t begin, std::int64_t end) {
+        for (std::int64_t i = begin; i < end; ++i) {
+            const FeatureHit& hit = buffers.placed[i];
+            rows.pairs[i] = hit.pair;
+            rows.value[i] = hit.value;
+            rows.flag[i] = hit.flag;
+        }
+    };
+    sort_hits(found, {0, firsts}, workers, buffers, make_room, write);
 }
 
 FirstImpact first_of(std::span<const Array<FeatureHit>* const> found, FeatureKind kind, FirstImpact first) {
@@ -57,7 +72,6 @@ FirstImpact first_of(std::span<const Array<FeatureHit>* const> found, FeatureKin
 template <int moments>
 void find(const Call& call, const FeatureQuery& query, FeatureLeaves<moments>& leaves, FeatureBuffers& buffers,
           FeatureAnswer& answer) {
-    leaves.ask(query, 2 * call.inflation.half, query.radii.empty() ? nullptr : buffers.vertex_radius.data());
     measure(call);
     search(call);
     Stopwatch watch;
@@ -68,9 +82,7 @@ void find(const Call& call, const FeatureQuery& query, FeatureLeaves<moments>& l
         for (const FeatureKind kind : kinds) answer.first = first_of(leaves.found(kind), kind, answer.first);
     if (query.extent == Extent::all)
         for (const FeatureKind kind : kinds) {
-            const bool edges = kind == FeatureKind::edge_edge;
-            const auto firsts =
-                edges ? static_cast<std::int64_t>(query.features.edges().size()) : query.features.points();
+            const std::int64_t firsts = count_of(query.features, types_of(kind).first);
             write_rows(leaves.found(kind), firsts, call.workers, buffers, answer.rows[static_cast<std::size_t>(kind)]);
         }
     call.statistics[Stage::output] += watch.lap();
@@ -111,11 +123,14 @@ Inflation inflation_of_radii(const Scene& scene, std::span<const double> radii, 
     return {largest == triangle.end() ? 0 : *largest, 0, false, triangle.data()};
 }
 
+void sort_hits(std::span<const Array<FeatureHit>* const> found, IdRange firsts, Workers& workers,
+               FeatureBuffers& buffers) {
+    sort_hits(
+        found, firsts, workers, buffers, [](std::size_t) {}, [](std::int64_t, std::int64_t) {});
+}
+
 void find(const Call& call, const FeatureQuery& query, FeatureBuffers& buffers, FeatureAnswer& answer) {
-    if (call.scene.moving)
-        find(call, query, buffers.moving, buffers, answer);
-    else
-        find(call, query, buffers.at_rest, buffers, answer);
+    with_leaves(call, query, buffers, [&](auto& leaves) { find(call, query, leaves, buffers, answer); });
 }
 
 }  // namespace crumple::cpu

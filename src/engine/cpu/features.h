@@ -33,6 +33,23 @@ Inflation inflation_of(const Scene& scene, const FeatureQuery& query);
 Inflation inflation_of_radii(const Scene& scene, std::span<const double> radii, Workers& workers,
                              FeatureBuffers& buffers);
 
+/// Calls work(leaves) with the scene's, which are told what is asked.
+template <class Work>
+void with_leaves(const Call& call, const FeatureQuery& query, FeatureBuffers& buffers, Work work) {
+    const auto ask = [&](auto& leaves) {
+        leaves.ask(query, 2 * call.inflation.half, query.radii.empty() ? nullptr : buffers.vertex_radius.data());
+        work(leaves);
+    };
+    if (call.scene.moving)
+        ask(buffers.moving);
+    else
+        ask(buffers.at_rest);
+}
+
+/// Stage `output`: hits in the order of the answer, into buffers.placed. Their first features are in `firsts`.
+void sort_hits(std::span<const Array<FeatureHit>* const> found, IdRange firsts, Workers& workers,
+               FeatureBuffers& buffers);
+
 /// All stages; call.question is one of the buffers', as the scene moves.
 void find(const Call& call, const FeatureQuery& query, FeatureBuffers& buffers, FeatureAnswer& answer);
 

@@ -24,7 +24,7 @@ Levels choose_triangles(const Call& call) {
     Levels levels = call.levels;
     b.included.clear();
     if (call.scene.between) exclude_far(call.scene, call.workers, b.balls, b.included);
-    if (call.range) levels.add(exclude_others(*call.range, call.workers, b.balls, b.included, b.range_masks));
+    if (call.range) levels.add(exclude_others(*call.range, {call.workers, b.balls, b.included, b.range_masks}));
     call.question.leave_out(call, levels);
     return levels;
 }

@@ -24,8 +24,9 @@ class LeafQuestion {
 
     /// A search begins; nothing is found yet. The bounds are there.
     virtual void begin(const Call& call) = 0;
-    /// Leaves out (Buffers::included) triangles that need not be searched. `levels`: those above the scene.
-    virtual void leave_out(const Call&, const Levels&) {}
+    /// Leaves out (Buffers::included) triangles that need not be searched. `levels`: those above the scene, to which
+    /// one may be added.
+    virtual void leave_out(const Call&, Levels& /*levels*/) {}
     /// Reserves scratch of a worker for a leaf of so many members and rows, so that warm calls allocate nothing.
     virtual void make_room(const Call&, std::int64_t /*members*/, std::int64_t /*rows*/, std::size_t /*worker*/) {}
 

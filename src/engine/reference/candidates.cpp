@@ -20,8 +20,8 @@ struct Feature {
 
 class Search {
    public:
-    Search(const Scene& scene, const CandidateQuery& query, Cancellation& cancellation, CandidateAnswer& answer)
-        : scene_(scene), query_(query), cancellation_(cancellation), answer_(answer) {
+    Search(const Scene& scene, const CandidateQuery& query, Cancellation& cancellation, CandidateSink sink)
+        : scene_(scene), query_(query), cancellation_(cancellation), sink_(sink) {
         std::map<std::int32_t, std::int32_t> face_of_vertex;
         std::map<std::pair<std::int32_t, std::int32_t>, std::int32_t> face_of_edge;
         for (std::int32_t t = 0; t < query.features.faces(); ++t) {
@@ -60,9 +60,11 @@ class Search {
             const FeatureTypes types = types_of(kind);
             for (const Feature& a : of(types.first)) {
                 cancellation_.check();
-                for (const Feature& b : of(types.second))
-                    if ((types.first != types.second || a.index < b.index) && candidate(a, b))
-                        answer_.pairs[k].push_back({a.index, b.index});
+                for (const Feature& b : of(types.second)) {
+                    if ((types.first == types.second && a.index >= b.index) || !candidate(a, b)) continue;
+                    const Pair pair{a.index, b.index};
+                    sink_(kind, {&pair, 1});
+                }
             }
         }
     }
@@ -107,15 +109,15 @@ class Search {
     const Scene& scene_;
     const CandidateQuery& query_;
     Cancellation& cancellation_;
-    CandidateAnswer& answer_;
+    CandidateSink sink_;
     std::vector<Feature> features_[3];  ///< by FeatureType
 };
 
 }  // namespace
 
 void find_candidates_by_brute_force(const Scene& scene, const CandidateQuery& query, Cancellation& cancellation,
-                                    CandidateAnswer& answer) {
-    Search(scene, query, cancellation, answer).run();
+                                    CandidateSink sink) {
+    Search(scene, query, cancellation, sink).run();
 }
 
 }  // namespace crumple

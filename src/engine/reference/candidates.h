@@ -8,7 +8,8 @@
 
 namespace crumple {
 
+/// `sink`: takes each row, in the order of the answer.
 void find_candidates_by_brute_force(const Scene& scene, const CandidateQuery& query, Cancellation& cancellation,
-                                    CandidateAnswer& answer);
+                                    CandidateSink sink);
 
 }  // namespace crumple

@@ -131,8 +131,9 @@ bool joined(const Next& next, std::set<std::int32_t> from, const std::set<std::i
 
 class Search {
    public:
-    Search(const Scene& scene, const FeatureQuery& query, Cancellation& cancellation, FeatureAnswer& answer)
-        : scene_(scene), query_(query), cancellation_(cancellation), answer_(answer) {}
+    Search(const Scene& scene, const FeatureQuery& query, Cancellation& cancellation, FeatureAnswer& answer,
+           const FeatureSink* sink)
+        : scene_(scene), query_(query), cancellation_(cancellation), answer_(answer), sink_(sink) {}
 
     void run() {
         const Everything all(scene_, query_);
@@ -166,6 +167,8 @@ class Search {
         if (query_.motion && query_.extent != Extent::any && (!answer_.first.found || row.value < answer_.first.toi))
             answer_.first = {true, kind, pair, {}, row.value, row.flag};
         if (query_.extent != Extent::all) return;
+        const FeatureHit hit{pair, row.value, row.flag};
+        if (sink_) return (*sink_)(kind, {&hit, 1});
         FeatureRows& rows = answer_.rows[static_cast<std::size_t>(kind)];
         rows.pairs.push_back(pair);
         rows.value.push_back(row.value);
@@ -244,14 +247,15 @@ class Search {
     const FeatureQuery& query_;
     Cancellation& cancellation_;
     FeatureAnswer& answer_;
+    const FeatureSink* sink_;
     Next next_;
 };
 
 }  // namespace
 
 void find_features_by_brute_force(const Scene& scene, const FeatureQuery& query, Cancellation& cancellation,
-                                  FeatureAnswer& answer) {
-    Search(scene, query, cancellation, answer).run();
+                                  FeatureAnswer& answer, const FeatureSink* sink) {
+    Search(scene, query, cancellation, answer, sink).run();
 }
 
 }  // namespace crumple

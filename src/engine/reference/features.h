@@ -9,7 +9,8 @@
 
 namespace crumple {
 
+/// `sink`: takes each row, instead of the answer; or null.
 void find_features_by_brute_force(const Scene& scene, const FeatureQuery& query, Cancellation& cancellation,
-                                  FeatureAnswer& answer);
+                                  FeatureAnswer& answer, const FeatureSink* sink = nullptr);
 
 }  // namespace crumple

@@ -114,8 +114,28 @@ class Reference final : public BackendBase {
         answer.statistics.backend = "reference";
         answer.statistics.simd = "scalar";
         Stopwatch watch;
-        find_candidates_by_brute_force(scene, query, cancellation_, answer);
+        const auto keep = [&](CandidateKind kind, std::span<const Pair> rows) {
+            for (const Pair& pair : rows) answer.pairs[static_cast<std::size_t>(kind)].push_back(pair);
+        };
+        find_candidates_by_brute_force(scene, query, cancellation_, keep);
         answer.statistics[Stage::narrow] = watch.lap();
+    }
+
+    void stream(const Scene& scene, const FeatureQuery& query, const Streaming&, FeatureSink sink,
+                Statistics& statistics) override {
+        FeatureAnswer told(nullptr);
+        told.statistics.backend = "reference";
+        told.statistics.simd = "scalar";
+        find_features_by_brute_force(scene, query, cancellation_, told, &sink);
+        statistics = told.statistics;
+    }
+
+    void stream_candidates(const Scene& scene, const CandidateQuery& query, const Streaming&, CandidateSink sink,
+                           Statistics& statistics) override {
+        statistics = {};
+        statistics.backend = "reference";
+        statistics.simd = "scalar";
+        find_candidates_by_brute_force(scene, query, cancellation_, sink);
     }
 
     void release() override {

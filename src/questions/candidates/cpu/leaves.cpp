@@ -36,6 +36,12 @@ CandidateRecord dummy_record() {
     return record;
 }
 
+std::size_t count(const CandidateHits& hits) {
+    std::size_t sum = 0;
+    for (const auto& list : hits) sum += list.size();
+    return sum;
+}
+
 }  // namespace
 
 CandidateLeaves::Worker::Worker(MemoryMeter* m)
@@ -51,6 +57,7 @@ CandidateLeaves::CandidateLeaves(MemoryMeter* meter, int workers, const Candidat
 
 void CandidateLeaves::ask(const CandidateQuery& query) {
     query_ = &query;
+    share_ = {};
     const auto kind = [](int a, int b) {
         return kind_of[static_cast<std::size_t>(type_of(a))][static_cast<std::size_t>(type_of(b))];
     };
@@ -75,9 +82,15 @@ void CandidateLeaves::begin(const Call& call) {
     }
 }
 
+void CandidateLeaves::leave_out(const Call& call, Levels& levels) {
+    Buffers& b = call.buffers;
+    if (share_.range)
+        levels.add(exclude_others(*share_.range, query_->features, {call.workers, b.balls, b.included, b.range_masks}));
+}
+
 bool CandidateLeaves::stop() const {
     call_->cancellation.check();
-    return false;
+    return share_.enough && share_.enough->load(std::memory_order_relaxed);
 }
 
 CandidateLeaves::Member CandidateLeaves::member_of(std::int32_t triangle, const CandidateKey& key) const {
@@ -200,6 +213,7 @@ void CandidateLeaves::narrow(const Worker& builder, Worker& worker) const {
     worker.hits.resize_discard(most_hits);
     for (std::int64_t begin = 0; begin < candidates.count; begin += batch) {
         const std::int64_t end = std::min(candidates.count, begin + batch);
+        const std::size_t before = count(worker.found);
         const std::size_t hits = kernels_.overlaps(record, candidates, begin, end, rounds_, worker.hits.data());
         Ends next;
         for (std::size_t k = 0; k < candidate_kinds; ++k) {
@@ -213,7 +227,22 @@ void CandidateLeaves::narrow(const Worker& builder, Worker& worker) const {
         }
         for (std::size_t k = 0; k < candidate_kinds; ++k)
             if (query_->wanted[k]) worker.found[k].resize(static_cast<std::size_t>(next[k] - worker.found[k].data()));
+        if (!share_.sink) continue;
+        tell(worker.found, before);
+        if (stop()) return;
     }
+}
+
+// Of pairs of triangles that own features in the range, what else they own is no business of this search. Of a range
+// there is one list, whose first `before` pairs have been told.
+void CandidateLeaves::tell(CandidateHits& found, std::size_t before) const {
+    if (share_.range) {
+        Array<Pair>& list = found[static_cast<std::size_t>(share_.kind)];
+        const auto foreign = [&](const Pair& pair) { return !share_.range->has(pair); };
+        list.resize(
+            static_cast<std::size_t>(std::remove_if(list.begin() + before, list.end(), foreign) - list.begin()));
+    }
+    (*share_.sink)(found, count(found) - before);
 }
 
 void CandidateLeaves::list(const BoxHit& hit, const CandidateRecord& a, const CandidateRecord& b, Ends& next) const {
@@ -252,7 +281,11 @@ void CandidateLeaves::search_within(std::int64_t begin, std::int64_t end, std::s
         if (other < 3 && pair.b < pair.a) std::swap(pair.a, pair.b);
         worker.found[static_cast<std::size_t>(kind)].push_back(pair);
     };
+    const Array<std::uint8_t>& included = call_->buffers.included;
     for (std::int64_t t = begin; t < end; ++t) {
+        if (share_.sink && stop()) return;
+        if (share_.range && !included[t]) continue;
+        const std::size_t before = count(worker.found);
         const unsigned owned = owned_lanes(static_cast<std::int32_t>(t));
         if ((owned & vertex_lanes) == 0 || !call_->rule(call_->scene.group(t), call_->scene.group(t))) continue;
         const CandidateRecord record = member_of(static_cast<std::int32_t>(t), key).record;
@@ -265,6 +298,7 @@ void CandidateLeaves::search_within(std::int64_t begin, std::int64_t end, std::s
                 if (grown_boxes_overlap(box(record, a), box(record, b), query_->inflation)) list(record, a, b);
             }
         }
+        if (share_.sink) tell(worker.found, before);
     }
 }
 

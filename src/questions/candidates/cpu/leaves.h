@@ -3,11 +3,13 @@
 // Candidates in the order of the stages. Triangles are swept as boxes along the axes of the coordinates; of a pair of
 // triangles whose boxes overlap the features that the one owns are held against those that the other owns.
 
+#include <atomic>
 #include <memory>
 #include <span>
 #include <vector>
 
 #include "engine/candidate_query.h"
+#include "engine/cpu/pair_range.h"
 #include "engine/cpu/question.h"
 #include "geometry/normaliser.h"
 #include "questions/candidates/box_test.h"
@@ -15,14 +17,31 @@
 
 namespace crumple::cpu {
 
+/// What a worker has found, by kind.
+using CandidateHits = std::array<Array<Pair>, candidate_kinds>;
+
+/// Told of so many candidates more, in any worker; may take them.
+using CandidateHitSink = FunctionRef<void(CandidateHits& hits, std::size_t more)>;
+
+/// How an answer in blocks is searched.
+struct CandidateShare {
+    const FeatureRange* range = nullptr;  ///< only these pairs, where `kind` alone is asked for; null: all
+    CandidateKind kind = CandidateKind::vertex_face;
+    const CandidateHitSink* sink = nullptr;     ///< if there is a range there is one
+    const std::atomic<bool>* enough = nullptr;  ///< the search may end
+};
+
 class CandidateLeaves final : public LeafQuestion {
    public:
     CandidateLeaves(MemoryMeter* meter, int workers, const CandidateKernels& kernels);
 
     /// What is asked, from begin() on.
     void ask(const CandidateQuery& query);
+    /// Of which only a share is wanted at a time; until the next ask().
+    void ask_for(const CandidateShare& share) { share_ = share; }
 
     void begin(const Call& call) override;
+    void leave_out(const Call& call, Levels& levels) override;
     bool stop() const override;
     void build(const BuildInput& input, LeafMembers& members, std::size_t worker) override;
     void place(const SortedLeaf& leaf, std::size_t worker) override;
@@ -37,6 +56,8 @@ class CandidateLeaves final : public LeafQuestion {
     std::span<const Array<Pair>* const> found(CandidateKind kind) const {
         return found_[static_cast<std::size_t>(kind)];
     }
+    /// That of one.
+    CandidateHits& hits(std::size_t worker) { return worker_[worker]->found; }
 
    private:
     struct Worker {
@@ -45,7 +66,7 @@ class CandidateLeaves final : public LeafQuestion {
         Array<CandidateRecord> sorted;  ///< by physical row
         Candidates candidates;
         Array<BoxHit> hits;  ///< of a batch
-        std::array<Array<Pair>, candidate_kinds> found;
+        CandidateHits found;
         Statistics statistics;
     };
 
@@ -62,6 +83,7 @@ class CandidateLeaves final : public LeafQuestion {
     void drop_foreign(const SortedLeaf& leaf, const Ownership& ownership, Worker& worker) const;
     void narrow(const Worker& builder, Worker& worker) const;
     void list(const BoxHit& hit, const CandidateRecord& a, const CandidateRecord& b, Ends& next) const;
+    void tell(CandidateHits& found, std::size_t before) const;
     FeatureBox box(const CandidateRecord& record, int lane) const;
 
     const CandidateKernels& kernels_;
@@ -70,6 +92,7 @@ class CandidateLeaves final : public LeafQuestion {
     // Of the call:
     const Call* call_ = nullptr;
     const CandidateQuery* query_ = nullptr;
+    CandidateShare share_;
     Normaliser normaliser_;
     Rounds rounds_;
     struct Listed {

@@ -45,6 +45,12 @@ void add_radii(FeatureKind kind, const Array<FeatureTest>& tests, const float* r
     std::fill(distance.end() - padding, distance.end(), 0.0f);
 }
 
+std::size_t count(const FeatureHits& hits) {
+    std::size_t sum = 0;
+    for (const auto& list : hits) sum += list.size();
+    return sum;
+}
+
 }  // namespace
 
 template <int moments>
@@ -61,6 +67,7 @@ void FeatureLeaves<moments>::ask(const FeatureQuery& query, float distance, cons
     query_ = &query;
     distance_ = distance;
     radius_ = radius;
+    share_ = {};
 }
 
 template <int moments>
@@ -75,8 +82,16 @@ void FeatureLeaves<moments>::begin(const Call& call) {
 }
 
 template <int moments>
+void FeatureLeaves<moments>::leave_out(const Call& call, Levels& levels) {
+    Buffers& b = call.buffers;
+    if (share_.range)
+        levels.add(exclude_others(*share_.range, query_->features, {call.workers, b.balls, b.included, b.range_masks}));
+}
+
+template <int moments>
 bool FeatureLeaves<moments>::stop() const {
     call_->cancellation.check();
+    if (share_.enough && share_.enough->load(std::memory_order_relaxed)) return true;
     return query_->extent == Extent::any && any_.load(std::memory_order_relaxed);
 }
 
@@ -134,7 +149,27 @@ void FeatureLeaves<moments>::narrow(std::size_t pairs, const Worker& builder, Wo
     for (std::size_t first = 0; first < pairs; first += batch) {
         const PairsLeft<moments> some{rows, columns, worker.left.data() + first, std::min(batch, pairs - first)};
         find_tests(some, worker);
+        if (share_.range) keep_share(worker);
+        const std::size_t before = count(worker.hits);
         for (std::size_t k = 0; k < feature_kinds; ++k) decide_tests(static_cast<FeatureKind>(k), worker);
+        if (!share_.sink) continue;
+        (*share_.sink)(worker.hits, count(worker.hits) - before);
+        if (stop()) return;
+    }
+}
+
+// Of pairs of triangles that own features in the range, what else they own is no business of this search.
+template <int moments>
+void FeatureLeaves<moments>::keep_share(Worker& worker) const {
+    for (std::size_t k = 0; k < feature_kinds; ++k) {
+        Array<FeatureTest>& tests = worker.tests[k];
+        if (k == static_cast<std::size_t>(share_.kind))
+            tests.resize(static_cast<std::size_t>(
+                std::remove_if(tests.begin(), tests.end(),
+                               [&](const FeatureTest& test) { return !share_.range->has(test.pair); }) -
+                tests.begin()));
+        else
+            tests.clear();
     }
 }
 
@@ -179,6 +214,7 @@ void FeatureLeaves<moments>::find_tests(const PairsLeft<moments>& pairs, Worker&
     ListedTests listed[2];
     for (std::size_t k = 0; k < 2; ++k) listed[k].test = worker.listed[k].resize_discard(most[k] * batch + padding);
     kernels_.list(pairs, features.renames() ? features.names().data() : nullptr, listed[0], listed[1]);
+    if (share_.range) listed[share_.kind == FeatureKind::vertex_face ? 1 : 0].count = 0;
     filter_listed<FeatureKind::vertex_face>(pairs, listed[0], worker);
     filter_listed<FeatureKind::edge_edge>(pairs, listed[1], worker);
 }

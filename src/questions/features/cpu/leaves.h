@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "engine/cpu/pair_range.h"
 #include "engine/cpu/question.h"
 #include "engine/cpu/sweep.h"
 #include "engine/feature_query.h"
@@ -16,11 +17,18 @@
 
 namespace crumple::cpu {
 
-/// A pair of features that is an answer.
-struct FeatureHit {
-    Pair pair;
-    double value;
-    std::uint8_t flag;
+/// What a worker has found, by kind.
+using FeatureHits = std::array<Array<FeatureHit>, feature_kinds>;
+
+/// Told of so many hits more, in any worker; may take them.
+using HitSink = FunctionRef<void(FeatureHits& hits, std::size_t more)>;
+
+/// How an answer in blocks is searched.
+struct FeatureShare {
+    const FeatureRange* range = nullptr;  ///< only these pairs, of `kind`; null: all
+    FeatureKind kind = FeatureKind::vertex_face;
+    const HitSink* sink = nullptr;
+    const std::atomic<bool>* enough = nullptr;  ///< the search may end
 };
 
 /// `moments`: 1 at rest, 2 for a step.
@@ -32,8 +40,11 @@ class FeatureLeaves final : public LeafQuestion {
     /// What is asked, from begin() on. `distance`: what is asked for in normalised coordinates, rounded up; `radius`:
     /// the same of FeatureQuery::radii, one a vertex, or null.
     void ask(const FeatureQuery& query, float distance, const float* radius);
+    /// Of which only a share is wanted at a time; until the next ask().
+    void ask_for(const FeatureShare& share) { share_ = share; }
 
     void begin(const Call& call) override;
+    void leave_out(const Call& call, Levels& levels) override;
     bool stop() const override;
     void build(const BuildInput& input, LeafMembers& members, std::size_t worker) override;
     void place(const SortedLeaf& leaf, std::size_t worker) override;
@@ -46,6 +57,8 @@ class FeatureLeaves final : public LeafQuestion {
     std::span<const Array<FeatureHit>* const> found(FeatureKind kind) const {
         return found_[static_cast<std::size_t>(kind)];
     }
+    /// Those of one worker.
+    FeatureHits& hits(std::size_t worker) { return worker_[worker]->hits; }
 
    private:
     using Record = FeatureRecord<moments>;
@@ -69,7 +82,7 @@ class FeatureLeaves final : public LeafQuestion {
         Array<float> distance;                       ///< of each test, where vertices have radii
         std::array<Array<std::uint32_t>, 2> listed;  ///< see ListedTests
         std::array<Array<FeatureTest>, feature_kinds> tests;
-        std::array<Array<FeatureHit>, feature_kinds> hits;
+        FeatureHits hits;
         Statistics statistics;
     };
 
@@ -81,6 +94,7 @@ class FeatureLeaves final : public LeafQuestion {
     template <FeatureKind kind>
     void filter_listed(const PairsLeft<moments>& pairs, ListedTests& listed, Worker& worker) const;
     void list_tests_of_listed(const PairsLeft<moments>& pairs, Worker& worker) const;
+    void keep_share(Worker& worker) const;
     void filter_tests(FeatureKind kind, Worker& worker) const;
     void drop_neighbours(FeatureKind kind, Array<FeatureTest>& tests) const;
     void decide_tests(FeatureKind kind, Worker& worker);
@@ -93,6 +107,7 @@ class FeatureLeaves final : public LeafQuestion {
     // Of the call:
     const Call* call_ = nullptr;
     const FeatureQuery* query_ = nullptr;
+    FeatureShare share_;
     float distance_ = 0;
     const float* radius_ = nullptr;
     std::atomic<bool> any_{false};

@@ -27,7 +27,7 @@ void IntersectLeaves::begin(const Call& call) {
                                    asked_.enough});
 }
 
-void IntersectLeaves::leave_out(const Call& call, const Levels& levels) {
+void IntersectLeaves::leave_out(const Call& call, Levels& levels) {
     Buffers& b = call.buffers;
     copies_.clear();
     if (!b.repeats_corner) return;

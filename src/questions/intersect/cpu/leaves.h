@@ -27,7 +27,7 @@ class IntersectLeaves final : public LeafQuestion {
     void ask(const Asked& asked) { asked_ = asked; }
 
     void begin(const Call& call) override;
-    void leave_out(const Call& call, const Levels& levels) override;
+    void leave_out(const Call& call, Levels& levels) override;
     void make_room(const Call& call, std::int64_t members, std::int64_t rows, std::size_t worker) override;
     bool stop() const override { return context_->stop(); }
     void build(const BuildInput& input, LeafMembers& members, std::size_t worker) override;
