@@ -49,15 +49,31 @@ bool close_at_rest(FeatureKind kind, const std::int32_t (&vertex)[4], const Rest
     return Distance(features, by).within({rest.radius, 0});
 }
 
+/// A pair of features at rest, of which it is asked whether they are near, and then how near.
+class Nearness {
+   public:
+    Nearness(FeatureKind kind, const FeaturePoints& p) : features_(at_start(kind, p)), distance_(features_, by_) {}
+
+    bool near(FeatureKind kind, const std::int32_t (&vertex)[4], const FeatureQuery& query) {
+        return distance_.within(reach_of(kind, vertex, query)) &&
+               !(query.rest && close_at_rest(kind, vertex, *query.rest, by_));
+    }
+    FeatureDecision measured() { return {true, distance_.squared(), distance_.touching()}; }
+    void add_to(cpu::GuessBatch& batch) const { batch.add(features_, distance_.guess()); }
+    std::int64_t rational() const { return by_.rational; }
+
+   private:
+    DistanceCounts by_;
+    Features features_;
+    Distance distance_;
+};
+
 FeatureDecision nearness(FeatureKind kind, const FeaturePoints& p, const std::int32_t (&vertex)[4],
                          const FeatureQuery& query, FeatureCounts& counts) {
-    DistanceCounts by;
-    Distance distance(at_start(kind, p), by);
+    Nearness pair(kind, p);
     FeatureDecision decision;
-    const bool near =
-        distance.within(reach_of(kind, vertex, query)) && !(query.rest && close_at_rest(kind, vertex, *query.rest, by));
-    if (near) decision = {true, distance.squared(), distance.touching()};
-    counts.rational += by.rational;
+    if (pair.near(kind, vertex, query)) decision = pair.measured();
+    counts.rational += pair.rational();
     return decision;
 }
 
@@ -70,6 +86,23 @@ FeatureDecision decide(FeatureKind kind, const Scene& scene, const std::int32_t 
     if (!query.motion) return nearness(kind, points, vertex, query, counts);
     if (query.distance == 0 && query.share == 0) return impact(kind, points, counts);
     return separated_impact(kind, points, {query.distance, query.share}, counts);
+}
+
+std::optional<FeatureDecision> decide_or_add(FeatureKind kind, const Scene& scene, const std::int32_t (&vertex)[4],
+                                             const FeatureQuery& query, FeatureCounts& counts, cpu::GuessBatch& batch) {
+    ++counts.tests;
+    Nearness pair(kind, points_of(scene, vertex));
+    std::optional<FeatureDecision> decision = FeatureDecision();
+    if (pair.near(kind, vertex, query)) {
+        if (pair.rational() > 0) {
+            decision = pair.measured();
+        } else {
+            pair.add_to(batch);
+            decision.reset();
+        }
+    }
+    counts.rational += pair.rational();
+    return decision;
 }
 
 bool are_neighbours(FeatureKind kind, const std::int32_t (&vertex)[4], const FeatureQuery& query) {

@@ -3,9 +3,11 @@
 // Whether two features are an answer, decided exactly: what comes after all filters.
 
 #include <cstdint>
+#include <optional>
 
 #include "engine/feature_query.h"
 #include "questions/features/points.h"
+#include "questions/near/cpu/guess_batch.h"
 
 namespace crumple {
 
@@ -24,6 +26,11 @@ struct FeatureCounts {
 /// `vertex`: of the two features, in the order of FeaturePoints.
 FeatureDecision decide(FeatureKind kind, const Scene& scene, const std::int32_t (&vertex)[4], const FeatureQuery& query,
                        FeatureCounts& counts);
+
+/// The same where nearness is asked for and lanes can measure distances: if the features are near, but how near is
+/// quickly said, they are added to the batch, which has room, and there is no decision yet.
+std::optional<FeatureDecision> decide_or_add(FeatureKind kind, const Scene& scene, const std::int32_t (&vertex)[4],
+                                             const FeatureQuery& query, FeatureCounts& counts, cpu::GuessBatch& batch);
 
 /// Whether the features are neighbours, though they have no vertex in common.
 bool are_neighbours(FeatureKind kind, const std::int32_t (&vertex)[4], const FeatureQuery& query);

@@ -35,6 +35,9 @@ class Distance {
     double rounded_down();
     ClosestPoints closest();
 
+    /// Where the features are about closest.
+    const detail::Guess& guess() const { return quick_.guess(); }
+
    private:
     detail::Enclosure& enclosure();
     const RationalDistance& exact();

@@ -19,6 +19,9 @@
 
 namespace crumple::detail {
 
+/// Products of numbers above these do not underflow; where slopes do, they are below this slack.
+inline constexpr double least_squared = 0x1p-400, slope_slack = 0x1p-500;
+
 /// Half a derivative of f, known up to an error.
 struct Slope {
     double value = 0, error = 0;
@@ -103,8 +106,6 @@ class Enclosure {
     enum class Settled : std::uint8_t { untried, no, yes };
 
     static constexpr double epsilon = near_epsilon;
-    /// Products of numbers above these do not underflow; where slopes do, they are below this slack.
-    static constexpr double least_squared = 0x1p-400, slope_slack = 0x1p-500;
 
     CRUMPLE_HD Slope rounded_slope(const Vec3d& along, double length) const {
         const Vec3d g = high(g_);

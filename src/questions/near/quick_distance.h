@@ -24,6 +24,8 @@ class QuickDistance {
         return compare_closely(reach);
     }
 
+    const detail::Guess& guess() const { return guess_; }
+
     /// For all other questions: what they ask, or that it is not certain.
     CRUMPLE_HD detail::Enclosure enclosure() const { return {features_, guess_}; }
 

@@ -9,8 +9,10 @@
 #include <functional>
 #include <limits>
 #include <string>
+#include <vector>
 
 #include "geometry/exact.h"
+#include "questions/features/cpu/kernels.h"
 #include "questions/near/decide_distance.h"
 #include "questions/near/random_features.h"
 
@@ -27,6 +29,16 @@ struct Share {
 struct Shares {
     Share within, squared, down, closest;
 };
+
+/// Squared distances by lanes of a table, a batch full of each.
+std::array<double, cpu::GuessBatch::most> squared_in_lanes(const cpu::FeatureTables& table, const Features& features) {
+    cpu::GuessBatch batch;
+    const detail::Guess guess = detail::guess_closest(detail::Differences(features));
+    while (batch.count < cpu::GuessBatch::most) batch.add(features, guess);
+    std::array<double, cpu::GuessBatch::most> squared;
+    table.squared(batch, squared.data());
+    return squared;
+}
 
 Rational exact_square(const RationalDistance& distance) {
     using boost::multiprecision::cpp_int;
@@ -100,6 +112,15 @@ void expect_same_answers(const Features& features, Shares& shares) {
     }
     ASSERT_TRUE(!enclosure.touching() || exact.touching()) << features;
     ASSERT_TRUE(!enclosure.apart() || !exact.touching()) << features;
+
+    for (const auto* table : cpu::all_feature_kernels()) {
+        const auto in_lanes = squared_in_lanes(*table, features);
+        for (const double each : in_lanes)
+            ASSERT_TRUE(each == in_lanes[0] || (std::isnan(each) && std::isnan(in_lanes[0]))) << features;
+        if (std::isnan(in_lanes[0])) continue;
+        ASSERT_EQ(in_lanes[0], exact.squared()) << features;
+        ASSERT_FALSE(exact.touching()) << features;
+    }
 
     if (enclosure.above() < std::numeric_limits<double>::infinity()) {
         const Rational square = exact_square(exact), f = value(enclosure.squared());
@@ -203,6 +224,39 @@ INSTANTIATE_TEST_SUITE_P(Of, QuickAnswers, testing::ValuesIn(disturbances), [](c
     for (char& c : name) c = c == '-' ? '_' : c;
     return name;
 });
+
+// Lanes that measure anything measure nearly all in general position.
+TEST(QuickDistance, IsToldByLanes) {
+    const auto tables = cpu::all_feature_kernels();
+    std::vector<Share> shares(tables.size());
+    for_features(31, 60, [&](Features features, RandomFeatures& random) {
+        features = with_points(
+            features, [&](Vec3d p) { return each(p, [&](double x) { return x + std::sin(random.below(1 << 30)); }); });
+        for (std::size_t i = 0; i < tables.size(); ++i)
+            shares[i].count(!std::isnan(squared_in_lanes(*tables[i], features)[0]));
+    });
+    for (const Share& share : shares) EXPECT_TRUE(share.open == share.asked || share.value() < 0.02) << share.value();
+    EXPECT_EQ(shares.front().open, shares.front().asked);  // the plain table leaves all to the enclosure
+}
+
+// A batch has features of all kinds, and any number of them.
+TEST(QuickDistance, IsToldByLanesOfAnyBatch) {
+    for (const auto* table : cpu::all_feature_kernels())
+        for (std::size_t count = 0; count <= cpu::GuessBatch::most; ++count) {
+            RandomFeatures random(Points::wide, 37);
+            cpu::GuessBatch batch;
+            std::vector<double> expected;
+            while (batch.count < count) {
+                const Features features = random(all_kinds[batch.count % 4]);
+                batch.add(features, detail::guess_closest(detail::Differences(features)));
+                expected.push_back(squared_in_lanes(*table, features)[0]);
+            }
+            double squared[cpu::GuessBatch::most];
+            table->squared(batch, squared);
+            for (std::size_t i = 0; i < count; ++i)
+                ASSERT_TRUE(squared[i] == expected[i] || (std::isnan(squared[i]) && std::isnan(expected[i])));
+        }
+}
 
 // On a lattice nothing is rounded, so ties are no reason for rationals.
 TEST(QuickDistance, DecidesTiesOfLattices) {

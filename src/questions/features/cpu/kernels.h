@@ -11,6 +11,7 @@
 #include "engine/cpu/layout.h"
 #include "model/scene_features.h"
 #include "questions/features/tests_of_pair.h"
+#include "questions/near/cpu/guess_batch.h"
 
 namespace crumple::cpu {
 
@@ -86,6 +87,10 @@ struct FeatureKernels {
 struct FeatureTables {
     FeatureKernels<1> at_rest;
     FeatureKernels<2> moving;
+
+    /// Squared distances of a batch, rounded to nearest, of features that do not touch; NaN where that takes more. Room
+    /// for a vector more is needed.
+    void (*squared)(const GuessBatch& batch, double* squared);
 
     template <int moments>
     const FeatureKernels<moments>& of() const {

@@ -95,6 +95,6 @@ constexpr FeatureKernels<moments> table{
 
 }  // namespace
 
-const FeatureTables scalar_features{table<1>, table<2>};
+const FeatureTables scalar_features{table<1>, table<2>, leave_open};
 
 }  // namespace crumple::cpu

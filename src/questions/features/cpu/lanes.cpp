@@ -19,6 +19,7 @@
 #include "questions/features/cpu/filter-inl.h"
 #include "questions/features/cpu/list-inl.h"
 #include "questions/features/cpu/separate-inl.h"
+#include "questions/near/cpu/squared-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace crumple::cpu::features {
@@ -35,7 +36,7 @@ FeatureKernels<moments> kernels() {
             {filter<FeatureKind::vertex_face, moments>, filter<FeatureKind::edge_edge, moments>,
              filter<FeatureKind::vertex_face, moments>, filter<FeatureKind::vertex_face, moments>}};
 }
-const FeatureTables table{kernels<1>(), kernels<2>()};
+const FeatureTables table{kernels<1>(), kernels<2>(), near::HWY_NAMESPACE::squared};
 
 }  // namespace HWY_NAMESPACE
 }  // namespace crumple::cpu::features

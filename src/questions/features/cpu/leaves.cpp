@@ -1,6 +1,7 @@
 #include "questions/features/cpu/leaves.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "base/float_environment.h"
@@ -55,7 +56,7 @@ std::size_t count(const FeatureHits& hits) {
 
 template <int moments>
 FeatureLeaves<moments>::FeatureLeaves(MemoryMeter* meter, int workers, const FeatureTables& kernels)
-    : kernels_(kernels.of<moments>()) {
+    : tables_(kernels), kernels_(kernels.of<moments>()) {
     for (int w = 0; w < workers; ++w) {
         worker_.push_back(std::make_unique<Worker>(meter));
         for (std::size_t kind = 0; kind < feature_kinds; ++kind) found_[kind].push_back(&worker_.back()->hits[kind]);
@@ -282,6 +283,7 @@ void FeatureLeaves<moments>::decide_tests(FeatureKind kind, Worker& worker) {
     const Array<FeatureTest>& tests = worker.tests[k];
     if (tests.empty()) return;
     worker.statistics.double_tests += static_cast<std::int64_t>(tests.size());
+    if (moments == 1 && query_->extent == Extent::all) return measure_tests(kind, worker);
     FeatureCounts counts;
     for (const FeatureTest& test : tests) {
         const std::int64_t rational = counts.rational;
@@ -292,6 +294,39 @@ void FeatureLeaves<moments>::decide_tests(FeatureKind kind, Worker& worker) {
         if (query_->extent == Extent::any) break;
         worker.hits[k].push_back({test.pair, decision.value, decision.flag});
     }
+    worker.statistics.exact_tests += counts.tests;
+    worker.statistics.rational_tests += counts.rational;
+}
+
+// Decides tests of nearness, and has lanes measure those that are near; what lanes leave open is measured one by one.
+template <int moments>
+void FeatureLeaves<moments>::measure_tests(FeatureKind kind, Worker& worker) {
+    const auto k = static_cast<std::size_t>(kind);
+    GuessBatch& batch = worker.guesses;
+    FeatureCounts counts;
+    const FeatureTest* near[GuessBatch::most];
+    const auto measure = [&] {
+        double squared[GuessBatch::most];
+        tables_.squared(batch, squared);
+        for (std::size_t i = 0; i < batch.count; ++i) {
+            FeatureDecision decision{true, squared[i], false};
+            FeatureCounts again;
+            if (std::isnan(squared[i])) decision = decide(kind, call_->scene, near[i]->vertex, *query_, again);
+            counts.rational += again.rational;
+            worker.hits[k].push_back({near[i]->pair, decision.value, decision.flag});
+        }
+        batch.count = 0;
+    };
+    for (const FeatureTest& test : worker.tests[k]) {
+        const std::int64_t rational = counts.rational;
+        const auto decision = decide_or_add(kind, call_->scene, test.vertex, *query_, counts, batch);
+        if (!decision) near[batch.count - 1] = &test;
+        if (decision && decision->hit) worker.hits[k].push_back({test.pair, decision->value, decision->flag});
+        if (batch.count == GuessBatch::most) measure();
+        if (counts.rational != rational) call_->cancellation.check();  // some take a millisecond
+    }
+    measure();
+    if (!worker.hits[k].empty()) any_.store(true, std::memory_order_relaxed);
     worker.statistics.exact_tests += counts.tests;
     worker.statistics.rational_tests += counts.rational;
 }

@@ -82,6 +82,7 @@ class FeatureLeaves final : public LeafQuestion {
         Array<float> distance;                       ///< of each test, where vertices have radii
         std::array<Array<std::uint32_t>, 2> listed;  ///< see ListedTests
         std::array<Array<FeatureTest>, feature_kinds> tests;
+        GuessBatch guesses;
         FeatureHits hits;
         Statistics statistics;
     };
@@ -98,9 +99,11 @@ class FeatureLeaves final : public LeafQuestion {
     void filter_tests(FeatureKind kind, Worker& worker) const;
     void drop_neighbours(FeatureKind kind, Array<FeatureTest>& tests) const;
     void decide_tests(FeatureKind kind, Worker& worker);
+    void measure_tests(FeatureKind kind, Worker& worker);
 
     std::int64_t ends() const;
 
+    const FeatureTables& tables_;
     const FeatureKernels<moments>& kernels_;
     std::vector<std::unique_ptr<Worker>> worker_;
     std::array<std::vector<const Array<FeatureHit>*>, feature_kinds> found_;
