@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <stdexcept>
+#include <thread>
 
 #include "error_of.h"
 #include "questions/features/joined_blocks.h"
@@ -15,35 +16,30 @@ namespace {
 // What views name outlives the call: soups and questions are captured by reference.
 template <class Scalar>
 Asked<Impacts> impacts(const MovingSoup<Scalar>& soup, const Motion& question) {
-    return {[&, question](Detector & by) -> auto& {return by.find_impacts(soup.view(), soup.end_view(), question);
+    return {[&, question](Detector& by) -> const Impacts& {
+                return by.find_impacts(soup.view(), soup.end_view(), question);
+            },
+            [&, question](Detector& by, auto take, const Streaming& how, std::stop_token stop) {
+                return by.stream_impacts(soup.view(), soup.end_view(), take, question, how, std::move(stop));
+            }};
 }
-, [&, question](Detector& by, auto take, const Streaming& how, std::stop_token stop) {
-    return by.stream_impacts(soup.view(), soup.end_view(), take, question, how, std::move(stop));
-}
-};  // namespace
-}  // namespace crumple::test
 template <class Scalar>
 Asked<Nearby> near(const MovingSoup<Scalar>& soup, const Near& question) {
-    return {[&, question](Detector & by) -> auto& {return by.find_near(soup.view(), question);
-}
-, [&, question](Detector& by, auto take, const Streaming& how, std::stop_token stop) {
-    return by.stream_near(soup.view(), take, question, how, std::move(stop));
-}
-}
-;
+    return {[&, question](Detector& by) -> const Nearby& { return by.find_near(soup.view(), question); },
+            [&, question](Detector& by, auto take, const Streaming& how, std::stop_token stop) {
+                return by.stream_near(soup.view(), take, question, how, std::move(stop));
+            }};
 }
 template <class Scalar>
 Asked<CandidateLists> candidates(const MovingSoup<Scalar>& soup, bool step, const CandidateQuestion& question) {
-    return {[&, step,
-             question](Detector & by) -> auto& {return step ? by.find_candidates(soup.view(), soup.end_view(), question)
-                                                            : by.find_candidates(soup.view(), question);
-}
-, [&, step, question](Detector& by, auto take, const Streaming& how, std::stop_token stop) {
-    return step ? by.stream_candidates(soup.view(), soup.end_view(), take, question, how, std::move(stop))
-                : by.stream_candidates(soup.view(), take, question, how, std::move(stop));
-}
-}
-;
+    return {[&, step, question](Detector& by) -> const CandidateLists& {
+                return step ? by.find_candidates(soup.view(), soup.end_view(), question)
+                            : by.find_candidates(soup.view(), question);
+            },
+            [&, step, question](Detector& by, auto take, const Streaming& how, std::stop_token stop) {
+                return step ? by.stream_candidates(soup.view(), soup.end_view(), take, question, how, std::move(stop))
+                            : by.stream_candidates(soup.view(), take, question, how, std::move(stop));
+            }};
 }
 
 /// Detectors that go from soup to soup.
@@ -210,161 +206,160 @@ TEST(StreamOfFeatures, OfWorlds) {
         };
         Motion motion{.separation = 0.02, .weld = drawn.weld};
         motion.rules = drawn.rules;
-        expect(Asked<Impacts>{[&](Detector& by) -> auto& { return by.find_impacts(step, motion);
-    }
-    , [&](Detector& by, auto take, const Streaming& how, std::stop_token stop) {
-        return by.stream_impacts(step, take, motion, how, std::move(stop));
-    }
-});
-Near nearness{.radius = 0.1, .closest = true, .rings = static_cast<std::int32_t>(seed % 3)};
-nearness.rules = drawn.rules;
-        expect(Asked<Nearby>{[&](Detector& by) -> auto& { return by.find_near(still, nearness);
-        }
-        , [&](Detector& by, auto take, const Streaming& how, std::stop_token stop) {
-            return by.stream_near(still, take, nearness, how, std::move(stop));
-        }
-        });
+        expect(Asked<Impacts>{[&](Detector& by) -> const Impacts& { return by.find_impacts(step, motion); },
+                              [&](Detector& by, auto take, const Streaming& how, std::stop_token stop) {
+                                  return by.stream_impacts(step, take, motion, how, std::move(stop));
+                              }});
+        Near nearness{.radius = 0.1, .closest = true, .rings = static_cast<std::int32_t>(seed % 3)};
+        nearness.rules = drawn.rules;
+        expect(Asked<Nearby>{[&](Detector& by) -> const Nearby& { return by.find_near(still, nearness); },
+                             [&](Detector& by, auto take, const Streaming& how, std::stop_token stop) {
+                                 return by.stream_near(still, take, nearness, how, std::move(stop));
+                             }});
         CandidateQuestion boxes{.kinds = all_candidate_kinds(), .inflation = 0.01};
         boxes.rules = drawn.rules;
-        expect(Asked<CandidateLists>{[&](Detector& by) -> auto& { return by.find_candidates(step, boxes);
-        }
-        , [&](Detector& by, auto take, const Streaming& how, std::stop_token stop) {
-            return by.stream_candidates(step, take, boxes, how, std::move(stop));
-        }
-        });
+        expect(Asked<CandidateLists>{
+            [&](Detector& by) -> const CandidateLists& { return by.find_candidates(step, boxes); },
+            [&](Detector& by, auto take, const Streaming& how, std::stop_token stop) {
+                return by.stream_candidates(step, take, boxes, how, std::move(stop));
+            }});
         if (HasFailure()) return;
-        }
-        EXPECT_GT(rows, 5000);
-        }
+    }
+    EXPECT_GT(rows, 5000);
+}
 
-        TEST(StreamOfFeatures, OfNothingHasNoBlocks) {
-            const auto never = [](const auto&) { FAIL(); };
-            for (Detector* detector : streaming()) {
-                EXPECT_EQ(detector->stream_impacts(World(), never).pairs, 0);
-                EXPECT_EQ(detector->stream_near(World(), never, {}).pairs, 0);
-                EXPECT_EQ(detector->stream_candidates(World(), never).pairs, 0);
-                EXPECT_EQ(detector->stream_candidates(MeshView(), never).pairs, 0);
-                EXPECT_EQ(detector->stream_near(MeshView(), never, {.radius = 1}).pairs, 0);
-                const auto one = in_general(1, 0.1, 0.1, 1);
-                EXPECT_EQ(detector->stream_impacts(one.view(), one.end_view(), never).triangles, 1);
-            }
-        }
+TEST(StreamOfFeatures, OfNothingHasNoBlocks) {
+    const auto never = [](const auto&) { FAIL(); };
+    for (Detector* detector : streaming()) {
+        EXPECT_EQ(detector->stream_impacts(World(), never).pairs, 0);
+        EXPECT_EQ(detector->stream_near(World(), never, {}).pairs, 0);
+        EXPECT_EQ(detector->stream_candidates(World(), never).pairs, 0);
+        EXPECT_EQ(detector->stream_candidates(MeshView(), never).pairs, 0);
+        EXPECT_EQ(detector->stream_near(MeshView(), never, {.radius = 1}).pairs, 0);
+        const auto one = in_general(1, 0.1, 0.1, 1);
+        EXPECT_EQ(detector->stream_impacts(one.view(), one.end_view(), never).triangles, 1);
+    }
+}
 
-        template <class Answer>
-        void expect_to_end(const Asked<Answer>& asked, Detector& detector, bool ordered) {
-            const Answer expected = asked.find(plain());
-            ASSERT_GT(expected.count, 400);
-            int blocks = 0;
-            const auto refuse = [&](const Answer&) {
-                if (++blocks == 3) throw std::runtime_error("full");
-            };
-            EXPECT_THROW(asked.blocks(detector, refuse, {50, ordered}), std::runtime_error);
-            EXPECT_EQ(blocks, 3);
-            std::stop_source stop;
-            const auto ask = [&](const Answer&) { stop.request_stop(); };
-            const auto stopped = [&] { asked.blocks(detector, ask, {50, ordered}, stop.get_token()); };
-            EXPECT_EQ(error_of(stopped).code, ErrorCode::cancelled);
-            EXPECT_EQ(error_of(stopped).code, ErrorCode::cancelled) << "before it begins";
-            expect_blocks<Answer>(asked, expected, detector, {1000, ordered});
-            EXPECT_EQ(asked.find(detector).count, expected.count);
-        }
+template <class Answer>
+void expect_to_end(const Asked<Answer>& asked, Detector& detector, bool ordered) {
+    const Answer expected = asked.find(plain());
+    ASSERT_GT(expected.count, 400);
+    int blocks = 0;
+    const auto refuse = [&](const Answer&) {
+        if (++blocks == 3) throw std::runtime_error("full");
+    };
+    EXPECT_THROW(asked.blocks(detector, refuse, {50, ordered}), std::runtime_error);
+    EXPECT_EQ(blocks, 3);
+    std::stop_source stop;
+    const auto ask = [&](const Answer&) { stop.request_stop(); };
+    const auto stopped = [&] { asked.blocks(detector, ask, {50, ordered}, stop.get_token()); };
+    EXPECT_EQ(error_of(stopped).code, ErrorCode::cancelled);
+    EXPECT_EQ(error_of(stopped).code, ErrorCode::cancelled) << "before it begins";
+    expect_blocks<Answer>(asked, expected, detector, {1000, ordered});
+    EXPECT_EQ(asked.find(detector).count, expected.count);
+}
 
-        TEST(StreamOfFeatures, EndsByWhatABlockThrowsAndByAStop) {
-            const MovingSoup<> soup = in_general(600, 0.4, 0.3, 5);
-            for (Detector* detector : streaming())
-                for (const bool ordered : {true, false}) {
-                    expect_to_end(impacts(soup, {}), *detector, ordered);
-                    expect_to_end(near(soup, {.radius = 0.05}), *detector, ordered);
-                    expect_to_end(candidates(soup, true, {}), *detector, ordered);
-                }
-            const MovingSoup<> small = moving_grid(3, 20, 30, 5);
-            expect_to_end(impacts(small, {}), by_brute_force(), true);
+TEST(StreamOfFeatures, EndsByWhatABlockThrowsAndByAStop) {
+    const MovingSoup<> soup = in_general(600, 0.4, 0.3, 5);
+    for (Detector* detector : streaming())
+        for (const bool ordered : {true, false}) {
+            expect_to_end(impacts(soup, {}), *detector, ordered);
+            expect_to_end(near(soup, {.radius = 0.05}), *detector, ordered);
+            expect_to_end(candidates(soup, true, {}), *detector, ordered);
         }
+    const MovingSoup<> small = moving_grid(3, 20, 30, 5);
+    expect_to_end(impacts(small, {}), by_brute_force(), true);
+}
 
-        template <class Answer>
-        void expect_within_limit(const Asked<Answer>& asked) {
-            const std::int64_t count = asked.find(plain()).count;
-            const auto limit_of = [&](auto call) {
-                Detector tiny({.threads = 2, .memory_limit = 1, .count_bytes_needed = true});
-                return error_of([&] { call(tiny); }).bytes_needed;
-            };
-            const std::int64_t whole = limit_of([&](Detector& by) { asked.find(by); });
-            for (const bool ordered : {true, false}) {
-                std::int64_t rows = 0;
-                const auto take = [&](const Answer& block) {
-                    for (const auto& list : block.lists) rows += static_cast<std::int64_t>(list.pairs.size());
-                };
-                const auto stream = [&](Detector& by, std::int64_t size) {
-                    rows = 0;
-                    return asked.blocks(by, take, {size, ordered}).peak_memory_bytes;
-                };
-                const std::int64_t limit = limit_of([&](Detector& by) { stream(by, 2000); });
-                EXPECT_LT(limit, whole / 2);
-                Detector enough({.threads = 2, .memory_limit = limit, .count_bytes_needed = true});
-                for (int round = 0; round < 2; ++round) {
-                    EXPECT_EQ(error_of([&] { asked.find(enough); }).code, ErrorCode::memory_limit);
-                    EXPECT_LE(stream(enough, 2000), limit);
-                    EXPECT_EQ(rows, count);
-                }
-                const Error error = error_of([&] { stream(enough, 1 << 20); });
-                EXPECT_EQ(error.code, ErrorCode::memory_limit);
-                EXPECT_GT(error.bytes_needed, limit);
-                Detector more({.memory_limit = error.bytes_needed});
-                EXPECT_LE(stream(more, 1 << 20), error.bytes_needed);
-                EXPECT_EQ(rows, count);
-            }
+template <class Answer>
+void expect_within_limit(const Asked<Answer>& asked) {
+    const std::int64_t count = asked.find(plain()).count;
+    const auto limit_of = [&](auto call) {
+        Detector tiny({.threads = 2, .memory_limit = 1, .count_bytes_needed = true});
+        return error_of([&] { call(tiny); }).bytes_needed;
+    };
+    const std::int64_t whole = limit_of([&](Detector& by) { asked.find(by); });
+    const Soup<float> other = random_soup(800, 0.2);
+    const auto caller = std::this_thread::get_id();
+    for (const bool ordered : {true, false}) {
+        std::int64_t rows = 0;
+        const auto take = [&](const Answer& block) {
+            EXPECT_EQ(std::this_thread::get_id(), caller) << "one thread does it all";
+            for (const auto& list : block.lists) rows += static_cast<std::int64_t>(list.pairs.size());
+        };
+        const auto stream = [&](Detector& by, std::int64_t size) {
+            rows = 0;
+            return asked.blocks(by, take, {size, ordered}).peak_memory_bytes;
+        };
+        const std::int64_t limit = limit_of([&](Detector& by) { stream(by, 2000); });
+        EXPECT_LT(limit, whole / 2);
+        Detector enough({.threads = 2, .memory_limit = limit, .count_bytes_needed = true});
+        for (int round = 0; round < 2; ++round) {
+            EXPECT_EQ(error_of([&] { asked.find(enough); }).code, ErrorCode::memory_limit);
+            EXPECT_TRUE(enough.has_collision(other.view())) << "whose memory is kept";
+            EXPECT_LE(stream(enough, 2000), limit);
+            EXPECT_EQ(rows, count);
         }
+        const Error error = error_of([&] { stream(enough, 1 << 20); });
+        EXPECT_EQ(error.code, ErrorCode::memory_limit);
+        EXPECT_GT(error.bytes_needed, limit);
+        Detector more({.memory_limit = error.bytes_needed});
+        EXPECT_LE(stream(more, 1 << 20), error.bytes_needed);
+        EXPECT_EQ(rows, count);
+    }
+}
 
-        TEST(StreamOfFeatures, FitsALimitThatTheAnswerDoesNotFitOrNamesOne) {
-            const MovingSoup<> soup = in_general(1200, 0.6, 0.4, 6);
-            expect_within_limit(impacts(soup, {}));
-            expect_within_limit(near(soup, {.radius = 0.05, .closest = true}));
-            expect_within_limit(candidates(soup, true, {}));
-        }
+TEST(StreamOfFeatures, FitsALimitThatTheAnswerDoesNotFitOrNamesOne) {
+    const MovingSoup<> soup = in_general(1200, 0.6, 0.4, 6);
+    expect_within_limit(impacts(soup, {}));
+    expect_within_limit(near(soup, {.radius = 0.05, .closest = true}));
+    expect_within_limit(candidates(soup, true, {}));
+}
 
-        // A worker's rows are in a block before the next one is searched; what a limit counts does not depend on who
-        // found it.
-        TEST(StreamOfFeatures, PeaksFarBelowTheWholeAnswer) {
-            const MovingSoup<> soup = in_general(1500, 0.5, 0.3, 7);
-            Detector find({.threads = 1}), stream({.threads = 1});
-            const std::int64_t whole = find.find_candidates(soup.view(), soup.end_view()).statistics.peak_memory_bytes;
-            const auto ignore = [](const CandidateLists&) {};
-            for (const bool ordered : {true, false}) {
-                const Statistics statistics =
-                    stream.stream_candidates(soup.view(), soup.end_view(), ignore, {}, {20'000, ordered});
-                EXPECT_EQ(statistics.pairs, find.find_candidates(soup.view(), soup.end_view()).count);
-                EXPECT_LT(statistics.peak_memory_bytes, whole / 4) << statistics.pairs;
-            }
-        }
+// A worker's rows are in a block before the next one is searched; what a limit counts does not depend on who
+// found it.
+TEST(StreamOfFeatures, PeaksFarBelowTheWholeAnswer) {
+    const MovingSoup<> soup = in_general(1500, 0.5, 0.3, 7);
+    Detector find({.threads = 1}), stream({.threads = 1});
+    const std::int64_t whole = find.find_candidates(soup.view(), soup.end_view()).statistics.peak_memory_bytes;
+    const auto ignore = [](const CandidateLists&) {};
+    for (const bool ordered : {true, false}) {
+        const Statistics statistics =
+            stream.stream_candidates(soup.view(), soup.end_view(), ignore, {}, {20'000, ordered});
+        EXPECT_EQ(statistics.pairs, find.find_candidates(soup.view(), soup.end_view()).count);
+        EXPECT_LT(statistics.peak_memory_bytes, whole / 4) << statistics.pairs;
+    }
+}
 
-        TEST(StreamOfFeatures, RefusesWhatBlocksHaveNot) {
-            const MovingSoup<> soup = in_general(10, 0.4, 0.3, 5);
-            const auto ignore = [](const auto&) {};
-            const auto expect = [&](const std::string& word, auto call) {
-                const Error error = error_of(call);
-                EXPECT_EQ(error.code, ErrorCode::invalid_argument);
-                EXPECT_EQ(error.element, Element::option);
-                EXPECT_EQ(std::string(error.what()).find(word), 0U) << error.what();
-            };
-            for (const Motion& question :
-                 {Motion{.index = true}, Motion{.triangle_pairs = true}, Motion{.wants = MotionWants::earliest}})
-                expect(question.index            ? "index"
-                       : question.triangle_pairs ? "triangle_pairs"
-                                                 : "wants",
-                       [&] { Detector().stream_impacts(soup.view(), soup.end_view(), ignore, question); });
-            for (const Near& question : {Near{.index = true}, Near{.least = true}, Near{.wants = NearWants::any}})
-                expect(question.index   ? "index"
-                       : question.least ? "least"
-                                        : "wants",
-                       [&] { Detector().stream_near(soup.view(), ignore, question); });
-            expect("kinds", [&] { Detector().stream_candidates(soup.view(), ignore, CandidateQuestion{.kinds = {}}); });
-            for (const std::int64_t size : {std::int64_t{0}, (std::int64_t{1} << 40) + 1})
-                expect("block_pairs", [&] { Detector().stream_candidates(soup.view(), ignore, {}, {size, true}); });
-            expect("radii of a world", [&] {
-                const std::vector<double> radii{1};
-                Detector().stream_near(World(), ignore, {.radii = radii});
-            });
-        }
+TEST(StreamOfFeatures, RefusesWhatBlocksHaveNot) {
+    const MovingSoup<> soup = in_general(10, 0.4, 0.3, 5);
+    const auto ignore = [](const auto&) {};
+    const auto expect = [&](const std::string& word, auto call) {
+        const Error error = error_of(call);
+        EXPECT_EQ(error.code, ErrorCode::invalid_argument);
+        EXPECT_EQ(error.element, Element::option);
+        EXPECT_EQ(std::string(error.what()).find(word), 0U) << error.what();
+    };
+    for (const Motion& question :
+         {Motion{.index = true}, Motion{.triangle_pairs = true}, Motion{.wants = MotionWants::earliest}})
+        expect(question.index            ? "index"
+               : question.triangle_pairs ? "triangle_pairs"
+                                         : "wants",
+               [&] { Detector().stream_impacts(soup.view(), soup.end_view(), ignore, question); });
+    for (const Near& question : {Near{.index = true}, Near{.least = true}, Near{.wants = NearWants::any}})
+        expect(question.index   ? "index"
+               : question.least ? "least"
+                                : "wants",
+               [&] { Detector().stream_near(soup.view(), ignore, question); });
+    expect("kinds", [&] { Detector().stream_candidates(soup.view(), ignore, CandidateQuestion{.kinds = {}}); });
+    for (const std::int64_t size : {std::int64_t{0}, (std::int64_t{1} << 40) + 1})
+        expect("block_pairs", [&] { Detector().stream_candidates(soup.view(), ignore, {}, {size, true}); });
+    expect("radii of a world", [&] {
+        const std::vector<double> radii{1};
+        Detector().stream_near(World(), ignore, {.radii = radii});
+    });
+}
 
-        }  // namespace
-        }  // namespace crumple::test
+}  // namespace
+}  // namespace crumple::test
