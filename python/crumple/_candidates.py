@@ -193,7 +193,7 @@ def _restored(array: Any, name: str) -> np.ndarray:
     return array
 
 
-def _question(kinds: Any, inflation: Any, weld: Any, rules: Any) -> Any:
+def candidate_question(kinds: Any, inflation: Any, weld: Any, rules: Any) -> Any:
     if isinstance(kinds, str):
         kinds = (kinds,)
     try:
@@ -218,7 +218,7 @@ def _candidates_in_world(
     end_poses: Any = None,
     copy: bool = False,
 ) -> Candidates:
-    question = _question(kinds, inflation, weld, _core.rules_of_world(bodies, groups, excluded_groups))
+    question = candidate_question(kinds, inflation, weld, _core.rules_of_world(bodies, groups, excluded_groups))
     poses = world.poses if poses is None else poses
     end_poses = world.end_poses if end_poses is None else end_poses
     excluded = excluded_in(world, excluded)
@@ -304,6 +304,6 @@ def find_candidates(
     Raises InvalidInput, which names the argument and the place, also on a detector of the cuda backend; MemoryLimit.
     More: docs/candidates.md.
     """
-    question = _question(kinds, inflation, weld, _core.rules_of_mesh(wanted, excluded_groups))
+    question = candidate_question(kinds, inflation, weld, _core.rules_of_mesh(wanted, excluded_groups))
     mesh = listing_of(vertices, faces, groups, edges, points)
     return Candidates(self._find_candidates(mesh, end, question, copy, (edges, points)))

@@ -6,9 +6,11 @@ from collections.abc import Callable, Iterable
 from typing import Any, Literal, overload
 
 from . import _core
+from ._blocks import taker
 from ._candidates import find_candidates
 from ._core import Statistics
 from ._errors import InvalidInput, InvalidType
+from ._feature_streams import stream_candidates, stream_impacts, stream_near
 from ._mesh import Mesh, as_mesh, soup_of
 from ._motion import find_free_step, find_impacts, is_free, time_of_first_impact
 from ._names import suggesting
@@ -25,12 +27,6 @@ Wanted = Literal["both", "between", "within"]
 Backend = Literal["automatic", "cpu", "cuda", "reference"]
 Simd = Literal["automatic", "scalar", "sse4", "avx2", "avx512", "neon"]
 GroupPairs = Iterable[tuple[int, int]]
-
-
-def _taker(take: Any) -> Callable[[Any], Any]:
-    if not callable(take):
-        raise InvalidType(f"take must be callable with a crumple.Block, not {type(take).__name__}")
-    return lambda answer: take(Block(answer))
 
 
 class Detector(_core.Detector):
@@ -244,7 +240,7 @@ class Detector(_core.Detector):
         Memory: that of a search without its pairs, and some 32 bytes for each pair of a block.
         """
         query = _core.Query(neighbours, intersections, weld, contacts, wanted, excluded_groups)
-        return self._stream(_taker(take), soup_of(vertices, faces, groups), None, query, block_pairs, ordered)
+        return self._stream(taker(take, Block), soup_of(vertices, faces, groups), None, query, block_pairs, ordered)
 
     @suggesting
     def stream_between(
@@ -267,7 +263,7 @@ class Detector(_core.Detector):
         Arguments, errors, cost and source as of these two.
         """
         query = _core.Query(neighbours, intersections, weld, contacts, wanted, excluded_groups)
-        return self._stream(_taker(take), as_mesh(a), as_mesh(b), query, block_pairs, ordered)
+        return self._stream(taker(take, Block), as_mesh(a), as_mesh(b), query, block_pairs, ordered)
 
     @suggesting
     def has_intersections(
@@ -397,6 +393,9 @@ class Detector(_core.Detector):
     find_free_step = find_free_step
     find_near = find_near
     find_candidates = find_candidates
+    stream_impacts = stream_impacts
+    stream_near = stream_near
+    stream_candidates = stream_candidates
     find_nearest = find_nearest
 
 

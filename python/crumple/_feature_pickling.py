@@ -73,7 +73,7 @@ _OF_NEARNESS = {
     "face_distance": (np.float64, ()),
     "edge_distance": (np.float64, ()),
 }
-_FLAGS = ("any", "of_world", "has_index", "copy")
+_FLAGS = ("any", "of_world", "has_index", "copy", "is_block")
 
 
 def _flags_of(kind: str) -> tuple[str, ...]:
@@ -155,6 +155,7 @@ class _Check:
         self._that(not self._listed or answer.any == (rows + triangles > 0), "any")
         self._that(answer.wants != "any" or not len(answer.world_hit), "world_hit")
         self._that(not answer.has_index or (self._listed and not answer.of_world), "has_index")
+        self._that(not answer.is_block or (rows and not (answer.has_index or len(answer.world_hit))), "is_block")
         self._edges()
         for name, pairs in _LISTS.items():
             self._list(name, pairs)
@@ -238,7 +239,9 @@ class _Check:
             self._that(impact.kind in _LISTS, "the kind of the first impact")
             self._that((impact.bodies is not None) == answer.of_world, "the bodies of the first impact")
             self._that(0 <= impact.toi <= 1 and isinstance(impact.start, bool), "the time of the first impact")
-        if self._listed:
+        if answer.is_block:
+            self._that(not (firsts or answer.world_first), "first")
+        elif self._listed:
             self._that((answer.first is not None) == (answer.count > 0), "first")
         else:
             self._that(answer.first is None or answer.any, "first")

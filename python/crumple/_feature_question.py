@@ -13,8 +13,8 @@ if TYPE_CHECKING:
     from ._detector import Detector
 
 
-def or_of_world(of_world: Callable[..., Any]) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """The search of a mesh, which is `of_world` where its first argument is a World. Signature: that of meshes."""
+def or_of_world(of_world: Callable[..., Any], place: int = 0) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """The search of a mesh, which is `of_world` where the argument at `place` is a World. Signature: that of meshes."""
 
     def with_worlds(of_mesh: Callable[..., Any]) -> Callable[..., Any]:
         for search in (of_world, of_mesh):
@@ -24,7 +24,7 @@ def or_of_world(of_world: Callable[..., Any]) -> Callable[[Callable[..., Any]], 
 
         @functools.wraps(of_mesh)
         def search(self: Detector, *given: Any, **question: Any) -> Any:
-            if given and isinstance(given[0], World):
+            if len(given) > place and isinstance(given[place], World):
                 return in_world(self, *given, **question)
             return in_mesh(self, *given, **question)
 

@@ -24,6 +24,7 @@ _INDEX = (
     *("vertex_vertex_offsets", "second_vertex_offsets", "by_second_vertex"),
     *("triangle_offsets", "second_triangle_offsets", "by_second_triangle"),
 )
+_NOT_IN_BLOCKS = ("world_hit", "first", "world_first")
 _BODIES = (
     *("vertex_face_bodies", "edge_edge_bodies", "vertex_edge_bodies", "vertex_vertex_bodies"),
     "triangle_pair_bodies",
@@ -39,6 +40,8 @@ class FeatureResult(PairLists):
     _from: ClassVar[dict[str, int]]  # what is made from which of `_wants` on; all else is made for the last
 
     def _check_wanted(self, name: str) -> None:
+        if name in _NOT_IN_BLOCKS and self._answer.is_block:
+            raise InvalidInput(f"{name} is told of a whole answer, but this is one of its blocks")
         least = self._from.get(name, len(self._wants) - 1)
         if self._wants.index(self._answer.wants) < least:
             raise InvalidInput(f'{name} was not asked for: {self._find}(..., wants="{self._wants[least]}")')

@@ -204,11 +204,11 @@ class Nearby(FeatureResult):
         return self._told(found)
 
 
-def _radius(radius: float | None, radii: bool) -> float:
+def radius_of(search: str, radius: float | None, radii: bool) -> float:
     """The radius as given, or 0 beside radii of vertices."""
     if radius is None:
         if not radii:
-            raise InvalidType("find_near needs a radius, or radii of the vertices")
+            raise InvalidType(f"{search} needs a radius, or radii of the vertices")
         return 0.0
     if radii:
         raise InvalidInput("radius is not asked for beside radii")
@@ -234,7 +234,7 @@ def _near_in_world(
     copy: bool = False,
 ) -> Nearby:
     rules = _core.rules_of_world(bodies, groups, excluded_groups)
-    radius = _radius(radius, any(shape.radii is not None for shape in world.shapes))
+    radius = radius_of("find_near", radius, any(shape.radii is not None for shape in world.shapes))
     question = _core.Near(wants, radius, strict, closest, False, weld, rings, rest_radius, rules, False)
     poses = world.poses if poses is None else poses
     excluded = excluded_in(world, excluded)
@@ -346,7 +346,7 @@ def find_near(
     What nearness is: docs/nearness.md.
     """
     rules = _core.rules_of_mesh(wanted, excluded_groups)
-    radius = _radius(radius, radii is not None)
+    radius = radius_of("find_near", radius, radii is not None)
     question = _core.Near(wants, radius, strict, closest, least, weld, rings, rest_radius, rules, index)
     mesh = listing_of(vertices, faces, groups, edges, points)
     return Nearby(self._find_near(mesh, question, radii, rest, copy, (edges, points)))

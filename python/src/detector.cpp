@@ -14,9 +14,11 @@
 #include "answer.h"
 #include "arguments.h"
 #include "arrays.h"
+#include "blocks.h"
 #include "candidates.h"
 #include "crumple/device.h"
 #include "feature_search.h"
+#include "feature_streams.h"
 #include "gil.h"
 #include "names.h"
 #include "nearest.h"
@@ -132,23 +134,6 @@ FreeStep SharedDetector::find_free_step(const MeshView& mesh, const VertexView& 
 bool SharedDetector::any(const MeshView& first, const MeshView* second, const Query& query) {
     return second ? detector_.has_collision(first, *second, query, stop_->get_token())
                   : detector_.has_collision(first, query, stop_->get_token());
-}
-
-// What takes a block may be called by another thread than the one whose turn it is; it is refused a call all the same.
-Statistics SharedDetector::stream(const MeshView& first, const MeshView* second, Detector::TakeBlock take,
-                                  const Query& query, const Streaming& how) {
-    const auto with_gil = [&](const Collisions& block) {
-        const WithGil acquired;
-        const std::thread::id caller = std::exchange(caller_, std::this_thread::get_id());
-        struct Back {
-            std::thread::id& caller_;
-            std::thread::id caller;
-            ~Back() { caller_ = caller; }
-        } const back{caller_, caller};
-        take(block);
-    };
-    return second ? detector_.stream_between(first, *second, with_gil, query, how, stop_->get_token())
-                  : detector_.stream_self(first, with_gil, query, how, stop_->get_token());
 }
 
 std::vector<Part> SharedDetector::partition(const MeshView& first, const MeshView* second, int count) {
@@ -268,24 +253,21 @@ bool any(nb::handle self, const nb::tuple& first, const std::optional<nb::tuple>
                        detector.stop());
 }
 
-// Python's copy of a block outlives the call.
 Statistics stream(nb::handle self, nb::handle take, const nb::tuple& first, const std::optional<nb::tuple>& second,
                   const OwningQuery& given, nb::handle block_pairs, nb::handle ordered) {
     SharedDetector& detector = detector_of(self);
     const BorrowedMeshes meshes(first, second);
     check_devices(detector, meshes);
-    const Streaming how{integer<std::int64_t>("block_pairs", block_pairs), flag("ordered", ordered)};
-    const auto hand_over = [&](const Collisions& block) {
-        const nb::object answer =
-            nb::cast(Answer{std::make_shared<Collisions>(block), given.query.contacts, false}, nb::rv_policy::move);
-        PyObject* const done = in_python([&] { return PyObject_CallOneArg(take.ptr(), answer.ptr()); });
-        if (!done) throw nb::python_error();
-        Py_DECREF(done);
-    };
+    const Streaming how = streaming(block_pairs, ordered);
     const SharedDetector::Turn turn(detector);
-    return without_gil(
-        [&] { return detector.stream(meshes.first.view(), meshes.second_or_null(), hand_over, given.query, how); },
-        detector.stop());
+    const auto make = [&](std::shared_ptr<Collisions> block) {
+        return Answer{std::move(block), given.query.contacts, false};
+    };
+    return hand_over_blocks<Collisions>(detector, take, make, [&](Detector& by, auto& sink, std::stop_token stop) {
+        const MeshView* const other = meshes.second_or_null();
+        return other ? by.stream_between(meshes.first.view(), *other, sink, given.query, how, std::move(stop))
+                     : by.stream_self(meshes.first.view(), sink, given.query, how, std::move(stop));
+    });
 }
 
 std::vector<Part> partition(nb::handle self, const nb::tuple& first, const std::optional<nb::tuple>& second,
@@ -339,6 +321,18 @@ void bind_detector(nb::module_& module) {
              "question"_a, "excluded"_a.none(), "copy"_a.none())
         .def("_find_nearest", find_nearest, "world"_a, "poses"_a.none(), "question"_a, "excluded"_a.none(),
              "copy"_a.none())
+        .def("_stream_impacts", stream_impacts, "take"_a, "mesh"_a, "end"_a.none(), "question"_a, "lists"_a,
+             "block_pairs"_a.none(), "ordered"_a.none())
+        .def("_stream_impacts_in_world", stream_impacts_in_world, "take"_a, "world"_a, "poses"_a.none(),
+             "end_poses"_a.none(), "question"_a, "excluded"_a.none(), "block_pairs"_a.none(), "ordered"_a.none())
+        .def("_stream_near", stream_near, "take"_a, "mesh"_a, "question"_a, "radii"_a.none(), "rest"_a.none(),
+             "lists"_a, "block_pairs"_a.none(), "ordered"_a.none())
+        .def("_stream_near_in_world", stream_near_in_world, "take"_a, "world"_a, "poses"_a.none(), "question"_a,
+             "excluded"_a.none(), "block_pairs"_a.none(), "ordered"_a.none())
+        .def("_stream_candidates", stream_candidates, "take"_a, "mesh"_a, "end"_a.none(), "question"_a, "lists"_a,
+             "block_pairs"_a.none(), "ordered"_a.none())
+        .def("_stream_candidates_in_world", stream_candidates_in_world, "take"_a, "world"_a, "poses"_a.none(),
+             "end_poses"_a.none(), "question"_a, "excluded"_a.none(), "block_pairs"_a.none(), "ordered"_a.none())
         .def("_stream", stream, "take"_a, "first"_a, "second"_a.none(), "query"_a, "block_pairs"_a.none(),
              "ordered"_a.none())
         .def("_any", any, "first"_a, "second"_a.none(), "query"_a)

@@ -18,6 +18,7 @@
 #include <nanobind/nanobind.h>
 
 #include "crumple/detector.h"
+#include "gil.h"
 
 namespace crumple::python {
 
@@ -57,9 +58,22 @@ class SharedDetector {
     void find(const World& world, const Nearest& question, NearestBodies& answer);
     FreeStep find_free_step(const MeshView& mesh, const VertexView& end, const Motion& question);
     bool any(const MeshView& first, const MeshView* second, const Query& query);
-    /// `take` is called with the GIL, in any thread of the library.
-    Statistics stream(const MeshView& first, const MeshView* second, Detector::TakeBlock take, const Query& query,
-                      const Streaming& how);
+    /// What stream(detector, sink, stop) gives, whose sink takes each block by `take`, with the GIL, in any thread of
+    /// the library. That may be another thread than the one whose turn it is; it is refused a call all the same.
+    template <class Block, class Stream>
+    Statistics stream(FunctionRef<void(const Block&)> take, Stream stream) {
+        const auto with_gil = [&](const Block& block) {
+            const WithGil acquired;
+            const std::thread::id caller = std::exchange(caller_, std::this_thread::get_id());
+            struct Back {
+                std::thread::id& caller_;
+                std::thread::id caller;
+                ~Back() { caller_ = caller; }
+            } const back{caller_, caller};
+            take(block);
+        };
+        return stream(detector_, with_gil, stop_->get_token());
+    }
     std::vector<Part> partition(const MeshView& first, const MeshView* second, int count);
     /// Storage for an answer: that of one of the last two, if nobody holds it any more. So frames of a simulation go
     /// back and forth between two and allocate nothing. Under a memory limit none is kept. Call with the GIL, under

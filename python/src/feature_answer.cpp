@@ -64,6 +64,7 @@ void bind_answer_about_features(nb::class_<A>& type) {
         .def_prop_ro("statistics", [](const A& a) { return Statistics(a.found().statistics); })
         .def_ro("of_world", &A::of_world)
         .def_ro("has_index", &A::has_index)
+        .def_ro("is_block", &A::is_block)
         .def_ro("copy", &A::copy);
 }
 

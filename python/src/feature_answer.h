@@ -22,6 +22,7 @@ struct FeatureAnswer {
     bool has_closest = false, has_least = false;  ///< of nearness
     bool copy = false;                            ///< the result shows writable copies
     bool has_triangle_pairs = false;              ///< of motion
+    bool is_block = false;                        ///< which tells of nothing but its rows
 
     const Storage& found() const { return *storage; }
 };

@@ -1,0 +1,139 @@
+#include "feature_streams.h"
+
+#include <memory>
+#include <optional>
+#include <stop_token>
+#include <utility>
+
+#include "blocks.h"
+#include "candidates.h"
+#include "feature_answer.h"
+#include "feature_search.h"
+
+namespace nb = nanobind;
+
+namespace crumple::python {
+namespace {
+
+// What Python shows of a block counts its own rows.
+template <class Block>
+std::shared_ptr<Block> counted(std::shared_ptr<Block> block) {
+    block->count = 0;
+    for (const auto& list : block->lists) block->count += static_cast<std::int64_t>(list.pairs.size());
+    return block;
+}
+
+ImpactsAnswer answer_of(std::shared_ptr<Impacts> block, const Motion& question, bool of_world) {
+    ImpactsAnswer answer{counted(std::move(block)), question.wants, of_world};
+    answer.is_block = true;
+    return answer;
+}
+NearbyAnswer answer_of(std::shared_ptr<Nearby> block, const Near& question, bool of_world) {
+    NearbyAnswer answer{counted(std::move(block)), question.wants, of_world};
+    answer.has_closest = question.closest;
+    answer.is_block = true;
+    return answer;
+}
+CandidatesAnswer answer_of(std::shared_ptr<CandidateLists> block, const CandidateQuestion& question, bool of_world) {
+    return {counted(std::move(block)), question.kinds, of_world, false};
+}
+
+// stream(detector, sink, stop) in a turn of its own.
+template <class Block, class Question, class Stream>
+Statistics take_blocks(SharedDetector& detector, nb::handle take, const Question& question, bool of_world,
+                       Stream stream) {
+    const auto make = [&](std::shared_ptr<Block> block) { return answer_of(std::move(block), question, of_world); };
+    return hand_over_blocks<Block>(detector, take, make, stream);
+}
+
+}  // namespace
+
+Statistics stream_impacts(nb::handle self, nb::handle take, const nb::tuple& mesh, nb::handle end,
+                          const Motion& question, const nb::tuple& lists, nb::handle block_pairs, nb::handle ordered) {
+    SharedDetector& detector = detector_of(self);
+    const AskedOfMesh start(mesh, lists);
+    const BorrowedEnd at_end(end, start.mesh);
+    const Streaming how = streaming(block_pairs, ordered);
+    const SharedDetector::Turn turn(detector);
+    return take_blocks<Impacts>(detector, take, question, false, [&](Detector& by, auto& sink, std::stop_token stop) {
+        return by.stream_impacts(start.view, at_end.view(), sink, question, how, std::move(stop));
+    });
+}
+
+Statistics stream_impacts_in_world(nb::handle self, nb::handle take, nb::handle world, nb::handle poses,
+                                   nb::handle end_poses, const Motion& question, nb::handle excluded,
+                                   nb::handle block_pairs, nb::handle ordered) {
+    SharedDetector& detector = detector_of(self);
+    const AskedOfWorld<Motion> asked(world, question, excluded);
+    const Bodies& bodies = *asked.bodies;
+    const BorrowedPoses start(poses, bodies), end(end_poses, bodies, BorrowedPoses::When::end);
+    const Streaming how = streaming(block_pairs, ordered);
+    const SharedDetector::Turn turn(detector);
+    const World view = moving_world(bodies, start, end, detector);
+    return take_blocks<Impacts>(detector, take, question, true, [&](Detector& by, auto& sink, std::stop_token stop) {
+        return by.stream_impacts(view, sink, asked.question, how, std::move(stop));
+    });
+}
+
+Statistics stream_near(nb::handle self, nb::handle take, const nb::tuple& mesh, const Near& asked, nb::handle radii,
+                       nb::handle rest, const nb::tuple& lists, nb::handle block_pairs, nb::handle ordered) {
+    SharedDetector& detector = detector_of(self);
+    const AskedOfMesh given(mesh, lists);
+    Near question = asked;
+    std::optional<BorrowedRadii> of_vertices;
+    std::optional<BorrowedEnd> at_rest;
+    if (!radii.is_none()) question.radii = of_vertices.emplace(radii, given.mesh).view();
+    if (!rest.is_none()) question.rest = at_rest.emplace(rest, given.mesh, "", BorrowedEnd::When::rest).view();
+    const Streaming how = streaming(block_pairs, ordered);
+    const SharedDetector::Turn turn(detector);
+    return take_blocks<Nearby>(detector, take, question, false, [&](Detector& by, auto& sink, std::stop_token stop) {
+        return by.stream_near(given.view, sink, question, how, std::move(stop));
+    });
+}
+
+Statistics stream_near_in_world(nb::handle self, nb::handle take, nb::handle world, nb::handle poses,
+                                const Near& question, nb::handle excluded, nb::handle block_pairs, nb::handle ordered) {
+    SharedDetector& detector = detector_of(self);
+    const AskedOfWorld<Near> asked(world, question, excluded);
+    const BorrowedPoses at(poses, *asked.bodies);
+    const Streaming how = streaming(block_pairs, ordered);
+    const SharedDetector::Turn turn(detector);
+    const World view{asked.bodies->shapes, asked.bodies->bodies, at.read(*asked.bodies, detector.poses())};
+    return take_blocks<Nearby>(detector, take, question, true, [&](Detector& by, auto& sink, std::stop_token stop) {
+        return by.stream_near(view, sink, asked.question, how, std::move(stop));
+    });
+}
+
+Statistics stream_candidates(nb::handle self, nb::handle take, const nb::tuple& mesh, nb::handle end,
+                             const CandidateQuestion& question, const nb::tuple& lists, nb::handle block_pairs,
+                             nb::handle ordered) {
+    SharedDetector& detector = detector_of(self);
+    const AskedOfMesh start(mesh, lists);
+    std::optional<BorrowedEnd> at_end;
+    if (!end.is_none()) at_end.emplace(end, start.mesh);
+    const Streaming how = streaming(block_pairs, ordered);
+    const SharedDetector::Turn turn(detector);
+    return take_blocks<CandidateLists>(
+        detector, take, question, false, [&](Detector& by, auto& sink, std::stop_token stop) {
+            return at_end ? by.stream_candidates(start.view, at_end->view(), sink, question, how, std::move(stop))
+                          : by.stream_candidates(start.view, sink, question, how, std::move(stop));
+        });
+}
+
+Statistics stream_candidates_in_world(nb::handle self, nb::handle take, nb::handle world, nb::handle poses,
+                                      nb::handle end_poses, const CandidateQuestion& question, nb::handle excluded,
+                                      nb::handle block_pairs, nb::handle ordered) {
+    SharedDetector& detector = detector_of(self);
+    const AskedOfWorld<CandidateQuestion> asked(world, question, excluded);
+    const Bodies& bodies = *asked.bodies;
+    const BorrowedPoses start(poses, bodies), end(end_poses, bodies, BorrowedPoses::When::end);
+    const Streaming how = streaming(block_pairs, ordered);
+    const SharedDetector::Turn turn(detector);
+    const World view = moving_world(bodies, start, end, detector);
+    return take_blocks<CandidateLists>(
+        detector, take, question, true, [&](Detector& by, auto& sink, std::stop_token stop) {
+            return by.stream_candidates(view, sink, asked.question, how, std::move(stop));
+        });
+}
+
+}  // namespace crumple::python

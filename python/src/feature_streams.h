@@ -1,0 +1,33 @@
+#pragma once
+
+// Answers about features in blocks: the calls of feature_search.h and candidates.h, each of whose blocks `take` gets.
+
+#include <nanobind/nanobind.h>
+
+#include "crumple/candidates.h"
+#include "crumple/motion.h"
+#include "crumple/near.h"
+
+namespace crumple::python {
+
+Statistics stream_impacts(nanobind::handle self, nanobind::handle take, const nanobind::tuple& mesh,
+                          nanobind::handle end, const Motion& question, const nanobind::tuple& lists,
+                          nanobind::handle block_pairs, nanobind::handle ordered);
+Statistics stream_impacts_in_world(nanobind::handle self, nanobind::handle take, nanobind::handle world,
+                                   nanobind::handle poses, nanobind::handle end_poses, const Motion& question,
+                                   nanobind::handle excluded, nanobind::handle block_pairs, nanobind::handle ordered);
+Statistics stream_near(nanobind::handle self, nanobind::handle take, const nanobind::tuple& mesh, const Near& question,
+                       nanobind::handle radii, nanobind::handle rest, const nanobind::tuple& lists,
+                       nanobind::handle block_pairs, nanobind::handle ordered);
+Statistics stream_near_in_world(nanobind::handle self, nanobind::handle take, nanobind::handle world,
+                                nanobind::handle poses, const Near& question, nanobind::handle excluded,
+                                nanobind::handle block_pairs, nanobind::handle ordered);
+Statistics stream_candidates(nanobind::handle self, nanobind::handle take, const nanobind::tuple& mesh,
+                             nanobind::handle end, const CandidateQuestion& question, const nanobind::tuple& lists,
+                             nanobind::handle block_pairs, nanobind::handle ordered);
+Statistics stream_candidates_in_world(nanobind::handle self, nanobind::handle take, nanobind::handle world,
+                                      nanobind::handle poses, nanobind::handle end_poses,
+                                      const CandidateQuestion& question, nanobind::handle excluded,
+                                      nanobind::handle block_pairs, nanobind::handle ordered);
+
+}  // namespace crumple::python
