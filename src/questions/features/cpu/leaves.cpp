@@ -304,23 +304,25 @@ void FeatureLeaves<moments>::measure_tests(FeatureKind kind, Worker& worker) {
     const auto k = static_cast<std::size_t>(kind);
     GuessBatch& batch = worker.guesses;
     FeatureCounts counts;
-    const FeatureTest* near[GuessBatch::most];
+    const Array<FeatureTest>& tests = worker.tests[k];
+    std::size_t near[GuessBatch::most] = {};  // which tests are in the batch
     const auto measure = [&] {
-        double squared[GuessBatch::most];
+        double squared[GuessBatch::most] = {};
         tables_.squared(batch, squared);
         for (std::size_t i = 0; i < batch.count; ++i) {
             FeatureDecision decision{true, squared[i], false};
             FeatureCounts again;
-            if (std::isnan(squared[i])) decision = decide(kind, call_->scene, near[i]->vertex, *query_, again);
+            if (std::isnan(squared[i])) decision = decide(kind, call_->scene, tests[near[i]].vertex, *query_, again);
             counts.rational += again.rational;
-            worker.hits[k].push_back({near[i]->pair, decision.value, decision.flag});
+            worker.hits[k].push_back({tests[near[i]].pair, decision.value, decision.flag});
         }
         batch.count = 0;
     };
-    for (const FeatureTest& test : worker.tests[k]) {
+    for (std::size_t i = 0; i < tests.size(); ++i) {
+        const FeatureTest& test = tests[i];
         const std::int64_t rational = counts.rational;
         const auto decision = decide_or_add(kind, call_->scene, test.vertex, *query_, counts, batch);
-        if (!decision) near[batch.count - 1] = &test;
+        if (!decision) near[batch.count - 1] = i;
         if (decision && decision->hit) worker.hits[k].push_back({test.pair, decision->value, decision->flag});
         if (batch.count == GuessBatch::most) measure();
         if (counts.rational != rational) call_->cancellation.check();  // some take a millisecond

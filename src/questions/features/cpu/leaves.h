@@ -73,6 +73,7 @@ class FeatureLeaves final : public LeafQuestion {
               listed{Array<std::uint32_t>(m), Array<std::uint32_t>(m)},
               tests{Array<FeatureTest>(m), Array<FeatureTest>(m), Array<FeatureTest>(m), Array<FeatureTest>(m)},
               hits{Array<FeatureHit>(m), Array<FeatureHit>(m), Array<FeatureHit>(m), Array<FeatureHit>(m)} {}
+        GuessBatch guesses;
         Array<Record> built;   ///< in the order of LeafMembers
         Array<Record> sorted;  ///< by physical row
         float reach = 0;       ///< the leaf's largest |coordinate|
@@ -82,7 +83,6 @@ class FeatureLeaves final : public LeafQuestion {
         Array<float> distance;                       ///< of each test, where vertices have radii
         std::array<Array<std::uint32_t>, 2> listed;  ///< see ListedTests
         std::array<Array<FeatureTest>, feature_kinds> tests;
-        GuessBatch guesses;
         FeatureHits hits;
         Statistics statistics;
     };
