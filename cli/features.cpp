@@ -4,6 +4,7 @@
 
 #include "cli/bodies.h"
 #include "cli/commands.h"
+#include "cli/statistics_table.h"
 #include "io/feature_kinds.h"
 
 namespace crumple::cli {
@@ -71,6 +72,13 @@ void FeatureOutputs::check(const std::string& what, bool coloured) const {
     }
 }
 
+void FeatureOutputs::check_stream() const {
+    const io::PairFormat list =
+        paths.empty() ? io::PairFormat::txt : io::pair_format_of(extension_of(paths.front(), format));
+    if (paths.size() > 1 || (list != io::PairFormat::txt && list != io::PairFormat::csv))
+        refuse("--stream writes one list, as .txt or .csv");
+}
+
 bool FeatureOutputs::have_files() const { return !std::all_of(paths.begin(), paths.end(), is_standard); }
 
 void add_output_options(CLI::App& app, FeatureOutputs& outputs, const std::string& what, const std::string& coloured) {
@@ -87,6 +95,20 @@ int FeatureCommand::report(bool any, const char* yes, const char* no) {
     return any ? collided : done;
 }
 
+void FeatureCommand::check_stream() const {
+    if (!stream) return;
+    if (check) refuse("--stream does not go with --check");
+    outputs.check_stream();
+}
+
+int FeatureCommand::finish_stream(const Statistics& statistics, const char* one, const char* none,
+                                  std::int64_t triangles) const {
+    const std::string found = fmt::format("{} {}{}", grouped(statistics.pairs), one, statistics.pairs == 1 ? "" : "s");
+    if (stats) print_statistics(statistics, found);
+    const std::string told = statistics.pairs > 0 ? found : fmt::format("{}: {} triangles", none, grouped(triangles));
+    return finish(statistics.pairs > 0, fmt::format("{}, {:.1f} ms\n", told, statistics.milliseconds));
+}
+
 int FeatureCommand::finish(bool any, const std::string& summary) const {
     if (!stats && outputs.have_files()) say(summary);
     return check && any ? collided : done;
@@ -94,6 +116,9 @@ int FeatureCommand::finish(bool any, const std::string& summary) const {
 
 void add_feature_command_options(CLI::App& app, FeatureCommand& command, const std::string& check) {
     app.add_flag("--check", command.check, check);
+    app.add_flag("--stream", command.stream,
+                 "Write the list, as .txt or .csv, while it is found, for answers that exceed memory: the scene is "
+                 "searched again for each quarter of a million rows");
     app.add_flag("--stats", command.stats, "Print times and counts of the stages to standard error");
     add_reading_options(app, command.answer);
     add_group_options(app, command.answer);

@@ -64,6 +64,20 @@ struct FeatureOutputs {
         }
         if (paths.empty()) to_standard_output([&](std::ostream& out) { list(out, io::PairFormat::txt); });
     }
+    /// Throws Error (invalid_argument) unless there is one list, of a format that can be written while it is found.
+    void check_stream() const;
+    /// Writes that list: stream(writer) adds the blocks.
+    template <class Stream>
+    void write_blocks(io::ListKind of, Stream stream) const {
+        const auto write_to = [&](io::FeatureWriter writer) {
+            stream(writer);
+            writer.commit();
+        };
+        if (!paths.empty() && !is_standard(paths.front())) return write_to(io::FeatureWriter(paths.front(), of));
+        const io::PairFormat list_format =
+            paths.empty() ? io::PairFormat::txt : io::pair_format_of(extension_of(paths.front(), format));
+        to_standard_output([&](std::ostream& out) { write_to(io::FeatureWriter(out, of, list_format)); });
+    }
     /// The same where check() has let no picture pass.
     template <class List>
     void write(List list) const {
@@ -78,7 +92,19 @@ struct FeatureCommand {
     FeatureOutputs outputs;
     AnswerOptions answer;
     Options options;
-    bool check = false, stats = false;
+    bool check = false, stats = false, stream = false;
+
+    /// Throws Error (invalid_argument) for options that do not go with `--stream`, if it is given.
+    void check_stream() const;
+    /// Writes an answer while it is found: find(take) hands its blocks over. Returns the status. `one`: "impact".
+    template <class Block, class Find>
+    int write_stream(io::ListKind of, Find find, const char* one, const char* none, std::int64_t triangles) const {
+        Statistics statistics;
+        outputs.write_blocks(
+            of, [&](io::FeatureWriter& writer) { statistics = find([&](const Block& block) { writer.add(block); }); });
+        return finish_stream(statistics, one, none, triangles);
+    }
+    int finish_stream(const Statistics& statistics, const char* one, const char* none, std::int64_t triangles) const;
 
     /// Whether nothing but the status is wanted.
     bool only_status() const { return check && outputs.paths.empty(); }

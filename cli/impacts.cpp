@@ -45,6 +45,8 @@ struct ImpactsCommand : FeatureCommand {
     }
 
     void refuse_options_of_other_kinds() const {
+        if (stream && earliest) refuse("--stream does not go with --earliest");
+        if (stream && kind == Kind::pairs) refuse("--stream does not go with --kind pairs");
         for (const CLI::Option* const option : of_features)
             if (*option && kind != Kind::features)
                 refuse(option->get_name() + " does not go with --kind " +
@@ -58,9 +60,11 @@ struct ImpactsCommand : FeatureCommand {
     int list_impacts() const {
         outputs.check("impacts");
         if (end.empty()) refuse("impacts: END is required; see crumple impacts --help");
+        check_stream();
         check_outputs(outputs.paths, {start, end}, answer);
         Search search(answer, feature_options(options));
         const MovingInput input = read_moving_input(start, end, answer);
+        if (stream) return stream_impacts(search, input);
         const MotionWants wants = only_status() && !stats ? MotionWants::any
                                   : earliest              ? MotionWants::earliest
                                                           : MotionWants::impacts;
@@ -77,6 +81,14 @@ struct ImpactsCommand : FeatureCommand {
         };
         outputs.write(write, [&](auto& to) { io::write_coloured(to, input.start.first, found); });
         return finish(found.any, summary(found, input.start.triangle_count()));
+    }
+
+    int stream_impacts(Search& search, const MovingInput& input) const {
+        const auto find = [&](auto take) {
+            return search.stream(input.start, input.end, motion.question(answer, MotionWants::impacts), take);
+        };
+        return write_stream<Impacts>(io::ListKind::impacts, find, "impact", "nothing touches",
+                                     input.start.triangle_count());
     }
 
     std::string found_in(const Impacts& found) const {
@@ -103,13 +115,23 @@ struct ImpactsCommand : FeatureCommand {
 
     int list_candidates() const {
         outputs.check("candidates", false);
+        check_stream();
         check_outputs(outputs.paths, {start, end}, answer);
         Search search(answer, feature_options(options));
         const StepOrRest input = read_step_or_rest(start, end, answer);
-        const CandidateLists& found = search.find(input.start, input.end_or_null(), candidates.question(answer));
+        const CandidateQuestion question = candidates.question(answer);
+        const std::int64_t triangles = input.start.triangle_count();
+        if (stream) {
+            const auto find = [&](auto take) {
+                return search.stream(input.start, input.end_or_null(), question, take);
+            };
+            return write_stream<CandidateLists>(io::ListKind::candidates, find, "candidate", "no candidates",
+                                                triangles);
+        }
+        const CandidateLists& found = search.find(input.start, input.end_or_null(), question);
         if (stats) print_statistics(found.statistics, kinds_of(found));
         outputs.write([&](auto& to, io::PairFormat format) { io::write_candidates(to, found, format); });
-        return finish(found.count > 0, summary_of(found, "candidate", "no candidates", input.start.triangle_count()));
+        return finish(found.count > 0, summary_of(found, "candidate", "no candidates", triangles));
     }
 };
 

@@ -21,6 +21,7 @@ struct NearCommand : FeatureCommand {
 
     int run() const {
         outputs.check("near pairs");
+        check_stream();
         if (!near.radius && filters.radii.empty()) refuse("near: --radius is required, or --radii");
         std::vector<std::string> inputs = files;
         for (const std::string& file : filters.files()) inputs.push_back(file);
@@ -33,6 +34,11 @@ struct NearCommand : FeatureCommand {
         const NearWants wants = only_status() && !stats ? NearWants::any : NearWants::pairs;
         Near question = near.question(answer, wants);
         given.tell(question);
+        if (stream) {
+            const auto find = [&](auto take) { return search.stream(input, question, take); };
+            return write_stream<Nearby>(io::ListKind::near, find, "near pair", "nothing is near",
+                                        input.triangle_count());
+        }
         const Nearby& found = search.find(input, question);
         if (stats) print_statistics(found.statistics, kinds_of(found));
         if (only_status()) return report(found.any, "something is near", "nothing is near");

@@ -296,15 +296,42 @@ const CandidateLists& Search::find(const Input& start, const io::TriangleMesh* e
     });
 }
 
-const Nearby& Search::find(const Input& input, const Near& question) {
-    return named(input.name, [&]() -> const Nearby& {
+// ask(mesh), or ask(world) of two bodies.
+template <class Ask>
+decltype(auto) Search::between(const Input& input, Ask ask) {
+    return named(input.name, [&]() -> decltype(auto) {
         const ListedView first(input.first);
-        if (!input.second) return detector_.find_near(first.view(), question);
+        if (!input.second) return ask(first.view());
         const ListedView second(*input.second);
         const Shape shapes[] = {Shape(first.view()), Shape(second.view())};
         const Body bodies[] = {{.shape = 0, .self = false}, {.shape = 1, .self = false}};
-        return detector_.find(World{shapes, bodies, {}}, question);
+        return ask(World{shapes, bodies, {}});
     });
+}
+
+const Nearby& Search::find(const Input& input, const Near& question) {
+    return between(input, [&](const auto& scene) -> const Nearby& { return detector_.find_near(scene, question); });
+}
+
+Statistics Search::stream(const Input& start, const io::TriangleMesh& end, const Motion& question,
+                          Detector::TakeImpacts take) {
+    return named(start.name, [&] {
+        const ListedView listed(start.first);
+        return detector_.stream_impacts(listed.view(), end.view().vertices, take, question);
+    });
+}
+
+Statistics Search::stream(const Input& start, const io::TriangleMesh* end, const CandidateQuestion& question,
+                          Detector::TakeCandidates take) {
+    return named(start.name, [&] {
+        const ListedView listed(start.first);
+        return end ? detector_.stream_candidates(listed.view(), end->view().vertices, take, question)
+                   : detector_.stream_candidates(listed.view(), take, question);
+    });
+}
+
+Statistics Search::stream(const Input& input, const Near& question, Detector::TakeNearby take) {
+    return between(input, [&](const auto& scene) { return detector_.stream_near(scene, take, question); });
 }
 
 namespace {

@@ -82,6 +82,12 @@ class Search {
     const CandidateLists& find(const Input& start, const io::TriangleMesh* end, const CandidateQuestion& question);
     /// What is near in one mesh, or between two: then these are bodies 0 and 1.
     const Nearby& find(const Input& input, const Near& question);
+    /// These in blocks, in order. Throw as find does, and what `take` throws.
+    Statistics stream(const Input& start, const io::TriangleMesh& end, const Motion& question,
+                      Detector::TakeImpacts take);
+    Statistics stream(const Input& start, const io::TriangleMesh* end, const CandidateQuestion& question,
+                      Detector::TakeCandidates take);
+    Statistics stream(const Input& input, const Near& question, Detector::TakeNearby take);
     /// The answer for bodies that have these names, again and again in each of several configurations, whose first one
     /// has this number; -1: there is but one. Valid until the next call. Throws Error that names `files`, and the
     /// configuration and body it is about.
@@ -89,6 +95,8 @@ class Search {
                                 std::int64_t first_configuration, const World& world, const Intersect& question);
 
    private:
+    template <class Ask>
+    static decltype(auto) between(const Input& input, Ask ask);
     struct Threads;
     Query query() const;
     AnswerOptions answer_;

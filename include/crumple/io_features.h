@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <iosfwd>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -92,6 +93,33 @@ void write_candidates(const std::filesystem::path& path, const CandidateLists& c
 
 /// The same to a stream; `automatic` is txt.
 void write_candidates(std::ostream& out, const CandidateLists& candidates, PairFormat format = PairFormat::automatic);
+
+/// Which answers a FeatureWriter writes.
+enum class ListKind : std::uint8_t { impacts, near, candidates };
+
+/// Answers written block by block (Detector::stream_impacts and its like, in order, of a single mesh or of one world),
+/// as .txt or .csv; together they are what write_impacts, write_near or write_candidates writes.
+class FeatureWriter {
+   public:
+    /// Throws crumple::Error (file; invalid_argument for other formats).
+    explicit FeatureWriter(const std::filesystem::path& path, ListKind of, PairFormat format = PairFormat::automatic);
+    /// To a stream; `automatic` is txt.
+    explicit FeatureWriter(std::ostream& out, ListKind of, PairFormat format = PairFormat::automatic);
+    ~FeatureWriter();
+    FeatureWriter(FeatureWriter&&) noexcept;
+    FeatureWriter& operator=(FeatureWriter&&) noexcept;
+
+    /// Throws crumple::Error (file, also at commit(); invalid_argument for a block of another answer).
+    void add(const Impacts& block);
+    void add(const Nearby& block);
+    void add(const CandidateLists& block);
+    /// After the last block: the file is there. Without it, what was at the path stays as it was.
+    void commit();
+
+   private:
+    struct Implementation;
+    std::unique_ptr<Implementation> implementation_;
+};
 
 /// Reads a list of impacts, in the file's order: .csv, .json and .npz as write_impacts has them, by extension; any
 /// other is text, where blank lines and comments (#) are skipped. START may be missing: then a time of 0 is one. Which

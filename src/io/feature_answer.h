@@ -78,6 +78,12 @@ void for_each_row(const FeatureAnswer& answer, Use use) {
 /// The lower vertex of each edge first, and of two features of one kind the lesser.
 void put_in_order(CandidateRow& row);
 
+// Text and CSV, whose rows may come in several pieces.
+class Sink;
+void add_txt(Sink& sink, const FeatureAnswer& answer);
+void begin_csv(Sink& sink, const FeatureWords& words);
+void add_csv(Sink& sink, const FeatureAnswer& answer);
+
 void write_features_json(std::ostream& out, const FeatureAnswer& answer);
 void write_features_npz(std::ostream& out, const FeatureAnswer& answer);
 

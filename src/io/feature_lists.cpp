@@ -17,7 +17,9 @@ void add_id(Sink& sink, const CandidateRow& row, bool has_bodies, std::size_t k)
     sink << row.ids[k];
 }
 
-void write_txt(Sink& sink, const FeatureAnswer& answer) {
+}  // namespace
+
+void add_txt(Sink& sink, const FeatureAnswer& answer) {
     const bool has_bodies = answer.has_bodies();
     for_each_row(answer, [&](const FeatureRow& row) {
         sink << short_name(row.kind);
@@ -31,11 +33,14 @@ void write_txt(Sink& sink, const FeatureAnswer& answer) {
     });
 }
 
-void write_csv(Sink& sink, const FeatureAnswer& answer) {
-    const bool has_bodies = answer.has_bodies(), has_values = answer.words.has_values();
+void begin_csv(Sink& sink, const FeatureWords& words) {
     sink << "kind,vertex,face,a,b,c,d";
-    if (has_values) sink << ',' << answer.words.value << ',' << answer.words.flag;
+    if (words.has_values()) sink << ',' << words.value << ',' << words.flag;
     sink << '\n';
+}
+
+void add_csv(Sink& sink, const FeatureAnswer& answer) {
+    const bool has_bodies = answer.has_bodies(), has_values = answer.words.has_values();
     for_each_row(answer, [&](const FeatureRow& row) {
         sink << short_name(row.kind);
         const auto columns = id_columns(row.kind);
@@ -50,11 +55,15 @@ void write_csv(Sink& sink, const FeatureAnswer& answer) {
     });
 }
 
+namespace {
+
 void write(std::ostream& out, const FeatureAnswer& answer, PairFormat format) {
     if (format == PairFormat::json) return write_features_json(out, answer);
     if (format == PairFormat::npz) return write_features_npz(out, answer);
     Sink sink(out);
-    format == PairFormat::csv ? write_csv(sink, answer) : write_txt(sink, answer);
+    if (format != PairFormat::csv) return add_txt(sink, answer);
+    begin_csv(sink, answer.words);
+    add_csv(sink, answer);
 }
 
 void write_list(std::ostream& out, const FeatureAnswer& answer, PairFormat format) {

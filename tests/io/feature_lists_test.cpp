@@ -41,6 +41,43 @@ TEST(FeatureLists, CsvHasNamedColumns) {
               "kind,vertex,face,a,b,c,d,toi,start\nvf,7,1,,,,,0.1,0\nvf,9,0,,,,,1,0\nee,,,0,7,2,9,0,1\n");
 }
 
+TEST(FeatureLists, InBlocksAreTheSameRows) {
+    const auto expect = [](const auto& block, ListKind of) {
+        for (const PairFormat format : {PairFormat::txt, PairFormat::csv, PairFormat::automatic}) {
+            std::ostringstream twice;
+            FeatureWriter writer(twice, of, format);
+            writer.add(block);
+            writer.add(block);
+            writer.commit();
+            const std::string once = written(block, format);
+            EXPECT_EQ(twice.str(), once + once.substr(format == PairFormat::csv ? once.find('\n') + 1 : 0));
+        }
+    };
+    for (const bool has_bodies : {false, true}) {
+        expect(example_impacts(has_bodies), ListKind::impacts);
+        expect(example_near(has_bodies), ListKind::near);
+    }
+}
+
+TEST(FeatureLists, InBlocksAreThereOnceAllAre) {
+    const Folder folder;
+    const auto path = folder / "near.csv";
+    std::ofstream(path) << "old";
+    FeatureWriter(path, ListKind::near).add(example_near());
+    EXPECT_EQ(bytes_of(path), "old");
+    FeatureWriter writer(path, ListKind::near);
+    writer.add(example_near());
+    EXPECT_EQ(error_of([&] { writer.add(example_impacts()); }).code, ErrorCode::invalid_argument);
+    EXPECT_EQ(error_of([&] { writer.add(CandidateLists()); }).code, ErrorCode::invalid_argument);
+    writer.commit();
+    EXPECT_EQ(bytes_of(path), written(example_near(), PairFormat::csv));
+    for (const char* const name : {"a.json", "a.npz", "a.xyz"}) {
+        const Error error = error_of([&] { FeatureWriter(folder / name, ListKind::candidates); });
+        EXPECT_EQ(error.code, ErrorCode::invalid_argument);
+        EXPECT_STREQ(error.what(), "candidates are written block by block as .txt or .csv");
+    }
+}
+
 TEST(FeatureLists, JsonHasNamedArrays) {
     using nlohmann::json;
     const auto impacts = json::parse(written(example_impacts(), PairFormat::json));

@@ -1,0 +1,54 @@
+#include "moving.h"
+
+namespace crumple::cli::test {
+namespace {
+
+/// Questions about features, whose lists are also written while they are found.
+class StreamOfFeatures : public Moving {
+   protected:
+    const std::vector<std::string> questions{"impacts above.off below.off --separation 0.5",
+                                             "impacts above.off below.off --kind candidates --inflation 0.5",
+                                             "impacts above.off --kind candidates --kinds face_face --inflation 1",
+                                             "near above.off --radius 2", "near above.off below.off --radius 0.5"};
+};
+
+TEST_F(StreamOfFeatures, HasTheSameLines) {
+    for (const std::string& question : questions) {
+        const std::string expected = list(question);
+        EXPECT_FALSE(expected.empty());
+        EXPECT_EQ(list(question + " --stream"), expected) << question;
+        EXPECT_EQ(list(question + " --stream --memory-limit 1MB"), expected) << question;
+        EXPECT_EQ(list(question + " --stream --backend reference"), expected) << question;
+        for (const std::string file : {"a.txt", "a.csv"}) {
+            EXPECT_EQ(crumple(question + " -o " + file).status, 0);
+            const Outcome outcome = crumple(question + " --stream -o streamed_" + file);
+            EXPECT_EQ(outcome.status, 0);
+            const auto lines = std::count(expected.begin(), expected.end(), '\n');
+            EXPECT_TRUE(outcome.err.starts_with(std::to_string(lines) + ' ')) << outcome.err;
+            EXPECT_EQ(read("streamed_" + file), read(file)) << question;
+            EXPECT_EQ(list(question + " --stream -o - --format " + file.substr(2)), read(file)) << question;
+        }
+        EXPECT_TRUE(contains(crumple(question + " --stream --stats").err, "sweep"));
+    }
+}
+
+TEST_F(StreamOfFeatures, OfNothingIsAnEmptyList) {
+    const Outcome outcome = crumple("near above.off --radius 0.1 --stream -o a.csv");
+    EXPECT_EQ(outcome.status, 0);
+    EXPECT_TRUE(outcome.err.starts_with("nothing is near: 2 triangles, ")) << outcome.err;
+    EXPECT_EQ(read("a.csv"), "kind,vertex,face,a,b,c,d,squared_distance,touching\n");
+    EXPECT_EQ(list("impacts above.off above.off --stream"), "");
+}
+
+TEST_F(StreamOfFeatures, IsOneListOnly) {
+    for (const std::string& question : questions)
+        for (const std::string bad : {"-o a.json", "-o a.npz", "-o a.txt -o b.txt", "-o - --format json"})
+            expect_refused(question + " --stream " + bad, "--stream writes one list, as .txt or .csv");
+    expect_refused("near above.off --radius 1 --stream -o a.glb", "--stream writes one list");
+    expect_refused("near above.off --radius 1 --stream --check", "--stream does not go with --check");
+    expect_refused("impacts above.off below.off --stream --earliest", "--stream does not go with --earliest");
+    expect_refused("impacts above.off below.off --stream --kind pairs", "--stream does not go with --kind pairs");
+}
+
+}  // namespace
+}  // namespace crumple::cli::test
