@@ -6,11 +6,11 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <cstdlib>
 #include <ostream>
 #include <random>
 
 #include "geometry/triangle.h"
+#include "rounds.h"
 
 namespace crumple {
 
@@ -46,17 +46,6 @@ enum class Kind {
     collapsed_lattice,  ///< the same on the lattice
     threaded,           ///< small integers, a degenerate triangle through a point at which it may touch the other
 };
-
-/// Some times the usual number of rounds, by CRUMPLE_ROUNDS; a fifth under sanitizers, which are slow.
-inline int more_or_less(int usual) {
-    static const char* const times = std::getenv("CRUMPLE_ROUNDS");
-    if (times) return usual * std::max(1, std::atoi(times));
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-    return usual / 5;
-#else
-    return usual;
-#endif
-}
 
 /// How many pairs a test draws: fewer where rational arithmetic, the yardstick, is slow.
 inline int rounds_of(Kind kind, int usual) {

@@ -7,11 +7,12 @@
 
 #include "questions/intersect/rational_intersection.h"
 #include "questions/motion/random_moves.h"
+#include "rounds.h"
 
 namespace crumple {
 namespace {
 
-constexpr int rounds = 150;
+const int rounds = more_or_less(150);
 
 /// Calls `check` with many moves, and fails unless some of each kind meet and some do not.
 template <class Check>

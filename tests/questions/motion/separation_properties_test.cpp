@@ -6,11 +6,12 @@
 #include <utility>
 
 #include "questions/motion/separated_moves.h"
+#include "rounds.h"
 
 namespace crumple {
 namespace {
 
-constexpr int rounds = 100;
+const int rounds = more_or_less(100);
 
 /// Calls `check` with many moves, and fails unless some of each kind come close enough, not all at once, and some do
 /// not.
