@@ -13,7 +13,7 @@
 
 namespace crumple::cpu {
 
-/// At most `most` rows in a piece, but for an answer that has no more. call.question is one of the buffers'.
+/// In pieces of at most `most` rows. call.question is one of the buffers'.
 void stream_in_order(const Call& call, const FeatureQuery& query, FeatureBuffers& buffers, std::int64_t most,
                      FeatureSink sink);
 void stream_in_order(const Call& call, const CandidateQuery& query, CandidateBuffers& buffers, std::int64_t most,
