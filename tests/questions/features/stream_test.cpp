@@ -9,6 +9,7 @@
 #include "questions/features/joined_blocks.h"
 #include "questions/features/listed_soups.h"
 #include "questions/features/moving_worlds.h"
+#include "rounds.h"
 
 namespace crumple::test {
 namespace {
@@ -68,7 +69,7 @@ void expect_blocks(const Asked<Answer>& asked, bool reference = false) {
         SCOPED_TRACE(testing::Message() << "detector " << d);
         for (const std::int64_t size : {std::int64_t{1}, std::int64_t{7}, std::int64_t{1000}, std::int64_t{1} << 30}) {
             if (size == 1000 && expected.count <= 7) continue;
-            if (!reference && expected.count > 60 * size) continue;
+            if (!reference && expected.count > more_or_less(60) * size) continue;
             for (const bool ordered : {true, false})
                 expect_blocks<Answer>(asked, expected, *detectors[d], {size, ordered});
             if (testing::Test::HasFailure()) return;
@@ -81,7 +82,7 @@ class StreamOfFeatures : public testing::Test {
    protected:
     template <class Work>
     void for_each_soup(double part, Work work) {
-        for (const NamedMove<Scalar>& move : moving_soups<Scalar>(part)) {
+        for (const NamedMove<Scalar>& move : moving_soups<Scalar>(part * more_or_less(10) / 10)) {
             SCOPED_TRACE(move.name);
             work(move);
             if (this->HasFailure()) return;
@@ -292,13 +293,13 @@ void expect_within_limit(const Asked<Answer>& asked) {
             rows = 0;
             return asked.blocks(by, take, {size, ordered}).peak_memory_bytes;
         };
-        const std::int64_t limit = limit_of([&](Detector& by) { stream(by, 2000); });
+        const std::int64_t limit = limit_of([&](Detector& by) { stream(by, 1000); });
         EXPECT_LT(limit, whole / 2);
         Detector enough({.threads = 2, .memory_limit = limit, .count_bytes_needed = true});
         for (int round = 0; round < 2; ++round) {
             EXPECT_EQ(error_of([&] { asked.find(enough); }).code, ErrorCode::memory_limit);
             EXPECT_TRUE(enough.has_collision(other.view())) << "whose memory is kept";
-            EXPECT_LE(stream(enough, 2000), limit);
+            EXPECT_LE(stream(enough, 1000), limit);
             EXPECT_EQ(rows, count);
         }
         const Error error = error_of([&] { stream(enough, 1 << 20); });
@@ -311,7 +312,7 @@ void expect_within_limit(const Asked<Answer>& asked) {
 }
 
 TEST(StreamOfFeatures, FitsALimitThatTheAnswerDoesNotFitOrNamesOne) {
-    const MovingSoup<> soup = in_general(1200, 0.6, 0.4, 6);
+    const MovingSoup<> soup = in_general(700, 0.7, 0.4, 6);
     expect_within_limit(impacts(soup, {}));
     expect_within_limit(near(soup, {.radius = 0.05, .closest = true}));
     expect_within_limit(candidates(soup, true, {}));
