@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "questions/nearest/compare_nearest.h"
+#include "rounds.h"
 #include "worlds/random_worlds.h"
 
 namespace crumple {
@@ -66,9 +67,9 @@ TEST_P(NearestAgreement, of_larger_bodies) {
 }
 /// So many triangles touch that the first ones are seldom found first.
 TEST_P(NearestAgreement, of_larger_bodies_at_one_place) {
-    for (unsigned seed = 350; seed < 358; ++seed)
+    for (unsigned seed = 350; seed < (sanitized ? 352u : 358u); ++seed)
         compare(seed, {.shapes = 2, .bodies = 4, .triangles = 60, .named = 1, .everywhere = 0, .reach = 0.1});
-    EXPECT_GT(touching_, 4u);
+    EXPECT_GT(touching_, sanitized ? 1u : 4u);
 }
 TEST_P(NearestAgreement, of_single_triangles) {
     for (unsigned seed = 400; seed < 440; ++seed) compare(seed, {.shapes = 5, .triangles = 1, .reach = 1.5});
