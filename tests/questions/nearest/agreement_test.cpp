@@ -69,7 +69,7 @@ TEST_P(NearestAgreement, of_larger_bodies) {
 TEST_P(NearestAgreement, of_larger_bodies_at_one_place) {
     for (unsigned seed = 350; seed < (sanitized ? 352u : 358u); ++seed)
         compare(seed, {.shapes = 2, .bodies = 4, .triangles = 60, .named = 1, .everywhere = 0, .reach = 0.1});
-    EXPECT_GT(touching_, sanitized ? 1u : 4u);
+    EXPECT_GE(touching_, sanitized ? 1u : 5u);
 }
 TEST_P(NearestAgreement, of_single_triangles) {
     for (unsigned seed = 400; seed < 440; ++seed) compare(seed, {.shapes = 5, .triangles = 1, .reach = 1.5});
