@@ -6,6 +6,7 @@
 
 #include "agreement/compare.h"
 #include "io/files.h"
+#include "rounds.h"
 
 namespace crumple {
 namespace {
@@ -141,11 +142,7 @@ TEST_P(SelfTruth, IsFoundByEveryBackend) {
 
 // In rational arithmetic, 20 us for each pair of boxes that overlap, some times that under sanitizers; larger scenes
 // have answers from outside only.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr std::int64_t most_overlaps = 20'000;
-#else
-constexpr std::int64_t most_overlaps = 200'000;
-#endif
+constexpr std::int64_t most_overlaps = sanitized ? 20'000 : 200'000;
 TEST_P(SelfTruth, IsFoundByBruteForce) {
     const SelfCase scene = GetParam();
     const io::TriangleMesh mesh =

@@ -17,6 +17,7 @@
 #include "crumple/error.h"
 #include "error_of.h"
 #include "halves.h"
+#include "rounds.h"
 #include "scenes/scenes.h"
 
 namespace crumple::test {
@@ -65,13 +66,11 @@ constexpr bool played = false;
 #endif
 // Sanitizers are slow, and so is a device that the CPU plays; what else options and queries cover is no matter of
 // memory or of threads.
-#if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
-constexpr std::size_t cpu_options = 6, query_step = played ? 4 : 2;
-const std::vector<int> part_counts = played ? std::vector{5} : std::vector{2, 70};
-#else
-constexpr std::size_t cpu_options = 24, query_step = played ? 2 : 1;
-const std::vector<int> part_counts = played ? std::vector{1, 3, 13} : std::vector{1, 2, 3, 8, 31, 64, 150};
-#endif
+constexpr std::size_t cpu_options = sanitized ? 6 : 24;
+constexpr std::size_t query_step = (played ? 2 : 1) * (sanitized ? 2 : 1);
+const std::vector<int> part_counts = sanitized ? played ? std::vector{5} : std::vector{2, 70}
+                                     : played ? std::vector{1, 3, 13}
+                                               : std::vector{1, 2, 3, 8, 31, 64, 150};
 constexpr std::size_t option_count = on_cpu ? cpu_options : 4;
 constexpr std::int64_t limit_step = on_cpu ? 3 : 20;
 

@@ -1,17 +1,19 @@
 // What only the machine that plays the device can show: no device, no driver, no memory.
 
 #include <gtest/gtest.h>
-#ifdef __SANITIZE_ADDRESS__
-#include <sanitizer/lsan_interface.h>
-#endif
 
 #include "agreement/compare.h"
 #include "crumple/error.h"
 #include "cuda/device_mesh.h"
 #include "cuda_on_cpu/machine/graph.h"
 #include "cuda_on_cpu/machine/memory.h"
+#include "cuda_on_cpu/machine/sanitizers.h"
 #include "cuda_on_cpu/machine/settings.h"
 #include "scenes/scenes.h"
+
+#ifdef CUDA_ON_CPU_ASAN
+#include <sanitizer/lsan_interface.h>
+#endif
 
 namespace crumple::test {
 namespace {
@@ -219,7 +221,7 @@ TEST_F(CudaMachine, is_not_given_arrays_that_it_cannot_read) {
 }
 
 TEST_F(CudaMachine, may_break_for_good) {
-#ifdef __SANITIZE_ADDRESS__
+#ifdef CUDA_ON_CPU_ASAN
     const __lsan::ScopedDisabler nothing_is_freed_on_a_broken_device;
 #endif
     const io::TriangleMesh mesh = scenes::make("cloth", {.triangles = 100, .frame = 40});

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "crumple/error.h"
+#include "rounds.h"
 #include "soups.h"
 
 namespace crumple {
@@ -43,11 +44,7 @@ Options with_limit(const MeshView& mesh) {
 
 // Long enough that a request which is only seen at the end would show; sanitizers make all things long.
 std::vector<Case> cases() {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-    const int many = 20000;
-#else
-    const int many = 60000;
-#endif
+    const int many = sanitized ? 20'000 : 60'000;
     const double size = 0.15;
     return {{"one thread", with_threads(1), many, size},
             {"two threads", with_threads(2), many, size},
