@@ -26,7 +26,7 @@ class Halves {
         for (std::size_t t = side; t < mesh.groups.size(); t += 2) groups_[side].push_back(mesh.groups[t]);
         mesh.groups = groups_[side];
         TriangleView& t = mesh.triangles;
-        t.data = static_cast<const char*>(t.data) + static_cast<std::int64_t>(side) * t.row_stride;
+        if (t.rows > 0) t.data = static_cast<const char*>(t.data) + static_cast<std::int64_t>(side) * t.row_stride;
         t.rows = (t.rows + 1 - static_cast<std::int64_t>(side)) / 2;
         t.row_stride *= 2;
     }

@@ -60,7 +60,7 @@ MovingSoup<Scalar> with_lists(const MovingSoup<Scalar>& from, unsigned seed) {
     soup.triangles.resize(soup.triangles.size() * (seed % 3) / 3);
     const auto n = static_cast<std::int32_t>(from.start.size());
     if (seed % 5 > 0 && n > 0) soup.edges = some_edges(draw, soup, seed % 5 == 4 ? 1 : 0.5);
-    if (seed % 5 == 2) soup.edges->resize(soup.edges->size() / 4);
+    if (seed % 5 == 2 && soup.edges) soup.edges->resize(soup.edges->size() / 4);
     const unsigned kind = seed / 3 % 4;
     if (kind == 1) soup.points = some_points(draw, soup);
     if (kind == 2) {
