@@ -15,7 +15,7 @@
 namespace crumple {
 
 struct Detector::Implementation : WorldCalls {
-    using WorldCalls::find, WorldCalls::stream, WorldCalls::WorldCalls;
+    using WorldCalls::find, WorldCalls::partition, WorldCalls::stream, WorldCalls::WorldCalls;
 
     // Runs `work` on the prepared scene, or on_device() where the meshes lie on a device; a detector that throws holds
     // an empty result and no kept memory.
@@ -34,7 +34,10 @@ struct Detector::Implementation : WorldCalls {
         try {
             cancellation.check();
             check_query(a, b, query);
-            if (part) check_part(*part);
+            if (part) {
+                check_part(*part);
+                check(!part->features, "the part was made for a question about features");
+            }
             std::int64_t kept = meter.used;
             try {
                 try {
@@ -239,6 +242,9 @@ const Impacts& Detector::find_impacts(const MeshView& mesh, const VertexView& en
                                       std::stop_token stop) {
     return implementation_->find_impacts(mesh, end, question, std::move(stop));
 }
+const Impacts& Detector::find_impacts(const Part& part, const Motion& question, std::stop_token stop) {
+    return implementation_->find_impacts(part, question, std::move(stop));
+}
 FirstImpact Detector::time_of_first_impact(const MeshView& mesh, const VertexView& end, const Motion& question,
                                            std::stop_token stop) {
     Motion asked = question;
@@ -255,6 +261,9 @@ const Nearby& Detector::find_near(const World& world, const Near& question, std:
 }
 const Nearby& Detector::find_near(const MeshView& mesh, const Near& question, std::stop_token stop) {
     return implementation_->find_near(mesh, question, std::move(stop));
+}
+const Nearby& Detector::find_near(const Part& part, const Near& question, std::stop_token stop) {
+    return implementation_->find_near(part, question, std::move(stop));
 }
 const CandidateLists& Detector::find_candidates(const World& world, const CandidateQuestion& question,
                                                 std::stop_token stop) {
@@ -320,6 +329,13 @@ std::vector<Part> Detector::partition(const MeshView& mesh, int count, std::stop
 }
 std::vector<Part> Detector::partition(const MeshView& a, const MeshView& b, int count, std::stop_token stop) {
     return implementation_->partition(a, &b, count, std::move(stop));
+}
+std::vector<Part> Detector::partition(const MeshView& mesh, const VertexView& end, const Motion& question, int count,
+                                      std::stop_token stop) {
+    return implementation_->partition(mesh, end, question, count, std::move(stop));
+}
+std::vector<Part> Detector::partition(const MeshView& mesh, const Near& question, int count, std::stop_token stop) {
+    return implementation_->partition(mesh, question, count, std::move(stop));
 }
 void Detector::launch_self(const MeshView& mesh, const Query& query) { implementation_->launch(mesh, nullptr, query); }
 void Detector::launch_between(const MeshView& a, const MeshView& b, const Query& query) {

@@ -5,6 +5,7 @@
 #include "base/stopwatch.h"
 #include "engine/reference/nearest.h"
 #include "engine/reference/worlds.h"
+#include "model/part_centres.h"
 
 namespace crumple {
 
@@ -46,6 +47,39 @@ const Answer& WorldCalls::find_features(const World& world, const Question& ques
     answer.statistics.peak_memory_bytes = meter.peak;
     answer.statistics.milliseconds = watch.lap();
     return answer;
+}
+
+template <class Question, class Answer>
+const Answer& WorldCalls::find_features(const Part& part, const Question& question, Answer& answer,
+                                        std::stop_token stop) {
+    Stopwatch watch;
+    bool frugal = false;
+    const auto attempt = [&] {
+        check(working != Backend::cuda, "parts of features need the cpu backend (Options::backend)");
+        check_question(question, false);
+        features.find(*backend, part, question, frugal, answer);
+    };
+    within_limit(
+        std::move(stop), attempt, [&] { return frugal = true; }, [&] { return peak_of(attempt); });
+    answer.statistics.peak_memory_bytes = meter.peak;
+    answer.statistics.milliseconds = watch.lap();
+    return answer;
+}
+
+template <class Question>
+std::vector<Part> WorldCalls::partition_shape(const Shape& shape, const Question& question, int count,
+                                              std::stop_token stop) {
+    std::vector<Part> parts;
+    const Body body;
+    const World world{{&shape, 1}, {&body, 1}, {}, {}};
+    const auto attempt = [&] {
+        check(count >= 1 && count <= max_parts, "the number of parts must be 1 to 262144");
+        check_question(question, false);
+        parts = features.partition(*backend, world, question, count);
+    };
+    within_limit(
+        std::move(stop), attempt, [] { return true; }, [&] { return peak_of(attempt); });
+    return parts;
 }
 
 // Under a limit from the start as with nothing kept: a call that has handed over blocks cannot begin again.
@@ -154,6 +188,19 @@ const CandidateLists& WorldCalls::find_candidates(const MeshView& mesh, const Ve
     const Shape shape = end ? moving_shape(mesh, *end) : host_shape(mesh);
     const Body body;
     return find_features({{&shape, 1}, {&body, 1}, {}, {}}, question, false, candidates, std::move(stop));
+}
+const Impacts& WorldCalls::find_impacts(const Part& part, const Motion& question, std::stop_token stop) {
+    return find_features(part, question, impacts, std::move(stop));
+}
+const Nearby& WorldCalls::find_near(const Part& part, const Near& question, std::stop_token stop) {
+    return find_features(part, question, nearby, std::move(stop));
+}
+std::vector<Part> WorldCalls::partition(const MeshView& mesh, const VertexView& end, const Motion& question, int count,
+                                        std::stop_token stop) {
+    return partition_shape(moving_shape(mesh, end), question, count, std::move(stop));
+}
+std::vector<Part> WorldCalls::partition(const MeshView& mesh, const Near& question, int count, std::stop_token stop) {
+    return partition_shape(with_radii_and_rest(host_shape(mesh), question), question, count, std::move(stop));
 }
 Shape WorldCalls::with_radii_and_rest(Shape shape, const Near& question) {
     shape.radii = question.radii;

@@ -27,6 +27,12 @@ struct WorldCalls : DetectorState {
     const Nearby& find_near(const World& world, const Near& question, std::stop_token stop);
     const Nearby& find_near(const MeshView& mesh, const Near& question, std::stop_token stop);
     const CandidateLists& find_candidates(const World& world, const CandidateQuestion& question, std::stop_token stop);
+    std::vector<Part> partition(const MeshView& mesh, const VertexView& end, const Motion& question, int count,
+                                std::stop_token stop);
+    std::vector<Part> partition(const MeshView& mesh, const Near& question, int count, std::stop_token stop);
+    const Impacts& find_impacts(const Part& part, const Motion& question, std::stop_token stop);
+    const Nearby& find_near(const Part& part, const Near& question, std::stop_token stop);
+
     /// `end`: null at rest.
     const CandidateLists& find_candidates(const MeshView& mesh, const VertexView* end,
                                           const CandidateQuestion& question, std::stop_token stop);
@@ -52,6 +58,10 @@ struct WorldCalls : DetectorState {
     template <class Question, class Answer>
     const Answer& find_features(const World& world, const Question& question, bool bodies, Answer& answer,
                                 std::stop_token stop);
+    template <class Question>
+    std::vector<Part> partition_shape(const Shape& shape, const Question& question, int count, std::stop_token stop);
+    template <class Question, class Answer>
+    const Answer& find_features(const Part& part, const Question& question, Answer& answer, std::stop_token stop);
     template <class Question, class Answer>
     Statistics stream_features(const World& world, const Question& question, bool bodies,
                                const FeatureBlocks<Answer>& blocks, Answer& answer, std::stop_token stop);

@@ -13,6 +13,7 @@
 #include "crumple/function_ref.h"
 #include "crumple/motion.h"
 #include "crumple/near.h"
+#include "crumple/part.h"
 #include "model/rest_shape.h"
 #include "model/rules.h"
 #include "model/scene.h"
@@ -36,6 +37,7 @@ struct FeatureQuery {
     std::span<const double> radii = {};  ///< Near::radii of the scene's vertices; empty: `distance` is asked for
     const VertexRings* rings = nullptr;  ///< neighbours that have no vertex in common; null: there are none
     const RestShape* rest = nullptr;     ///< null: there is none
+    const Part* part = nullptr;          ///< what the scene is made of, whose pairs are asked for; null: all
 };
 
 /// What a list's features are.

@@ -31,6 +31,7 @@ FeatureSearch::FeatureSearch(MemoryMeter& meter, Cancellation& cancellation)
       scene_(&meter),
       lists_(&meter),
       buffers_(&meter),
+      class_of_(&meter),
       features_(&meter),
       near_input_(&meter),
       found_(&meter),
@@ -46,6 +47,7 @@ void FeatureSearch::release() {
     scene_ = WorldScene(&meter_);
     lists_ = JoinedLists(&meter_);
     buffers_ = SceneBuffers(&meter_);
+    class_of_.release();
     features_.release();
     near_input_.release();
     found_ = FeatureAnswer(&meter_);

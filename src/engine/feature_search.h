@@ -16,6 +16,7 @@
 #include "engine/triangle_impacts.h"
 #include "engine/world_scene.h"
 #include "model/body_rules.h"
+#include "model/feature_part.h"
 #include "model/rules.h"
 #include "model/scene_features.h"
 #include "model/world.h"
@@ -46,10 +47,20 @@ class FeatureSearch {
     void stream(BackendBase& backend, const World& world, const Question& question, bool bodies, bool frugal,
                 const FeatureBlocks<Answer>& blocks, Answer& answer);
 
+    /// Cuts the mesh that is the only body of a world into parts that are asked this question.
+    template <class Question>
+    std::vector<Part> partition(BackendBase& backend, const World& world, const Question& question, int count);
+
+    /// What a part owns of the answer, by the ids of the mesh that it was cut from.
+    template <class Question, class Answer>
+    void find(BackendBase& backend, const Part& part, const Question& question, bool frugal, Answer& answer);
+
     /// Gives all memory back.
     void release();
 
    private:
+    Scene prepare_part(BackendBase& backend, const Part& part, const Rules& rules);
+
     template <class Question, class Answer>
     void search(BackendBase& backend, const World& world, const Question& question, Answer& answer);
     template <class Question, class Answer>
@@ -109,6 +120,7 @@ class FeatureSearch {
     WorldScene scene_;
     JoinedLists lists_;
     SceneBuffers buffers_;
+    Array<std::int32_t> class_of_;  ///< of each triangle of a part
     SceneFeatures features_;
     NearInput near_input_;
     FeatureAnswer found_;

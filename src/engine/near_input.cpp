@@ -18,8 +18,9 @@ void check_count(const std::string& which, const char* what, std::int64_t given,
                                                      std::to_string(vertices) + " vertices");
 }
 
-void check_radii(const std::string& which, std::span<const double> radii, std::int64_t vertices) {
-    check_count(which, " radii", static_cast<std::int64_t>(radii.size()), vertices);
+}  // namespace
+
+void check_radii(const std::string& which, std::span<const double> radii) {
     const auto wrong =
         std::find_if_not(radii.begin(), radii.end(), [](double r) { return r >= 0 && std::isfinite(r); });
     if (wrong == radii.end()) return;
@@ -28,6 +29,8 @@ void check_radii(const std::string& which, std::span<const double> radii, std::i
                 which + "the radius of vertex " + std::to_string(vertex) + " must be finite and 0 or more",
                 Element::vertex, vertex);
 }
+
+namespace {
 
 VertexReader reader_at_rest(const Shape& shape) {
     return {static_cast<const std::byte*>(shape.rest.data), shape.rest.row_stride, shape.rest.column_stride,
@@ -61,7 +64,11 @@ void NearInput::begin(const WorldOutline& outline, const Near& question, bool bo
     const auto& shapes = outline.world().shapes;
     for (std::size_t s = 0; s < shapes.size(); ++s) {
         const Shape& shape = shapes[s];
-        if (!shape.radii.empty()) check_radii(name_of(s, bodies), shape.radii, shape.vertices.rows);
+        if (!shape.radii.empty()) {
+            check_count(name_of(s, bodies), " radii", static_cast<std::int64_t>(shape.radii.size()),
+                        shape.vertices.rows);
+            check_radii(name_of(s, bodies), shape.radii);
+        }
         if (has_rest(shape)) check_rest(name_of(s, bodies), shape, workers, buffers);
         any_radii_ = any_radii_ || !shape.radii.empty();
         any_rest_ = any_rest_ || has_rest(shape);

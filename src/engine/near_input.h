@@ -4,6 +4,7 @@
 // have it; a scene of several bodies gets it one body after the other.
 
 #include <span>
+#include <string>
 
 #include "base/cancellation.h"
 #include "crumple/array.h"
@@ -16,6 +17,9 @@
 #include "model/world.h"
 
 namespace crumple {
+
+/// Throws Error (invalid_argument) that names the first radius, after `which`, that is none.
+void check_radii(const std::string& which, std::span<const double> radii);
 
 class NearInput {
    public:

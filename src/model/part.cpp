@@ -68,12 +68,8 @@ PartMesh copy_mesh(const Scene& scene, std::size_t side, std::span<const std::in
                                       : copy_mesh<double>(scene, side, ids, hash);
 }
 
-// `slices`: the members among the scene's triangles, in order.
-Part copy_part(const Scene& scene, std::vector<PartLevel> levels, std::size_t k, std::span<const PartMembers> slices,
-               const SeededHash& hash) {
-    Part part;
-    part.index = static_cast<std::int32_t>(k);
-    part.levels = std::move(levels);
+// `slices`: the members among the scene's triangles, in order. Returns the ids of those of part k.
+std::vector<std::int32_t> join_members(std::span<const PartMembers> slices, std::size_t k, Part& part) {
     const std::size_t depth = part.levels.size();
     std::size_t size = 0;
     for (const PartMembers& slice : slices) size += static_cast<std::size_t>(slice.first[k + 1] - slice.first[k]);
@@ -86,12 +82,7 @@ Part copy_part(const Scene& scene, std::vector<PartLevel> levels, std::size_t k,
         for (std::size_t i = begin; i < end; ++i)
             for (std::size_t l = 0; l < depth; ++l) part.levels[l].masks.push_back(slice.masks[depth * i + l]);
     }
-    const auto second = static_cast<std::size_t>(
-        std::partition_point(ids.begin(), ids.end(), [&](std::int32_t t) { return !scene.second(t); }) - ids.begin());
-    const std::span<const std::int32_t> all(ids);
-    part.mesh = copy_mesh(scene, 0, all.first(second), hash);
-    if (scene.between) part.second = copy_mesh(scene, 1, all.subspan(second), hash);
-    return part;
+    return ids;
 }
 
 }  // namespace
@@ -105,14 +96,14 @@ MeshView PartMesh::view() const {
         vertices);
 }
 
-PartMembers list_members(const Scene& scene, const PartTree& tree, int parts, std::int64_t begin, std::int64_t end) {
+PartMembers list_members(const PartTree& tree, int parts, BallOfTriangle ball, std::int64_t begin, std::int64_t end) {
     const auto depth = static_cast<std::size_t>(tree.depth);
     std::vector<std::int32_t> part, triangle;
     std::vector<std::uint64_t> masks;
     PartMembers members;
     members.first.assign(static_cast<std::size_t>(parts) + 1, 0);
     for (std::int64_t t = begin; t < end; ++t)
-        tree.for_each_part(scene.triangle(t), [&](std::int32_t k, const std::uint64_t* of_levels) {
+        tree.for_each_part(ball(t), [&](std::int32_t k, const std::uint64_t* of_levels) {
             ++members.first[static_cast<std::size_t>(k) + 1];
             part.push_back(k);
             triangle.push_back(static_cast<std::int32_t>(t));
@@ -132,6 +123,21 @@ PartMembers list_members(const Scene& scene, const PartTree& tree, int parts, st
 }
 
 std::vector<Part> make_parts(const Scene& scene, int count, ParallelFor& parallel) {
+    const Normaliser normalise(scene.low, scene.high);
+    const SeededHash hash;
+    const auto ball = [&](std::int64_t t) { return PartBall(scene.triangle(t), normalise); };
+    const auto copy = [&](std::span<const std::int32_t> ids, Part& part) {
+        const auto second = static_cast<std::size_t>(
+            std::partition_point(ids.begin(), ids.end(), [&](std::int32_t t) { return !scene.second(t); }) -
+            ids.begin());
+        part.mesh = copy_mesh(scene, 0, ids.first(second), hash);
+        if (scene.between) part.second = copy_mesh(scene, 1, ids.subspan(second), hash);
+    };
+    return make_parts(scene, count, parallel, ball, copy);
+}
+
+std::vector<Part> make_parts(const Scene& scene, int count, ParallelFor& parallel, BallOfTriangle ball,
+                             FunctionRef<void(std::span<const std::int32_t> ids, Part& part)> copy) {
     const PartCentres centres = place_parts(scene, count, parallel);
     const PartTree tree = centres.tree();
 
@@ -141,13 +147,15 @@ std::vector<Part> make_parts(const Scene& scene, int count, ParallelFor& paralle
     std::vector<PartMembers> slices(static_cast<std::size_t>(slice_count));
     parallel.parallel_for(slices.size(), [&](std::size_t s) {
         const auto i = static_cast<std::int64_t>(s);
-        slices[s] = list_members(scene, tree, count, i * n / slice_count, (i + 1) * n / slice_count);
+        slices[s] = list_members(tree, count, ball, i * n / slice_count, (i + 1) * n / slice_count);
     });
-    const SeededHash hash;
     std::vector<Part> parts(static_cast<std::size_t>(count));
     parallel.parallel_for(parts.size(), [&](std::size_t k) {
-        parts[k] = copy_part(scene, centres.path(static_cast<std::int32_t>(k)), k, slices, hash);
-        parts[k].count = count;
+        Part& part = parts[k];
+        part.index = static_cast<std::int32_t>(k);
+        part.count = count;
+        part.levels = centres.path(part.index);
+        copy(join_members(slices, k, part), part);
     });
     return parts;
 }

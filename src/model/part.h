@@ -8,6 +8,7 @@
 
 #include "base/parallel_for.h"
 #include "crumple/collisions.h"
+#include "crumple/function_ref.h"
 #include "crumple/part.h"
 #include "model/part_tree.h"
 #include "model/scene.h"
@@ -21,11 +22,19 @@ struct PartMembers {
     std::vector<std::uint64_t> masks;    ///< one a level for each member
 };
 
+/// What membership knows of a triangle.
+using BallOfTriangle = FunctionRef<PartBall(std::int64_t triangle)>;
+
 /// Members among triangles [begin, end). Looks at no other triangle: the tree knows all else.
-PartMembers list_members(const Scene& scene, const PartTree& tree, int parts, std::int64_t begin, std::int64_t end);
+PartMembers list_members(const PartTree& tree, int parts, BallOfTriangle ball, std::int64_t begin, std::int64_t end);
 
 /// Cuts a scene into `count` parts; depends only on the scene and the count.
 std::vector<Part> make_parts(const Scene& scene, int count, ParallelFor& parallel);
+
+/// The same where triangles belong to parts by other balls. copy(ids, part) copies the triangles of these ids,
+/// ascending, into a part that has its levels; on all threads.
+std::vector<Part> make_parts(const Scene& scene, int count, ParallelFor& parallel, BallOfTriangle ball,
+                             FunctionRef<void(std::span<const std::int32_t> ids, Part& part)> copy);
 
 /// Throws Error (invalid_argument) if the part is none that make_parts() could have made, as far as that shows without
 /// a look at its vertices.

@@ -15,6 +15,7 @@
 #include <bit>
 #include <cstdint>
 
+#include "geometry/inflation.h"
 #include "geometry/normaliser.h"
 #include "geometry/triangle.h"
 #include "model/fuzzy_c_means.h"
@@ -33,6 +34,21 @@ struct PartBall {
         double r2 = 0;
         for (const Vec3d& corner : p) r2 = max(r2, dot(corner - centre, corner - centre));
         radius = std::sqrt(r2);
+    }
+
+    /// The same all the way from the start to the end of a step, widened by `half`, and by `of_way` times the longest
+    /// way of a corner (inflation.h).
+    CRUMPLE_HD PartBall(const Triangle& start, const Vec3d (&end)[3], double half, double of_way,
+                        const Normaliser& normalise) {
+        Vec3d p[6];
+        centre = {0, 0, 0};
+        for (int k = 0; k < 3; ++k) p[k] = normalise(start.point[k]), p[3 + k] = normalise(end[k]);
+        for (const Vec3d& corner : p) centre = centre + corner;
+        centre = (1.0 / 6.0) * centre;
+        double r2 = 0, way2 = 0;
+        for (const Vec3d& corner : p) r2 = max(r2, dot(corner - centre, corner - centre));
+        for (int k = 0; k < 3; ++k) way2 = max(way2, dot(p[3 + k] - p[k], p[3 + k] - p[k]));
+        radius = std::sqrt(r2) + min(double{farthest}, half + of_way * std::sqrt(way2));
     }
 };
 
@@ -86,8 +102,7 @@ struct PartTree {
 
     /// Calls visit(part, masks) for each part that the triangle belongs to, by ascending part, with one mask a level.
     template <class Visit>
-    CRUMPLE_HD void for_each_part(const Triangle& triangle, Visit visit) const {
-        const PartBall ball(triangle, normalise);
+    CRUMPLE_HD void for_each_part(const PartBall& ball, Visit visit) const {
         std::uint64_t masks[max_levels];
         std::int32_t node[max_levels] = {}, next[max_levels] = {};  // the next child to look at
         int l = 0;

@@ -77,6 +77,7 @@ void SceneFeatures::prepare(const Scene& scene, bool weld, ParallelFor& workers,
     check_number(scene, listed);
     if (!known(scene, listed)) {
         vertices_ = -1;  // should memory end half-way
+        adopted_ = false;
         faces_ = scene.triangle_count();
         corners_.resize_discard(static_cast<std::size_t>(3 * faces_));
         std::copy_n(scene.corners, corners_.size(), corners_.data());
@@ -108,9 +109,34 @@ void SceneFeatures::prepare(const Scene& scene, bool weld, ParallelFor& workers,
 }
 
 bool SceneFeatures::known(const Scene& scene, const ListedFeatures& listed) const {
-    return vertices_ == scene.vertex_count() && faces_ == scene.triangle_count() &&
+    return !adopted_ && vertices_ == scene.vertex_count() && faces_ == scene.triangle_count() &&
            same(corners_, static_cast<std::size_t>(3 * faces_), scene.corners) &&
            same(edges_, lists_edges_, listed.edges) && same(points_, lists_points_, listed.points);
+}
+
+void SceneFeatures::adopt(const Part& part) {
+    const PartFeatures& given = *part.features;
+    const auto copy = [](const auto& from, auto& to) {
+        to.resize_discard(from.size());
+        std::copy(from.begin(), from.end(), to.begin());
+    };
+    vertices_ = -1;
+    adopted_ = true;
+    lone_edges_ = false;  // neighbours are given
+    copy(given.edge_ends, edges_);
+    copy(given.edges_of, edges_of_);
+    copy(given.owned, owned_);
+    copy(given.names, names_);
+    copy(part.mesh.corners, corners_);
+    copy(given.point_vertices, points_);
+    copy(given.points_of, points_of_);
+    face_of_carrier_.assign(given.of_no_face.size(), -1);
+    neighbours_.resize_discard(given.joined.size());
+    for (std::size_t v = 0; v < given.joined.size(); ++v)
+        neighbours_[v] = {given.joined[v][0], given.joined[v][1], given.joined[v][2] != 0};
+    lists_points_ = given.lists_points;
+    faces_ = given.faces;
+    vertices_ = static_cast<std::int64_t>(given.vertices.size());
 }
 
 // A counting sort of all sides, and listed edges behind them, by their lower vertex; then those of each by the other.
@@ -118,8 +144,9 @@ void SceneFeatures::sort_sides(const Scene& scene, ParallelFor& workers) {
     const std::int64_t sides = 3 * faces_, vertices = scene.vertex_count();
     const std::int64_t slots = sides + static_cast<std::int64_t>(edges_.size());
     const auto ends = [&](std::int64_t slot) {
-        const std::int32_t* c = corners_.data() + slot / 3 * 3;
-        const Edge e = slot < sides ? Edge{c[slot % 3], c[(slot + 1) % 3]} : edges_[slot - sides];
+        const std::int64_t t = slot / 3 * 3;
+        const Edge e =
+            slot < sides ? Edge{corners_[t + slot % 3], corners_[t + (slot + 1) % 3]} : edges_[slot - sides];
         return std::pair(std::min(e.a, e.b), std::max(e.a, e.b));
     };
     first_.assign(static_cast<std::size_t>(vertices) + 2, 0);

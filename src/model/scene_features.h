@@ -22,6 +22,7 @@
 #include "base/parallel_for.h"
 #include "crumple/array.h"
 #include "crumple/features.h"
+#include "crumple/part.h"
 #include "model/scene.h"
 
 namespace crumple {
@@ -46,6 +47,9 @@ class SceneFeatures {
     /// it costs a comparison; else O(triangles, edges, points), mostly on all threads. `weld`: vertices at equal
     /// positions, at the start and at the end, count as one for incident().
     void prepare(const Scene& scene, bool weld, ParallelFor& workers, const ListedFeatures& listed = {});
+
+    /// What a part that was checked says of its triangles and carriers, in place of prepare().
+    void adopt(const Part& part);
 
     /// Of each triangle and each carrier; edges are by their place in edges().
     const Array<Edge>& edges() const { return edges_; }
@@ -95,17 +99,19 @@ class SceneFeatures {
     /// Gives all memory back.
     void release();
 
-   private:
-    struct Side {
-        std::int32_t other;  ///< its greater vertex
-        std::int32_t slot;   ///< 3 times its triangle, and which side of it; behind these listed edges
-    };
     /// The other ends of a vertex's edges, by name: up to two that differ, -1 for none.
     struct Neighbours {
         std::int32_t first = -1, second = -1;
         bool more = false;
     };
+    bool knows_neighbours() const { return !neighbours_.empty(); }  ///< there are lone edges
+    const Neighbours& neighbours(std::int32_t vertex) const { return neighbours_[vertex]; }
 
+   private:
+    struct Side {
+        std::int32_t other;  ///< its greater vertex
+        std::int32_t slot;   ///< 3 times its triangle, and which side of it; behind these listed edges
+    };
     bool known(const Scene& scene, const ListedFeatures& listed) const;
     void sort_sides(const Scene& scene, ParallelFor& workers);
     void make_edges(ParallelFor& workers);
@@ -138,7 +144,7 @@ class SceneFeatures {
     Array<std::uint8_t> owned_;
     Array<std::int32_t> names_, corners_;  ///< corners: for which the rest is known
     std::int64_t vertices_ = -1, faces_ = 0;
-    bool lists_edges_ = false, lists_points_ = false, lone_edges_ = false;
+    bool lists_edges_ = false, lists_points_ = false, lone_edges_ = false, adopted_ = false;
     Array<std::int32_t> points_;                    ///< as listed
     Array<std::array<std::int32_t, 3>> points_of_;  ///< by corner; empty: as vertices
     Array<std::int32_t> face_of_carrier_;

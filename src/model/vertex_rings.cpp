@@ -25,6 +25,15 @@ void VertexRings::release() {
     vertices_ = -1;
 }
 
+void VertexRings::adopt(const PartFeatures& part) {
+    vertices_ = -1;
+    rings_ = part.rings;
+    first_.resize_discard(part.first_ring.size());
+    std::copy(part.first_ring.begin(), part.first_ring.end(), first_.begin());
+    of_.resize_discard(part.ring.size());
+    std::copy(part.ring.begin(), part.ring.end(), of_.begin());
+}
+
 bool VertexRings::known(const SceneFeatures& features, std::int64_t vertices, std::int32_t rings) const {
     return vertices_ == vertices && rings_ == rings && same(corners_.span(), corners_of(features)) &&
            same(names_.span(), features.names().span());

@@ -27,6 +27,9 @@ class VertexRings {
     void prepare(const SceneFeatures& features, std::int64_t vertices, std::int32_t rings, ParallelFor& workers,
                  Cancellation& cancellation);
 
+    /// Those that a part knows, checked, in place of prepare().
+    void adopt(const PartFeatures& part);
+
     std::int32_t rings() const { return rings_; }
     /// The others within so many edges of a name.
     std::span<const std::int32_t> about(std::int32_t name) const {

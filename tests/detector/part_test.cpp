@@ -212,7 +212,8 @@ TEST(Part, members_are_found_from_any_slice) {
                                soup.triangles.begin() + std::min<std::int64_t>(begin + 50, 500)};
             SceneBuffers own;
             const Scene slice = prepare_scene(alone.view(), nullptr, false, serial, own);
-            const PartMembers members = list_members(slice, tree, count, 0, slice.triangle_count());
+            const auto ball = [&](std::int64_t t) { return PartBall(slice.triangle(t), tree.normalise); };
+            const PartMembers members = list_members(tree, count, ball, 0, slice.triangle_count());
             std::size_t listed = 0;
             for (std::size_t k = 0; k < parts.size(); ++k) {
                 const Part& part = parts[k];

@@ -166,14 +166,14 @@ class CpuBackend final : public BackendBase {
                 k.leaves,
                 k.output};
     }
-    Call make_call(const Scene& scene, const GroupRule& rule, LeafQuestion& question) {
-        return {scene, rule,          Levels(nullptr), options_,       kernels_,    workers_,
-                *this, cancellation_, meter_,          kept_->buffers, statistics_, question};
+    Call make_call(const Scene& scene, const GroupRule& rule, LeafQuestion& question, const Part* part = nullptr) {
+        return {scene, rule,          Levels(part), options_,       kernels_,    workers_,
+                *this, cancellation_, meter_,       kept_->buffers, statistics_, question};
     }
     Call make_call(const Scene& scene, const FeatureQuery& query) {
         FeatureBuffers& features = kept_->features;
         LeafQuestion& question = scene.moving ? static_cast<LeafQuestion&>(features.moving) : features.at_rest;
-        Call call = make_call(scene, query.rule, question);
+        Call call = make_call(scene, query.rule, question, query.part);
         call.frugal = query.frugal;
         call.inflation = query.radii.empty() ? inflation_of(scene, query)
                                              : inflation_of_radii(scene, query.radii, workers_, features);

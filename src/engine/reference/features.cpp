@@ -4,6 +4,7 @@
 #include <set>
 #include <vector>
 
+#include "model/levels.h"
 #include "questions/features/points.h"
 #include "questions/motion/rational_impact.h"
 #include "questions/motion/rational_separation.h"
@@ -22,7 +23,8 @@ struct Feature {
     std::set<std::int32_t> names;
     Vec3d low, high;  ///< box of its way
     double radius = 0;
-    bool lone = true;  ///< on no face; a vertex: and on no edge
+    bool lone = true;         ///< on no face; a vertex: and on no edge
+    std::int32_t owner = -1;  ///< within a part
 };
 
 using Ends = std::pair<std::int32_t, std::int32_t>;
@@ -34,6 +36,10 @@ class Everything {
     std::vector<Feature> vertices, edges, faces;
 
     Everything(const Scene& scene, const FeatureQuery& query) : scene_(scene), query_(query) {
+        if (query.part) {
+            read_part();
+            return;
+        }
         for (std::int32_t t = 0; t < query.features.faces(); ++t) {
             const std::int32_t* c = scene.corners + 3 * std::int64_t{t};
             faces.push_back(feature({c[0], c[1], c[2]}, t, t));
@@ -56,6 +62,8 @@ class Everything {
 
     /// Whether some edge of the vertex has no vertex in common with this one.
     bool has_edge_apart(const Feature& vertex, const Feature& edge) const {
+        if (query_.part)
+            return query_.features.has_edge_apart(vertex.vertices[0], {edge.vertices[0], edge.vertices[1]});
         const auto at = edges_of_vertex_.find(vertex.vertices[0]);
         if (at == edges_of_vertex_.end()) return false;
         return std::any_of(at->second.begin(), at->second.end(),
@@ -82,6 +90,29 @@ class Everything {
             if (!query_.radii.empty()) f.radius = std::max(f.radius, query_.radii[static_cast<std::size_t>(v)]);
         }
         return f;
+    }
+    // What the part's triangles own, who may not be the lowest that name it here.
+    void read_part() {
+        const SceneFeatures& features = query_.features;
+        const auto add = [&](std::vector<Feature>& list, Points vertices, std::int32_t index, std::int32_t owner,
+                             bool lone) {
+            list.push_back(feature(std::move(vertices), index, owner));
+            list.back().lone = lone;
+            list.back().owner = owner;
+        };
+        for (std::int32_t t = 0; t < scene_.triangle_count(); ++t) {
+            const std::int32_t* c = scene_.corners + 3 * std::int64_t{t};
+            const std::uint8_t owned = features.owned(t);
+            if (t < features.faces()) add(faces, {c[0], c[1], c[2]}, t, t, false);
+            for (int k = 0; k < 3; ++k) {
+                if (owned >> k & 1) add(vertices, {c[k]}, features.point_of(t, k), t, owned & lone_point);
+                if (!(owned >> (3 + k) & 1)) continue;
+                const std::int32_t e = features.edges_of(t)[static_cast<std::size_t>(k)];
+                add(edges, {features.edges()[e].a, features.edges()[e].b}, e, t, owned & lone_edge);
+            }
+        }
+        for (auto* list : {&vertices, &edges})
+            std::sort(list->begin(), list->end(), [](const Feature& f, const Feature& g) { return f.index < g.index; });
     }
     void add_edge(const Ends& ends) {
         const auto face = face_of_edge_.find(ends);
@@ -137,7 +168,7 @@ class Search {
 
     void run() {
         const Everything all(scene_, query_);
-        next_ = next_of(all);
+        if (!query_.part) next_ = next_of(all);
         for (const Feature& v : all.vertices)
             for (const Feature& f : all.faces) test(FeatureKind::vertex_face, v, f);
         for (std::size_t i = 0; i < all.edges.size(); ++i)
@@ -156,7 +187,9 @@ class Search {
     void test(FeatureKind kind, const Feature& a, const Feature& b) {
         if (query_.extent == Extent::any && answer_.any) return;
         if (far(a, b)) return;
-        if (joined(next_, a.names, b.names, query_.rings ? query_.rings->rings() : 0)) return;
+        if (query_.part ? close_within_part(a, b)
+                        : joined(next_, a.names, b.names, query_.rings ? query_.rings->rings() : 0))
+            return;
         if (!query_.rule(a.group, b.group)) return;
         cancellation_.check();
         ++answer_.statistics.rational_tests;
@@ -173,6 +206,16 @@ class Search {
         rows.pairs.push_back(pair);
         rows.value.push_back(row.value);
         rows.flag.push_back(row.flag);
+    }
+
+    // Neighbours, or those of another part.
+    bool close_within_part(const Feature& a, const Feature& b) const {
+        if (Everything::incident(a, b) || a.owner == b.owner || !levels_.own(a.owner, b.owner)) return true;
+        if (!query_.rings) return false;
+        return std::any_of(a.names.begin(), a.names.end(), [&](std::int32_t v) {
+            return std::any_of(b.names.begin(), b.names.end(),
+                               [&](std::int32_t w) { return query_.rings->joined(v, w); });
+        });
     }
 
     // Certain: a difference of numbers is rounded by less than the factor.
@@ -248,6 +291,7 @@ class Search {
     Cancellation& cancellation_;
     FeatureAnswer& answer_;
     const FeatureSink* sink_;
+    const Levels levels_{query_.part};
     Next next_;
 };
 

@@ -1,0 +1,291 @@
+#include "model/feature_part.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+#include <variant>
+
+#include "crumple/error.h"
+#include "geometry/inflation.h"
+#include "model/part.h"
+
+namespace crumple {
+namespace {
+
+// Of a neighbour that is not in the part: no vertex of the part is it.
+constexpr std::int32_t elsewhere = std::numeric_limits<std::int32_t>::max();
+
+void sort_and_unique(std::vector<std::int32_t>& ids) {
+    std::sort(ids.begin(), ids.end());
+    ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+}
+// The position of an id in an ascending list, or -1.
+std::int32_t position_of(const std::vector<std::int32_t>& ids, std::int32_t id) {
+    const auto at = std::lower_bound(ids.begin(), ids.end(), id);
+    return at != ids.end() && *at == id ? static_cast<std::int32_t>(at - ids.begin()) : -1;
+}
+
+std::variant<std::vector<float>, std::vector<double>> copy_positions(const VertexReader& reader,
+                                                                     const std::vector<std::int32_t>& vertices) {
+    const auto copy = [&](auto scalar) {
+        std::vector<decltype(scalar)> xyz;
+        xyz.reserve(3 * vertices.size());
+        for (const std::int32_t v : vertices) {
+            const Vec3d p = reader(v);
+            for (int axis = 0; axis < 3; ++axis) xyz.push_back(static_cast<decltype(scalar)>(p[axis]));
+        }
+        return std::variant<std::vector<float>, std::vector<double>>(std::move(xyz));
+    };
+    return reader.float32 ? copy(float()) : copy(double());
+}
+
+class FeatureCopy {
+   public:
+    FeatureCopy(const Scene& scene, const SceneFeatures& features, const FeaturePartQuestion& question)
+        : scene_(scene), features_(features), question_(question) {}
+
+    void operator()(std::span<const std::int32_t> ids, Part& part) const {
+        PartFeatures& out = part.features.emplace();
+        out.moving = question_.moving;
+        out.distance = question_.distance;
+        out.share = question_.share;
+        out.weld = question_.weld;
+        out.faces =
+            std::partition_point(ids.begin(), ids.end(), [&](std::int32_t t) { return t < features_.faces(); }) -
+            ids.begin();
+        copy_triangles(ids, part.mesh, out);
+        copy_edges(ids, out);
+        copy_points(ids, out);
+        copy_vertices(out);
+        if (question_.rings) copy_rings(out);
+    }
+
+   private:
+    void copy_triangles(std::span<const std::int32_t> ids, PartMesh& mesh, PartFeatures& out) const {
+        for (const std::int32_t t : ids) out.vertices.insert(out.vertices.end(), corners(t), corners(t) + 3);
+        sort_and_unique(out.vertices);
+        mesh.ids.assign(ids.begin(), ids.end());
+        mesh.corners.reserve(3 * ids.size());
+        out.owned.reserve(ids.size());
+        for (const std::int32_t t : ids) {
+            for (int k = 0; k < 3; ++k) mesh.corners.push_back(position_of(out.vertices, corners(t)[k]));
+            out.owned.push_back(features_.owned(t));
+            const std::int64_t carrier = t - features_.faces();
+            const std::int32_t face = carrier < 0 ? t : features_.face_of_carrier(carrier);
+            if (carrier >= 0) out.of_no_face.push_back(face < 0);
+            if (!question_.groups.empty())
+                mesh.groups.push_back(face < 0 ? 0 : question_.groups[static_cast<std::size_t>(face)]);
+        }
+        mesh.vertices = copy_positions(scene_.reader[0], out.vertices);
+        if (question_.moving) out.end = copy_positions(scene_.moving ? scene_.end : scene_.reader[0], out.vertices);
+    }
+
+    void copy_edges(std::span<const std::int32_t> ids, PartFeatures& out) const {
+        const auto owned_edge = [&](std::int32_t t, int k) {
+            return features_.owned(t) >> (3 + k) & 1 ? features_.edges_of(t)[static_cast<std::size_t>(k)] : -1;
+        };
+        for (const std::int32_t t : ids)
+            for (int k = 0; k < 3; ++k)
+                if (const std::int32_t e = owned_edge(t, k); e >= 0) out.edges.push_back(e);
+        sort_and_unique(out.edges);
+        for (const std::int32_t e : out.edges) {
+            const Edge& edge = features_.edges()[e];
+            out.edge_ends.push_back({position_of(out.vertices, edge.a), position_of(out.vertices, edge.b)});
+        }
+        out.edges_of.reserve(ids.size());
+        for (const std::int32_t t : ids)
+            out.edges_of.push_back({position_of(out.edges, owned_edge(t, 0)), position_of(out.edges, owned_edge(t, 1)),
+                                    position_of(out.edges, owned_edge(t, 2))});
+    }
+
+    void copy_points(std::span<const std::int32_t> ids, PartFeatures& out) const {
+        out.lists_points = features_.lists_points();
+        if (!out.lists_points) return;
+        const auto owned_point = [&](std::int32_t t, int k) {
+            return features_.owned(t) >> k & 1 ? features_.point_of(t, k) : -1;
+        };
+        for (const std::int32_t t : ids)
+            for (int k = 0; k < 3; ++k)
+                if (const std::int32_t p = owned_point(t, k); p >= 0) out.points.push_back(p);
+        sort_and_unique(out.points);
+        for (const std::int32_t p : out.points)
+            out.point_vertices.push_back(position_of(out.vertices, features_.vertex_of(p)));
+        for (const std::int32_t t : ids)
+            out.points_of.push_back({position_of(out.points, owned_point(t, 0)),
+                                     position_of(out.points, owned_point(t, 1)),
+                                     position_of(out.points, owned_point(t, 2))});
+    }
+
+    void copy_vertices(PartFeatures& out) const {
+        const FirstByName first = first_by_name(out);
+        if (features_.renames())
+            for (const std::int32_t v : out.vertices) out.names.push_back(named(first, features_.name(v)));
+        const auto neighbour = [&](std::int32_t name) {
+            const std::int32_t at = named(first, name);
+            return name < 0 || at >= 0 ? at : elsewhere;
+        };
+        for (const std::int32_t v : out.vertices) {
+            if (features_.knows_neighbours()) {
+                const auto [one, another, more] = features_.neighbours(v);
+                out.joined.push_back({neighbour(one), neighbour(another), more});
+            }
+            if (!question_.radii.empty()) out.radii.push_back(question_.radii[static_cast<std::size_t>(v)]);
+            if (!question_.rest) continue;
+            const Vec3d p = (*question_.rest)(v);
+            for (int axis = 0; axis < 3; ++axis) out.rest.push_back(p[axis]);
+        }
+    }
+
+    void copy_rings(PartFeatures& out) const {
+        const FirstByName first = first_by_name(out);
+        out.rings = question_.rings->rings();
+        out.first_ring.push_back(0);
+        for (const std::int32_t v : out.vertices) {
+            const auto begin = static_cast<std::ptrdiff_t>(out.ring.size());
+            for (const std::int32_t name : question_.rings->about(features_.name(v)))
+                if (const std::int32_t at = named(first, name); at >= 0) out.ring.push_back(at);
+            std::sort(out.ring.begin() + begin, out.ring.end());
+            out.first_ring.push_back(static_cast<std::int64_t>(out.ring.size()));
+        }
+    }
+
+    // By the name of each vertex of the part, ascending: the first vertex of that name. It is the name within the part.
+    using FirstByName = std::vector<std::pair<std::int32_t, std::int32_t>>;
+    FirstByName first_by_name(const PartFeatures& out) const {
+        FirstByName first;
+        first.reserve(out.vertices.size());
+        for (const std::int32_t v : out.vertices)
+            first.push_back({features_.name(v), static_cast<std::int32_t>(first.size())});
+        std::sort(first.begin(), first.end());
+        const auto same = [](const auto& a, const auto& b) { return a.first == b.first; };
+        first.erase(std::unique(first.begin(), first.end(), same), first.end());
+        return first;
+    }
+    static std::int32_t named(const FirstByName& first, std::int32_t name) {
+        const auto at = std::lower_bound(first.begin(), first.end(), std::pair(name, std::int32_t{0}));
+        return at != first.end() && at->first == name ? at->second : -1;
+    }
+
+    const std::int32_t* corners(std::int32_t t) const { return scene_.corners + 3 * std::int64_t{t}; }
+
+    const Scene& scene_;
+    const SceneFeatures& features_;
+    const FeaturePartQuestion& question_;
+};
+
+void check(bool holds, const char* message, Element element = Element::option, std::size_t index = 0) {
+    const std::int64_t at = element == Element::option ? -1 : static_cast<std::int64_t>(index);
+    if (!holds) throw Error(ErrorCode::invalid_argument, message, element, at);
+}
+template <class T>
+void check_ids(const std::vector<T>& ids, const char* message, Element element) {
+    T before = -1;
+    for (std::size_t i = 0; i < ids.size(); before = ids[i++]) check(ids[i] > before, message, element, i);
+}
+// Each entry of each row is a position in a list of `size`, or -1.
+void check_rows(const std::vector<std::array<std::int32_t, 3>>& rows, std::size_t size, const char* message) {
+    const auto most = static_cast<std::int64_t>(size);
+    for (std::size_t i = 0; i < rows.size(); ++i)
+        for (const std::int32_t at : rows[i]) check(at >= -1 && at < most, message, Element::triangle, i);
+}
+
+}  // namespace
+
+std::vector<Part> make_feature_parts(const Scene& scene, const SceneFeatures& features,
+                                     const FeaturePartQuestion& question, int count, ParallelFor& parallel) {
+    const Normaliser normalise(scene.low, scene.high);
+    // Rounded up; no more than what holds everything matters, or is finite.
+    const auto length = [&](double x) {
+        return min(double{farthest}, x * normalise.pre * normalise.post) * 1.0000001 + 1e-30;
+    };
+    const double half = question.distance > 0 ? length(question.distance) / 2 : 0;
+    const double of_way = question.share > 0 ? question.share / (1 - question.share) * 1.0000001 : 0;
+    const auto ball = [&](std::int64_t t) {
+        const std::int32_t* c = scene.corners + 3 * t;
+        const Vec3d end[3] = {scene.end_position(c[0]), scene.end_position(c[1]), scene.end_position(c[2])};
+        double widened = half;
+        if (!question.radii.empty())
+            for (int k = 0; k < 3; ++k)
+                widened = std::max(widened, length(question.radii[static_cast<std::size_t>(c[k])]));
+        return PartBall(scene.triangle(t), end, widened, of_way, normalise);
+    };
+    return make_parts(scene, count, parallel, ball, FeatureCopy(scene, features, question));
+}
+
+void check_feature_part(const Part& part) {
+    check(part.features.has_value() && !part.second, "the part was not made for a question about features");
+    check_part(part);
+    const PartFeatures& f = *part.features;
+    const std::size_t n = f.vertices.size(), m = part.mesh.ids.size();
+    const auto coordinates = [](const auto& xyz) { return std::visit([](const auto& v) { return v.size(); }, xyz); };
+    check(coordinates(part.mesh.vertices) == 3 * n, "a part must have an id for each of its vertices");
+    check(coordinates(f.end) == (f.moving ? 3 * n : 0), "a part must know where each of its vertices ends");
+    check(f.faces >= 0 && f.faces <= static_cast<std::int64_t>(m) &&
+              f.of_no_face.size() == m - static_cast<std::size_t>(f.faces),
+          "a part must know of each triangle behind its faces what it carries");
+    check(f.owned.size() == m && f.edges_of.size() == m && f.points_of.size() == (f.lists_points ? m : 0),
+          "a part must know of each triangle what it owns");
+    check(f.edges.size() == f.edge_ends.size() && f.points.size() == f.point_vertices.size(),
+          "a part must know the vertices of each edge and point");
+    const auto one_each = [&](std::size_t size, std::size_t each) { return size == 0 || size == each * n; };
+    check(one_each(f.names.size(), 1) && one_each(f.joined.size(), 1) && one_each(f.radii.size(), 1) &&
+              one_each(f.rest.size(), 3),
+          "what a part knows of its vertices must be told of each");
+    check_ids(f.vertices, "a part's vertex ids must be 0 or more, and ascend", Element::vertex);
+    check_ids(f.edges, "a part's edge ids must be 0 or more, and ascend", Element::edge);
+    check_ids(f.points, "a part's point ids must be 0 or more, and ascend", Element::point);
+    check_rows(f.edges_of, f.edges.size(), "a part's triangle owns an edge that is not there");
+    check_rows(f.points_of, f.points.size(), "a part's triangle owns a point that is not there");
+    const auto is_vertex = [&](std::int32_t v) { return v >= 0 && static_cast<std::size_t>(v) < n; };
+    for (std::size_t e = 0; e < f.edges.size(); ++e)
+        check(is_vertex(f.edge_ends[e].a) && is_vertex(f.edge_ends[e].b),
+              "a part's edge has a vertex that is not there", Element::edge, e);
+    for (std::size_t p = 0; p < f.points.size(); ++p)
+        check(is_vertex(f.point_vertices[p]), "a part's point is a vertex that is not there", Element::point, p);
+    for (std::size_t v = 0; v < f.names.size(); ++v)
+        check(is_vertex(f.names[v]), "a part's vertex has the name of one that is not there", Element::vertex, v);
+    for (std::size_t t = 0; t < m; ++t)
+        for (std::size_t k = 0; k < 3; ++k) {
+            check(!(f.owned[t] >> (3 + k) & 1) || f.edges_of[t][k] >= 0, "a part's triangle owns an unknown edge",
+                  Element::triangle, t);
+            check(!f.lists_points || !(f.owned[t] >> k & 1) || f.points_of[t][k] >= 0,
+                  "a part's triangle owns an unknown point", Element::triangle, t);
+        }
+    bool lone = false;
+    for (const std::uint8_t owned : f.owned) lone = lone || owned & lone_edge;
+    check(!lone || f.joined.size() == n, "a part with edges of no triangle must know what its vertices are joined to");
+    if (f.rings == 0) return;
+    check(f.first_ring.size() == n + 1 && f.first_ring.front() == 0 &&
+              f.first_ring.back() == static_cast<std::int64_t>(f.ring.size()) &&
+              std::is_sorted(f.first_ring.begin(), f.first_ring.end()),
+          "a part must know the rings about each vertex");
+    check(std::all_of(f.ring.begin(), f.ring.end(), is_vertex), "a part's ring has a vertex that is not there");
+}
+
+VertexView end_of(const PartFeatures& features) {
+    return std::visit(
+        [](const auto& xyz) { return rows_of_three(xyz.data(), static_cast<std::int64_t>(xyz.size() / 3)); },
+        features.end);
+}
+
+void name_globally(const Part& part, FeatureKind kind, Pair& pair) {
+    const PartFeatures& f = *part.features;
+    const auto vertex = [&](std::int32_t i) { return (f.lists_points ? f.points : f.vertices)[std::size_t(i)]; };
+    const auto edge = [&](std::int32_t i) { return f.edges[static_cast<std::size_t>(i)]; };
+    switch (kind) {
+        case FeatureKind::vertex_face:
+            pair = {vertex(pair.a), part.mesh.ids[static_cast<std::size_t>(pair.b)]};
+            break;
+        case FeatureKind::edge_edge:
+            pair = {edge(pair.a), edge(pair.b)};
+            break;
+        case FeatureKind::vertex_edge:
+            pair = {vertex(pair.a), edge(pair.b)};
+            break;
+        case FeatureKind::vertex_vertex:
+            pair = {vertex(pair.a), vertex(pair.b)};
+    }
+}
+
+}  // namespace crumple
