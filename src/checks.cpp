@@ -6,6 +6,12 @@
 #include "model/fuzzy_c_means.h"
 
 namespace crumple {
+namespace {
+
+constexpr const char* no_groups =
+    "wanted between needs groups, and the mesh has none: nothing lies between different groups";
+
+}  // namespace
 
 void check(bool holds, const char* message) {
     if (!holds) throw Error(ErrorCode::invalid_argument, message, Element::option);
@@ -76,7 +82,11 @@ void check_query(const MeshView& a, const MeshView* b, const Query& q) {
     const auto lacks_groups = [](const MeshView& mesh) { return mesh.triangles.rows > 0 && mesh.groups.empty(); };
     if (q.wanted != Wanted::between || !lacks_groups(a) || (b && !lacks_groups(*b))) return;
     check(false, b ? "wanted between needs groups, and neither mesh has any: nothing lies between different groups"
-                   : "wanted between needs groups, and the mesh has none: nothing lies between different groups");
+                   : no_groups);
+}
+
+void check_groups(const Rules& rules, std::int64_t triangles, bool has_groups) {
+    check(rules.groups != Wanted::between || has_groups || triangles == 0, no_groups);
 }
 
 }  // namespace crumple

@@ -22,6 +22,8 @@ void check_question(const Motion& question, bool world);
 void check_question(const Near& question, bool world);
 void check_question(const CandidateQuestion& question, bool world);
 void check_question(const Nearest& question);
+/// Of a single mesh, with so many triangles.
+void check_groups(const Rules& rules, std::int64_t triangles, bool has_groups);
 void check_blocks(const Streaming& how);
 /// What cannot be answered in blocks.
 void check_in_blocks(const Motion& question);

@@ -39,6 +39,7 @@ const Answer& WorldCalls::find_features(const World& world, const Question& ques
     bool frugal = false;
     const auto attempt = [&] {
         check_question(question, bodies);
+        if (!bodies) check_groups(question.rules, world.shapes[0].triangles.rows, !world.shapes[0].groups.empty());
         features.find(*backend, world, question, bodies, frugal, answer);
     };
     // What several workers need depends on who does what, so it cannot be promised.
@@ -57,6 +58,7 @@ const Answer& WorldCalls::find_features(const Part& part, const Question& questi
     const auto attempt = [&] {
         check(working != Backend::cuda, "parts of features need the cpu backend (Options::backend)");
         check_question(question, false);
+        check_groups(question.rules, part.mesh.size(), !part.mesh.groups.empty());
         features.find(*backend, part, question, frugal, answer);
     };
     within_limit(
@@ -91,6 +93,7 @@ Statistics WorldCalls::stream_features(const World& world, const Question& quest
     const auto stream = [&](const FeatureBlocks<Answer>& to) {
         check_blocks(to.how);
         check_question(question, bodies);
+        if (!bodies) check_groups(question.rules, world.shapes[0].triangles.rows, !world.shapes[0].groups.empty());
         check_in_blocks(question);
         features.stream(*backend, world, question, bodies, meter.limit > 0, to, answer);
     };
@@ -215,6 +218,7 @@ Shape WorldCalls::moving_shape(const MeshView& mesh, const VertexView& end) {
     Shape shape = host_shape(mesh);
     shape.end = end;
     if (!end.data && end.rows == 0 && mesh.vertices.rows > 0) refuse("the vertices at the end are missing");
+    if (mesh.vertices.rows > most_moving_vertices) refuse(too_many_moving_vertices);
     return shape;
 }
 void WorldCalls::refuse(const char* message) {

@@ -16,6 +16,7 @@ from ._motion import find_free_step, find_impacts, is_free, time_of_first_impact
 from ._names import suggesting
 from ._near import find_near
 from ._nearest import find_nearest
+from ._parts import partition_motion, partition_near
 from ._result import Block, Result
 from ._world import World
 from ._world_result import WorldResult
@@ -311,7 +312,7 @@ class Detector(_core.Detector):
 
         Each part owns its triangles and can be answered anywhere, without the meshes, by `find`; the answers together
         are the whole answer, and no pair is in two of them. Parts can be pickled, and depend only on the arguments.
-        Raises InvalidInput.
+        For motion and nearness: partition_motion, partition_near. Raises InvalidInput.
 
         Cost: a look at each triangle, and its copies; 230 ms for a million triangles in 64 parts on one thread. Source:
         Mainzer and Zachmann, sec. 1.1, for parts on several machines, and sec. 4, eqs. 2-4, for their centres.
@@ -387,6 +388,8 @@ class Detector(_core.Detector):
             raise InvalidType(f"find takes a crumple.World or a crumple.Part, not {name}")
         return _find_in_part(self, part_or_world, **question)
 
+    partition_motion = partition_motion
+    partition_near = partition_near
     find_impacts = find_impacts
     time_of_first_impact = time_of_first_impact
     is_free = is_free

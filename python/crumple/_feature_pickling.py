@@ -73,7 +73,7 @@ _OF_NEARNESS = {
     "face_distance": (np.float64, ()),
     "edge_distance": (np.float64, ()),
 }
-_FLAGS = ("any", "of_world", "has_index", "copy", "is_block")
+_FLAGS = ("any", "of_world", "has_index", "copy", "is_block", "of_part")
 
 
 def _flags_of(kind: str) -> tuple[str, ...]:
@@ -156,6 +156,7 @@ class _Check:
         self._that(answer.wants != "any" or not len(answer.world_hit), "world_hit")
         self._that(not answer.has_index or (self._listed and not answer.of_world), "has_index")
         self._that(not answer.is_block or (rows and not (answer.has_index or len(answer.world_hit))), "is_block")
+        self._that(not (answer.of_part and (answer.of_world or answer.is_block)), "of_part")
         self._edges()
         for name, pairs in _LISTS.items():
             self._list(name, pairs)
@@ -174,6 +175,9 @@ class _Check:
 
     def _edges(self) -> None:
         first, edges = self._answer.first_edge, self._answer.edges
+        if self._answer.of_part:
+            lists = (first, edges, self._answer.first_point, self._answer.points)
+            return self._that(not any(map(len, lists)), "edges")
         self._that(len(first) or not (len(edges) or self._listed), "first_edge")
         if len(first):
             self._that(first[0] == 0 and first[-1] == len(edges) and (np.diff(first) >= 0).all(), "first_edge")
@@ -196,6 +200,8 @@ class _Check:
         self._that((value[flag] == 0).all(), f"the flags of {array}")
         self._that((pairs >= 0).all(), array)
         self._that(len(bodies) == (rows if answer.of_world else 0), f"{name}_bodies")
+        if answer.of_part:
+            return
         if not answer.of_world:
             bodies = np.zeros((rows, 2), np.int32)
         self._that(((bodies >= 0) & (bodies < max(len(answer.first_edge) - 1, 0))).all(), f"{name}_bodies")
@@ -222,7 +228,9 @@ class _Check:
         if not (self._answer.has_index and listed):
             return self._that(not (len(first) or len(last) or len(order)), offsets)
         for column, of, name in ((0, first, offsets), (1, last, second)):
-            self._that(len(of) and of[0] == 0 and (np.diff(of) >= 0).all(), name)
+            self._that(len(of) and of[0] == 0 and of[-1] == len(pairs) and (np.diff(of) >= 0).all(), name)
+            if self._answer.of_part:  # by position in the part
+                continue
             self._that((pairs[:, column] < len(of) - 1).all(), name)
             counts = np.bincount(pairs[:, column], minlength=len(of) - 1)
             self._that(np.array_equal(np.diff(of), counts), name)
@@ -263,4 +271,5 @@ class _Check:
         for name in ("vertex_distance", "face_distance", "edge_distance"):
             least = getattr(answer, name)
             self._that((least >= 0).all() and (answer.has_least or not len(least)), name)
-        self._that(not answer.has_least or len(answer.edge_distance) == len(answer.edges), "edge_distance")
+        whole = answer.has_least and not answer.of_part
+        self._that(not whole or len(answer.edge_distance) == len(answer.edges), "edge_distance")

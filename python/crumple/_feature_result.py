@@ -24,6 +24,7 @@ _INDEX = (
     *("vertex_vertex_offsets", "second_vertex_offsets", "by_second_vertex"),
     *("triangle_offsets", "second_triangle_offsets", "by_second_triangle"),
 )
+_OF_THE_WHOLE = ("edges", "first_edge", "points", "first_point")
 _NOT_IN_BLOCKS = ("world_hit", "first", "world_first")
 _BODIES = (
     *("vertex_face_bodies", "edge_edge_bodies", "vertex_edge_bodies", "vertex_vertex_bodies"),
@@ -48,6 +49,8 @@ class FeatureResult(PairLists):
 
     def _check_listed(self, name: str) -> None:
         of_world = self._answer.of_world
+        if name in _OF_THE_WHOLE and self._answer.of_part:
+            raise InvalidInput(f"{name} is told of a whole mesh, but this was asked of a part, which knows its edge_ids")
         if name in _BODIES and not of_world:
             raise InvalidInput(f"{name} are those of a world, but this was asked of one mesh")
         if name in _INDEX and of_world:
@@ -158,6 +161,8 @@ class FeatureResult(PairLists):
         from ._result import file_name
 
         self._check_wanted("what save writes")
+        if self._answer.of_part:
+            raise InvalidInput("an answer of a part is not saved: files name edges by their vertices, all of the mesh")
         name = file_name(path)
         extension = Path(name).suffix.lower()
         if extension == ".glb" and mesh is None:

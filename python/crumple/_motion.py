@@ -10,6 +10,7 @@ from ._feature_question import or_of_world
 from ._impacts import FreeStep, Impacts
 from ._mesh import listing_of
 from ._names import suggesting
+from ._parts import impacts_in_part
 from ._world import World
 from ._world_search import excluded_in, with_names
 
@@ -87,7 +88,24 @@ def find_impacts(
 ) -> Impacts: ...
 
 
-@or_of_world(_impacts_in_world)
+@overload
+def find_impacts(
+    self: Detector,
+    part: _core.Part,
+    /,
+    *,
+    wants: MotionWants = "impacts",
+    separation: float = 0.0,
+    separation_share: float = 0.0,
+    weld: bool = False,
+    wanted: Wanted = "both",
+    excluded_groups: GroupPairs | None = None,
+    index: bool = False,
+    copy: bool = False,
+) -> Impacts: ...
+
+
+@or_of_world(_impacts_in_world, of_part=impacts_in_part)
 def find_impacts(
     self: Detector,
     vertices: Any,
@@ -137,6 +155,9 @@ def find_impacts(
         bodies, groups: which pairs, by their bodies and by their groups: "both", "between", "within".
         excluded, excluded_groups: pairs of bodies and of groups, as Detector.find has them.
         poses, end_poses: instead of those of the world, for this call.
+
+    Of a part (crumple.Part, see partition_motion): find_impacts(part) has the rows that the part owns, with the ids of
+    the mesh. Its edges and points are those of the whole; offsets count by position in the part.
 
     Raises InvalidInput, which names the argument and the place, also on a detector of the cuda backend; MemoryLimit.
     What an impact is: docs/motion.md.
@@ -188,7 +209,7 @@ def time_of_first_impact(
 ) -> float | None: ...
 
 
-@or_of_world(_first_in_world)
+@or_of_world(_first_in_world, of_part=_first_in_world)
 def time_of_first_impact(
     self: Detector,
     vertices: Any,
@@ -269,7 +290,7 @@ def is_free(
 ) -> bool: ...
 
 
-@or_of_world(_free_in_world)
+@or_of_world(_free_in_world, of_part=_free_in_world)
 def is_free(
     self: Detector,
     vertices: Any,

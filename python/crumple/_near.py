@@ -11,6 +11,7 @@ from ._errors import InvalidInput, InvalidType
 from ._feature_question import or_of_world
 from ._feature_result import FeatureResult
 from ._mesh import listing_of
+from ._parts import near_in_part
 from ._world_search import excluded_in, with_names
 
 if TYPE_CHECKING:
@@ -289,7 +290,28 @@ def find_near(
 ) -> Nearby: ...
 
 
-@or_of_world(_near_in_world)
+@overload
+def find_near(
+    self: Detector,
+    part: _core.Part,
+    /,
+    *,
+    radius: float | None = None,
+    wants: NearWants = "pairs",
+    strict: bool = False,
+    closest: bool = False,
+    least: bool = False,
+    weld: bool = False,
+    rings: int = 0,
+    rest_radius: float = 0,
+    wanted: Wanted = "both",
+    excluded_groups: GroupPairs | None = None,
+    index: bool = False,
+    copy: bool = False,
+) -> Nearby: ...
+
+
+@or_of_world(_near_in_world, of_part=near_in_part)
 def find_near(
     self: Detector,
     vertices: Any,

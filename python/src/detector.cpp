@@ -90,6 +90,14 @@ void SharedDetector::find(const Part& part, const Query& query, Collisions& answ
     answer_into(answer, [&](std::stop_token stop) { detector_.find(part, query, std::move(stop)); });
 }
 
+void SharedDetector::find(const Part& part, const Motion& question, Impacts& answer) {
+    answer_into(answer, [&](std::stop_token stop) { detector_.find_impacts(part, question, std::move(stop)); });
+}
+
+void SharedDetector::find(const Part& part, const Near& question, Nearby& answer) {
+    answer_into(answer, [&](std::stop_token stop) { detector_.find_near(part, question, std::move(stop)); });
+}
+
 void SharedDetector::find(const World& world, const Intersect& question, WorldCollisions& answer) {
     answer_into(answer, [&](std::stop_token stop) { detector_.find(world, question, std::move(stop)); });
 }
@@ -139,6 +147,15 @@ bool SharedDetector::any(const MeshView& first, const MeshView* second, const Qu
 std::vector<Part> SharedDetector::partition(const MeshView& first, const MeshView* second, int count) {
     return second ? detector_.partition(first, *second, count, stop_->get_token())
                   : detector_.partition(first, count, stop_->get_token());
+}
+
+std::vector<Part> SharedDetector::partition(const MeshView& mesh, const VertexView& end, const Motion& question,
+                                            int count) {
+    return detector_.partition(mesh, end, question, count, stop_->get_token());
+}
+
+std::vector<Part> SharedDetector::partition(const MeshView& mesh, const Near& question, int count) {
+    return detector_.partition(mesh, question, count, stop_->get_token());
 }
 
 namespace {
@@ -311,6 +328,11 @@ void bind_detector(nb::module_& module) {
         .def("_find_impacts", find_impacts, "mesh"_a, "end"_a.none(), "question"_a, "copy"_a.none(), "lists"_a)
         .def("_find_impacts_in_world", find_impacts_in_world, "world"_a, "poses"_a.none(), "end_poses"_a.none(),
              "question"_a, "excluded"_a.none(), "copy"_a.none())
+        .def("_find_impacts_in_part", find_impacts_in_part, "part"_a.none(), "question"_a, "copy"_a.none())
+        .def("_find_near_in_part", find_near_in_part, "part"_a.none(), "question"_a, "copy"_a.none())
+        .def("_partition_motion", partition_motion, "mesh"_a, "end"_a.none(), "question"_a, "count"_a.none(), "lists"_a)
+        .def("_partition_near", partition_near, "mesh"_a, "question"_a, "radii"_a.none(), "rest"_a.none(),
+             "count"_a.none(), "lists"_a)
         .def("_find_free_step", find_free_step, "mesh"_a, "end"_a.none(), "question"_a, "lists"_a)
         .def("_find_near", find_near, "mesh"_a, "question"_a, "radii"_a.none(), "rest"_a.none(), "copy"_a.none(),
              "lists"_a)

@@ -47,6 +47,8 @@ class SharedDetector {
     /// `storage` gives it.
     void find(const MeshView& first, const MeshView* second, const Query& query, Collisions& answer);
     void find(const Part& part, const Query& query, Collisions& answer);
+    void find(const Part& part, const Motion& question, Impacts& answer);
+    void find(const Part& part, const Near& question, Nearby& answer);
     void find(const World& world, const Intersect& question, WorldCollisions& answer);
     void find(const World& world, const Motion& question, Impacts& answer);
     void find(const World& world, const Near& question, Nearby& answer);
@@ -75,6 +77,8 @@ class SharedDetector {
         return stream(detector_, with_gil, stop_->get_token());
     }
     std::vector<Part> partition(const MeshView& first, const MeshView* second, int count);
+    std::vector<Part> partition(const MeshView& mesh, const VertexView& end, const Motion& question, int count);
+    std::vector<Part> partition(const MeshView& mesh, const Near& question, int count);
     /// Storage for an answer: that of one of the last two, if nobody holds it any more. So frames of a simulation go
     /// back and forth between two and allocate nothing. Under a memory limit none is kept. Call with the GIL, under
     /// which results come and go.

@@ -65,6 +65,7 @@ void bind_answer_about_features(nb::class_<A>& type) {
         .def_ro("of_world", &A::of_world)
         .def_ro("has_index", &A::has_index)
         .def_ro("is_block", &A::is_block)
+        .def_ro("of_part", &A::of_part)
         .def_ro("copy", &A::copy);
 }
 

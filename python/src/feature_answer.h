@@ -23,6 +23,7 @@ struct FeatureAnswer {
     bool copy = false;                            ///< the result shows writable copies
     bool has_triangle_pairs = false;              ///< of motion
     bool is_block = false;                        ///< which tells of nothing but its rows
+    bool of_part = false;                         ///< which knows no edges and points but its own
 
     const Storage& found() const { return *storage; }
 };

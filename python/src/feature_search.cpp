@@ -13,6 +13,7 @@
 #include "detector.h"
 #include "gil.h"
 #include "names.h"
+#include "part.h"
 #include "world.h"
 
 namespace nb = nanobind;
@@ -67,6 +68,17 @@ void make_near(Near* place, nb::handle wants, nb::handle radius, nb::handle stri
     question.index = flag("index", index);
     new (place) Near(std::move(question));
 }
+
+// What is asked, with the radii and the shape at rest of the vertices, each of which may be None.
+struct AskedOfVertices {
+    AskedOfVertices(const Near& asked, const BorrowedMesh& mesh, nb::handle radii, nb::handle rest) : question(asked) {
+        if (!radii.is_none()) question.radii = of_vertices.emplace(radii, mesh).view();
+        if (!rest.is_none()) question.rest = at_rest.emplace(rest, mesh, "", BorrowedEnd::When::rest).view();
+    }
+    Near question;
+    std::optional<BorrowedRadii> of_vertices;
+    std::optional<BorrowedEnd> at_rest;
+};
 
 bool lists_triangle_pairs(const Motion& question) {
     return question.triangle_pairs && question.wants == MotionWants::impacts;
@@ -143,11 +155,8 @@ NearbyAnswer find_near(nb::handle self, const nb::tuple& mesh, const Near& asked
                        nb::handle copy, const nb::tuple& lists) {
     SharedDetector& detector = detector_of(self);
     const AskedOfMesh given(mesh, lists);
-    Near question = asked;
-    std::optional<BorrowedRadii> of_vertices;
-    std::optional<BorrowedEnd> at_rest;
-    if (!radii.is_none()) question.radii = of_vertices.emplace(radii, given.mesh).view();
-    if (!rest.is_none()) question.rest = at_rest.emplace(rest, given.mesh, "", BorrowedEnd::When::rest).view();
+    const AskedOfVertices vertices(asked, given.mesh, radii, rest);
+    const Near& question = vertices.question;
     const bool copied = flag("copy", copy), index = question.index && question.wants == NearWants::pairs;
     const SharedDetector::Turn turn(detector);
     const bool listed = question.wants == NearWants::pairs;
@@ -169,6 +178,50 @@ NearbyAnswer find_near_in_world(nb::handle self, nb::handle world, nb::handle po
     NearbyAnswer answer{detector.storage<Nearby>(), question.wants, true, false, closest, false, copied};
     without_gil([&] { detector.find(view, asked.question, *answer.storage); }, detector.stop());
     return answer;
+}
+
+ImpactsAnswer find_impacts_in_part(nb::handle self, nb::handle part, const Motion& question, nb::handle copy) {
+    SharedDetector& detector = detector_of(self);
+    const Part& of = given_part(part);
+    const bool copied = flag("copy", copy), index = question.index && question.wants == MotionWants::impacts;
+    const SharedDetector::Turn turn(detector);
+    ImpactsAnswer answer{detector.storage<Impacts>(), question.wants, false, index, false, false, copied};
+    answer.of_part = true;
+    without_gil([&] { detector.find(of, question, *answer.storage); }, detector.stop());
+    return answer;
+}
+
+NearbyAnswer find_near_in_part(nb::handle self, nb::handle part, const Near& question, nb::handle copy) {
+    SharedDetector& detector = detector_of(self);
+    const Part& of = given_part(part);
+    const bool listed = question.wants == NearWants::pairs;
+    const bool copied = flag("copy", copy), index = question.index && listed;
+    const SharedDetector::Turn turn(detector);
+    NearbyAnswer answer{detector.storage<Nearby>(), question.wants,           false, index,
+                        listed && question.closest, listed && question.least, copied};
+    answer.of_part = true;
+    without_gil([&] { detector.find(of, question, *answer.storage); }, detector.stop());
+    return answer;
+}
+
+std::vector<Part> partition_motion(nb::handle self, const nb::tuple& mesh, nb::handle end, const Motion& question,
+                                   nb::handle count, const nb::tuple& lists) {
+    SharedDetector& detector = detector_of(self);
+    const AskedOfMesh start(mesh, lists);
+    const BorrowedEnd at_end(end, start.mesh);
+    const int parts = integer<int>("count", count);
+    const SharedDetector::Turn turn(detector);
+    return without_gil([&] { return detector.partition(start.view, at_end.view(), question, parts); }, detector.stop());
+}
+
+std::vector<Part> partition_near(nb::handle self, const nb::tuple& mesh, const Near& asked, nb::handle radii,
+                                 nb::handle rest, nb::handle count, const nb::tuple& lists) {
+    SharedDetector& detector = detector_of(self);
+    const AskedOfMesh given(mesh, lists);
+    const AskedOfVertices vertices(asked, given.mesh, radii, rest);
+    const int parts = integer<int>("count", count);
+    const SharedDetector::Turn turn(detector);
+    return without_gil([&] { return detector.partition(given.view, vertices.question, parts); }, detector.stop());
 }
 
 void bind_feature_questions(nb::module_& module) {

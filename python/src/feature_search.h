@@ -2,6 +2,8 @@
 
 // What is asked about the features of a mesh or a world, on their way or near each other, and the calls that answer it.
 
+#include <vector>
+
 #include <nanobind/nanobind.h>
 
 #include "arrays.h"
@@ -48,6 +50,17 @@ NearbyAnswer find_near(nanobind::handle self, const nanobind::tuple& mesh, const
                        nanobind::handle rest, nanobind::handle copy, const nanobind::tuple& lists);
 NearbyAnswer find_near_in_world(nanobind::handle self, nanobind::handle world, nanobind::handle poses,
                                 const Near& question, nanobind::handle excluded, nanobind::handle copy);
+
+/// What a part owns of an answer; and the parts of a mesh that is asked this.
+ImpactsAnswer find_impacts_in_part(nanobind::handle self, nanobind::handle part, const Motion& question,
+                                   nanobind::handle copy);
+NearbyAnswer find_near_in_part(nanobind::handle self, nanobind::handle part, const Near& question,
+                               nanobind::handle copy);
+std::vector<Part> partition_motion(nanobind::handle self, const nanobind::tuple& mesh, nanobind::handle end,
+                                   const Motion& question, nanobind::handle count, const nanobind::tuple& lists);
+std::vector<Part> partition_near(nanobind::handle self, const nanobind::tuple& mesh, const Near& question,
+                                 nanobind::handle radii, nanobind::handle rest, nanobind::handle count,
+                                 const nanobind::tuple& lists);
 
 void bind_feature_questions(nanobind::module_& module);
 

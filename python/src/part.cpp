@@ -10,6 +10,7 @@
 
 #include "arguments.h"
 #include "arrays.h"
+#include "part_features.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -46,7 +47,7 @@ nb::tuple arrays_of(nb::handle owner, const PartMesh& mesh) {
 }
 
 constexpr const char* wrong_state =
-    "the state of a Part must be a tuple (index, count, mesh, second, levels) as __getstate__ gives it";
+    "the state of a Part must be a tuple (index, count, mesh, second, levels, features) as __getstate__ gives it";
 
 template <class T>
 std::vector<T> values_of(nb::handle given) {
@@ -75,16 +76,23 @@ PartMesh mesh_of(nb::handle given) {
     return mesh;
 }
 
+// Ids that a part of features knows; None of another one.
+nb::object ids_of(nb::handle self, std::vector<std::int32_t> PartFeatures::*ids) {
+    const auto& features = part_of(self, "this").features;
+    return features ? nb::cast(column(self, (*features).*ids)) : nb::none();
+}
+
 // What does not fit together is refused where the part is asked for its pairs.
 Part part_from(nb::handle given) {
     nb::tuple state;
     nb::list levels;
     Part part;
-    if (!nb::try_cast(given, state, false) || state.size() != 5 || !nb::try_cast(state[0], part.index, false) ||
+    if (!nb::try_cast(given, state, false) || state.size() != 6 || !nb::try_cast(state[0], part.index, false) ||
         !nb::try_cast(state[1], part.count, false) || !nb::try_cast(state[4], levels, false))
         throw InvalidType(wrong_state);
     part.mesh = mesh_of(state[2]);
     if (!state[3].is_none()) part.second = mesh_of(state[3]);
+    if (!state[5].is_none()) part.features = features_from(state[5]);
     for (const nb::handle item : levels) {
         nb::tuple level;
         PartLevel& added = part.levels.emplace_back();
@@ -127,6 +135,23 @@ void bind_part(nb::module_& module) {
                 return column(self, second ? second->ids : none);
             },
             "int32: the same of the second mesh; empty for one soup.")
+        .def_prop_ro(
+            "vertex_ids", [](nb::handle self) { return ids_of(self, &PartFeatures::vertices); },
+            "int32: which vertices of the mesh those of `mesh` are, ascending; None but of parts that are asked about\n"
+            "motion or nearness (Detector.partition_motion, partition_near).")
+        .def_prop_ro(
+            "edge_ids", [](nb::handle self) { return ids_of(self, &PartFeatures::edges); },
+            "int32: which edges of the mesh the part's triangles own, ascending; None as above.")
+        .def_prop_ro(
+            "point_ids", [](nb::handle self) { return ids_of(self, &PartFeatures::points); },
+            "int32: which of the listed points the part's triangles own, ascending; None as above.")
+        .def_prop_ro(
+            "has_radii",
+            [](nb::handle self) {
+                const auto& features = part_of(self, "this").features;
+                return features && !features->radii.empty();
+            },
+            "Whether the part was made with a radius of each vertex.")
         .def("__repr__",
              [](const Part& p) {
                  return nb::str("<crumple.Part {} of {}: {} triangles>").format(p.index, p.count, p.triangle_count());
@@ -138,7 +163,8 @@ void bind_part(nb::module_& module) {
                  for (const PartLevel& level : p.levels)
                      levels.append(nb::make_tuple(level.cluster, column(self, level.masks)));
                  return nb::make_tuple(p.index, p.count, state_of(self, p.mesh),
-                                       p.second ? nb::object(state_of(self, *p.second)) : nb::none(), levels);
+                                       p.second ? nb::object(state_of(self, *p.second)) : nb::none(), levels,
+                                       p.features ? nb::object(state_of(*p.features)) : nb::none());
              })
         .def(
             "__setstate__", [](Part& p, nb::handle given) { new (&p) Part(part_from(given)); }, "state"_a.none());

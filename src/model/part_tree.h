@@ -37,18 +37,16 @@ struct PartBall {
     }
 
     /// The same all the way from the start to the end of a step, widened by `half`, and by `of_way` times the longest
-    /// way of a corner (inflation.h).
+    /// way of a corner (inflation.h); at most what holds everything.
     CRUMPLE_HD PartBall(const Triangle& start, const Vec3d (&end)[3], double half, double of_way,
                         const Normaliser& normalise) {
-        Vec3d p[6];
-        centre = {0, 0, 0};
-        for (int k = 0; k < 3; ++k) p[k] = normalise(start.point[k]), p[3 + k] = normalise(end[k]);
-        for (const Vec3d& corner : p) centre = centre + corner;
-        centre = (1.0 / 6.0) * centre;
+        const Vec3d p[6] = {normalise(start.point[0]), normalise(start.point[1]), normalise(start.point[2]),
+                            normalise(end[0]),         normalise(end[1]),         normalise(end[2])};
+        centre = (1.0 / 6.0) * ((p[0] + p[1] + p[2]) + (p[3] + p[4] + p[5]));
         double r2 = 0, way2 = 0;
         for (const Vec3d& corner : p) r2 = max(r2, dot(corner - centre, corner - centre));
         for (int k = 0; k < 3; ++k) way2 = max(way2, dot(p[3 + k] - p[k], p[3 + k] - p[k]));
-        radius = std::sqrt(r2) + min(double{farthest}, half + of_way * std::sqrt(way2));
+        radius = min(double{farthest}, std::sqrt(r2) + half + of_way * std::sqrt(way2));
     }
 };
 

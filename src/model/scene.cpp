@@ -193,6 +193,7 @@ void add_motion(const VertexView& end, ParallelFor& workers, SceneBuffers& buffe
     if (end.rows != scene.vertex_count())
         throw Error(ErrorCode::invalid_argument, "there are " + std::to_string(end.rows) + " vertices at the end for " +
                                                      std::to_string(scene.vertex_count()) + " at the start");
+    if (end.rows > most_moving_vertices) throw Error(ErrorCode::invalid_argument, too_many_moving_vertices);
     if (end.rows > 0 && !end.data) throw Error(ErrorCode::invalid_argument, "the end has no vertex data");
     scene.moving = true;
     scene.end = {static_cast<const std::byte*>(end.data), end.row_stride, end.column_stride,

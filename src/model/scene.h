@@ -96,6 +96,10 @@ struct SceneBuffers {
         : corners(meter), groups(meter), representative(meter), table(meter), checks(meter) {}
 };
 
+/// Both ends of a way are numbered by int32.
+inline constexpr std::int64_t most_moving_vertices = std::int64_t{1} << 30;
+inline constexpr const char* too_many_moving_vertices = "in motion there may be 1073741824 vertices at most";
+
 /// Gives each vertex of a scene of one mesh an end. Throws Error: not_finite, invalid_argument.
 void add_motion(const VertexView& end, ParallelFor& workers, SceneBuffers& buffers, Scene& scene);
 

@@ -190,7 +190,8 @@ struct Tree {
     // All parts and masks of a triangle in one number.
     CRUMPLE_HD std::uint64_t digest(const Triangle& triangle) const {
         std::uint64_t digest = 0;
-        view().for_each_part(triangle, [&](std::int32_t part, const std::uint64_t* masks) {
+        const PartTree tree = view();
+        tree.for_each_part(PartBall(triangle, tree.normalise), [&](std::int32_t part, const std::uint64_t* masks) {
             digest = digest * 1000 + static_cast<std::uint64_t>(part + 1) * 100 + masks[0] * 10 + masks[1];
         });
         return digest;

@@ -138,6 +138,29 @@ TEST_P(FeatureErrors, of_rules_that_name_nobody) {
     question.rules.excluded_bodies = {{0, 1}};
     EXPECT_EQ(refused(soup_, soup_.end_view(), question).element, Element::body);
 }
+TEST_P(FeatureErrors, of_groups_that_there_are_not) {
+    Rules rules;
+    rules.groups = Wanted::between;
+    const char* const message =
+        "wanted between needs groups, and the mesh has none: nothing lies between different groups";
+    EXPECT_STREQ(refused(soup_, soup_.end_view(), {.rules = rules}).what(), message);
+    EXPECT_STREQ(refused([&] { detector_.find_near(soup_.view(), {.rules = rules}); }).what(), message);
+    EXPECT_STREQ(refused([&] { detector_.find_candidates(soup_.view(), {.rules = rules}); }).what(), message);
+    EXPECT_STREQ(refused([&] { detector_.stream_near(soup_.view(), [](const Nearby&) {}, {.rules = rules}); }).what(),
+                 message);
+    const auto parts = detector_.partition(soup_.view(), soup_.end_view(), Motion(), 1);
+    EXPECT_STREQ(refused([&] { detector_.find_impacts(parts[0], {.rules = rules}); }).what(), message);
+    const MovingSoup<> none;
+    EXPECT_FALSE(detector_.find_near(none.view(), {.rules = rules}).any) << "there is nothing to have groups";
+}
+/// Each row is the same vertex.
+TEST_P(FeatureErrors, of_more_vertices_than_both_ends_can_be_numbered) {
+    MeshView mesh = soup_.view();
+    mesh.vertices.rows = (std::int64_t{1} << 30) + 1;
+    mesh.vertices.row_stride = 0;
+    EXPECT_STREQ(refused([&] { detector_.find_impacts(mesh, mesh.vertices); }).what(),
+                 "in motion there may be 1073741824 vertices at most");
+}
 TEST_P(FeatureErrors, of_calls_that_were_stopped) {
     std::stop_source stop;
     stop.request_stop();
