@@ -45,13 +45,50 @@ CRUMPLE_HD Vec3f between_centroids(const FeatureRecord<moments>& a, const Featur
     return between;
 }
 
-/// The normals of both at each moment, and what is between the centroids of all corners.
+/// The corner that two triangles have in common, if it is one each: of the first and of the second; else -1.
+struct CommonCorner {
+    int of_a = -1, of_b = -1;
+
+    template <int moments>
+    CRUMPLE_HD CommonCorner(const FeatureRecord<moments>& a, const FeatureRecord<moments>& b) {
+        int count = 0;
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j)
+                if (a.vertex[i] == b.vertex[j]) of_a = i, of_b = j, ++count;
+        if (count != 1) of_a = of_b = -1;
+    }
+    CRUMPLE_HD explicit operator bool() const { return of_a >= 0; }
+};
+
+/// Whether all of b but the common corner lies above it on d by more than `gap`, and all of a but that below, at each
+/// moment; or the other way round.
+template <int moments>
+CRUMPLE_HD bool separates_beside(const CommonCorner& common, const Vec3f& d, const FeatureRecord<moments>& a,
+                                 const FeatureRecord<moments>& b, float gap) {
+    bool above = true, below = true;
+    for (int m = 0; m < moments; ++m) {
+        const float place = dot(d, a.at(4 * m + common.of_a));
+        for (int k = 1; k < 3; ++k) {
+            const float value_a = dot(d, a.at(4 * m + (common.of_a + k) % 3));
+            const float value_b = dot(d, b.at(4 * m + (common.of_b + k) % 3));
+            above = above && value_b - place > gap && place - value_a > gap;
+            below = below && place - value_b > gap && value_a - place > gap;
+        }
+    }
+    return above || below;
+}
+
+/// Whether each feature of a that is not incident to one of b is further from it than `gap` is for: by what is between
+/// the centroids of all corners, and, of triangles without a common corner, by the normals of both at each moment.
 template <int moments>
 CRUMPLE_HD bool surely_apart(const FeatureRecord<moments>& a, const FeatureRecord<moments>& b, float gap) {
+    const Vec3f between = between_centroids(a, b);
+    const float gap_between = gap * length(between);
+    if (const CommonCorner common(a, b); common) return separates_beside(common, between, a, b, gap_between);
+    if (separates(between, a, b, gap_between)) return true;
     for (int i = 3; i < 4 * moments; i += 4)
         if (separates(a.at(i), a, b, gap) || separates(b.at(i), a, b, gap)) return true;
-    const Vec3f between = between_centroids(a, b);
-    return separates(between, a, b, gap * length(between));
+    return false;
 }
 
 }  // namespace crumple

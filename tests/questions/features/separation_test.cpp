@@ -45,7 +45,93 @@ TEST_P(SeparatedTriangles, HaveNoFeaturesThatAreAnAnswer) {
     EXPECT_LE(differ, cases / 500);
 }
 
+// Of the triangles around a hard pair of features the one has corners of the other's, where it has nothing of the pair.
+TEST_P(SeparatedTriangles, HaveNoFeaturesThatAreAnAnswerIfTheyShareCorners) {
+    int cases = 0, near = 0, dropped = 0, differ = 0;
+    for (const bool float32 : {true, false})
+        for (const FeatureKind kind : {FeatureKind::vertex_face, FeatureKind::edge_edge})
+            for (const int moments : {1, 2}) {
+                RandomTriangles random(GetParam(), float32, 101);
+                for (std::size_t i = 0; i < 400; ++i) {
+                    TriangleCase c = random(kind, moments);
+                    c.share(2, 3 + i % 3);
+                    if (kind == FeatureKind::vertex_face && i % 4 == 0) c.share(1, 3 + (i + 1) % 3);
+                    const LeafFrame frame = around(i % 2 ? to_float(c.corner[i % 6].start) : Vec3f{});
+                    const std::size_t drop = dropping(c, float32, frame);
+                    ASSERT_FALSE(drop > 0 && c.near()) << c << (float32 ? ", float32" : ", float64");
+                    ++cases;
+                    near += c.near();
+                    dropped += drop == feature_tables().size();
+                    differ += drop > 0 && drop < feature_tables().size();
+                }
+            }
+    EXPECT_LE(differ, cases / 500);
+    EXPECT_GT(near, cases / 100);
+    EXPECT_GT(dropped, GetParam() == Hard::random ? cases / 100 : 0) << near;
+}
+
 MovingPoint at_rest(const Vec3d& p) { return {p, p}; }
+
+/// Two triangles around a common corner, the first from 0 to 60 degrees, the second from `from` to `to`, sides of
+/// length 1; all of it tilted, and moved by `way`.
+TriangleCase fan(double from, double to, const Vec3d& way, double distance) {
+    const Vec3d u{0.48, 0.6, 0.64}, v{0.8, -0.6, 0}, at{-0.2, 0.1, -0.3};  // of length 1, at a right angle
+    const auto rim = [&](double degrees) {
+        const double angle = degrees * 3.14159265358979 / 180;
+        const Vec3d p = at + 0.5 * std::cos(angle) * u + 0.5 * std::sin(angle) * v;
+        return MovingPoint{p, p + way};
+    };
+    TriangleCase c{2, {rim(0), rim(60), {at, at + way}, rim(from), {at, at + way}, rim(to)}, {distance, 0}};
+    c.share(2, 4);
+    return c;
+}
+
+TEST(TrianglesApart, AreThoseOnEitherSideOfACommonCorner) {
+    for (const double distance : {0.0, 0.2})
+        for (const int moments : {1, 2})
+            for (const double from : {120.0, 150.0, 180.0}) {
+                TriangleCase c = fan(from, from + 60, {0.1, 0.2, 0.05}, distance);
+                c.moments = moments;
+                EXPECT_FALSE(c.near());
+                EXPECT_EQ(dropping(c, false, around({})), feature_tables().size()) << from << ' ' << distance;
+                std::swap(c.corner[3], c.corner[5]);
+                std::swap(c.vertex[3], c.vertex[5]);
+                EXPECT_EQ(dropping(c, false, around({})), feature_tables().size()) << from << ' ' << distance;
+            }
+}
+
+// The second one's corners are at places cos(45 degrees) / 2 and 0, beside the common one's.
+TEST(TrianglesApart, AreNotThoseNearerToTheCommonCornerThanIsAsked) {
+    EXPECT_EQ(dropping(fan(120, 180, {}, 0.2), false, around({})), feature_tables().size());
+    const TriangleCase c = fan(120, 180, {}, 0.3);
+    EXPECT_EQ(dropping(c, false, around({})), 0U);
+    EXPECT_EQ(dropping(fan(30, 90, {}, 0), false, around({})), 0U);  // across each other
+}
+
+// At the end the second one has turned about the common corner to where the first one is.
+TEST(TrianglesApart, AreNotThoseThatTurnAboutTheCommonCorner) {
+    TriangleCase c = fan(150, 210, {}, 0);
+    const TriangleCase end = fan(30, 90, {}, 0);
+    for (std::size_t k = 3; k < 6; ++k) c.corner[k].end = end.corner[k].end;
+    ASSERT_TRUE(c.near());
+    EXPECT_EQ(dropping(c, false, around({})), 0U);
+    for (MovingPoint& p : c.corner) std::swap(p.start, p.end);
+    EXPECT_EQ(dropping(c, false, around({})), 0U);
+}
+
+// Nor those with a common side, whatever lies on either side of it.
+TEST(TrianglesApart, AreNotThoseWithTwoCommonCorners) {
+    TriangleCase c = fan(60, 120, {}, 0);
+    c.share(1, 3);
+    EXPECT_FALSE(c.near());
+    EXPECT_EQ(dropping(c, false, around({})), 0U);
+}
+
+TEST(TrianglesApart, AreNotThoseBesideABigOne) {
+    const TriangleCase c = fan(150, 210, {}, 0);
+    ASSERT_EQ(dropping(c, false, around({})), feature_tables().size());
+    EXPECT_EQ(dropping(c, false, around({}, 0.55f)), 0U);
+}
 
 // Middles so close that the square of what lies between them is flushed to zero: no length to measure a gap in.
 TEST(TrianglesApart, AreNotThoseWhoseMiddlesAreNext) {

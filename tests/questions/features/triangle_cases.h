@@ -10,22 +10,26 @@
 
 namespace crumple {
 
-/// Corners 0 1 2 of the one, 3 4 5 of the other; each triangle has vertices of its own.
+/// Corners 0 1 2 of the one, 3 4 5 of the other; each triangle has vertices of its own, but for those they share.
 struct TriangleCase {
     int moments;
     std::array<MovingPoint, 6> corner;
     Separation separation{};
+    std::array<std::int32_t, 6> vertex{0, 1, 2, 3, 4, 5};
 
-    /// Whether a pair of their features is an answer.
+    /// The one's corner becomes the other's.
+    void share(std::size_t of_one, std::size_t of_other) {
+        corner[of_one] = corner[of_other];
+        vertex[of_one] = vertex[of_other];
+    }
+
+    /// Whether a pair of their features that has no vertex in common is an answer.
     bool near() const {
         for (std::size_t i = 0; i < 3; ++i) {
-            if (near(FeatureKind::vertex_face, {corner[i], corner[3], corner[4], corner[5]}) ||
-                near(FeatureKind::vertex_face, {corner[3 + i], corner[0], corner[1], corner[2]}))
+            if (near(FeatureKind::vertex_face, {i, 3, 4, 5}) || near(FeatureKind::vertex_face, {3 + i, 0, 1, 2}))
                 return true;
             for (std::size_t j = 0; j < 3; ++j)
-                if (near(FeatureKind::edge_edge,
-                         {corner[i], corner[(i + 1) % 3], corner[3 + j], corner[3 + (j + 1) % 3]}))
-                    return true;
+                if (near(FeatureKind::edge_edge, {i, (i + 1) % 3, 3 + j, 3 + (j + 1) % 3})) return true;
         }
         return false;
     }
@@ -37,7 +41,12 @@ struct TriangleCase {
     }
 
    private:
-    bool near(FeatureKind kind, const FeaturePoints& point) const {
+    bool near(FeatureKind kind, const std::array<std::size_t, 4>& corners) const {
+        const std::size_t of_first = kind == FeatureKind::vertex_face ? 1 : 2;
+        for (std::size_t i = 0; i < of_first; ++i)
+            for (std::size_t j = of_first; j < 4; ++j)
+                if (vertex[corners[i]] == vertex[corners[j]]) return false;
+        const FeaturePoints point{corner[corners[0]], corner[corners[1]], corner[corners[2]], corner[corners[3]]};
         if (separation.share == 0)
             return FeatureCase{kind, moments, point, static_cast<float>(separation.distance)}.near();
         const auto& [p, q, r, s] = point;
@@ -90,7 +99,7 @@ class LeafOfTwo {
 
     LeafOfTwo(const cpu::FeatureTables& table, const TriangleCase& c, bool float32, const LeafFrame& frame,
               const Inflation& inflation)
-        : table_(table), features_(nullptr) {
+        : corners_(c.vertex), table_(table), features_(nullptr) {
         Scene scene;
         scene.vertices = {6, 0};
         scene.triangles = {2, 0};
@@ -138,7 +147,7 @@ class LeafOfTwo {
         return count;
     }
 
-    static constexpr std::array<std::int32_t, 6> corners_{0, 1, 2, 3, 4, 5};
+    std::array<std::int32_t, 6> corners_;
     const cpu::FeatureTables& table_;
     std::vector<double> rows_;
     std::vector<float> rows32_;
