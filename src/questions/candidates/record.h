@@ -43,6 +43,8 @@ struct SharedCorners {
         for (int i = 0; i < 3; ++i)
             for (int k = 0; k < 3; ++k) of[i] |= unsigned{a.name[i] == b.name[k]} << k;
     }
+    explicit SharedCorners(unsigned bits) : of{bits & 7, bits >> 3 & 7, bits >> 6 & 7} {}
+    unsigned bits() const { return of[0] | of[1] << 3 | of[2] << 6; }
     /// Whether two lanes have a vertex in common.
     bool incident(int lane_a, int lane_b) const {
         unsigned shared = 0;

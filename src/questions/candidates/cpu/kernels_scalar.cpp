@@ -1,8 +1,8 @@
 // Plain C++ for the inner loop of candidates, and what all tables share.
 
 #include <algorithm>
-#include <bit>
 
+#include "engine/feature_query.h"
 #include "questions/candidates/cpu/kernels.h"
 
 namespace crumple::cpu {
@@ -18,8 +18,8 @@ float gap(const CandidateRecord& a, int lane_a, const CandidateRecord& b, int la
     return most;
 }
 
-std::size_t overlaps(const CandidateRecord* record, const Candidates& candidates, std::int64_t begin, std::int64_t end,
-                     const Rounds& rounds, BoxHit* hit) {
+std::size_t find(const CandidateRecord* record, const Candidates& candidates, std::int64_t begin, std::int64_t end,
+                 const Rounds& rounds, PairEnds& next, UnsureHit* unsure) {
     const CandidateRecord* rows = record + candidates.rows;
     const CandidateRecord* columns = record + candidates.columns;
     std::size_t count = 0;
@@ -27,44 +27,60 @@ std::size_t overlaps(const CandidateRecord* record, const Candidates& candidates
         const std::uint16_t i = candidates.row[k], j = candidates.column[k];
         if (j == candidates.dummy) continue;
         const CandidateRecord &a = rows[i], &b = columns[j];
-        std::uint64_t overlap = 0, unsure = 0;
+        std::uint64_t overlap = 0, equal = 0;
         for (int bit = 0; bit < 8 * rounds.count; ++bit) {
-            const int row = rounds.row[bit / 8][bit % 8];
-            if (row == 7) continue;
-            const float between = gap(a, row, b, bit % 8);
+            const Rounds::Listed& lanes = rounds.listed[bit];
+            if (lanes.row == 7) continue;
+            const float between = gap(a, lanes.row, b, lanes.column);
             overlap |= std::uint64_t{between <= 0} << bit;
-            unsure |= std::uint64_t{between == 0} << bit;
+            equal |= std::uint64_t{between == 0} << bit;
         }
-        overlap = without_incident(overlap, rounds, a, b);
-        hit[count] = {overlap, unsure & overlap, i, j};
-        count += overlap != 0;
+        overlap &= ~rounds.incident[SharedCorners(a, b).bits()];
+        list_pairs(overlap & ~equal, rounds, a, b, next);
+        unsure[count] = {overlap & equal, i, j};
+        count += (overlap & equal) != 0;
     }
     return count;
 }
 
+// Of lane 7 as well, which is nothing.
+FeatureType type_of(int lane) {
+    return lane < 3 ? FeatureType::vertex : lane < 6 ? FeatureType::edge : FeatureType::face;
+}
+
+// The kind of a pair of features by their lanes, in either order.
+std::uint8_t kind_of(int a, int b) {
+    constexpr CandidateKind kind[3][3] = {
+        {CandidateKind::vertex_vertex, CandidateKind::vertex_edge, CandidateKind::vertex_face},
+        {CandidateKind::vertex_edge, CandidateKind::edge_edge, CandidateKind::edge_face},
+        {CandidateKind::vertex_face, CandidateKind::edge_face, CandidateKind::face_face}};
+    return static_cast<std::uint8_t>(kind[static_cast<std::size_t>(type_of(a))][static_cast<std::size_t>(type_of(b))]);
+}
+
 }  // namespace
 
-Rounds::Rounds(const std::uint8_t (&asked)[candidate_lanes]) {
+Rounds::Rounds(const WantedKinds& wanted) {
+    of_impacts = true;
+    for (std::size_t k = 0; k < candidate_kinds; ++k) {
+        const auto asked = static_cast<CandidateKind>(k);
+        if (wanted[k] != (asked == CandidateKind::vertex_face || asked == CandidateKind::edge_edge)) of_impacts = false;
+    }
     for (auto& lanes : row) std::fill_n(lanes, candidate_lanes, std::uint8_t{7});
-    for (int column = 0; column < candidate_lanes; ++column) {
+    for (int column = 0; column < most; ++column) {
         int round = 0;
         for (std::uint8_t lane = 0; lane < most; ++lane)
-            if (asked[lane] >> column & 1) row[round++][column] = lane;
+            if (wanted[kind_of(lane, column)]) row[round++][column] = lane;
         count = std::max(count, round);
     }
-}
-
-std::uint64_t without_incident(std::uint64_t overlaps, const Rounds& rounds, const CandidateRecord& a,
-                               const CandidateRecord& b) {
-    const SharedCorners shared(a, b);
-    if ((shared.of[0] | shared.of[1] | shared.of[2]) == 0) return overlaps;
-    for (std::uint64_t bits = overlaps; bits; bits &= bits - 1) {
-        const int bit = std::countr_zero(bits);
-        if (shared.incident(rounds.row[bit / 8][bit % 8], bit % 8)) overlaps &= ~(std::uint64_t{1} << bit);
+    for (int bit = 0; bit < 8 * count; ++bit) {
+        const int a = row[bit / 8][bit % 8], b = bit % 8;
+        listed[bit] = {kind_of(a, b), static_cast<std::uint8_t>(a), static_cast<std::uint8_t>(b),
+                       type_of(b) < type_of(a), type_of(b) == type_of(a)};
+        for (unsigned shared = 0; shared < 512; ++shared)
+            if (SharedCorners(shared).incident(a, b)) incident[shared] |= std::uint64_t{1} << bit;
     }
-    return overlaps;
 }
 
-const CandidateKernels scalar_candidates{overlaps};
+const CandidateKernels scalar_candidates{find};
 
 }  // namespace crumple::cpu

@@ -12,19 +12,8 @@
 namespace crumple::cpu {
 namespace {
 
-// Candidates whose hits are listed at once, so that they stay in the cache.
-constexpr std::int64_t batch = 256;
-constexpr std::size_t most_hits = batch + 1;
-
-FeatureType type_of(int lane) {
-    return lane < 3 ? FeatureType::vertex : lane < 6 ? FeatureType::edge : FeatureType::face;
-}
-
-// The kind of a pair of features by their types, in either order.
-constexpr CandidateKind kind_of[3][3] = {
-    {CandidateKind::vertex_vertex, CandidateKind::vertex_edge, CandidateKind::vertex_face},
-    {CandidateKind::vertex_edge, CandidateKind::edge_edge, CandidateKind::edge_face},
-    {CandidateKind::vertex_face, CandidateKind::edge_face, CandidateKind::face_face}};
+// Candidates for whose pairs room is made at once.
+constexpr std::int64_t batch = CandidateKernels::most;
 
 CandidateRecord dummy_record() {
     CandidateRecord record{};
@@ -45,8 +34,8 @@ std::size_t count(const CandidateHits& hits) {
 }  // namespace
 
 CandidateLeaves::Worker::Worker(MemoryMeter* m)
-    : built(m), sorted(m), candidates(m), hits(m), found{Array<Pair>(m), Array<Pair>(m), Array<Pair>(m),
-                                                         Array<Pair>(m), Array<Pair>(m), Array<Pair>(m)} {}
+    : built(m), sorted(m), candidates(m), unsure(m), found{Array<Pair>(m), Array<Pair>(m), Array<Pair>(m),
+                                                           Array<Pair>(m), Array<Pair>(m), Array<Pair>(m)} {}
 
 CandidateLeaves::CandidateLeaves(MemoryMeter* meter, int workers, const CandidateKernels& kernels) : kernels_(kernels) {
     for (int w = 0; w < workers; ++w) {
@@ -58,19 +47,7 @@ CandidateLeaves::CandidateLeaves(MemoryMeter* meter, int workers, const Candidat
 void CandidateLeaves::ask(const CandidateQuery& query) {
     query_ = &query;
     share_ = {};
-    const auto kind = [](int a, int b) {
-        return kind_of[static_cast<std::size_t>(type_of(a))][static_cast<std::size_t>(type_of(b))];
-    };
-    std::uint8_t asked[candidate_lanes] = {};
-    for (int row = 0; row < Rounds::most; ++row)
-        for (int column = 0; column < Rounds::most; ++column)
-            asked[row] = static_cast<std::uint8_t>(asked[row] | unsigned{query.wants(kind(row, column))} << column);
-    rounds_ = Rounds(asked);
-    for (std::size_t bit = 0; bit < listed_.size(); ++bit) {
-        const int row = rounds_.row[bit / 8][bit % 8], column = static_cast<int>(bit % 8);
-        listed_[bit] = {static_cast<std::uint8_t>(kind(row, column)), type_of(column) < type_of(row),
-                        type_of(column) == type_of(row)};
-    }
+    rounds_ = Rounds(query.wanted);
 }
 
 void CandidateLeaves::begin(const Call& call) {
@@ -210,19 +187,19 @@ void CandidateLeaves::narrow(const Worker& builder, Worker& worker) const {
     constexpr std::size_t most[candidate_kinds] = {6, 9, 6, 1, 18, 9};
     const Candidates& candidates = worker.candidates;
     const CandidateRecord* record = builder.sorted.data();
-    worker.hits.resize_discard(most_hits);
+    worker.unsure.resize_discard(batch + 1);
     for (std::int64_t begin = 0; begin < candidates.count; begin += batch) {
         const std::int64_t end = std::min(candidates.count, begin + batch);
         const std::size_t before = count(worker.found);
-        const std::size_t hits = kernels_.overlaps(record, candidates, begin, end, rounds_, worker.hits.data());
-        Ends next;
+        PairEnds next{};
         for (std::size_t k = 0; k < candidate_kinds; ++k) {
             if (!query_->wanted[k]) continue;
-            worker.found[k].make_room_for(most[k] * batch + 1);
+            worker.found[k].make_room_for(most[k] * batch + candidate_lanes);
             next[k] = worker.found[k].end();
         }
-        for (std::size_t h = 0; h < hits; ++h) {
-            const BoxHit& hit = worker.hits[h];
+        const std::size_t unsure = kernels_.find(record, candidates, begin, end, rounds_, next, worker.unsure.data());
+        for (std::size_t h = 0; h < unsure; ++h) {
+            const UnsureHit& hit = worker.unsure[h];
             list(hit, record[candidates.rows + hit.row], record[candidates.columns + hit.column], next);
         }
         for (std::size_t k = 0; k < candidate_kinds; ++k)
@@ -245,23 +222,17 @@ void CandidateLeaves::tell(CandidateHits& found, std::size_t before) const {
     (*share_.sink)(found, count(found) - before);
 }
 
-void CandidateLeaves::list(const BoxHit& hit, const CandidateRecord& a, const CandidateRecord& b, Ends& next) const {
-    const auto lanes = [&](int bit) { return std::pair<int, int>(rounds_.row[bit / 8][bit % 8], bit % 8); };
-    std::uint64_t overlaps = hit.overlaps;
-    for (std::uint64_t unsure = hit.unsure; unsure; unsure &= unsure - 1) {
-        const int bit = std::countr_zero(unsure);
-        const auto [row, column] = lanes(bit);
-        if (!grown_boxes_overlap(box(a, row), box(b, column), query_->inflation))
-            overlaps &= ~(std::uint64_t{1} << bit);
+// What overlaps in real numbers, though keys are equal.
+void CandidateLeaves::list(const UnsureHit& hit, const CandidateRecord& a, const CandidateRecord& b,
+                           PairEnds& next) const {
+    std::uint64_t overlaps = 0;
+    for (std::uint64_t bits = hit.bits; bits; bits &= bits - 1) {
+        const int bit = std::countr_zero(bits);
+        const Rounds::Listed& lanes = rounds_.listed[bit];
+        if (grown_boxes_overlap(box(a, lanes.row), box(b, lanes.column), query_->inflation))
+            overlaps |= std::uint64_t{1} << bit;
     }
-    for (; overlaps; overlaps &= overlaps - 1) {
-        const int bit = std::countr_zero(overlaps);
-        const auto [row, column] = lanes(bit);
-        const Listed& listed = listed_[static_cast<std::size_t>(bit)];
-        const std::int32_t first = a.id[row], second = b.id[column];
-        const bool swapped = listed.swapped || (listed.sorted && second < first);
-        *next[listed.kind]++ = swapped ? Pair{second, first} : Pair{first, second};
-    }
+    list_pairs(overlaps, rounds_, a, b, next);
 }
 
 FeatureBox CandidateLeaves::box(const CandidateRecord& record, int lane) const {

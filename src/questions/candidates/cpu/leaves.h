@@ -65,13 +65,10 @@ class CandidateLeaves final : public LeafQuestion {
         Array<CandidateRecord> built;   ///< in the order of LeafMembers
         Array<CandidateRecord> sorted;  ///< by physical row
         Candidates candidates;
-        Array<BoxHit> hits;  ///< of a batch
+        Array<UnsureHit> unsure;  ///< of a batch
         CandidateHits found;
         Statistics statistics;
     };
-
-    /// Where the next pair of each kind is written.
-    using Ends = std::array<Pair*, candidate_kinds>;
 
     /// A triangle with its box.
     struct Member {
@@ -82,7 +79,7 @@ class CandidateLeaves final : public LeafQuestion {
     unsigned owned_lanes(std::int32_t triangle) const;
     void drop_foreign(const SortedLeaf& leaf, const Ownership& ownership, Worker& worker) const;
     void narrow(const Worker& builder, Worker& worker) const;
-    void list(const BoxHit& hit, const CandidateRecord& a, const CandidateRecord& b, Ends& next) const;
+    void list(const UnsureHit& hit, const CandidateRecord& a, const CandidateRecord& b, PairEnds& next) const;
     void tell(CandidateHits& found, std::size_t before) const;
     FeatureBox box(const CandidateRecord& record, int lane) const;
 
@@ -95,11 +92,6 @@ class CandidateLeaves final : public LeafQuestion {
     CandidateShare share_;
     Normaliser normaliser_;
     Rounds rounds_;
-    struct Listed {
-        std::uint8_t kind;
-        bool swapped, sorted;  ///< the column's feature comes first; or the lesser one
-    };
-    std::array<Listed, 8 * Rounds::most> listed_{};  ///< by bit of a hit
 };
 
 }  // namespace crumple::cpu
