@@ -42,7 +42,7 @@ void sort_candidates(const Call& call, const CandidateQuery& query, CandidateKin
                      Array<Pair>& pairs) {
     const auto count = [&](FeatureType type) { return static_cast<std::int32_t>(count_of(query.features, type)); };
     const FeatureTypes types = types_of(kind);
-    const PairCounts counts{count(types.first), count(types.second)};
+    const PairCounts counts{count(types.first), count(types.second), 0, call.frugal};
     const auto nothing = [](std::span<const std::span<const Pair>>) {};
     // What one worker has found all alone does not depend on how many there are.
     const auto found = buffers.leaves.found(kind);

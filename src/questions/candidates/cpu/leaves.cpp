@@ -15,14 +15,17 @@ namespace {
 // Candidates for whose pairs room is made at once.
 constexpr std::int64_t batch = CandidateKernels::most;
 
-CandidateRecord dummy_record() {
-    CandidateRecord record{};
-    for (int axis = 0; axis < 3; ++axis)
-        for (int lane = 0; lane < candidate_lanes; ++lane)
-            record.low[axis][lane] = beyond, record.high[axis][lane] = -beyond;
-    std::fill_n(record.id, candidate_lanes, -1);
-    std::fill_n(record.name, 4, -1);
-    return record;
+const CandidateRecord& dummy_record() {
+    static const CandidateRecord dummy = [] {
+        CandidateRecord record{};
+        for (int axis = 0; axis < 3; ++axis)
+            for (int lane = 0; lane < candidate_lanes; ++lane)
+                record.low[axis][lane] = beyond, record.high[axis][lane] = -beyond;
+        std::fill_n(record.id, candidate_lanes, -1);
+        std::fill_n(record.name, 4, -1);
+        return record;
+    }();
+    return dummy;
 }
 
 std::size_t count(const CandidateHits& hits) {
@@ -70,13 +73,13 @@ bool CandidateLeaves::stop() const {
     return share_.enough && share_.enough->load(std::memory_order_relaxed);
 }
 
-CandidateLeaves::Member CandidateLeaves::member_of(std::int32_t triangle, const CandidateKey& key) const {
+CandidateLeaves::GrownBox CandidateLeaves::write_member(std::int32_t triangle, const CandidateKey& key,
+                                                        CandidateRecord& record) const {
     const SceneFeatures& features = query_->features;
     const std::int32_t* corner = call_->scene.corners + 3 * std::int64_t{triangle};
     const TriangleEdges& edges = features.edges_of(triangle);
     const double r = query_->inflation;
-    Member member{dummy_record(), {}, {}};
-    CandidateRecord& record = member.record;
+    record = dummy_record();
     record.owned = owned_lanes(triangle);
     record.id[6] = triangle;
     Vec3f low[3], high[3];
@@ -97,10 +100,9 @@ CandidateLeaves::Member CandidateLeaves::member_of(std::int32_t triangle, const 
         write(k, low[k], high[k]);
         write(3 + k, min(low[k], low[(k + 1) % 3]), max(high[k], high[(k + 1) % 3]));
     }
-    member.low = min(low[0], min(low[1], low[2]));
-    member.high = max(high[0], max(high[1], high[2]));
-    write(6, member.low, member.high);
-    return member;
+    const GrownBox box{min(low[0], min(low[1], low[2])), max(high[0], max(high[1], high[2]))};
+    write(6, box.low, box.high);
+    return box;
 }
 
 unsigned CandidateLeaves::owned_lanes(std::int32_t triangle) const {
@@ -120,13 +122,24 @@ void CandidateLeaves::build(const BuildInput& input, LeafMembers& members, std::
     const CandidateKey key{normaliser_, {frame.origin.x, frame.origin.y, frame.origin.z}};
     LeafBounds& bounds = members.bounds;
     bounds = {};
+    // Members lie anywhere in memory: what is read of them is fetched ahead, and further ahead what names it.
+    const Scene& scene = call_->scene;
+    const auto fetch = [](const VertexReader& reader, std::int64_t vertex) {
+        __builtin_prefetch(reader.data + vertex * reader.row_stride);
+    };
     for (std::int64_t i = 0; i < input.members; ++i) {
-        const Member member = member_of(input.triangle[i], key);
-        worker.built[i] = member.record;
+        __builtin_prefetch(scene.corners + 3 * std::int64_t{input.triangle[i + 24]});
+        __builtin_prefetch(&query_->features.edges_of(input.triangle[i + 24]));
+        const std::int32_t* ahead = scene.corners + 3 * std::int64_t{input.triangle[i + 12]};
+        for (int k = 0; k < 3; ++k) {
+            fetch(scene.reader[0], ahead[k]);
+            if (scene.moving) fetch(scene.end, ahead[k]);
+        }
+        const GrownBox box = write_member(input.triangle[i], key, worker.built[i]);
         Vec3f low, high;
         for (int axis = 0; axis < 3; ++axis) {
-            low[axis] = member.low[(first + axis) % 3];
-            high[axis] = member.high[(first + axis) % 3];
+            low[axis] = box.low[(first + axis) % 3];
+            high[axis] = box.high[(first + axis) % 3];
         }
         members.boxes.low[i] = {low.x, low.y, low.z, 0};
         members.boxes.high[i] = {high.x, high.y, high.z, 0};
@@ -259,7 +272,8 @@ void CandidateLeaves::search_within(std::int64_t begin, std::int64_t end, std::s
         const std::size_t before = count(worker.found);
         const unsigned owned = owned_lanes(static_cast<std::int32_t>(t));
         if ((owned & vertex_lanes) == 0 || !call_->rule(call_->scene.group(t), call_->scene.group(t))) continue;
-        const CandidateRecord record = member_of(static_cast<std::int32_t>(t), key).record;
+        CandidateRecord record;
+        write_member(static_cast<std::int32_t>(t), key, record);
         const SharedCorners shared(record, record);
         for (int a = 0; a < 3; ++a) {
             if (!(owned >> a & 1)) continue;

@@ -70,12 +70,11 @@ class CandidateLeaves final : public LeafQuestion {
         Statistics statistics;
     };
 
-    /// A triangle with its box.
-    struct Member {
-        CandidateRecord record;
+    struct GrownBox {
         Vec3f low, high;
     };
-    Member member_of(std::int32_t triangle, const CandidateKey& key) const;
+    /// Returns the box of the triangle.
+    GrownBox write_member(std::int32_t triangle, const CandidateKey& key, CandidateRecord& record) const;
     unsigned owned_lanes(std::int32_t triangle) const;
     void drop_foreign(const SortedLeaf& leaf, const Ownership& ownership, Worker& worker) const;
     void narrow(const Worker& builder, Worker& worker) const;
