@@ -30,7 +30,7 @@ void normalise(const Scene& scene, Workers& workers, Array<T>& points) {
     });
 }
 
-// Balls of triangles [begin, end) all the way, widened.
+// Balls of triangles [begin, end) all the way, each widened by as much as it takes.
 void swept_balls(const Scene& scene, const PointRows& rows, const Inflation& inflation, std::int64_t begin,
                  std::int64_t end, Ball* ball) {
     const std::int64_t ends = scene.moving ? scene.vertex_count() : 0;
@@ -62,10 +62,11 @@ bool compute_bounds(const Scene& scene, const Inflation& inflation, const StageK
     std::atomic<bool> repeats_corner{false};
     workers.parallel_for(chunks(n), [&](std::size_t part, std::size_t) {
         const std::int64_t begin = static_cast<std::int64_t>(part) * chunk, end = std::min(n, begin + chunk);
-        if (scene.moving || !inflation.none())
+        if (inflation.of_box || inflation.radius || inflation.of_way > 0)
             swept_balls(scene, rows, inflation, begin, end, balls.data());
         else
-            kernels.balls(rows, scene.corners, begin, end, balls.data());
+            kernels.balls(rows, scene.corners, begin, end, scene.moving ? scene.vertex_count() : 0, inflation(0),
+                          balls.data());
         if (kernels.repeats_corner(scene.corners, begin, end)) repeats_corner.store(true, std::memory_order_relaxed);
     });
     return repeats_corner;

@@ -22,9 +22,10 @@ struct StageKernels {
     const char* name;
 
     /// ball[t] holds triangle t, for t in [begin, end), and rubbish up to the next multiple of four past `end`; `begin`
-    /// is a multiple of four. `corners`: 3 a triangle.
+    /// is a multiple of four. `corners`: 3 a triangle. It holds what is at most `more` away as well, and, where `ends`
+    /// is not 0, as in BuildInput, the triangle's whole way.
     void (*balls)(const PointRows& points, const std::int32_t* corners, std::int64_t begin, std::int64_t end,
-                  Ball* ball);
+                  std::int64_t ends, float more, Ball* ball);
 
     /// Whether a triangle of [begin, end) names a vertex twice.
     bool (*repeats_corner)(const std::int32_t* corners, std::int64_t begin, std::int64_t end);

@@ -9,10 +9,19 @@
 namespace crumple::cpu {
 namespace {
 
-void balls(const PointRows& points, const std::int32_t* corners, std::int64_t begin, std::int64_t end, Ball* ball) {
+void balls(const PointRows& points, const std::int32_t* corners, std::int64_t begin, std::int64_t end,
+           std::int64_t ends, float more, Ball* ball) {
+    const auto at = [&](std::int64_t row) { return to_float(points[static_cast<std::int32_t>(row)]); };
     for (std::int64_t t = begin; t < end; ++t) {
-        const std::int32_t* corner = corners + 3 * t;
-        ball[t] = ball_of(to_float(points[corner[0]]), to_float(points[corner[1]]), to_float(points[corner[2]]));
+        const std::int32_t* c = corners + 3 * t;
+        const Vec3f start[3] = {at(c[0]), at(c[1]), at(c[2])};
+        if (ends) {
+            const Vec3f stop[3] = {at(c[0] + ends), at(c[1] + ends), at(c[2] + ends)};
+            ball[t] = ball_of_way(start, stop, {});
+        } else {
+            ball[t] = ball_of(start[0], start[1], start[2]);
+        }
+        ball[t].r += more;
     }
 }
 

@@ -14,12 +14,14 @@ HWY_BEFORE_NAMESPACE();
 namespace crumple::cpu {
 namespace HWY_NAMESPACE {
 
-template <class Points>
-HWY_INLINE void balls_from(const Points& points, const std::int32_t* HWY_RESTRICT corners, std::int64_t begin,
-                           std::int64_t end, Ball* HWY_RESTRICT ball) {
+/// `stop`: where the corners are at the end, if they move.
+template <bool moving, class Points>
+HWY_INLINE void balls_from(const Points& points, const Points& stop, const std::int32_t* HWY_RESTRICT corners,
+                           std::int64_t begin, std::int64_t end, float more, Ball* HWY_RESTRICT ball) {
     const hn::ScalableTag<float> d;
     using V = hn::Vec<decltype(d)>;
-    const V third = hn::Set(d, 1.0f / 3.0f), factor = hn::Set(d, ball_factor), slack = hn::Set(d, ball_slack);
+    const V share = hn::Set(d, moving ? 1.0f / 6.0f : 1.0f / 3.0f), factor = hn::Set(d, ball_factor),
+            slack = hn::Set(d, ball_slack), added = hn::Set(d, more);
     HWY_ALIGN static constexpr std::uint32_t last_lane[4] = {0, 0, 0, ~0u};
     const auto is_radius =
         hn::MaskFromVec(hn::BitCast(d, hn::LoadDup128(hn::RebindToUnsigned<decltype(d)>(), last_lane)));
@@ -28,27 +30,48 @@ HWY_INLINE void balls_from(const Points& points, const std::int32_t* HWY_RESTRIC
         for (int b = 0; b < blocks; ++b) {
             // Many corners were written by another core just now.
             const std::int32_t* ahead = corners + 3 * std::min(t + b + 32, end - 1);
-            for (int k = 0; k < 3; ++k) hwy::Prefetch(points.row(ahead[k]));
+            for (int k = 0; k < 3; ++k) {
+                hwy::Prefetch(points.row(ahead[k]));
+                if (moving) hwy::Prefetch(stop.row(ahead[k]));
+            }
             corner[b] = corners + 3 * std::min(t + b, end - 1);
         }
         const V p0 = points.position(d, corner, 0), p1 = points.position(d, corner, 1),
                 p2 = points.position(d, corner, 2);
-        const V centre = hn::Mul(third, hn::Add(p0, hn::Add(p1, p2)));
+        V q0 = p0, q1 = p1, q2 = p2, sum = hn::Add(p0, hn::Add(p1, p2));
+        if constexpr (moving) {
+            q0 = stop.position(d, corner, 0), q1 = stop.position(d, corner, 1), q2 = stop.position(d, corner, 2);
+            sum = hn::Add(sum, hn::Add(q0, hn::Add(q1, q2)));
+        }
+        const V centre = hn::Mul(share, sum);
         const auto distance2 = [&](V p) HWY_ATTR {
             const V q = hn::Sub(p, centre);
             return sum_of(hn::Mul(q, q));
         };
-        const V radius = hn::Sqrt(hn::Max(distance2(p0), hn::Max(distance2(p1), distance2(p2))));
-        hn::StoreU(hn::IfThenElse(is_radius, hn::MulAdd(radius, factor, slack), centre), d, &ball[t].x);
+        V farthest2 = hn::Max(distance2(p0), hn::Max(distance2(p1), distance2(p2)));
+        if constexpr (moving)
+            farthest2 = hn::Max(farthest2, hn::Max(distance2(q0), hn::Max(distance2(q1), distance2(q2))));
+        const V radius = hn::Add(hn::MulAdd(hn::Sqrt(farthest2), factor, slack), added);
+        hn::StoreU(hn::IfThenElse(is_radius, radius, centre), d, &ball[t].x);
     }
 }
 
-inline void balls(const PointRows& points, const std::int32_t* corners, std::int64_t begin, std::int64_t end,
-                  Ball* ball) {
-    if (points.f)
-        balls_from(Points32(points.f), corners, begin, end, ball);
+template <class Points, class T>
+HWY_INLINE void balls_of(const T* rows, const std::int32_t* corners, std::int64_t begin, std::int64_t end,
+                         std::int64_t ends, float more, Ball* ball) {
+    const Points start(rows), stop(rows + 4 * ends);
+    if (ends)
+        balls_from<true>(start, stop, corners, begin, end, more, ball);
     else
-        balls_from(Points64(points.d), corners, begin, end, ball);
+        balls_from<false>(start, stop, corners, begin, end, more, ball);
+}
+
+inline void balls(const PointRows& points, const std::int32_t* corners, std::int64_t begin, std::int64_t end,
+                  std::int64_t ends, float more, Ball* ball) {
+    if (points.f)
+        balls_of<Points32>(points.f, corners, begin, end, ends, more, ball);
+    else
+        balls_of<Points64>(points.d, corners, begin, end, ends, more, ball);
 }
 
 inline bool repeats_corner(const std::int32_t* HWY_RESTRICT corners, std::int64_t begin, std::int64_t end) {
