@@ -88,7 +88,7 @@ TEST_P(SortedPairs, CountSecondsFromWhereTheyBegin) {
     for (const std::int32_t seconds : {1 << 18, 1 << 30}) expect_sorted({3000, seconds, 3000, 0, 3000}, 10'000, false);
 }
 TEST_P(SortedPairs, MayBeNoneOrFew) {
-    for (const std::size_t count : {0, 1, 2}) expect_sorted({3000, 3000, 0, 0, 3000}, count, false);
+    for (const std::size_t count : {0U, 1U, 2U}) expect_sorted({3000, 3000, 0, 0, 3000}, count, false);
 }
 
 }  // namespace
