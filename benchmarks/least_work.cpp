@@ -38,8 +38,8 @@ LeastWork least_work(std::int64_t vertices, bool float32, const Statistics& coun
     LeastWork work;
     const auto at = [&](Stage stage) -> Work& { return work.stage[static_cast<std::size_t>(stage)]; };
 
-    // Vertices checked, normalised; balls.
-    at(Stage::bounds) = {v * vertex + v * (vertex + row) + v * row + n * (corners + ball), 3};
+    // Vertices checked; normalised, beside balls, for which they are read once more.
+    at(Stage::bounds) = {v * vertex + v * (vertex + row) + n * (corners + ball), 2};
 
     // A level: iterations of two kernels, children assigned, prefix sums, members listed. How
     // many members the first of two levels has is not counted: one a triangle at least.
@@ -75,7 +75,7 @@ LeastWork least_work(std::int64_t vertices, bool float32, const Statistics& coun
     // their own.
     at(Stage::output) = {n * 2 * offset + pairs * (size<cuda::Hit> + index) + first_triangles * offset + n +
                              (n + 1) * offset + pairs * (index + size<Pair>)+2 * n,
-                         3 + scan_nodes};
+                         4};
 
     work.frame = {(n + 1) * offset, 1};  // all that is to be cleared
     for (const Work& stage : work.stage) work.frame += stage;

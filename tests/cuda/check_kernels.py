@@ -17,13 +17,13 @@ OTHER_STACKS = 16
 # Registers of a thread: 48 let five blocks of 256 run on a multiprocessor, 80 three, 40 six, 32 eight.
 REGISTERS = {"exact_kernel": 255, "contact_kernel": 255, "sweep_kernel": 48, "filter_kernel": 80, "frame_kernel": 128,
              "DeviceScanKernel": 128, "bin_kernel": 40,
-             "place_kernel": 72, "check_kernel": 40, "normalise_kernel": 40, "assign_kernel": 32}
+             "place_kernel": 72, "check_kernel": 40, "bounds_kernel": 64, "assign_kernel": 32}
 OTHER_REGISTERS = 40
 # Loads of 16 bytes at least: two records of four, and what else comes by rows.
-WIDE_LOADS = {"sweep_kernel": 16, "filter_kernel": 20, "balls_kernel": 3, "bin_kernel": 3, "place_kernel": 3}
+WIDE_LOADS = {"sweep_kernel": 16, "filter_kernel": 20, "bin_kernel": 3, "place_kernel": 3}
 # Kernels that may load single bytes: those for arrays that are not aligned (a template's `false`), one that copies kinds
 # of contacts, and rare ones that read coordinates wherever they are.
-BYTES = re.compile(r"(check|normalise|join)_kernelI\w*Lb0E|(exact|contact|gather|part|weld|fill_table)_kernel|HostContact")
+BYTES = re.compile(r"(check|bounds|join)_kernelI\w*Lb0E|(exact|contact|gather|part|weld|fill_table)_kernel|HostContact")
 
 
 def kernels(nvcc, source, folder):

@@ -144,7 +144,7 @@ TEST_F(CudaMachine, makes_graphs_of_few_nodes) {
         int clusters, leaf_size;
         std::size_t nodes;
     };
-    for (const auto& [clusters, leaf_size, nodes] : {Case{1, 3000, 20}, {3, 3000, 24}, {2, 15, 31}}) {
+    for (const auto& [clusters, leaf_size, nodes] : {Case{1, 3000, 19}, {3, 3000, 23}, {2, 15, 30}}) {
         Detector cuda({.backend = Backend::cuda, .clusters = clusters, .leaf_size = leaf_size});
         for (int frame = 0; frame < 4; ++frame) {
             cuda.launch_self(device.view());

@@ -103,7 +103,7 @@ class StagesOfPass : public Pass {
         clearing.launch(geometry_, stream_);
         sort();
         sweep({});
-        narrow({Hits::Mode::list, hits(), answer.output.offsets, nullptr});
+        narrow({Hits::Mode::list, hits(), answer.output.offsets, answer.output.by_tile, nullptr});
         CRUMPLE_CUDA(cudaStreamSynchronize(stream_));
         const Counters counted = to_host(counters, 1)[0];
         if (counted.beyond > 0) throw std::runtime_error("these scenes leave nothing to the host");

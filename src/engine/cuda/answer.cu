@@ -16,6 +16,7 @@ void Answer::cut(Cutter& c, const Scene& scene, std::size_t pairs) {
     const auto first = static_cast<std::size_t>(scene.triangles[0]),
                second = static_cast<std::size_t>(scene.triangles[1]);
     output.offsets = c.take<unsigned long long>(first + 1);
+    output.by_tile = c.take<unsigned long long>(offset_tiles(first));
     output.next = c.take<unsigned long long>(first + 1);
     output.hit = c.take<std::uint8_t>(whole_words(first));
     output.hit_second = c.take<std::uint8_t>(whole_words(second));
@@ -24,8 +25,6 @@ void Answer::cut(Cutter& c, const Scene& scene, std::size_t pairs) {
     output.second = c.take<std::int32_t>(pairs);
     output.long_capacity = long_row_capacity(pairs);
     output.long_rows = c.take<std::int32_t>(output.long_capacity);
-    output.scan_bytes = output_scratch_bytes(scene.triangles[0]);
-    output.scan = c.take<std::byte>(output.scan_bytes);
 }
 
 void Answer::make_room(const Scene& scene, std::size_t pairs) {
@@ -46,12 +45,14 @@ std::size_t Answer::bytes(const Scene& scene, std::size_t pairs, bool contacts) 
 }
 
 void Answer::clear(Clearing& clearing, const Scene& scene) const {
-    clearing.add(output.offsets, (static_cast<std::size_t>(scene.triangles[0]) + 1) * sizeof *output.offsets);
+    const auto first = static_cast<std::size_t>(scene.triangles[0]);
+    clearing.add(output.offsets, (first + 1) * sizeof *output.offsets);
+    clearing.add(output.by_tile, offset_tiles(first) * sizeof *output.by_tile);
     clear_flags(clearing, scene, output);
 }
 
 void Answer::write(const Scene& scene, const List<Hit>& hits, Counters* counters, Counters* told) {
-    make_offsets(stream_, scene, output);
+    make_offsets(geometry_, stream_, scene, output);
     fill_buckets(geometry_, stream_, scene, hits, output);
     order_buckets(geometry_, stream_, scene, output, counters, told);
 }

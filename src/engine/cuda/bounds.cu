@@ -85,31 +85,30 @@ __global__ void check_kernel(Scene scene, SceneBox* box, Counters* counters) {
     atomicMax(&box->high[axis], greatest);
 }
 
-template <bool aligned, class T>
-__global__ void normalise_kernel(Scene scene, const SceneBox* box, Row<T>* rows) {
-    auto& normaliser = dynamic_shared<Normaliser>();
-    if (threadIdx.x == 0) normaliser = normaliser_of(*box);
-    __syncthreads();
-    const auto n = static_cast<std::size_t>(scene.vertex_count());
-    for (std::size_t v = grid_thread(); v < n; v += grid_stride()) {
-        const Vec3d p = normaliser(position<aligned>(scene, v));
-        rows[v] = {static_cast<T>(p.x), static_cast<T>(p.y), static_cast<T>(p.z), 0};
-    }
-}
-
 template <class T>
 __device__ Vec3f in_float(const Row<T>& row) {
     return {static_cast<float>(row.x), static_cast<float>(row.y), static_cast<float>(row.z)};
 }
 
-template <class T>
-__global__ void balls_kernel(Scene scene, const Row<T>* rows, Ball* balls, Counters* counters) {
-    const auto n = static_cast<std::size_t>(scene.triangle_count());
-    for (std::size_t t = grid_thread(); t < n; t += grid_stride()) {
-        const std::int32_t* corner = scene.corners + 3 * t;
-        balls[t] = corners_exist(scene, t, counters)
-                       ? ball_of(in_float(rows[corner[0]]), in_float(rows[corner[1]]), in_float(rows[corner[2]]))
-                       : Ball{0, 0, 0, NAN};
+// Rows and balls. A triangle normalises its corners once more instead of waiting for their rows, which would be a
+// kernel of its own.
+template <bool aligned, class T>
+__global__ void bounds_kernel(Scene scene, const SceneBox* box, Row<T>* rows, Ball* balls, Counters* counters) {
+    auto& normaliser = dynamic_shared<Normaliser>();
+    if (threadIdx.x == 0) normaliser = normaliser_of(*box);
+    __syncthreads();
+    const auto row = [&](std::size_t v) {
+        const Vec3d p = normaliser(position<aligned>(scene, v));
+        return Row<T>{static_cast<T>(p.x), static_cast<T>(p.y), static_cast<T>(p.z), 0};
+    };
+    const auto corner = [&](std::int32_t v) { return in_float(row(static_cast<std::size_t>(v))); };
+    const auto vertices = static_cast<std::size_t>(scene.vertex_count());
+    for (std::size_t v = grid_thread(); v < vertices; v += grid_stride()) rows[v] = row(v);
+    const auto triangles = static_cast<std::size_t>(scene.triangle_count());
+    for (std::size_t t = grid_thread(); t < triangles; t += grid_stride()) {
+        const std::int32_t* id = scene.corners + 3 * t;
+        balls[t] = corners_exist(scene, t, counters) ? ball_of(corner(id[0]), corner(id[1]), corner(id[2]))
+                                                     : Ball{0, 0, 0, NAN};
     }
 }
 
@@ -137,19 +136,15 @@ void check_vertices(const Geometry& geometry, cudaStream_t stream, const Scene& 
 
 void compute_bounds(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const SceneBox* box,
                     const Points& points, Ball* balls, Counters* counters) {
-    const auto vertices = static_cast<std::size_t>(scene.vertex_count());
-    const auto triangles = static_cast<std::size_t>(scene.triangle_count());
-    const Launch over_vertices{stream, geometry.blocks(vertices), geometry.threads, sizeof(Normaliser)};
-    const Launch over_triangles{stream, geometry.blocks(triangles), geometry.threads};
-    if (points.f) {
-        over_vertices(is_aligned(scene) ? normalise_kernel<true, float> : normalise_kernel<false, float>, scene, box,
-                      points.f);
-        over_triangles(balls_kernel<float>, scene, points.f, balls, counters);
-    } else {
-        over_vertices(is_aligned(scene) ? normalise_kernel<true, double> : normalise_kernel<false, double>, scene, box,
-                      points.d);
-        over_triangles(balls_kernel<double>, scene, points.d, balls, counters);
-    }
+    const auto elements = static_cast<std::size_t>(std::max(scene.vertex_count(), scene.triangle_count()));
+    const auto run = [&](auto aligned_kernel, auto kernel, auto* rows) {
+        Launch{stream, geometry.blocks(elements), geometry.threads, sizeof(Normaliser)}(
+            is_aligned(scene) ? aligned_kernel : kernel, scene, box, rows, balls, counters);
+    };
+    if (points.f)
+        run(bounds_kernel<true, float>, bounds_kernel<false, float>, points.f);
+    else
+        run(bounds_kernel<true, double>, bounds_kernel<false, double>, points.d);
 }
 
 }  // namespace crumple::cuda

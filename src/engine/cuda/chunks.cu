@@ -18,7 +18,7 @@ void Search::find_in_chunks() {
     copy(output.next, offsets.data(), n, cudaMemcpyHostToDevice);
     offsets.release();
     statistics_ = {};
-    pass_over_chunks({Hits::Mode::fill, {}, output.next, output.second});
+    pass_over_chunks({Hits::Mode::fill, {}, output.next, nullptr, output.second});
     Clearing clearing;
     clear_flags(clearing, pass_.scene, output);
     cuda::clear(clearing, pass_.counters);
@@ -37,8 +37,8 @@ unsigned long long Search::count_in_chunks() {
     answer_.clear(clearing, pass_.scene);
     clearing.launch(geometry_, stream_);
     const Output& output = answer_.output;
-    pass_over_chunks({Hits::Mode::count, {}, output.offsets, nullptr});
-    make_offsets(stream_, pass_.scene, output);
+    pass_over_chunks({Hits::Mode::count, {}, output.offsets, output.by_tile, nullptr});
+    make_offsets(geometry_, stream_, pass_.scene, output);
     unsigned long long total = 0;
     copy(&total, output.offsets + pass_.scene.triangles[0], 1, cudaMemcpyDeviceToHost);
     return total;

@@ -108,6 +108,9 @@ struct Sorted {
 };
 inline constexpr unsigned unit_columns = 128;
 
+/// First triangles whose pairs are counted together, too, so that prefix sums need one kernel.
+inline constexpr int offset_tile = 2048;
+
 struct Candidate {
     std::uint32_t row, column;
 };

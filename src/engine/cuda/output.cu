@@ -1,11 +1,46 @@
 #include "engine/cuda/output.h"
 
-#include <cub/device/device_scan.cuh>
+#include <algorithm>
+
+#include <cub/block/block_reduce.cuh>
+#include <cub/block/block_scan.cuh>
 
 namespace crumple::cuda {
 namespace {
 
 constexpr unsigned short_row = 64;  ///< pairs of a first triangle that each find their place by looking at all others
+
+constexpr int offset_threads = 256, offsets_a_thread = offset_tile / offset_threads;
+
+struct OffsetsShared {
+    cub::BlockReduce<unsigned long long, offset_threads>::TempStorage sum;
+    cub::BlockScan<unsigned long long, offset_threads>::TempStorage scan;
+    unsigned long long before;  // pairs of all tiles that come first
+};
+
+// Prefix sums in one kernel: tiles were counted beside the triangles, so a block learns where its tile begins without
+// waiting for another block. That it reads the numbers of all tiles before is little: there is one for 2,048 triangles.
+__global__ void offsets_kernel(std::size_t n, Output out) {
+    auto& shared = dynamic_shared<OffsetsShared>();
+    for (std::size_t tile = blockIdx.x; tile <= n / offset_tile; tile += gridDim.x) {
+        unsigned long long own = 0;
+        for (std::size_t t = threadIdx.x; t < tile; t += offset_threads) own += out.by_tile[t];
+        __syncthreads();
+        own = cub::BlockReduce<unsigned long long, offset_threads>(shared.sum).Sum(own);
+        if (threadIdx.x == 0) shared.before = own;
+        const std::size_t first = tile * offset_tile + threadIdx.x * offsets_a_thread;
+        unsigned long long sum = 0, place = 0;
+        for (std::size_t i = first; i < first + offsets_a_thread; ++i) sum += i < n ? out.offsets[i] : 0;
+        cub::BlockScan<unsigned long long, offset_threads>(shared.scan).ExclusiveSum(sum, place);
+        __syncthreads();
+        place += shared.before;
+        for (std::size_t i = first; i < first + offsets_a_thread && i <= n; ++i) {
+            const unsigned long long count = i < n ? out.offsets[i] : 0;
+            out.offsets[i] = place;
+            place += count;
+        }
+    }
+}
 
 __global__ void bucket_kernel(List<Hit> hits, std::int32_t second, Output out) {
     const unsigned long long n = hits.filled();
@@ -71,22 +106,16 @@ __global__ void long_row_kernel(Output out, const Counters* counters, Counters* 
 
 }  // namespace
 
-std::size_t output_scratch_bytes(std::int64_t first_triangles) {
-    std::size_t bytes = 0;
-    unsigned long long* none = nullptr;
-    CRUMPLE_CUDA(
-        cub::DeviceScan::ExclusiveSum(nullptr, bytes, none, none, static_cast<std::size_t>(first_triangles) + 1));
-    return bytes;
-}
+std::size_t offset_tiles(std::size_t first_triangles) { return first_triangles / offset_tile + 1; }
 
 std::size_t whole_words(std::size_t flags) { return (flags + 3) / 4 * 4; }
 
 std::size_t long_row_capacity(std::size_t pairs) { return pairs / short_row + 1; }
 
-void make_offsets(cudaStream_t stream, const Scene& scene, const Output& output) {
-    std::size_t bytes = output.scan_bytes;
-    CRUMPLE_CUDA(cub::DeviceScan::ExclusiveSum(output.scan, bytes, output.offsets, output.offsets,
-                                               static_cast<std::size_t>(scene.triangles[0]) + 1, stream));
+void make_offsets(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Output& output) {
+    const auto n = static_cast<std::size_t>(scene.triangles[0]);
+    const auto blocks = static_cast<unsigned>(std::min<std::size_t>(offset_tiles(n), geometry.resident));
+    Launch{stream, blocks, offset_threads, sizeof(OffsetsShared)}(offsets_kernel, n, output);
 }
 
 void fill_buckets(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const List<Hit>& hits,

@@ -13,6 +13,7 @@ namespace crumple::cuda {
 
 struct Output {
     unsigned long long* offsets;  ///< n + 1; before: pairs of each first triangle
+    unsigned long long* by_tile;  ///< the same of each `offset_tile` first triangles
     unsigned long long* next;     ///< the same, counted up while pairs are written to their buckets
     std::int32_t* second;         ///< by pair, in no order within a bucket
     Pair* pairs;
@@ -20,21 +21,20 @@ struct Output {
     std::int32_t* long_rows;         ///< first triangles with more pairs than one thread each can put in order
     unsigned long long capacity;     ///< of pairs
     unsigned long long long_capacity;
-    void* scan;
-    std::size_t scan_bytes;
 
     /// Pairs of the answer; none if there are more than fit, since not all of them were kept.
     CRUMPLE_HD unsigned long long total(std::size_t n) const { return offsets[n] <= capacity ? offsets[n] : 0; }
 };
 
-std::size_t output_scratch_bytes(std::int64_t first_triangles);
+/// Tiles of an answer about so many first triangles.
+std::size_t offset_tiles(std::size_t first_triangles);
 std::size_t long_row_capacity(std::size_t pairs);
 
 /// Bytes for so many flags: they are set by atomics on words.
 std::size_t whole_words(std::size_t flags);
 
 /// Turns numbers by first triangle into offsets.
-void make_offsets(cudaStream_t stream, const Scene& scene, const Output& output);
+void make_offsets(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Output& output);
 /// Writes the list's hits to their buckets.
 void fill_buckets(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const List<Hit>& hits,
                   const Output& output);

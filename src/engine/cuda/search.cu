@@ -160,7 +160,7 @@ void Search::enqueue(StageEvents* watch) {
     begin(Stage::sweep);
     pass_.sweep({});
     begin(Stage::narrow);
-    pass_.narrow({Hits::Mode::list, pass_.hits(), answer_.output.offsets, nullptr});
+    pass_.narrow({Hits::Mode::list, pass_.hits(), answer_.output.offsets, answer_.output.by_tile, nullptr});
     begin(Stage::output);
     answer_.write(pass_.scene, pass_.hits(), pass_.counters, counters_.get());
     if (watch) watch->end(stream_);
@@ -182,7 +182,7 @@ bool Search::accept(const Counters& counters) {
             answer_.clear(clearing, pass_.scene);
             clearing.add(&pass_.counters->long_rows, sizeof pass_.counters->long_rows);
             clearing.launch(geometry_, stream_);
-            rank_hits(geometry_, stream_, pass_.hits(), answer_.output.offsets);
+            rank_hits(geometry_, stream_, pass_.hits(), answer_.output.offsets, answer_.output.by_tile);
             answer_.write(pass_.scene, pass_.hits(), pass_.counters, nullptr);
             CRUMPLE_CUDA(cudaStreamSynchronize(stream_));
         }

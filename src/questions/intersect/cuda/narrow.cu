@@ -12,6 +12,7 @@ namespace {
 __device__ void add(const Hits& hits, bool is_hit, std::int32_t a, std::int32_t b, std::int32_t second) {
     unsigned long long rank = 0;
     if (is_hit) rank = atomicAdd(&hits.by_first[a], 1ull);
+    if (is_hit && hits.by_tile) atomicAdd(&hits.by_tile[a / offset_tile], 1ull);
     if (hits.mode == Hits::Mode::fill) {
         if (is_hit) hits.second[rank] = b - second;
         return;
@@ -89,10 +90,12 @@ __global__ void append_kernel(const Pair* pairs, std::size_t n, unsigned long lo
     if (grid_thread() == 0) *hits.count = begin + n;
 }
 
-__global__ void rank_kernel(List<Hit> hits, unsigned long long* by_first) {
+__global__ void rank_kernel(List<Hit> hits, unsigned long long* by_first, unsigned long long* by_tile) {
     const unsigned long long n = hits.filled();
-    for (unsigned long long i = grid_thread(); i < n; i += grid_stride())
+    for (unsigned long long i = grid_thread(); i < n; i += grid_stride()) {
         hits.data[i].rank = static_cast<std::uint32_t>(atomicAdd(&by_first[hits.data[i].a], 1ull));
+        atomicAdd(&by_tile[hits.data[i].a / offset_tile], 1ull);
+    }
 }
 
 }  // namespace
@@ -122,8 +125,9 @@ void append_hits(const Geometry& geometry, cudaStream_t stream, const Pair* pair
     Launch{stream, geometry.blocks(count), geometry.threads}(append_kernel, pairs, count, begin, hits);
 }
 
-void rank_hits(const Geometry& geometry, cudaStream_t stream, const List<Hit>& hits, unsigned long long* by_first) {
-    Launch{stream, geometry.blocks(hits.capacity), geometry.threads}(rank_kernel, hits, by_first);
+void rank_hits(const Geometry& geometry, cudaStream_t stream, const List<Hit>& hits, unsigned long long* by_first,
+               unsigned long long* by_tile) {
+    Launch{stream, geometry.blocks(hits.capacity), geometry.threads}(rank_kernel, hits, by_first, by_tile);
 }
 
 void add_hits(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Pair* pairs, std::size_t count,

@@ -17,6 +17,7 @@ struct Hits {
     Mode mode;
     List<Hit> list;
     unsigned long long* by_first;  ///< n: number of pairs of each first triangle; filling: where its next one goes
+    unsigned long long* by_tile;   ///< the same of each `offset_tile` first triangles; filling: null
     std::int32_t* second;
 };
 
@@ -33,7 +34,8 @@ void reserve_exact_stack(const Geometry& geometry, cudaStream_t stream, Counters
 void append_hits(const Geometry& geometry, cudaStream_t stream, const Pair* pairs, std::size_t count,
                  unsigned long long begin, const List<Hit>& hits);
 /// Counts the list's hits by first triangle anew.
-void rank_hits(const Geometry& geometry, cudaStream_t stream, const List<Hit>& hits, unsigned long long* by_first);
+void rank_hits(const Geometry& geometry, cudaStream_t stream, const List<Hit>& hits, unsigned long long* by_first,
+               unsigned long long* by_tile);
 
 /// Adds pairs (in joint numbering, lower id first) that the host has decided.
 void add_hits(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Pair* pairs, std::size_t count,
