@@ -161,10 +161,13 @@ nlohmann::json bounds(const DeviceLimits& limits, const std::string& scene, cons
                         {"by_launches_milliseconds", by_launches},
                         {"ratio", ratio}});
     };
-    for (std::size_t k = 0; k < stages.size(); ++k)
+    for (std::size_t k = 0; k < stages.size(); ++k) {
+        if (least.stage[k].nodes == 0) continue;  // its work is beside the others'
         row(std::string(stage_name(static_cast<Stage>(k))), stages[k].median, least.stage[k],
             least.stage[k].nodes * limits.node);
+    }
     row("frame", frame.median, least.frame, limits.graph + (least.frame.nodes - 1) * limits.node);
+    rows.back()["nodes_beside"] = least.beside;
     table.print();
     return rows;
 }

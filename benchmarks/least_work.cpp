@@ -14,12 +14,11 @@ constexpr double size = sizeof(T);
 
 constexpr double index = size<std::int32_t>, corners = 3 * index, ball = size<Ball>, mask = size<std::uint64_t>;
 constexpr double offset = size<unsigned long long>, bin_counter = size<std::uint32_t>;
-constexpr double member = size<std::int32_t> + size<std::uint32_t> + size<std::uint16_t>;  // triangle, item, child
+constexpr double member = size<std::int32_t> + size<std::uint32_t>;  // triangle, item
 constexpr double span_of_bins = size<std::uint32_t>, rank = size<std::uint32_t>, end = size<std::uint32_t>;
 // What the sweep streams of a row, and what it gathers for a candidate.
 constexpr double streamed = size<cuda::CrossBox> + mask + end;
 constexpr double gathered = size<Record> + index + size<std::uint16_t>;
-constexpr int scan_nodes = 2;  // of CUB's DeviceScan: it prepares its tiles, then scans
 
 }  // namespace
 
@@ -27,7 +26,8 @@ LeastWork least_work(std::int64_t vertices, bool float32, const Statistics& coun
     const auto number = [](std::int64_t n) { return static_cast<double>(n); };
     const double n = number(counted.triangles), v = number(vertices), members = number(counted.members);
     const double pairs = number(counted.pairs), survivors = number(counted.edge_tests);
-    const double bins = cuda::bins * number(counted.leaves), groups = members / 32;
+    const double bins = cuda::bins * number(counted.leaves);
+    const double units = std::max(members / 32, number(counted.interval_tests) / (32 * cuda::unit_columns));
     const double vertex = 3 * (float32 ? size<float> : size<double>);
     const double row = float32 ? size<cuda::Row<float>> : size<cuda::Row<double>>;
     const bool two_levels = counted.leaves > counted.clusters;
@@ -41,28 +41,28 @@ LeastWork least_work(std::int64_t vertices, bool float32, const Statistics& coun
     // Vertices checked; normalised, beside balls, for which they are read once more.
     at(Stage::bounds) = {v * vertex + v * (vertex + row) + n * (corners + ball), 2};
 
-    // A level: iterations of two kernels, children assigned, prefix sums, members listed. How
-    // many members the first of two levels has is not counted: one a triangle at least.
-    const auto level = [&](bool first, double items, double joined, std::int64_t fan_out) {
-        const int iterations = fan_out > 1 ? Options().max_iterations : 0;
-        const double triangles = first ? 0 : 2 * items * index;  // both kernels look them up
-        return Work{triangles + n * ball + items * mask + items * mask + joined * member, 3 + 2 * iterations};
+    // A level: children found and members listed. How many members the first of two levels has is not counted: one a
+    // triangle at least.
+    const auto level = [&](bool first, double items, double joined) {
+        const double triangles = first ? 0 : items * index;
+        return Work{triangles + n * ball + items * mask + joined * member, 1};
     };
-    at(Stage::subdivide) = level(true, n, two_levels ? n : members, counted.clusters);
-    if (two_levels) at(Stage::subdivide) += level(false, n, members, counted.leaves / counted.clusters);
+    at(Stage::subdivide) = level(true, n, two_levels ? n : members);
+    if (two_levels) at(Stage::subdivide) += level(false, n, members);
 
-    at(Stage::align) = {members * index + n * ball, 1};
+    // Nothing on the way: frames are made for the next one, beside.
+    at(Stage::align) = {0, 0};
+    const auto beside = [](std::int64_t fan_out) { return 1 + (fan_out > 1 ? 2 * Options().max_iterations : 0); };
+    work.beside = 1 + beside(counted.clusters) + (two_levels ? beside(counted.leaves / counted.clusters) : 0);
 
-    // Bins counted, summed up; members put in their places; units counted, summed up.
+    // Bins counted and summed up; members put in their places; units listed.
     const double corners_of_members = n * corners + v * row;
-    const double counting =
-        bins * 3 * bin_counter + corners_of_members + members * (index + size<std::uint16_t> + span_of_bins + rank);
+    const double counting = bins * 3 * bin_counter + corners_of_members + members * (index + span_of_bins + rank);
     const double placing = bins * bin_counter + corners_of_members + n * mask +
                            members * (member + span_of_bins + rank + streamed + gathered);
-    at(Stage::sort) = {counting + bins * 2 * bin_counter + placing + members * end + groups * (end + 3 * offset),
-                       3 + 2 * scan_nodes};
+    at(Stage::sort) = {counting + bins * 2 * bin_counter + placing + members * end + units * size<cuda::Unit>, 3};
 
-    at(Stage::sweep) = {members * streamed + groups * (end + offset) + swept_rows * gathered +
+    at(Stage::sweep) = {members * streamed + units * size<cuda::Unit> + swept_rows * gathered +
                             (two_levels ? n * mask : 0) + survivors * size<cuda::Candidate>,
                         1};
 

@@ -8,8 +8,8 @@
 // elements, not the 32 bytes that memory hands out for each. Left out is what does not grow with the scene, or by a few
 // bytes for each leaf: samples, centres, partial sums, frames, counters; and the few pairs beyond float32.
 //
-// Nodes: kernels, memsets and copies, by the host's code of each stage, CUB's included. What a frame is: a mesh against
-// itself, on the device, with rows of three int32, warm, by default options.
+// Nodes: kernels, memsets and copies that wait for each other, by the host's code of each stage. What a frame is: a
+// mesh against itself, on the device, with rows of three int32, warm, by default options.
 
 #include <array>
 #include <cstdint>
@@ -31,7 +31,8 @@ struct Work {
 
 struct LeastWork {
     std::array<Work, stage_count> stage;
-    Work frame;  ///< of all stages, and what clears and reads the counters before and after them
+    int beside = 0;  ///< nodes that make what guides the next frame: fuzzy C-means and places of each level, frames
+    Work frame;      ///< of all stages, and what clears and reads the counters before and after them
 };
 LeastWork least_work(std::int64_t vertices, bool float32, const Statistics& counted);
 

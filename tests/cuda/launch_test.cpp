@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <span>
 #include <thread>
@@ -72,6 +73,62 @@ TEST(CudaLaunch, answers_frames_of_a_simulation) {
     }
     EXPECT_GT(pairs, 100);
     check(cudaStreamDestroy(stream));
+}
+
+// What the frame before has left decides cost alone, whatever the next one brings.
+TEST(CudaLaunch, answers_when_the_scene_jumps) {
+    constexpr int n = 120;
+    using Triangles = std::vector<std::array<float, 3>>;
+    const Soup<float> first = random_soup(n, 0.2);
+    const auto moved = [&](auto change) {
+        Triangles vertices = first.vertices;
+        for (std::size_t v = 0; v < vertices.size(); ++v) change(v, vertices[v]);
+        return vertices;
+    };
+    const float inf = std::numeric_limits<float>::infinity();
+    const std::vector<Triangles> frames{
+        first.vertices,
+        random_soup(n, 0.2, 2).vertices,
+        moved([](std::size_t v, auto& p) {  // a vertex flies off, and all others are one cluster's
+            if (v == 7) p[0] = 1e6f;
+        }),
+        moved([](std::size_t, auto& p) {
+            p = {0.5f, 0.5f, 0.5f};
+        }),
+        moved([&](std::size_t, auto& p) { p[1] = inf; }),  // nobody waits for it, or sees the error
+        first.vertices,
+        moved([](std::size_t v, auto& p) {  // half of all crowd together
+            if (v % 2) p = {p[0] / 50, p[1] / 50, p[2] / 50};
+        }),
+        moved([](std::size_t, auto& p) {
+            p = {p[2], 100 * p[0], p[1]};
+        }),
+        moved([](std::size_t v, auto& p) {
+            if (v == 8) p[2] = std::numeric_limits<float>::quiet_NaN();
+        }),
+    };
+    Detector cpu({.backend = Backend::cpu});
+    for (const int leaf_size : {40, 5}) {
+        Detector cuda({.backend = Backend::cuda, .leaf_size = leaf_size});
+        DeviceMesh device(first.view());
+        for (std::size_t frame = 0; frame < 2 * frames.size(); ++frame) {
+            SCOPED_TRACE(testing::Message() << "leaves of " << leaf_size << ", frame " << frame);
+            Soup<float> host = first;
+            host.vertices = frames[frame * 5 % frames.size()];
+            const bool bad =
+                !std::ranges::all_of(host.vertices, [&](const auto& p) { return p[1] < inf && p[2] < inf; });
+            device.set_vertices(host.view());
+            for (int repeat = 0; repeat < (frame % 3 == 0 ? 4 : 1); ++repeat) {
+                cuda.launch_self(device.view());
+                if (bad && frame % 2) continue;
+                if (bad)
+                    EXPECT_THROW(cuda.wait(), Error);
+                else
+                    EXPECT_TRUE(shows(cuda.wait(), host.view(), nullptr, cpu.find_self(host.view())));
+            }
+            check(cudaDeviceSynchronize());  // or the next frame's vertices would come too early
+        }
+    }
 }
 
 TEST(CudaLaunch, answers_from_two_buffers_in_turn) {

@@ -58,7 +58,8 @@ class DeviceScene {
 
 class StagesOfPass : public Pass {
    public:
-    using Pass::Pass;
+    StagesOfPass(const Geometry& geometry, const Options& options, bool guided)
+        : Pass(geometry, nullptr, options), guided_(guided) {}
 
     test::StageState run(const Scene& host) {
         const DeviceScene on_device(host);
@@ -66,12 +67,26 @@ class StagesOfPass : public Pass {
         box = on_device.box();
         const auto n = static_cast<unsigned long long>(host.triangle_count());
         plan.choose(host.triangle_count(), host.between, options_);
-        plan.members[0] = plan.members[1] = 64 * n;
-        plan.survivors = plan.undecided = plan.beyond = plan.hits = 64 * n * n;
+        plan.members[0] = plan.members[1] = 128 * n + 64 * 64 * 64;
+        plan.units = plan.survivors = plan.undecided = plan.beyond = plan.hits = 64 * n * n;
         MemoryMeter meter;
         Block kept(meter), work(meter);
-        lay_out(kept, [&](Cutter& c) { centres.cut(c); });
+        lay_out(kept, [&](Cutter& c) { guides.cut(c, plan); });
         lay_out(work, [&](Cutter& c) { cut(c); });
+        pass_once();
+        if (guided_) {
+            beside = &branch_;
+            plan.cold = false;
+            plan.guided = true;
+            pass_once();
+        }
+        test::StageState state = look(host);
+        search(state);
+        return state;
+    }
+
+   private:
+    void pass_once() {
         Clearing clearing;
         clear(clearing);
         clearing.launch(geometry_, stream_);
@@ -79,17 +94,16 @@ class StagesOfPass : public Pass {
         subdivide_scene();
         subdivide_clusters(~std::uint64_t{0});
         align();
-        sort_members(geometry_, stream_, scene, points_, plan.leaves(), leaf_first(), members_[plan.levels() - 1],
-                     frames_, ownership(), sorted_, NoRecords{}, scratch_, counters);
-        cuda::sweep(geometry_, stream_, scene, sorted_, leaf_first() + plan.leaves(), ownership(), groups, KeepAll{},
+        sort_members(geometry_, stream_, scene, points_, plan.leaves(), members_of(last_level()),
+                     members_[last_level()], frames(), ownership(), sorted_, NoRecords{}, units(), counters);
+        cuda::sweep(geometry_, stream_, scene, sorted_, units(), ownership(), groups, KeepAll{},
                     {survivors_, &counters->survivors, plan.survivors}, {}, counters);
+        if (plan.guided) branch_.join(stream_);
         CRUMPLE_CUDA(cudaStreamSynchronize(stream_));
-        test::StageState state = look(host);
-        search(state);
-        return state;
+        const Counters counted = to_host(counters, 1)[0];
+        if (counted.unplaced[0] + counted.unplaced[1] > 0) throw std::runtime_error("a member has no place");
     }
 
-   private:
     // From `sort` on once more, by the question's own records and filters.
     void search(test::StageState& state) {
         policy = policy_of(Neighbours::geometric, Intersections::all);
@@ -97,7 +111,8 @@ class StagesOfPass : public Pass {
         Answer answer(geometry_, stream_, meter);
         answer.make_room(scene, plan.hits);
         Clearing clearing;
-        cuda::clear(clearing, counters);
+        clearing.add(counters->members, sizeof *counters - offsetof(Counters, members));
+        clearing.add(&counters->units, sizeof counters->units);
         cuda::clear(clearing, sorted_, plan.leaves());
         answer.clear(clearing, scene);
         clearing.launch(geometry_, stream_);
@@ -126,28 +141,30 @@ class StagesOfPass : public Pass {
             for (const auto& p : to_host(points_.d, host.vertex_count())) state.point.push_back({p.x, p.y, p.z});
         state.ball = to_host(balls_, host.triangle_count());
 
-        const auto first = to_host(leaf_first(), plan.leaves() + 1);
+        const auto first = to_host(members_of(last_level()).first, plan.leaves() + 1);
+        const auto count = to_host(members_of(last_level()).count, plan.leaves());
         const auto rows = static_cast<std::int64_t>(first.back());
         const auto triangle = to_host(sorted_.triangle, rows);
         const auto end = to_host(sorted_.end, rows);
         const auto conflict = to_host(sorted_.conflict, rows);
         const auto crossing = to_host(sorted_.box, rows);
-        const auto frames = to_host(frames_, plan.leaves());
+        const auto frame = to_host(guides.now.frame, plan.leaves());
         const auto upper = plan.levels() == 2 ? to_host(mask_[0], host.triangle_count()) : std::vector<std::uint64_t>();
         state.leaves.resize(static_cast<std::size_t>(plan.leaves()));
         std::vector<std::size_t> leaf_of(static_cast<std::size_t>(rows));
         for (std::size_t leaf = 0; leaf < state.leaves.size(); ++leaf) {
             test::LeafState& it = state.leaves[leaf];
-            it.frame = frames[leaf];
+            it.frame = frame[leaf];
+            const std::size_t leaf_end = first[leaf] + count[leaf];
             const auto cluster = leaf / static_cast<std::size_t>(std::max(1, plan.fan_out[1]));
             const std::uint64_t lower_clusters = (std::uint64_t{1} << cluster) - 1;
-            for (std::size_t i = first[leaf]; i < first[leaf + 1]; ++i) {
+            for (std::size_t i = first[leaf]; i < leaf_end; ++i) {
                 leaf_of[i] = leaf;
                 it.member.push_back(triangle[i]);
                 constexpr double all = std::numeric_limits<double>::infinity();
                 const CrossBox& b = crossing[i];
                 it.box.push_back({{-all, b.low_y, b.low_z}, {all, b.high_y, b.high_z}});
-                for (std::size_t j = i + 1; j < first[leaf + 1]; ++j) {
+                for (std::size_t j = i + 1; j < leaf_end; ++j) {
                     const auto a = static_cast<std::size_t>(triangle[i]), c = static_cast<std::size_t>(triangle[j]);
                     const bool others = !upper.empty() && (upper[a] & upper[c] & lower_clusters);
                     if (!others && !(conflict[i] & conflict[j])) it.owned.push_back(ordered(triangle[i], triangle[j]));
@@ -160,6 +177,9 @@ class StagesOfPass : public Pass {
             state.leaves[leaf_of[c.row]].candidates.push_back(ordered(triangle[c.row], triangle[c.column]));
         return state;
     }
+
+    bool guided_;
+    Branch branch_{Device(0)};
 };
 
 }  // namespace
@@ -169,14 +189,16 @@ namespace crumple::test {
 
 std::vector<StageBackend> stage_backends() {
     std::vector<StageBackend> backends;
+    // The second of two passes has found its members by what the first one left.
     for (const unsigned threads : {64u, 256u})
-        backends.push_back({"blocks_of_" + std::to_string(threads), [=](const Scene& scene, const Options& options) {
+        backends.push_back({"blocks_of_" + std::to_string(threads) + (threads == 256 ? "_guided" : ""),
+                            [=](const Scene& scene, const Options& options) {
                                 const cuda::Device device(0);
                                 const cuda::Device::Current current(device);
                                 cuda::Geometry geometry = device.geometry();
                                 geometry.resident = geometry.resident * geometry.threads / threads;
                                 geometry.threads = threads;
-                                return cuda::StagesOfPass(geometry, nullptr, options).run(scene);
+                                return cuda::StagesOfPass(geometry, options, threads == 256).run(scene);
                             }});
     return backends;
 }

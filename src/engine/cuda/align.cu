@@ -16,7 +16,7 @@ struct FrameShared {
     cub::BlockReduce<float, threads>::TempStorage most;
     double sums[6];
     PrincipalAxes axes;
-    Frame frame;
+    BinnedFrame frame;
 };
 
 // The sum, or the largest, of what the block's threads have, for all of them.
@@ -38,22 +38,27 @@ __device__ float block_max(FrameShared& shared, float value) {
     return static_cast<float>(shared.sums[0]);
 }
 
-// An upper bound of any coordinate of the ball's triangle, relative to the frame's origin.
-__device__ float reach_of(const Ball& ball, const Frame& frame) {
-    return (largest(abs(Vec3f{ball.x, ball.y, ball.z} - frame.origin)) + ball.r) * 1.00001f;
+// Of a leaf without members, and where coordinates were brought that are not finite.
+__device__ BinnedFrame plain_frame() {
+    BinnedFrame frame;
+    frame.origin = {0, 0, 0};
+    frame.axis[0] = {1, 0, 0}, frame.axis[1] = {0, 1, 0}, frame.axis[2] = {0, 0, 1};
+    frame.big = INFINITY;
+    frame.base = -1;
+    frame.scale = bins / 2;
+    return frame;
 }
-
-__device__ InFrame<3> exact_member(const Scene& scene, const PointRows& points, std::int32_t triangle,
-                                   const Frame& frame) {
-    const std::int32_t* corner = scene.corners + 3 * static_cast<std::size_t>(triangle);
-    const Vec3d p[3] = {points[corner[0]], points[corner[1]], points[corner[2]]};
-    return {p, frame};
+__device__ bool is_finite(float x) { return std::abs(x) < INFINITY; }
+__device__ bool is_finite(const Vec3f& v) { return is_finite(v.x) && is_finite(v.y) && is_finite(v.z); }
+__device__ bool is_finite(const BinnedFrame& f) {
+    return is_finite(f.origin) && is_finite(f.axis[0]) && is_finite(f.axis[1]) && is_finite(f.axis[2]) && f.big > 0 &&
+           is_finite(f.base) && is_finite(f.scale);
 }
 
 // The frame of one leaf, by one block.
 __device__ void make_frame(FrameShared& shared, unsigned long long begin, unsigned long long members,
                            const std::int32_t* triangle, const Scene& scene, const PointRows& points, const Ball* balls,
-                           Frame& result) {
+                           BinnedFrame& result) {
     const auto samples = static_cast<unsigned>(members < threads ? members : threads);
     const bool has = threadIdx.x < samples;
     const std::int32_t sample = has ? triangle[begin + threadIdx.x * members / samples] : 0;
@@ -85,7 +90,7 @@ __device__ void make_frame(FrameShared& shared, unsigned long long begin, unsign
     }
     moment = {block_sum(shared, moment.re, shared.sums[0]), block_sum(shared, moment.im, shared.sums[1])};
 
-    Frame& frame = shared.frame;
+    BinnedFrame& frame = shared.frame;
     if (threadIdx.x == 0) {
         turn_to_edges(axes, moment);
         frame.origin = to_float(mean);
@@ -94,53 +99,66 @@ __device__ void make_frame(FrameShared& shared, unsigned long long begin, unsign
     }
     __syncthreads();
 
-    // The reach of all members by their balls, unless these let one seem big that is not; and their range along the
-    // sweep direction, for the bins, which need not be exact.
-    float reach = 0, low = INFINITY, high = -INFINITY;
+    // The range of the members along the sweep direction, for the bins, which need not be exact.
+    float low = INFINITY, high = -INFINITY;
     for (unsigned long long m = begin + threadIdx.x; m < begin + members; m += threads) {
         const Ball b = balls[triangle[m]];
-        const float own = reach_of(b, frame);
-        if (own > frame.big) {
-            const InFrame<3> member = exact_member(scene, points, triangle[m], frame);
-            if (member.big) {
-                reach = max(reach, member.counted_reach());
-                continue;
-            }
-        }
-        reach = max(reach, own);
+        if (ball_reach(b, frame.origin) > frame.big) continue;
         const float x = dot(frame.axis[0], Vec3f{b.x, b.y, b.z} - frame.origin);
         low = min(low, x - b.r);
         high = max(high, x + b.r);
     }
-    reach = block_max(shared, reach);
     high = block_max(shared, high);
     low = -block_max(shared, -low);
     if (threadIdx.x != 0) return;
-    frame.reach = reach;
-    frame.margin = box_margin(reach);
     const bool any = high - low > 1e-30f;
     frame.base = any ? low : 0;
     frame.scale = any ? bins / (high - low) : 0;
-    result = frame;
+    result = is_finite(frame) ? frame : plain_frame();
 }
 
-__global__ void frame_kernel(int leaves, const unsigned long long* first, const std::int32_t* triangle, Scene scene,
-                             PointRows points, const Ball* balls, Frame* frames) {
+__global__ void frame_kernel(int leaves, Segments members_of, const std::int32_t* triangle, Scene scene,
+                             PointRows points, const Ball* balls, BinnedFrame* frames) {
     auto& shared = dynamic_shared<FrameShared>();
     for (int leaf = static_cast<int>(blockIdx.x); leaf < leaves; leaf += static_cast<int>(gridDim.x)) {
-        const unsigned long long begin = first[leaf], members = first[leaf + 1] - begin;
-        if (members > 0) make_frame(shared, begin, members, triangle, scene, points, balls, frames[leaf]);
+        const auto l = static_cast<std::size_t>(leaf);
+        const unsigned long long begin = members_of.first[l], members = members_of.end(l) - begin;
+        if (members > 0)
+            make_frame(shared, begin, members, triangle, scene, points, balls, frames[l]);
+        else if (threadIdx.x == 0)
+            frames[l] = plain_frame();
+    }
+}
+
+__global__ void reach_kernel(int leaves, Segments members_of, Members members, Scene scene, PointRows points,
+                             const Ball* balls, Frames frames) {
+    const auto n = static_cast<std::size_t>(leaves);
+    for (unsigned long long m = grid_thread(); m < members_of.first[n]; m += grid_stride()) {
+        const std::size_t leaf = segment_of(m, members_of.first, n);
+        if (m >= members_of.end(leaf)) continue;
+        const BinnedFrame& frame = frames.binned[leaf];
+        const std::int32_t t = members.triangle[m];
+        float reach = ball_reach(balls[t], frame.origin);
+        if (reach > frame.big) reach = exact_reach(scene, points, t, frame, reach);
+        atomicMax(&frames.reach[leaf], __float_as_uint(reach));
     }
 }
 
 }  // namespace
 
-void make_frames(const Geometry& geometry, cudaStream_t stream, int leaves, const unsigned long long* first,
+void make_frames(const Geometry& geometry, cudaStream_t stream, int leaves, const Segments& members_of,
                  const std::int32_t* triangle, const Scene& scene, const Points& points, const Ball* balls,
-                 Frame* frames) {
+                 BinnedFrame* frames) {
     const unsigned blocks = std::min(static_cast<unsigned>(leaves), geometry.resident * geometry.threads / threads);
-    Launch{stream, blocks, threads, sizeof(FrameShared)}(frame_kernel, leaves, first, triangle, scene, points.rows(),
-                                                         balls, frames);
+    Launch{stream, blocks, threads, sizeof(FrameShared)}(frame_kernel, leaves, members_of, triangle, scene,
+                                                         points.rows(), balls, frames);
+}
+
+void measure_reach(const Geometry& geometry, cudaStream_t stream, int leaves, const Segments& members_of,
+                   const Members& members, const Scene& scene, const Points& points, const Ball* balls,
+                   const Frames& frames) {
+    Launch{stream, geometry.blocks(members.capacity), geometry.threads}(reach_kernel, leaves, members_of, members,
+                                                                        scene, points.rows(), balls, frames);
 }
 
 }  // namespace crumple::cuda

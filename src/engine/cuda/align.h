@@ -9,10 +9,29 @@
 
 namespace crumple::cuda {
 
-/// Frames of leaves [0, leaves), whose members lie at [first[leaf], first[leaf + 1]).
-void make_frames(const Geometry& geometry, cudaStream_t stream, int leaves, const unsigned long long* first,
+/// Frames of leaves [0, leaves), by their members. Whatever is brought, they are finite, for the next pass takes them
+/// as they are.
+void make_frames(const Geometry& geometry, cudaStream_t stream, int leaves, const Segments& members_of,
                  const std::int32_t* triangle, const Scene& scene, const Points& points, const Ball* balls,
-                 Frame* frames);
+                 BinnedFrame* frames);
+
+/// How far the members reach in frames that were made after they had been listed; finds all reaches 0.
+void measure_reach(const Geometry& geometry, cudaStream_t stream, int leaves, const Segments& members_of,
+                   const Members& members, const Scene& scene, const Points& points, const Ball* balls,
+                   const Frames& frames);
+
+/// An upper bound of any coordinate of the ball's triangle, relative to the origin.
+__device__ inline float ball_reach(const Ball& ball, const Vec3f& origin) {
+    return (largest(abs(Vec3f{ball.x, ball.y, ball.z} - origin)) + ball.r) * 1.00001f;
+}
+/// What a triangle counts for in its leaf's reach, if it is big; else `bound`, which its ball has given.
+__device__ inline float exact_reach(const Scene& scene, const PointRows& points, std::int32_t triangle,
+                                    const LeafFrame& frame, float bound) {
+    const std::int32_t* corner = scene.corners + 3 * static_cast<std::size_t>(triangle);
+    const Vec3d p[3] = {points[corner[0]], points[corner[1]], points[corner[2]]};
+    const InFrame<3> member(p, frame);
+    return member.big ? member.counted_reach() : bound;
+}
 
 /// The normalised corners of a triangle.
 template <class T>

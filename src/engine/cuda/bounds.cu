@@ -117,9 +117,9 @@ __global__ void bounds_kernel(Scene scene, const SceneBox* box, Row<T>* rows, Ba
 void clear(Clearing& clearing, Counters* counters) {
     // Where the lowest wrong element is noted, nothing is all bits set.
     constexpr std::size_t noted = sizeof counters->bad_vertex + sizeof counters->bad_triangle;
-    static_assert(offsetof(Counters, members) == noted);
+    static_assert(offsetof(Counters, places) == noted);
     clearing.add(counters, noted, ~0u);
-    clearing.add(counters->members, sizeof *counters - noted);
+    clearing.add(counters->places, sizeof *counters - noted);
 }
 
 void clear(Clearing& clearing, SceneBox* box) {

@@ -46,6 +46,7 @@ unsigned long long Search::count_in_chunks() {
 
 // The scene's clusters, for which members of one at a time are listed.
 void Search::lay_out_chunks() {
+    lay_out(guides_, [&](Cutter& c) { pass_.guides.cut(c, pass_.plan); });
     lay_out(work_, [&](Cutter& c) { pass_.cut(c); });
     Clearing clearing;
     pass_.clear(clearing);

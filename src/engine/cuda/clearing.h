@@ -1,7 +1,7 @@
 #pragma once
 
-// What a pass begins with: arrays that are set to a value, all by one kernel, for each memset would be a node of its
-// own in a graph, and wait for the one before.
+// What a pass begins with: arrays that are set to a value, and copies of what the pass before has left, all by one
+// kernel, for each memset or copy would be a node of its own in a graph, and wait for the one before.
 
 #include <cstddef>
 
@@ -14,12 +14,15 @@ class Clearing {
     /// `bytes` from `memory` on are to hold `word` again and again; both are multiples of four. Ranges must not
     /// overlap.
     void add(void* memory, std::size_t bytes, unsigned word = 0);
+    /// `bytes` from `from` on, a multiple of four, are copied.
+    void copy(void* memory, const void* from, std::size_t bytes);
     void launch(const Geometry& geometry, cudaStream_t stream) const;
 
     struct Range {
         unsigned* begin;
         std::size_t words;
         unsigned word;
+        const unsigned* from;  ///< null: the word
     };
     struct Ranges {
         Range range[24];
@@ -27,6 +30,8 @@ class Clearing {
     };
 
    private:
+    void add(const Range& range);
+
     Ranges ranges_;
 };
 

@@ -45,6 +45,22 @@ Event make_event(const Device& device);
 /// Makes what `then` is given from now on wait for what `first` was given.
 void order(const Event& event, cudaStream_t first, cudaStream_t then);
 
+/// A second stream, whose work begins where another stream is and ends where that one waits for it: what lies between
+/// runs beside. In a capture it is a branch of the graph.
+class Branch {
+   public:
+    explicit Branch(const Device& device) : stream_(make_stream(device)), turn_(make_event(device)) {}
+    cudaStream_t fork(cudaStream_t from) const {
+        order(turn_, from, stream_.get());
+        return stream_.get();
+    }
+    void join(cudaStream_t into) const { order(turn_, stream_.get(), into); }
+
+   private:
+    Stream stream_;
+    Event turn_;
+};
+
 /// Times of the stages: an event at the start of each.
 class StageEvents {
    public:

@@ -14,12 +14,19 @@
 
 namespace crumple::cuda {
 
-/// Centres of both levels: what one frame leaves for the next.
-struct Centres {
-    Row<float>* centre[2];
-    float* moved[2];
+/// What one pass leaves for the next. A guided pass begins with a copy of `next` and then makes the next one, beside
+/// the stages that wait for each other:
+///
+///     clear, now = next -- bounds -- members ---- sort -- sweep -- narrow -- output
+///                                          \                                  /
+///                                           fuzzy C-means, places, frames: next
+///
+/// One that is not guided makes each part of it before it is used.
+struct Guides {
+    Guide now, next;
+    float* moved[2];  ///< of the next centres
 
-    void cut(Cutter& cutter);
+    void cut(Cutter& cutter, const Plan& plan);
 };
 
 class Pass {
@@ -33,7 +40,8 @@ class Pass {
     WantedGroups groups;
     NarrowPolicy policy;
     Plan plan;
-    Centres centres{};
+    Guides guides{};
+    const Branch* beside = nullptr;  ///< where a guided pass makes the next guide; joined by whoever needs it
 
     /// Cuts the arrays of all stages but the last; their contents are lost.
     void cut(Cutter& cutter);
@@ -49,20 +57,27 @@ class Pass {
 
     /// What the stages find cleared, from subdivide_scene() or subdivide_clusters() on.
     void clear(Clearing& clearing) const;
-    /// Between slices of one sweep.
+    /// Between slices of one sweep: all but its units.
     void clear_counters();
 
     List<Hit> hits() const { return {hits_, &counters->hits, plan.hits}; }
     Pair* beyond() const { return beyond_; }
     Counters* counters = nullptr;
 
+   private:
+    void list_members(int i, std::uint64_t listed);
+    void move_centres(int i);
+    void look_ahead(int i, cudaStream_t stream);
+
    protected:  // tests of the stages look at the arrays, and bring another question
     Level level(int i) const;
     Members members(int i) const;
     Fuzziness fuzziness(int i) const;
     Ownership ownership() const;
-    /// Of the last level.
-    const unsigned long long* leaf_first() const { return child_first_[plan.levels() - 1]; }
+    int last_level() const { return plan.levels() - 1; }
+    Segments members_of(int i) const { return {guides.now.first[i], count_[i]}; }
+    Frames frames() const { return {guides.now.frame, reach_}; }
+    List<Unit> units() const { return {units_, &counters->units, plan.units}; }
 
     Geometry geometry_;
     cudaStream_t stream_;
@@ -72,12 +87,12 @@ class Pass {
     Ball* balls_ = nullptr;
     Row<float>* partial_ = nullptr;
     std::uint64_t* mask_[2] = {};
-    unsigned long long *count_[2] = {}, *cursor_ = nullptr, *child_first_[2] = {};
+    unsigned long long* count_[2] = {};
     Members members_[2] = {};
-    Frame* frames_ = nullptr;
+    unsigned* reach_ = nullptr;
     Sorted sorted_{};
     RecordRows records_{};
-    SortScratch scratch_{};
+    Unit* units_ = nullptr;
     Candidate *survivors_ = nullptr, *undecided_ = nullptr;
     Pair* beyond_ = nullptr;
     Hit* hits_ = nullptr;

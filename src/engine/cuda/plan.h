@@ -15,7 +15,9 @@ namespace crumple::cuda {
 struct Plan {
     int fan_out[2] = {0, 0};  ///< children of each cluster of a level; 0: there is no such level
     bool cold = true;         ///< there are no centres yet to start from
-    unsigned long long members[2] = {0, 0};
+    bool guided = false;      ///< the pass before has left centres, places and frames for this one (layout.h, Guide)
+    unsigned long long members[2] = {0, 0};  ///< places
+    unsigned long long units = 0;
     unsigned long long survivors = 0, undecided = 0, beyond = 0, hits = 0;
 
     friend bool operator==(const Plan&, const Plan&) = default;
@@ -33,7 +35,8 @@ struct Plan {
                                                            : std::min(leaves, most));
         if (leaves > fan_out[0]) fan_out[1] = static_cast<int>(std::min((leaves + fan_out[0] - 1) / fan_out[0], most));
         const auto count = static_cast<unsigned long long>(n);
-        members[0] = members[1] = count + count / 2 + 1024;
+        members[0] = members[1] = count + 3 * count / 4 + 1024;
+        units = count / 4 + 1024;
         survivors = 4 * count + 1024;
         undecided = count / 2 + 1024;
         beyond = 1024;
@@ -45,6 +48,7 @@ struct Plan {
         constexpr unsigned long long candidates = 32ull * unit_columns;  // what one unit has at most
         choose(n, between, options);
         members[0] = members[1] = 1024;
+        units = 1024;
         survivors = undecided = beyond = candidates;
         hits = 0;
     }
@@ -52,6 +56,11 @@ struct Plan {
     /// False if a list of members was too short, or too many triangles joined too many clusters; the plan is then
     /// another one (docs/subdivide.md).
     bool accepts_members(const Counters& c, std::int64_t n, const Options& options) {
+        // The scene has jumped, or triangles crowd: places and centres are found anew.
+        if (guided && c.unplaced[0] + c.unplaced[1] > 0) {
+            guided = false;
+            return false;
+        }
         // A few memberships more do not matter, as where there are hardly any triangles.
         const auto pays = [](unsigned long long joined, unsigned long long items, int k) {
             return splitting_pays(static_cast<double>(joined) - 64, static_cast<double>(items), k);
@@ -59,22 +68,23 @@ struct Plan {
         if (options.clusters == 0 && fan_out[0] > 1 &&
             !pays(c.members[0], static_cast<unsigned long long>(n), fan_out[0])) {
             fan_out[0] /= 2;
-            cold = true;
+            start_anew();
             return false;
         }
-        if (!grow(members[0], c.members[0])) return false;
+        if (!accepts_places(c, 0)) return false;
         if (levels() == 1) return true;
         if (fan_out[1] > 1 && !pays(c.members[1], c.members[0], fan_out[1])) {
             fan_out[1] = fan_out[1] > 3 ? fan_out[1] / 2 : 0;
-            cold = true;
+            start_anew();
             return false;
         }
-        return grow(members[1], c.members[1]);
+        return accepts_places(c, 1);
     }
 
     bool accepts(const Counters& c, std::int64_t n, const Options& options) {
         if (!accepts_members(c, n, options)) return false;
-        bool fits = grow(survivors, c.survivors);
+        bool fits = grow(units, c.units);
+        fits = grow(survivors, c.survivors) && fits;
         fits = grow(undecided, c.undecided) && fits;
         fits = grow(beyond, c.beyond) && fits;
         return grow(hits, c.hits) && fits;
@@ -84,10 +94,16 @@ struct Plan {
 
     /// The same for one cluster of many: how many join it says nothing about the clusters.
     bool accepts_chunk(const Counters& c) {
-        return grow(members[0], c.members[0]) && (levels() == 1 || grow(members[1], c.members[1]));
+        return accepts_places(c, 0) && (levels() == 1 || accepts_places(c, 1)) && grow(units, c.units);
     }
 
    private:
+    void start_anew() {
+        cold = true;
+        guided = false;
+    }
+    // A guided pass that has placed all members had places enough; what it counted are those of the next.
+    bool accepts_places(const Counters& c, int level) { return guided || grow(members[level], c.places[level]); }
     static bool grow(unsigned long long& capacity, unsigned long long wanted) {
         if (wanted <= capacity) return true;
         capacity = wanted + wanted / 4;

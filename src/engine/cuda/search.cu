@@ -16,12 +16,15 @@ Search::Search(const Device& device, const Geometry& geometry, cudaStream_t stre
       stream_(stream),
       input_(input),
       watch_(device),
+      beside_(device),
       counters_(device),
       graphs_(device, stream),
-      state_(meter),
+      guides_(meter),
       work_(meter),
       answer_(geometry, stream, meter),
-      pass_(geometry, stream, options) {}
+      pass_(geometry, stream, options) {
+    pass_.beside = &beside_;
+}
 
 void Search::adopt(const Query& query) {
     query_ = query;
@@ -30,7 +33,6 @@ void Search::adopt(const Query& query) {
     pass_.box = input_.box();
     pass_.groups = input_.groups_wanted();
     pass_.policy = policy_of(query.neighbours, query.intersections);
-    lay_out(state_, [&](Cutter& c) { pass_.centres.cut(c); });
     statistics_ = {};
 }
 
@@ -42,7 +44,7 @@ void Search::drop_lists() {
 
 void Search::release() {
     drop_lists();
-    state_.release();
+    guides_.release();
     graphs_.clear();
     planned_for_ = {};
     too_many_ = std::numeric_limits<std::int64_t>::max();
@@ -58,6 +60,7 @@ void Search::lay_out_lists() {
     const Layout wanted{pass_.scene.vertices, pass_.scene.triangles, pass_.scene.float32, pass_.plan};
     if (laid_out_ == wanted) return;
     laid_out_.reset();
+    lay_out(guides_, [&](Cutter& c) { pass_.guides.cut(c, pass_.plan); });
     lay_out(work_, [&](Cutter& c) { pass_.cut(c); });
     answer_.make_room(pass_.scene, pass_.plan.hits);
     laid_out_ = wanted;
@@ -127,7 +130,7 @@ bool Search::launch(cudaStream_t stream) {
         plan();
         lay_out_lists();
         graphs_.run({pass_.scene, pass_.groups, pass_.policy, pass_.plan, input_.work(), work_.data(), answer_.place(),
-                     state_.data()},
+                     guides_.data()},
                     stream, [&] { enqueue(nullptr); });
     });
 }
@@ -163,6 +166,7 @@ void Search::enqueue(StageEvents* watch) {
     pass_.narrow({Hits::Mode::list, pass_.hits(), answer_.output.offsets, answer_.output.by_tile, nullptr});
     begin(Stage::output);
     answer_.write(pass_.scene, pass_.hits(), pass_.counters, counters_.get());
+    if (pass_.plan.guided) beside_.join(stream_);
     if (watch) watch->end(stream_);
 }
 
@@ -189,6 +193,7 @@ bool Search::accept(const Counters& counters) {
     }
     count(counters);
     pass_.plan.cold = false;
+    pass_.plan.guided = true;
     return true;
 }
 

@@ -60,7 +60,7 @@ class Search {
         NarrowPolicy policy;
         Plan plan;
         Input::Work input;
-        const void *work, *result, *state;
+        const void *work, *result, *guides;
         friend bool operator==(const Key&, const Key&) = default;
     };
     struct SceneKind {
@@ -110,9 +110,10 @@ class Search {
     cudaStream_t stream_;
     Input& input_;
     StageEvents watch_;
+    Branch beside_;
     Pinned<Counters> counters_;
     GraphCache<Key> graphs_;
-    Block state_, work_;
+    Block guides_, work_;
     Answer answer_;
     Pass pass_;
     Query query_;

@@ -1,9 +1,5 @@
 #include "engine/cuda/sort.h"
 
-#include <algorithm>
-
-#include <cub/device/device_scan.cuh>
-
 #include "engine/cuda/align.h"
 
 namespace crumple::cuda {
@@ -14,83 +10,98 @@ __device__ std::uint32_t bin_of(float x, const Frame& frame) {
     return b > 0 ? (b < bins - 1 ? static_cast<std::uint32_t>(b) : bins - 1) : 0;
 }
 
-// First and last bin of each member, and its place among those that start in the same bin.
-template <class T>
-__global__ void bin_kernel(Scene scene, const Row<T>* rows, const unsigned long long* count, Members members,
-                           const Frame* frames, Sorted sorted, unsigned* bin_count) {
-    for (unsigned long long m = grid_thread(); m < *count; m += grid_stride()) {
-        const std::int32_t t = members.triangle[m];
-        const std::uint32_t leaf = members.child[m];
-        const Frame& frame = frames[leaf];
-        Vec3d p[3];
-        load_corners(rows, scene.corners + 3 * static_cast<std::size_t>(t), p);
-        const InFrame<3> member(p, frame);
-        const std::uint32_t first = bin_of(member.low.x - frame.margin, frame);
-        const std::uint32_t last = bin_of(member.high.x + frame.margin, frame);
-        sorted.bin[m] = first | last << 16;
-        sorted.rank[m] = atomicAdd(&bin_count[leaf * bins + first], 1u);
-    }
-}
-
-// Units of each group of 32 rows; a group is a warp's.
-__global__ void unit_kernel(const unsigned long long* count, std::size_t groups, Sorted sorted) {
+// Turns a leaf's numbers by bin into first rows, by one warp.
+__device__ void sum_bins(std::uint32_t* bin_first, std::uint32_t first) {
     const unsigned lane = threadIdx.x % 32;
-    for (std::size_t group = grid_thread() / 32; group < groups; group += grid_stride() / 32) {
-        const unsigned long long row = 32 * group + lane;
-        std::uint32_t end = row < *count ? sorted.end[row] : 0;
-        for (int lanes = 16; lanes > 0; lanes /= 2) end = max(end, __shfl_xor_sync(whole_warp, end, lanes));
-        if (lane != 0) continue;
-        const auto first = static_cast<std::uint32_t>(32 * group) + 1;
-        sorted.group_end[group] = end;
-        sorted.unit_first[group] = end > first ? (end - first + unit_columns - 1) / unit_columns : 0;
+    for (unsigned b = lane; b < bins; b += 32) {
+        const std::uint32_t count = bin_first[b];
+        std::uint32_t sum = count;
+        for (unsigned lanes = 1; lanes < 32; lanes *= 2) {
+            const std::uint32_t before = __shfl_up_sync(whole_warp, sum, lanes);
+            if (lane >= lanes) sum += before;
+        }
+        bin_first[b] = first + sum - count;
+        first += __shfl_sync(whole_warp, sum, 31);
+    }
+    if (lane == 0) bin_first[bins] = first;
+}
+
+// First and last bin of each member, and its place among those that start in the same bin. A warp's members are of one
+// leaf, and the warp that brings the leaf's last ones sums up its bins, which is a kernel less than to wait for all
+// leaves. Fences on both sides of the counter: the last warp sees what the others have counted.
+template <class T>
+__global__ void bin_kernel(Scene scene, const Row<T>* rows, int leaves, Segments members_of, Members members,
+                           Frames frames, Sorted sorted) {
+    const unsigned lane = threadIdx.x % 32;
+    const auto n = static_cast<std::size_t>(leaves);
+    for (unsigned long long m = grid_thread(); m < members_of.first[n]; m += grid_stride()) {
+        const std::size_t leaf = segment_of(m, members_of.first, n);
+        const unsigned long long begin = members_of.first[leaf], end = members_of.end(leaf);
+        std::uint32_t* bin_first = sorted.bin_first + leaf * (bins + 1);
+        const bool valid = m < end;
+        if (valid) {
+            const Frame frame = frames[leaf];
+            Vec3d p[3];
+            load_corners(rows, scene.corners + 3 * static_cast<std::size_t>(members.triangle[m]), p);
+            const InFrame<3> member(p, frame);
+            const std::uint32_t first = bin_of(member.low.x - frame.margin, frame);
+            const std::uint32_t last = bin_of(member.high.x + frame.margin, frame);
+            sorted.bin[m] = first | last << 16;
+            sorted.rank[m] = atomicAdd(&bin_first[first], 1u);
+            __threadfence();
+        }
+        const auto here = static_cast<unsigned>(__popc(__ballot_sync(whole_warp, valid)));
+        __syncwarp();
+        unsigned before = 0;
+        if (lane == 0 && here) before = atomicAdd(&sorted.binned[leaf], here);
+        before = __shfl_sync(whole_warp, before, 0);
+        if (here == 0 || before + here < end - begin) continue;
+        __threadfence();
+        __syncwarp();
+        sum_bins(bin_first, static_cast<std::uint32_t>(begin));
     }
 }
 
-template <class In>
-std::size_t scan_bytes(In data, std::size_t n) {
-    std::size_t bytes = 0;
-    CRUMPLE_CUDA(cub::DeviceScan::ExclusiveSum(nullptr, bytes, data, data, n));
-    return bytes;
+// Units of each group of 32 rows; a group is a warp's, and of one leaf.
+__global__ void unit_kernel(int leaves, Segments members_of, Sorted sorted, List<Unit> units) {
+    const unsigned lane = threadIdx.x % 32;
+    const auto n = static_cast<std::size_t>(leaves);
+    for (unsigned long long row = grid_thread(); row < members_of.first[n]; row += grid_stride()) {
+        const auto rows_end = static_cast<std::uint32_t>(members_of.end(segment_of(row, members_of.first, n)));
+        std::uint32_t end = row < rows_end ? sorted.end[row] : 0;
+        for (int lanes = 16; lanes > 0; lanes /= 2) end = max(end, __shfl_xor_sync(whole_warp, end, lanes));
+        const auto first = static_cast<std::uint32_t>(row) - lane, column = first + 1;
+        const unsigned wanted = end > column ? (end - column + unit_columns - 1) / unit_columns : 0;
+        unsigned long long place = 0;
+        if (lane == 0 && wanted) place = atomicAdd(units.count, static_cast<unsigned long long>(wanted));
+        place = __shfl_sync(whole_warp, place, 0);
+        for (unsigned u = lane; u < wanted && place + u < units.capacity; u += 32) {
+            const std::uint32_t begin = column + u * unit_columns;
+            units.data[place + u] = {first, rows_end, begin, min(begin + unit_columns, end)};
+        }
+    }
 }
-
-std::size_t groups_of(std::size_t capacity) { return (capacity + 31) / 32; }
 
 }  // namespace
 
 void clear(Clearing& clearing, const Sorted& sorted, int leaves) {
-    clearing.add(sorted.bin_first, (static_cast<std::size_t>(leaves) * bins + 1) * sizeof *sorted.bin_first);
-}
-
-std::size_t sort_scratch_bytes(int leaves, std::size_t capacity) {
-    return std::max(scan_bytes(static_cast<std::uint32_t*>(nullptr), static_cast<std::size_t>(leaves) * bins + 1),
-                    scan_bytes(static_cast<unsigned long long*>(nullptr), groups_of(capacity) + 1));
+    const auto n = static_cast<std::size_t>(leaves);
+    clearing.add(sorted.bin_first, n * (bins + 1) * sizeof *sorted.bin_first);
+    clearing.add(sorted.binned, n * sizeof *sorted.binned);
 }
 
 void bin_members(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Points& points, int leaves,
-                 const unsigned long long* first, const Members& members, const Frame* frames, const Sorted& sorted,
-                 const SortScratch& scratch) {
-    const auto bin_total = static_cast<std::size_t>(leaves) * bins + 1;
+                 const Segments& members_of, const Members& members, const Frames& frames, const Sorted& sorted) {
     const Launch over_members{stream, geometry.blocks(members.capacity), geometry.threads};
-    const auto count = [&](const auto* rows, auto kernel) {
-        over_members(kernel, scene, rows, first + leaves, members, frames, sorted, sorted.bin_first);
-    };
     if (points.f)
-        count(points.f, bin_kernel<float>);
+        over_members(bin_kernel<float>, scene, points.f, leaves, members_of, members, frames, sorted);
     else
-        count(points.d, bin_kernel<double>);
-    std::size_t bytes = scratch.scan_bytes;
-    CRUMPLE_CUDA(
-        cub::DeviceScan::ExclusiveSum(scratch.scan, bytes, sorted.bin_first, sorted.bin_first, bin_total, stream));
+        over_members(bin_kernel<double>, scene, points.d, leaves, members_of, members, frames, sorted);
 }
 
-void count_units(const Geometry& geometry, cudaStream_t stream, const unsigned long long* count, std::size_t capacity,
-                 const Sorted& sorted, const SortScratch& scratch) {
-    // One group more, so that the scan ends with the total.
-    const std::size_t groups = groups_of(capacity) + 1;
-    Launch{stream, geometry.blocks(32 * groups), geometry.threads}(unit_kernel, count, groups, sorted);
-    std::size_t bytes = scratch.scan_bytes;
-    CRUMPLE_CUDA(
-        cub::DeviceScan::ExclusiveSum(scratch.scan, bytes, sorted.unit_first, sorted.unit_first, groups, stream));
+void list_units(const Geometry& geometry, cudaStream_t stream, int leaves, const Segments& members_of,
+                std::size_t capacity, const Sorted& sorted, const List<Unit>& units) {
+    Launch{stream, geometry.blocks(capacity), geometry.threads}(unit_kernel, leaves, members_of, sorted, units);
 }
 
 }  // namespace crumple::cuda

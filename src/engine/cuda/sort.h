@@ -2,7 +2,8 @@
 
 // Stage `sort`: members of each leaf by the start of their interval ([MZ] sec. 3), by a counting sort into bins. Within
 // a bin the order does not matter: each row takes all rows behind it up to its last bin's end, and box tests decide.
-// What a question keeps of a member is written beside the member's box, from the same corners.
+// What a question keeps of a member is written beside the member's box, from the same corners. A leaf is sorted within
+// its own places, so that no prefix sums go across leaves; rows that are left over are nobody's.
 
 #include "engine/cuda/clearing.h"
 #include "engine/cuda/layout.h"
@@ -19,31 +20,21 @@ struct Ownership {
     int last_fan_out;
 };
 
-/// What `sort_members` needs beside the arrays that it fills.
-struct SortScratch {
-    void* scan;
-    std::size_t scan_bytes;
-};
-std::size_t sort_scratch_bytes(int leaves, std::size_t capacity);
-
 /// What sort_members() finds cleared.
 void clear(Clearing& clearing, const Sorted& sorted, int leaves);
 
-/// `first`: leaves + 1; the last one is the number of members, at most `capacity`. `Records`: what the question keeps
-/// of each member, with a function of the device put(row, corners, ids, member in its frame, frame). Defined in
-/// sort_kernel.h.
+/// `Records`: what the question keeps of each member, with a function of the device put(row, corners, ids, member in
+/// its frame, frame). Defined in sort_kernel.h.
 template <class Records>
 void sort_members(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Points& points, int leaves,
-                  const unsigned long long* first, const Members& members, const Frame* frames,
-                  const Ownership& ownership, const Sorted& sorted, const Records& records, const SortScratch& scratch,
-                  Counters* counters);
+                  const Segments& members_of, const Members& members, const Frames& frames, const Ownership& ownership,
+                  const Sorted& sorted, const Records& records, const List<Unit>& units, Counters* counters);
 
 /// Its first part: the bins of each member, and where each bin's rows begin.
 void bin_members(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Points& points, int leaves,
-                 const unsigned long long* first, const Members& members, const Frame* frames, const Sorted& sorted,
-                 const SortScratch& scratch);
+                 const Segments& members_of, const Members& members, const Frames& frames, const Sorted& sorted);
 /// Its last part: units of work.
-void count_units(const Geometry& geometry, cudaStream_t stream, const unsigned long long* count, std::size_t capacity,
-                 const Sorted& sorted, const SortScratch& scratch);
+void list_units(const Geometry& geometry, cudaStream_t stream, int leaves, const Segments& members_of,
+                std::size_t capacity, const Sorted& sorted, const List<Unit>& units);
 
 }  // namespace crumple::cuda

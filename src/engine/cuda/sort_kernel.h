@@ -11,16 +11,17 @@ namespace detail {
 
 // Box and record are made from one gather of the corners.
 template <class T, class Records>
-__global__ void place_kernel(Scene scene, const Row<T>* rows, const unsigned long long* count, Members members,
-                             const Frame* frames, Ownership ownership, Sorted sorted, Records records,
-                             Counters* counters) {
+__global__ void place_kernel(Scene scene, const Row<T>* rows, int leaves, Segments members_of, Members members,
+                             Frames frames, Ownership ownership, Sorted sorted, Records records, Counters* counters) {
     unsigned long long tests = 0;
-    for (unsigned long long m = grid_thread(); m < *count; m += grid_stride()) {
+    const auto n = static_cast<std::size_t>(leaves);
+    for (unsigned long long m = grid_thread(); m < members_of.first[n]; m += grid_stride()) {
+        const auto leaf = static_cast<std::uint32_t>(segment_of(m, members_of.first, n));
+        if (m >= members_of.end(leaf)) continue;
         const std::int32_t t = members.triangle[m];
-        const std::uint32_t leaf = members.child[m], bin = sorted.bin[m];
-        const std::uint32_t row = sorted.bin_first[leaf * bins + (bin & 0xffff)] + sorted.rank[m];
-        const std::uint32_t end = sorted.bin_first[leaf * bins + (bin >> 16) + 1];
-        const Frame& frame = frames[leaf];
+        const std::uint32_t bin = sorted.bin[m], *bin_first = sorted.bin_first + leaf * (bins + 1);
+        const std::uint32_t row = bin_first[bin & 0xffff] + sorted.rank[m], end = bin_first[(bin >> 16) + 1];
+        const Frame frame = frames[leaf];
         const std::int32_t* corner = scene.corners + 3 * static_cast<std::size_t>(t);
         Vec3d p[3];
         load_corners(rows, corner, p);
@@ -46,20 +47,18 @@ __global__ void place_kernel(Scene scene, const Row<T>* rows, const unsigned lon
 
 template <class Records>
 void sort_members(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Points& points, int leaves,
-                  const unsigned long long* first, const Members& members, const Frame* frames,
-                  const Ownership& ownership, const Sorted& sorted, const Records& records, const SortScratch& scratch,
-                  Counters* counters) {
-    bin_members(geometry, stream, scene, points, leaves, first, members, frames, sorted, scratch);
-    const unsigned long long* count = first + leaves;
+                  const Segments& members_of, const Members& members, const Frames& frames, const Ownership& ownership,
+                  const Sorted& sorted, const Records& records, const List<Unit>& units, Counters* counters) {
+    bin_members(geometry, stream, scene, points, leaves, members_of, members, frames, sorted);
     const auto place = [&](const auto* rows, auto kernel) {
-        Launch{stream, geometry.blocks(members.capacity), geometry.threads}(kernel, scene, rows, count, members, frames,
-                                                                            ownership, sorted, records, counters);
+        Launch{stream, geometry.blocks(members.capacity), geometry.threads}(
+            kernel, scene, rows, leaves, members_of, members, frames, ownership, sorted, records, counters);
     };
     if (points.f)
         place(points.f, detail::place_kernel<float, Records>);
     else
         place(points.d, detail::place_kernel<double, Records>);
-    count_units(geometry, stream, count, members.capacity, sorted, scratch);
+    list_units(geometry, stream, leaves, members_of, members.capacity, sorted, units);
 }
 
 }  // namespace crumple::cuda

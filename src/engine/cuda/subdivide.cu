@@ -6,6 +6,8 @@
 
 #include <cub/block/block_scan.cuh>
 
+#include "engine/cuda/align.h"
+
 namespace crumple::cuda {
 namespace {
 
@@ -17,8 +19,8 @@ struct Items {
     unsigned long long begin, end;
 };
 __device__ Items items_of(const Level& level, unsigned parent) {
-    if (!level.first) return {0, level.items};
-    return {level.first[parent], level.first[parent + 1]};
+    if (!level.items_of.first) return {0, level.items};
+    return {level.items_of.first[parent], level.items_of.end(parent)};
 }
 __device__ std::int32_t triangle_of(const Level& level, unsigned long long item) {
     return level.triangle ? level.triangle[item] : static_cast<std::int32_t>(item);
@@ -38,7 +40,7 @@ __global__ void start_kernel(Level level, const Ball* balls, Fuzziness f) {
     const unsigned samples = sample_count(items, f), fan_out = static_cast<unsigned>(level.fan_out);
     for (unsigned k = threadIdx.x; k < fan_out; k += blockDim.x) {
         const Vec3f p = samples ? sample(level, items, balls, (2 * k + 1) * samples / (2 * fan_out), samples) : Vec3f{};
-        level.centre[parent * fan_out + k] = {p.x, p.y, p.z, 0};
+        level.next_centre[parent * fan_out + k] = {p.x, p.y, p.z, 0};
     }
 }
 
@@ -56,7 +58,8 @@ __global__ void sum_kernel(Level level, const Ball* balls, Fuzziness f, Row<floa
     const Items items = items_of(level, parent);
     const unsigned samples = sample_count(items, f), begin = blockIdx.x * tile;
     const unsigned here = done || begin >= samples ? 0 : min(samples - begin, static_cast<unsigned>(tile));
-    for (unsigned k = threadIdx.x; k < fan_out; k += blockDim.x) shared.centre[k] = level.centre[parent * fan_out + k];
+    for (unsigned k = threadIdx.x; k < fan_out; k += blockDim.x)
+        shared.centre[k] = level.next_centre[parent * fan_out + k];
     __syncthreads();
     const float distance_power = 1.0f / (f.t - 1.0f);
     for (unsigned i = threadIdx.x; i < here; i += blockDim.x) {
@@ -110,7 +113,7 @@ __global__ void move_kernel(Level level, const Row<float>* partial, unsigned til
         }
         if (!(sum.unused > 0)) continue;
         const Vec3f next{sum.x / sum.unused, sum.y / sum.unused, sum.z / sum.unused};
-        Row<float>& centre = level.centre[parent * fan_out + k];
+        Row<float>& centre = level.next_centre[parent * fan_out + k];
         const float moved = largest(abs(next - Vec3f{centre.x, centre.y, centre.z}));
         if (!(moved < INFINITY)) continue;
         centre = {next.x, next.y, next.z, 0};
@@ -120,14 +123,17 @@ __global__ void move_kernel(Level level, const Row<float>* partial, unsigned til
     if (threadIdx.x == 0 && !done) level.moved[parent] = __uint_as_float(shared.moved);
 }
 
-struct AssignShared {
+struct MembersShared {
     Row<float> centre[max_fan_out];
-    float reach[max_fan_out][max_fan_out + 1];  // of each pair's bisector; a column more, against bank conflicts
+    float bisector[max_fan_out][max_fan_out + 1];  // the reach of each pair's; a column more, against bank conflicts
     unsigned count[max_fan_out];
+    unsigned long long place[max_fan_out];
+    Row<float> origin[max_fan_out];  // of the children's frames, and from where on members are big
+    unsigned reach[max_fan_out];
 };
 
 // The children whose cell may hold a point of the ball. None for a radius that is NaN.
-__device__ std::uint64_t children_of(const Ball& ball, const AssignShared& shared, int fan_out) {
+__device__ std::uint64_t children_of(const Ball& ball, const MembersShared& shared, int fan_out) {
     if (!(ball.r >= 0)) return 0;
     const Row<float>* centre = shared.centre;
     float best = INFINITY;
@@ -140,111 +146,115 @@ __device__ std::uint64_t children_of(const Ball& ball, const AssignShared& share
         const float d2 = distance2(k);
         if (d2 < best) best = d2, nearest = k;
     }
-    const float* reach = shared.reach[nearest];
+    const float* reach = shared.bisector[nearest];
     std::uint64_t mask = 0;
     for (int k = 0; k < fan_out; ++k)
         if (joins(distance2(k), best, ball.r, reach[k])) mask |= std::uint64_t{1} << k;
     return mask;
 }
 
-__global__ void assign_kernel(Level level, const Ball* balls, std::uint64_t listed) {
-    auto& shared = dynamic_shared<AssignShared>();
-    const unsigned parent = blockIdx.y, fan_out = static_cast<unsigned>(level.fan_out);
+// Finds the children of all items and lists the members. A block counts its own first, so that it asks for places once
+// a child, not once a member; it counts in 32 bits, for shared memory adds no more at once.
+template <bool reaching>
+__global__ void members_kernel(Level level, const Ball* balls, std::uint64_t listed, Members members, Reaching how,
+                               unsigned long long* total, unsigned long long* unplaced) {
+    auto& shared = dynamic_shared<MembersShared>();
+    const unsigned parent = blockIdx.y, fan_out = static_cast<unsigned>(level.fan_out), first_child = parent * fan_out;
     for (unsigned k = threadIdx.x; k < fan_out; k += blockDim.x) {
-        shared.centre[k] = level.centre[parent * fan_out + k];
+        shared.centre[k] = level.centre[first_child + k];
         shared.count[k] = 0;
+        if constexpr (!reaching) continue;
+        const LeafFrame& frame = how.frames.binned[first_child + k];
+        shared.origin[k] = {frame.origin.x, frame.origin.y, frame.origin.z, frame.big};
+        shared.reach[k] = 0;
     }
     __syncthreads();
     for (unsigned pair = threadIdx.x; pair < fan_out * fan_out; pair += blockDim.x) {
         const Row<float> v = shared.centre[pair / fan_out], w = shared.centre[pair % fan_out];
-        shared.reach[pair / fan_out][pair % fan_out] = bisector_reach({w.x - v.x, w.y - v.y, w.z - v.z});
+        shared.bisector[pair / fan_out][pair % fan_out] = bisector_reach({w.x - v.x, w.y - v.y, w.z - v.z});
     }
     __syncthreads();
     const Items items = items_of(level, parent);
     for (unsigned long long i = items.begin + grid_thread(); i < items.end; i += grid_stride()) {
-        const std::int32_t t = triangle_of(level, i);
-        const std::uint64_t mask = children_of(balls[t], shared, level.fan_out);
+        const std::uint64_t mask = children_of(balls[triangle_of(level, i)], shared, level.fan_out);
         level.mask[i] = mask;
         for (std::uint64_t left = mask & listed; left; left &= left - 1)
             atomicAdd(&shared.count[__ffsll(static_cast<long long>(left)) - 1], 1u);
     }
     __syncthreads();
+    for (unsigned k = threadIdx.x; k < fan_out; k += blockDim.x) {
+        const unsigned long long count = shared.count[k];
+        if (!count) continue;
+        const unsigned long long begin = level.members_of.first[first_child + k],
+                                 room = level.members_of.first[first_child + k + 1] - begin;
+        const unsigned long long before = atomicAdd(&level.members_of.count[first_child + k], count);
+        shared.place[k] = begin + before;
+        shared.count[k] = 0;
+        atomicAdd(total, count);
+        if (before + count > room) atomicAdd(unplaced, before < room ? before + count - room : count);
+    }
+    __syncthreads();
+    for (unsigned long long i = items.begin + grid_thread(); i < items.end; i += grid_stride()) {
+        for (std::uint64_t left = level.mask[i] & listed; left; left &= left - 1) {
+            const int k = __ffsll(static_cast<long long>(left)) - 1;
+            const unsigned child = first_child + static_cast<unsigned>(k);
+            const unsigned long long place = shared.place[k] + atomicAdd(&shared.count[k], 1u);
+            if (place >= level.members_of.first[child + 1]) continue;
+            const std::int32_t t = triangle_of(level, i);
+            members.triangle[place] = t;
+            members.item[place] = static_cast<std::uint32_t>(i);
+            if constexpr (!reaching) continue;
+            const Row<float> origin = shared.origin[k];
+            float reach = ball_reach(balls[t], {origin.x, origin.y, origin.z});
+            if (reach > origin.unused) reach = exact_reach(how.scene, how.points, t, how.frames.binned[child], reach);
+            atomicMax(&shared.reach[k], __float_as_uint(reach));
+        }
+    }
+    if constexpr (!reaching) return;
+    __syncthreads();
     for (unsigned k = threadIdx.x; k < fan_out; k += blockDim.x)
-        if (shared.count[k])
-            atomicAdd(&level.count[parent * fan_out + k], static_cast<unsigned long long>(shared.count[k]));
+        if (shared.reach[k]) atomicMax(&how.frames.reach[first_child + k], shared.reach[k]);
 }
 
 template <int threads>
-struct OffsetsShared {
+struct PlacesShared {
     typename cub::BlockScan<unsigned long long, threads>::TempStorage scan;
 };
 
-// Prefix sums of the children's sizes; at most 4096 of them, so one block does.
+// Prefix sums of the children's sizes; at most 4096 of them, so one block does. A child that is empty gets no place:
+// it rarely has members in the next pass.
 template <int threads>
-__global__ void offsets_kernel(Level level, unsigned long long capacity, unsigned long long* total) {
-    auto& shared = dynamic_shared<OffsetsShared<threads>>();
+__global__ void places_kernel(Level level, unsigned long long capacity, unsigned long long* wanted) {
+    auto& shared = dynamic_shared<PlacesShared<threads>>();
     using Scan = cub::BlockScan<unsigned long long, threads>;
     const unsigned children = static_cast<unsigned>(level.children());
     unsigned long long before = 0;
     for (unsigned begin = 0; begin < children; begin += threads) {
         const unsigned child = begin + threadIdx.x;
+        const unsigned long long count = child < children ? level.members_of.count[child] : 0;
         unsigned long long first, sum;
         __syncthreads();
-        Scan(shared.scan).ExclusiveSum(child < children ? level.count[child] : 0ull, first, sum);
-        if (child < children) {
-            level.child_first[child] = min(before + first, capacity);
-            level.cursor[child] = before + first;
-        }
+        Scan(shared.scan).ExclusiveSum(count ? (count + count / 8 + 63) / 32 * 32 : 0, first, sum);
+        if (child < children) level.next_first[child] = min(before + first, capacity / 32 * 32);
         before += sum;
     }
-    if (threadIdx.x == 0) {
-        level.child_first[children] = min(before, capacity);
-        *total = before;
-    }
-}
-
-struct ScatterShared {
-    unsigned count[max_fan_out];
-    unsigned long long first[max_fan_out];
-};
-
-// Lists the members. A block counts its own first, so that it asks for places once a child, not once a member. It
-// counts in 32 bits, for shared memory adds no more at once.
-__global__ void scatter_kernel(Level level, std::uint64_t listed, Members members) {
-    auto& shared = dynamic_shared<ScatterShared>();
-    const unsigned parent = blockIdx.y, fan_out = static_cast<unsigned>(level.fan_out);
-    for (unsigned k = threadIdx.x; k < fan_out; k += blockDim.x) shared.count[k] = 0;
-    __syncthreads();
-    const Items items = items_of(level, parent);
-    for (unsigned long long i = items.begin + grid_thread(); i < items.end; i += grid_stride())
-        for (std::uint64_t left = level.mask[i] & listed; left; left &= left - 1)
-            atomicAdd(&shared.count[__ffsll(static_cast<long long>(left)) - 1], 1u);
-    __syncthreads();
-    for (unsigned k = threadIdx.x; k < fan_out; k += blockDim.x)
-        if (const unsigned count = shared.count[k]) {
-            shared.first[k] = atomicAdd(&level.cursor[parent * fan_out + k], static_cast<unsigned long long>(count));
-            shared.count[k] = 0;
-        }
-    __syncthreads();
-    for (unsigned long long i = items.begin + grid_thread(); i < items.end; i += grid_stride()) {
-        for (std::uint64_t left = level.mask[i] & listed; left; left &= left - 1) {
-            const int k = __ffsll(static_cast<long long>(left)) - 1;
-            const unsigned long long place = shared.first[k] + atomicAdd(&shared.count[k], 1u);
-            if (place >= members.capacity) continue;
-            members.triangle[place] = triangle_of(level, i);
-            members.item[place] = static_cast<std::uint32_t>(i);
-            members.child[place] = static_cast<std::uint16_t>(parent * fan_out + static_cast<unsigned>(k));
-        }
-    }
+    if (threadIdx.x != 0) return;
+    level.next_first[children] = min(before, capacity / 32 * 32);
+    *wanted = before;
 }
 
 }  // namespace
 
 void clear(Clearing& clearing, const Level& level) {
-    clearing.add(level.count, static_cast<std::size_t>(level.children()) * sizeof *level.count);
     // A centre's movement is forgotten between frames: each frame iterates anew.
     clearing.add(level.moved, static_cast<std::size_t>(level.parents) * sizeof *level.moved,
                  std::bit_cast<unsigned>(std::numeric_limits<float>::infinity()));
+}
+
+void clear_members(Clearing& clearing, const Level& level, unsigned long long* total, unsigned long long* unplaced) {
+    clearing.add(level.members_of.count, static_cast<std::size_t>(level.children()) * sizeof *level.members_of.count);
+    clearing.add(total, sizeof *total);
+    clearing.add(unplaced, sizeof *unplaced);
 }
 
 std::size_t fuzzy_scratch(const Level& level, const Fuzziness& fuzziness) {
@@ -262,14 +272,19 @@ void fuzzy_c_means(const Geometry& geometry, cudaStream_t stream, const Level& l
 }
 
 void make_members(const Geometry& geometry, cudaStream_t stream, const Level& level, std::size_t items,
-                  const Ball* balls, std::uint64_t listed, const Members& members, unsigned long long* total) {
+                  const Ball* balls, std::uint64_t listed, const Members& members, const Reaching& reaching,
+                  unsigned long long* total, unsigned long long* unplaced) {
     const auto parents = static_cast<unsigned>(level.parents);
     const std::size_t share = items / parents + 1;
     const dim3 blocks{std::max(1u, std::min(geometry.blocks(share), 4 * geometry.resident / parents)), parents};
-    Launch{stream, blocks, geometry.threads, sizeof(AssignShared)}(assign_kernel, level, balls, listed);
+    Launch{stream, blocks, geometry.threads, sizeof(MembersShared)}(
+        reaching.frames.reach ? members_kernel<true> : members_kernel<false>, level, balls, listed, members, reaching,
+        total, unplaced);
+}
+
+void make_places(cudaStream_t stream, const Level& level, unsigned long long capacity, unsigned long long* wanted) {
     constexpr int threads = 256;
-    Launch{stream, 1, threads, sizeof(OffsetsShared<threads>)}(offsets_kernel<threads>, level, members.capacity, total);
-    Launch{stream, blocks, geometry.threads, sizeof(ScatterShared)}(scatter_kernel, level, listed, members);
+    Launch{stream, 1, threads, sizeof(PlacesShared<threads>)}(places_kernel<threads>, level, capacity, wanted);
 }
 
 }  // namespace crumple::cuda

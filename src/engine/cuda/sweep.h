@@ -16,11 +16,11 @@ struct Slice {
     unsigned long long turn = 0, turns = 1;
 };
 
-/// `members`: their number, on the device. `Filter`: a function of the device that tells of a Candidate whether it goes
+/// `Filter`: a function of the device that tells of a Candidate whether it goes
 /// on. Defined in sweep_kernel.h.
 template <class Filter>
 void sweep(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Sorted& sorted,
-           const unsigned long long* members, const Ownership& ownership, const WantedGroups& groups,
-           const Filter& filter, const List<Candidate>& survivors, const Slice& slice, Counters* counters);
+           const List<Unit>& units, const Ownership& ownership, const WantedGroups& groups, const Filter& filter,
+           const List<Candidate>& survivors, const Slice& slice, Counters* counters);
 
 }  // namespace crumple::cuda

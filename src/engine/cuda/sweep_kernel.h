@@ -2,10 +2,11 @@
 
 // The kernel of `sweep`, for those who bring a filter: a question includes this and instantiates sweep<Filter>().
 //
-// A warp sweeps 32 rows at a time, one a lane, against columns that all lanes read from shared memory. What overlaps
-// waits in a queue of the warp until there are 32 candidates, one a lane again, for the tests that gather from memory;
-// what these leave waits in a second queue until 32 places in the list can be had by one atomic. So lanes are busy
-// however the overlaps fall, and there is no barrier beyond the warp's.
+// A warp sweeps 32 rows at a time, one a lane, against 32 columns that all lanes read from shared memory: a lane's
+// overlaps are the bits of one word, which takes no branch and no vote a column. They wait in a queue of the warp until
+// there are 32 candidates, one a lane again, for the tests that gather from memory; what these leave waits in a second
+// queue until 32 places in the list can be had by one atomic. So lanes are busy however the overlaps fall, and there is
+// no barrier beyond the warp's.
 
 #include "engine/cuda/sweep.h"
 
@@ -75,66 +76,77 @@ struct Sweep {
         if (survivors >= 32) list_survivors();
     }
 
+    // Queues the lane's overlaps, a bit a column from `first` on.
+    __device__ void queue(std::uint32_t row, std::uint32_t first, unsigned overlapping) {
+        while (const unsigned found = __ballot_sync(whole_warp, overlapping != 0)) {
+            if (overlapping) {
+                const auto column = first + static_cast<std::uint32_t>(__ffs(static_cast<int>(overlapping)) - 1);
+                shared.candidate[candidates + static_cast<unsigned>(__popc(found & ((1u << lane) - 1)))] = {row,
+                                                                                                            column};
+                overlapping &= overlapping - 1;
+            }
+            candidates += static_cast<unsigned>(__popc(found));
+            if (candidates < 32) continue;
+            __syncwarp();
+            test_candidates();
+        }
+    }
+
     __device__ void finish() {
         while (candidates) test_candidates();
         while (survivors) list_survivors();
     }
 };
 
+// Bits of the columns [first, first + 32) that lie in [begin, end).
+__device__ inline unsigned columns_within(std::uint32_t first, std::uint32_t begin, std::uint32_t end) {
+    const auto below = [&](std::uint32_t c) {
+        return c <= first ? 0u : c - first >= 32 ? ~0u : (1u << (c - first)) - 1;
+    };
+    return below(end) & ~below(begin);
+}
+
 template <int threads, class Filter>
 __global__ void __launch_bounds__(threads)
-    sweep_kernel(Scene scene, Sorted sorted, const unsigned long long* members, Ownership ownership,
-                 WantedGroups groups, Filter filter, List<Candidate> list, Slice slice, Counters* counters) {
+    sweep_kernel(Scene scene, Sorted sorted, List<Unit> units, Ownership ownership, WantedGroups groups, Filter filter,
+                 List<Candidate> list, Slice slice, Counters* counters) {
     const unsigned lane = threadIdx.x % 32;
     WarpShared& shared = dynamic_shared<SweepShared<threads>>().warp[threadIdx.x / 32];
     Sweep<Filter> sweep{scene, sorted, ownership, groups, filter, list, shared, lane};
-    const std::size_t rows = *members, row_groups = (rows + 31) / 32;
-    const unsigned long long all = sorted.unit_first[row_groups], begin_unit = all * slice.turn / slice.turns;
+    const unsigned long long all = units.filled(), begin_unit = all * slice.turn / slice.turns;
     const unsigned long long end_unit = all * (slice.turn + 1) / slice.turns;
     // Units differ in cost, so warps take some at a time: few, or the last one would be late.
     const unsigned long long share = (end_unit - begin_unit) / (shares_a_warp * (grid_stride() / 32)) + 1;
-    std::size_t group = 0;
-    unsigned long long unit = 0, last = 0;
-    for (;; ++unit) {
-        if (unit == last) {
-            if (lane == 0) unit = begin_unit + atomicAdd(&counters->next_unit, share);
-            unit = __shfl_sync(whole_warp, unit, 0);
-            last = min(unit + share, end_unit);
-            if (unit >= end_unit) break;
+    unsigned long long number = 0, last = 0;
+    for (;; ++number) {
+        if (number == last) {
+            if (lane == 0) number = begin_unit + atomicAdd(&counters->next_unit, share);
+            number = __shfl_sync(whole_warp, number, 0);
+            last = min(number + share, end_unit);
+            if (number >= end_unit) break;
         }
-        if (unit < sorted.unit_first[group] || unit >= sorted.unit_first[group + 1])
-            group = segment_of(unit, sorted.unit_first, row_groups);
-        const auto row = static_cast<std::uint32_t>(32 * group) + lane;
-        const bool valid = row < rows;
+        const Unit unit = units.data[number];
+        const std::uint32_t row = unit.row + lane;
+        const bool valid = row < unit.row_end;
         const CrossBox box = valid ? sorted.box[row] : CrossBox{};
         const std::uint64_t conflict = valid ? sorted.conflict[row] : 0;
         const std::uint32_t row_end = valid ? sorted.end[row] : 0;
-        const auto chunk = static_cast<std::uint32_t>(unit - sorted.unit_first[group]);
-        const std::uint32_t begin = static_cast<std::uint32_t>(32 * group) + 1 + chunk * unit_columns;
-        const std::uint32_t end = min(begin + unit_columns, sorted.group_end[group]);
-        for (std::uint32_t first = begin; first < end; first += 32) {
-            if (first + lane < end) {
+        for (std::uint32_t first = unit.column; first < unit.column_end; first += 32) {
+            if (first + lane < unit.column_end) {
                 shared.box[lane] = sorted.box[first + lane];
                 shared.conflict[lane] = sorted.conflict[first + lane];
             }
             __syncwarp();
-            const std::uint32_t n = min(end - first, 32u);
+            const std::uint32_t n = min(unit.column_end - first, 32u);
+            unsigned overlapping = 0;
             for (std::uint32_t k = 0; k < n; ++k) {
                 const CrossBox other = shared.box[k];
-                const std::uint32_t column = first + k;
-                const bool overlap = column > row && column < row_end && !(conflict & shared.conflict[k]) &&
-                                     !(other.low_y > box.high_y) && !(other.high_y < box.low_y) &&
-                                     !(other.low_z > box.high_z) && !(other.high_z < box.low_z);
-                const unsigned found = __ballot_sync(whole_warp, overlap);
-                if (!found) continue;
-                if (overlap)
-                    shared.candidate[sweep.candidates + static_cast<unsigned>(__popc(found & ((1u << lane) - 1)))] = {
-                        row, column};
-                sweep.candidates += static_cast<unsigned>(__popc(found));
-                if (sweep.candidates < 32) continue;
-                __syncwarp();
-                sweep.test_candidates();
+                const bool overlap = !(conflict & shared.conflict[k]) & !(other.low_y > box.high_y) &
+                                     !(other.high_y < box.low_y) & !(other.low_z > box.high_z) &
+                                     !(other.high_z < box.low_z);
+                overlapping |= static_cast<unsigned>(overlap) << k;
             }
+            sweep.queue(row, first, overlapping & columns_within(first, row + 1, row_end));
             __syncwarp();
         }
     }
@@ -147,12 +159,12 @@ __global__ void __launch_bounds__(threads)
 
 template <class Filter>
 void sweep(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Sorted& sorted,
-           const unsigned long long* members, const Ownership& ownership, const WantedGroups& groups,
-           const Filter& filter, const List<Candidate>& survivors, const Slice& slice, Counters* counters) {
+           const List<Unit>& units, const Ownership& ownership, const WantedGroups& groups, const Filter& filter,
+           const List<Candidate>& survivors, const Slice& slice, Counters* counters) {
     const auto run = [&]<int threads>() {
         constexpr auto kernel = detail::sweep_kernel<threads, Filter>;
         constexpr std::size_t shared = sizeof(detail::SweepShared<threads>);
-        Launch{stream, geometry.fitting(kernel, shared), threads, shared}(kernel, scene, sorted, members, ownership,
+        Launch{stream, geometry.fitting(kernel, shared), threads, shared}(kernel, scene, sorted, units, ownership,
                                                                           groups, filter, survivors, slice, counters);
     };
     if (geometry.threads == 64)

@@ -1,5 +1,6 @@
 #include "cuda_on_cpu/machine/graph.h"
 
+#include <algorithm>
 #include <iterator>
 
 #include "cuda_on_cpu/machine/settings.h"
@@ -9,6 +10,13 @@ namespace cuda_on_cpu {
 GraphCount& graph_count() {
     static GraphCount instance;
     return instance;
+}
+
+std::size_t longest_chain(const Nodes& nodes) {
+    std::vector<std::size_t> length(nodes.size(), 1);  // a node names earlier ones only
+    for (std::size_t i = 0; i < nodes.size(); ++i)
+        for (const std::size_t before : nodes[i].after) length[i] = std::max(length[i], length[before] + 1);
+    return nodes.empty() ? 0 : *std::max_element(length.begin(), length.end());
 }
 
 void run_nodes(const Nodes& nodes) {

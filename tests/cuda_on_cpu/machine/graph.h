@@ -31,10 +31,14 @@ using Nodes = std::vector<Node>;
 /// Runs all nodes, each after those it names.
 void run_nodes(const Nodes& nodes);
 
+/// The most nodes of which each waits for the one before.
+std::size_t longest_chain(const Nodes& nodes);
+
 /// What has been made of captures so far.
 struct GraphCount {
     std::size_t instantiated = 0;
     std::size_t nodes = 0;  ///< of the last one
+    std::size_t chain = 0;  ///< of these, the most that wait for each other
 };
 GraphCount& graph_count();
 

@@ -185,6 +185,7 @@ cudaError_t cudaGraphInstantiate(cudaGraphExec_t* executable, cudaGraph_t graph,
         if (!executable || !graph) return cudaErrorInvalidValue;
         ++graph_count().instantiated;
         graph_count().nodes = graph->nodes.size();
+        graph_count().chain = longest_chain(graph->nodes);
         *executable = new CUgraphExec_st{std::make_shared<const Nodes>(graph->nodes)};
         return cudaSuccess;
     });

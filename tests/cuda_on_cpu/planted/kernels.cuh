@@ -72,6 +72,45 @@ __global__ void last_block_sums(int* parts, unsigned* arrived, int* total, bool 
     *total = sum;
 }
 
+/// Warps count a list's elements, and the one that brings the last ones goes on with what all have counted. Planted: no
+/// fence around the list's counter.
+__global__ void last_warp_of_a_list_sums(unsigned* count, unsigned* arrived, unsigned* total, bool planted) {
+    const unsigned lane = threadIdx.x % 32;
+    atomicAdd(&count[lane], 1u);
+    if (!planted) __threadfence();
+    __syncwarp();
+    unsigned before = 0;
+    if (lane == 0) before = atomicAdd(arrived, 32u);
+    before = __shfl_sync(full, before, 0);
+    if (before + 32 < gridDim.x * blockDim.x) return;
+    if (!planted) __threadfence();
+    __syncwarp();
+    unsigned sum = count[lane];
+    for (int lanes = 16; lanes > 0; lanes /= 2) sum += __shfl_xor_sync(full, sum, lanes);
+    if (lane == 0) *total = sum;
+}
+
+/// Each lane's bits, one a turn, in a queue that a warp empties 32 at a time. Planted: the queue is read without a
+/// fence.
+__global__ void queue_of_bits(unsigned* out, bool planted) {
+    Items& s = portable::dynamic_shared<Items>();
+    const unsigned lane = threadIdx.x % 32;
+    unsigned bits = 1u << lane | 1u << (31 - lane), queued = 0, sum = 0;
+    while (const unsigned found = __ballot_sync(full, bits != 0)) {
+        if (bits) {
+            s.items[queued + static_cast<unsigned>(__popc(found & ((1u << lane) - 1)))] = __ffs(static_cast<int>(bits));
+            bits &= bits - 1;
+        }
+        queued += static_cast<unsigned>(__popc(found));
+        if (queued < 32) continue;
+        if (!planted) __syncwarp();
+        queued -= 32;
+        sum += static_cast<unsigned>(s.items[queued + (lane ^ 1)]);
+        __syncwarp();
+    }
+    out[threadIdx.x] = sum;
+}
+
 /// Writes shared memory at some index. Planted by the index.
 __global__ void write_shared(int* out, int index) {
     int* const items = portable::dynamic_shared<Items>().items;

@@ -91,6 +91,9 @@ TEST_F(Planted, missing_barrier_between_write_and_read) {
 TEST_F(Planted, missing_barrier_between_read_and_write) {
     expect_wrong(mirror_in_a_loop, each_thread([](int i) { return 33 * (threads - 1 - i); }), Racy::yes);
 }
+TEST_F(Planted, queue_of_a_warp_read_without_a_fence) {
+    expect_wrong(queue_of_bits, std::vector<unsigned>(32, 33), Racy::yes);
+}
 
 // Found by every order, because what is undefined is rubbish.
 
@@ -311,6 +314,13 @@ TEST_F(Planted, no_fence_between_blocks) {
         const Array<unsigned> arrived(std::vector<unsigned>{0});
         launch(last_block_sums, 20, threads, 0, parts.data(), arrived.data(), total.data(), bug);
         EXPECT_EQ(total.values()[0], 210);
+    });
+}
+TEST_F(Planted, no_fence_before_the_last_warp_of_a_list) {
+    expect_race([](bool bug) {
+        const Array<unsigned> count(std::vector<unsigned>(32, 0)), arrived(std::vector<unsigned>{0}), total(1);
+        launch(last_warp_of_a_list_sums, 20, threads, 0, count.data(), arrived.data(), total.data(), bug);
+        EXPECT_EQ(total.values()[0], 20u * threads);
     });
 }
 TEST_F(Planted, storage_of_a_block_primitive_used_again_too_early) {

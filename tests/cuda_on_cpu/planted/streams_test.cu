@@ -97,6 +97,35 @@ TEST_F(Planted, missing_dependency_in_a_graph) {
     EXPECT_EQ(body(false), 2);
     EXPECT_EQ(body(true), 1);
 }
+// A branch makes what the next launch begins with. Planted: where this one still reads it.
+TEST_F(Planted, branch_that_writes_what_the_rest_reads) {
+    const auto body = [](bool bug) {
+        const TwoStreams s;
+        const Array<int> now(std::vector<int>{0}), next(std::vector<int>{1}), to(std::vector<int>{0});
+        check(cudaStreamBeginCapture(s.first, cudaStreamCaptureModeThreadLocal));
+        check(try_launch(s.first, copy, 1, 1, 0, now.data(), static_cast<const int*>(next.data())));
+        check(cudaEventRecord(s.event, s.first));
+        check(cudaStreamWaitEvent(s.second, s.event, 0));
+        check(try_launch(s.first, copy, 1, 1, 0, to.data(), static_cast<const int*>(now.data())));
+        check(try_launch(s.second, set, 1, 1, 0, bug ? now.data() : next.data(), 2));
+        check(cudaEventRecord(s.event, s.second));
+        check(cudaStreamWaitEvent(s.first, s.event, 0));
+        cudaGraph_t graph;
+        check(cudaStreamEndCapture(s.first, &graph));
+        cudaGraphExec_t executable;
+        check(cudaGraphInstantiate(&executable, graph, 0));
+        check(cudaGraphLaunch(executable, s.first));
+        check(cudaStreamSynchronize(s.first));
+        check(cudaGraphExecDestroy(executable));
+        check(cudaGraphDestroy(graph));
+        return to.values()[0];
+    };
+    EXPECT_EQ(body(false), 1);
+    EXPECT_EQ(body(true), 1) << "hidden by forward order";
+    settings().order = Order::reverse;
+    EXPECT_EQ(body(false), 1);
+    EXPECT_EQ(body(true), 2);
+}
 TEST_F(Planted, host_round_trip_in_a_capture) {
     const TwoStreams s;
     check(cudaStreamBeginCapture(s.first, cudaStreamCaptureModeThreadLocal));

@@ -33,9 +33,8 @@ __device__ Pair pair_of(const Sorted& sorted, const Candidate& c) {
 
 // What filters can prove, in float32 and then in float64.
 __global__ void __launch_bounds__(256, 3)
-    filter_kernel(Scene scene, Sorted sorted, RecordRows records, PointRows points, const Frame* frames,
-                  NarrowPolicy policy, List<Candidate> survivors, List<Candidate> undecided, Hits hits,
-                  unsigned long long* doubles) {
+    filter_kernel(Scene scene, Sorted sorted, RecordRows records, PointRows points, Frames frames, NarrowPolicy policy,
+                  List<Candidate> survivors, List<Candidate> undecided, Hits hits, unsigned long long* doubles) {
     const unsigned long long n = survivors.filled(), warps_end = (n + 31) / 32 * 32;
     for (unsigned long long i = grid_thread(); i < warps_end; i += grid_stride()) {
         Verdict verdict = Verdict::apart;
@@ -48,7 +47,7 @@ __global__ void __launch_bounds__(256, 3)
             // Copied by four words at a time.
             const Record a = records.record[candidate.row], b = records.record[candidate.column];
             const PairSigns signs = pair_signs(a, b);
-            const float reach = frames[sorted.leaf[candidate.row]].reach;
+            const float reach = frames.reach_of(sorted.leaf[candidate.row]);
             verdict = filter_in_float(a, b, signs, classify(signs, policy), policy, points, reach);
             in_double = verdict == Verdict::undecided;
             if (in_double && filter_in_double(a, b, signs, points)) verdict = Verdict::apart;
@@ -101,7 +100,7 @@ __global__ void rank_kernel(List<Hit> hits, unsigned long long* by_first, unsign
 }  // namespace
 
 void narrow(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Sorted& sorted,
-            const RecordRows& records, const Points& points, const Frame* frames, const NarrowPolicy& policy,
+            const RecordRows& records, const Points& points, const Frames& frames, const NarrowPolicy& policy,
             const List<Candidate>& survivors, const List<Candidate>& undecided, const List<Pair>& beyond,
             const Hits& hits, unsigned long long* doubles) {
     const Neighbours neighbours = policy.skip_neighbours ? Neighbours::skip : Neighbours::geometric;

@@ -23,7 +23,7 @@ struct Hits {
 
 /// `doubles` counts the pairs that float32 leaves undecided.
 void narrow(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Sorted& sorted,
-            const RecordRows& records, const Points& points, const Frame* frames, const NarrowPolicy& policy,
+            const RecordRows& records, const Points& points, const Frames& frames, const NarrowPolicy& policy,
             const List<Candidate>& survivors, const List<Candidate>& undecided, const List<Pair>& beyond,
             const Hits& hits, unsigned long long* doubles);
 

@@ -6,12 +6,11 @@
 
 namespace crumple::cuda {
 
-template void sort_members(const Geometry&, cudaStream_t, const Scene&, const Points&, int, const unsigned long long*,
-                           const Members&, const Frame*, const Ownership&, const Sorted&, const RecordRows&,
-                           const SortScratch&, Counters*);
+template void sort_members(const Geometry&, cudaStream_t, const Scene&, const Points&, int, const Segments&,
+                           const Members&, const Frames&, const Ownership&, const Sorted&, const RecordRows&,
+                           const List<Unit>&, Counters*);
 
-template void sweep(const Geometry&, cudaStream_t, const Scene&, const Sorted&, const unsigned long long*,
-                    const Ownership&, const WantedGroups&, const PlaneTest&, const List<Candidate>&, const Slice&,
-                    Counters*);
+template void sweep(const Geometry&, cudaStream_t, const Scene&, const Sorted&, const List<Unit>&, const Ownership&,
+                    const WantedGroups&, const PlaneTest&, const List<Candidate>&, const Slice&, Counters*);
 
 }  // namespace crumple::cuda
