@@ -126,7 +126,33 @@ TEST(CudaLaunch, answers_when_the_scene_jumps) {
                 else
                     EXPECT_TRUE(shows(cuda.wait(), host.view(), nullptr, cpu.find_self(host.view())));
             }
+            if (!bad) {
+                EXPECT_EQ(cuda.has_collision(device.view()), !cpu.find_self(host.view()).pairs.empty());
+            }
             check(cudaDeviceSynchronize());  // or the next frame's vertices would come too early
+        }
+    }
+}
+
+// One pair among many triangles, none, or thousands; with room for a pass, and in chunks.
+TEST(CudaLaunch, tells_whether_anything_collides) {
+    Soup<float> soup = random_soup(1000, 1e-4);
+    const DeviceMesh apart(soup.view());
+    for (int k = 0; k < 3; ++k)
+        soup.vertices[static_cast<std::size_t>(3 * 250 + k)] = soup.vertices[static_cast<std::size_t>(3 * 20 + k)];
+    const DeviceMesh one_pair(soup.view()), many(random_soup(1000, 0.5).view());
+    for (const std::int64_t limit : {0, 400'000}) {
+        for (const int leaf_size : {3000, 200, 10}) {
+            if (limit && leaf_size < 200) continue;  // bins of so many leaves take more
+            SCOPED_TRACE(testing::Message() << "leaves of " << leaf_size << ", limit " << limit);
+            Detector cuda({.backend = Backend::cuda, .memory_limit = limit, .leaf_size = leaf_size});
+            for (int repeat = 0; repeat < 2; ++repeat) {
+                EXPECT_FALSE(cuda.has_collision(apart.view()));
+                EXPECT_TRUE(cuda.has_collision(one_pair.view()));
+                EXPECT_TRUE(cuda.has_collision(many.view()));
+                EXPECT_EQ(cuda.find_self(one_pair.view()).pairs.size(), 1u);
+                EXPECT_FALSE(cuda.has_collision(apart.view()));
+            }
         }
     }
 }

@@ -176,8 +176,7 @@ class CudaBackend final : public BackendBase {
 
     bool any(const Query& query) {
         search_.adopt(query);
-        search_.find();
-        return search_.pairs() > 0;
+        return search_.any();
     }
 
     std::int64_t bytes_needed(const Query& query) {

@@ -58,7 +58,15 @@ void Search::lay_out_chunks() {
     pass_.subdivide_scene();
 }
 
-void Search::pass_over_chunks(Hits hits) {
+bool Search::any_in_chunks() {
+    drop_lists();
+    planned_for_ = {};
+    pass_.plan.choose_chunks(pass_.scene.triangle_count(), pass_.scene.between, options_);
+    return pass_over_chunks({Hits::Mode::any, {}, nullptr, nullptr, nullptr}) > 0;
+}
+
+// Returns how many pairs there were; one is enough if any will do.
+std::size_t Search::pass_over_chunks(Hits hits) {
     bool laid_out = false;
     std::size_t counted = 0;
     for (int k = 0; k < pass_.plan.fan_out[0];) {
@@ -74,8 +82,10 @@ void Search::pass_over_chunks(Hits hits) {
         count(read_counters());
         hits.list.count = &pass_.counters->hits;
         pass_over_slices(hits, counted);
+        if (hits.mode == Hits::Mode::any && counted > 0) break;
         ++k;
     }
+    return counted;
 }
 
 void Search::pass_over_slices(Hits hits, std::size_t& counted) {
@@ -93,10 +103,11 @@ void Search::pass_over_slices(Hits hits, std::size_t& counted) {
         counted += counters.hits;
         if (counters.beyond > 0) {
             const std::size_t found = decide_beyond(static_cast<std::size_t>(counters.beyond));
-            add_hits(geometry_, stream_, pass_.scene, pass_.beyond(), found, hits);
+            if (hits.mode != Hits::Mode::any) add_hits(geometry_, stream_, pass_.scene, pass_.beyond(), found, hits);
             counted += found;
         }
         if (hits.mode == Hits::Mode::count) require_room(counted);
+        if (hits.mode == Hits::Mode::any && counted > 0) return;
         ++slice.turn;
     }
 }

@@ -81,13 +81,14 @@ struct Plan {
         return accepts_places(c, 1);
     }
 
-    bool accepts(const Counters& c, std::int64_t n, const Options& options) {
+    /// `listed`: whether the hits were.
+    bool accepts(const Counters& c, std::int64_t n, const Options& options, bool listed = true) {
         if (!accepts_members(c, n, options)) return false;
         bool fits = grow(units, c.units);
         fits = grow(survivors, c.survivors) && fits;
         fits = grow(undecided, c.undecided) && fits;
         fits = grow(beyond, c.beyond) && fits;
-        return grow(hits, c.hits) && fits;
+        return (!listed || grow(hits, c.hits)) && fits;
     }
 
     bool accepts_hits(unsigned long long wanted) { return grow(hits, wanted); }

@@ -130,6 +130,15 @@ __device__ inline void tally(bool holds, unsigned long long* counter) {
     if (threadIdx.x % 32 == 0 && holding) atomicAdd(counter, static_cast<unsigned long long>(__popc(holding)));
 }
 
+/// Whether something has been counted, so that the rest of the work need not be done; null: go on whatever there is.
+/// One lane looks, and all lanes of the warp, which call it together, go the same way.
+__device__ inline bool has_ended(unsigned long long* counter) {
+    if (!counter) return false;
+    unsigned long long count = 0;
+    if (threadIdx.x % 32 == 0) count = atomicAdd(counter, 0ull);
+    return __shfl_sync(whole_warp, count, 0) != 0;
+}
+
 /// Owner of a handle that is created and destroyed by functions of the runtime.
 template <class Handle, cudaError_t (*destroy)(Handle)>
 class Owner {

@@ -56,13 +56,13 @@ void Search::plan() {
     planned_for_ = kind;
 }
 
-void Search::lay_out_lists() {
-    const Layout wanted{pass_.scene.vertices, pass_.scene.triangles, pass_.scene.float32, pass_.plan};
+void Search::lay_out_lists(bool answer) {
+    const Layout wanted{pass_.scene.vertices, pass_.scene.triangles, pass_.scene.float32, pass_.plan, answer};
     if (laid_out_ == wanted) return;
     laid_out_.reset();
     lay_out(guides_, [&](Cutter& c) { pass_.guides.cut(c, pass_.plan); });
     lay_out(work_, [&](Cutter& c) { pass_.cut(c); });
-    answer_.make_room(pass_.scene, pass_.plan.hits);
+    if (answer) answer_.make_room(pass_.scene, pass_.plan.hits);
     laid_out_ = wanted;
 }
 
@@ -118,7 +118,7 @@ void Search::find_at_once() {
     plan();
     do {
         cancellation_.check();
-        lay_out_lists();
+        lay_out_lists(true);
         enqueue(&watch_);
         CRUMPLE_CUDA(cudaStreamSynchronize(stream_));
     } while (!accept(*counters_));
@@ -128,7 +128,7 @@ void Search::find_at_once() {
 bool Search::launch(cudaStream_t stream) {
     return fits_at_once([&] {
         plan();
-        lay_out_lists();
+        lay_out_lists(true);
         graphs_.run({pass_.scene, pass_.groups, pass_.policy, pass_.plan, input_.work(), work_.data(), answer_.place(),
                      guides_.data()},
                     stream, [&] { enqueue(nullptr); });
@@ -140,6 +140,41 @@ bool Search::accept_launched() {
     return fits_at_once([&] { complete = accept(*counters_); }) && complete;
 }
 
+bool Search::any() {
+    statistics_ = {};
+    bool found = false;
+    return fits_at_once([&] { found = any_at_once(); }) ? found : any_in_chunks();
+}
+
+// In two rounds, for a hit is known only after a sweep: where many collide, a sixteenth of the sweep tells, and kernels
+// of the second round end where they begin; where nothing does, the first one costs three launches. The second goes on
+// with the lists of the first, so it narrows those few once more.
+bool Search::any_at_once() {
+    plan();
+    for (;;) {
+        cancellation_.check();
+        lay_out_lists(false);
+        Clearing clearing;
+        enqueue_until_sorted(clearing, nullptr);
+        unsigned long long* const found = &pass_.counters->hits;
+        for (const Slice& slice : {Slice{0, 16, 1, found}, Slice{1, 16, 15, found}}) {
+            pass_.sweep(slice);
+            pass_.narrow({Hits::Mode::any, pass_.hits(), nullptr, nullptr, nullptr});
+            fill(stream_, &pass_.counters->next_unit, 0, sizeof pass_.counters->next_unit);
+        }
+        if (pass_.plan.guided) beside_.join(stream_);
+        const Counters counters = read_counters();
+        input_.throw_error(counters);
+        const bool complete = pass_.plan.accepts(counters, pass_.scene.triangle_count(), options_, false);
+        if (complete) {
+            pass_.plan.cold = false;
+            pass_.plan.guided = true;
+        }
+        if (counters.hits > 0) return true;
+        if (complete) return counters.beyond > 0 && decide_beyond(static_cast<std::size_t>(counters.beyond)) > 0;
+    }
+}
+
 // The whole of [MZ] Algorithm 1, given to the stream.
 void Search::enqueue(StageEvents* watch) {
     const auto begin = [&](Stage stage) {
@@ -147,6 +182,22 @@ void Search::enqueue(StageEvents* watch) {
     };
     Clearing clearing;
     answer_.clear(clearing, pass_.scene);
+    enqueue_until_sorted(clearing, watch);
+    begin(Stage::sweep);
+    pass_.sweep({});
+    begin(Stage::narrow);
+    pass_.narrow({Hits::Mode::list, pass_.hits(), answer_.output.offsets, answer_.output.by_tile, nullptr});
+    begin(Stage::output);
+    answer_.write(pass_.scene, pass_.hits(), pass_.counters, counters_.get());
+    if (pass_.plan.guided) beside_.join(stream_);
+    if (watch) watch->end(stream_);
+}
+
+// What a guided pass does beside has been forked, and is not joined yet.
+void Search::enqueue_until_sorted(Clearing& clearing, StageEvents* watch) {
+    const auto begin = [&](Stage stage) {
+        if (watch) watch->begin(stage, stream_);
+    };
     pass_.clear(clearing);
     input_.clear(clearing);
     clearing.launch(geometry_, stream_);
@@ -160,14 +211,6 @@ void Search::enqueue(StageEvents* watch) {
     pass_.align();
     begin(Stage::sort);
     pass_.sort();
-    begin(Stage::sweep);
-    pass_.sweep({});
-    begin(Stage::narrow);
-    pass_.narrow({Hits::Mode::list, pass_.hits(), answer_.output.offsets, answer_.output.by_tile, nullptr});
-    begin(Stage::output);
-    answer_.write(pass_.scene, pass_.hits(), pass_.counters, counters_.get());
-    if (pass_.plan.guided) beside_.join(stream_);
-    if (watch) watch->end(stream_);
 }
 
 // Whether the pass that these counters tell of was complete. If not, the plan is another one.

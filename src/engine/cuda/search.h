@@ -26,6 +26,8 @@ class Search {
 
     /// Leaves the answer on the device.
     void find();
+    /// Whether there is a pair: the work ends at the first one, and none is written.
+    bool any();
     /// Gives a whole pass to `stream`; false if there is no room for it, so that find() has to do the work.
     bool launch(cudaStream_t stream);
     /// After it is done: whether that pass has left the whole answer.
@@ -73,13 +75,17 @@ class Search {
         std::array<std::int64_t, 2> vertices, triangles;
         bool float32;
         Plan plan;
+        bool answer;
         friend bool operator==(const Layout&, const Layout&) = default;
     };
 
     void plan();
-    void lay_out_lists();
+    void lay_out_lists(bool answer);
     void find_at_once();
     void enqueue(StageEvents* watch);
+    void enqueue_until_sorted(Clearing& clearing, StageEvents* watch);
+    bool any_at_once();
+    bool any_in_chunks();
     bool accept(const Counters& counters);
     void count(const Counters& counters);
     Counters read_counters();
@@ -88,7 +94,7 @@ class Search {
     // chunks.cu
     void find_in_chunks();
     void lay_out_chunks();
-    void pass_over_chunks(Hits hits);
+    std::size_t pass_over_chunks(Hits hits);
     void pass_over_slices(Hits hits, std::size_t& counted);
     void require_room(std::size_t pairs) const;
 

@@ -11,9 +11,11 @@
 
 namespace crumple::cuda {
 
-/// The part of all units that one call sweeps: number `turn` of `turns`.
+/// The part of all units that one call sweeps: `count` of `turns` parts, from number `turn` on. Ends early once
+/// `found`, unless it is null, is not 0.
 struct Slice {
-    unsigned long long turn = 0, turns = 1;
+    unsigned long long turn = 0, turns = 1, count = 1;
+    unsigned long long* found = nullptr;
 };
 
 /// `Filter`: a function of the device that tells of a Candidate whether it goes

@@ -114,12 +114,13 @@ __global__ void __launch_bounds__(threads)
     WarpShared& shared = dynamic_shared<SweepShared<threads>>().warp[threadIdx.x / 32];
     Sweep<Filter> sweep{scene, sorted, ownership, groups, filter, list, shared, lane};
     const unsigned long long all = units.filled(), begin_unit = all * slice.turn / slice.turns;
-    const unsigned long long end_unit = all * (slice.turn + 1) / slice.turns;
+    const unsigned long long end_unit = all * (slice.turn + slice.count) / slice.turns;
     // Units differ in cost, so warps take some at a time: few, or the last one would be late.
     const unsigned long long share = (end_unit - begin_unit) / (shares_a_warp * (grid_stride() / 32)) + 1;
     unsigned long long number = 0, last = 0;
     for (;; ++number) {
         if (number == last) {
+            if (has_ended(slice.found)) break;
             if (lane == 0) number = begin_unit + atomicAdd(&counters->next_unit, share);
             number = __shfl_sync(whole_warp, number, 0);
             last = min(number + share, end_unit);

@@ -111,6 +111,24 @@ __global__ void queue_of_bits(unsigned* out, bool planted) {
     out[threadIdx.x] = sum;
 }
 
+/// Warps go on until their sixth lane has found something. Planted: each lane looks for itself, and they part.
+__global__ void stop_at_a_flag(unsigned* out, bool planted) {
+    Items& s = portable::dynamic_shared<Items>();
+    const unsigned lane = threadIdx.x % 32;
+    int* const flag = &s.items[threadIdx.x / 32];
+    if (lane == 0) *flag = 0;
+    __syncwarp();
+    for (;;) {
+        int found = 0;
+        if (planted || lane == 0) found = atomicAdd(flag, 0);
+        if (!planted) found = __shfl_sync(full, found, 0);
+        if (found) break;
+        if (lane == 5) atomicAdd(flag, 1);
+        __ballot_sync(full, 1);
+    }
+    out[threadIdx.x] = 1;
+}
+
 /// Writes shared memory at some index. Planted by the index.
 __global__ void write_shared(int* out, int index) {
     int* const items = portable::dynamic_shared<Items>().items;

@@ -10,6 +10,7 @@ namespace {
 
 // Records one colliding pair, lower id first. All lanes of a warp call it together.
 __device__ void add(const Hits& hits, bool is_hit, std::int32_t a, std::int32_t b, std::int32_t second) {
+    if (hits.mode == Hits::Mode::any) return tally(is_hit, hits.list.count);
     unsigned long long rank = 0;
     if (is_hit) rank = atomicAdd(&hits.by_first[a], 1ull);
     if (is_hit && hits.by_tile) atomicAdd(&hits.by_tile[a / offset_tile], 1ull);
@@ -36,7 +37,7 @@ __global__ void __launch_bounds__(256, 3)
     filter_kernel(Scene scene, Sorted sorted, RecordRows records, PointRows points, Frames frames, NarrowPolicy policy,
                   List<Candidate> survivors, List<Candidate> undecided, Hits hits, unsigned long long* doubles) {
     const unsigned long long n = survivors.filled(), warps_end = (n + 31) / 32 * 32;
-    for (unsigned long long i = grid_thread(); i < warps_end; i += grid_stride()) {
+    for (unsigned long long i = grid_thread(); i < warps_end && !has_ended(hits.end()); i += grid_stride()) {
         Verdict verdict = Verdict::apart;
         Candidate candidate{};
         Pair pair{};
@@ -63,7 +64,7 @@ __global__ void __launch_bounds__(256, 3)
 __global__ void exact_kernel(Scene scene, Sorted sorted, Neighbours neighbours, Intersections intersections,
                              List<Candidate> undecided, List<Pair> beyond, Hits hits) {
     const unsigned long long n = undecided.filled(), warps_end = (n + 31) / 32 * 32;
-    for (unsigned long long i = grid_thread(); i < warps_end; i += grid_stride()) {
+    for (unsigned long long i = grid_thread(); i < warps_end && !has_ended(hits.end()); i += grid_stride()) {
         Verdict verdict = Verdict::apart;
         Pair pair{};
         if (i < n) {

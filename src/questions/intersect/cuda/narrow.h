@@ -11,14 +11,18 @@
 namespace crumple::cuda {
 
 /// Where colliding pairs go. Counting: only their number by first triangle. Filling: to the places that prefix sums of
-/// these numbers gave, `second` of them. Otherwise: to a list, with their rank.
+/// these numbers gave, `second` of them. Any: nowhere, they are only counted, and the first one ends the work.
+/// Otherwise: to a list, with their rank.
 struct Hits {
-    enum class Mode { list, count, fill };
+    enum class Mode { list, count, fill, any };
     Mode mode;
     List<Hit> list;
     unsigned long long* by_first;  ///< n: number of pairs of each first triangle; filling: where its next one goes
     unsigned long long* by_tile;   ///< the same of each `offset_tile` first triangles; filling: null
     std::int32_t* second;
+
+    /// For has_ended().
+    CRUMPLE_HD unsigned long long* end() const { return mode == Mode::any ? list.count : nullptr; }
 };
 
 /// `doubles` counts the pairs that float32 leaves undecided.
