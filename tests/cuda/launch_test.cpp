@@ -134,6 +134,33 @@ TEST(CudaLaunch, answers_when_the_scene_jumps) {
     }
 }
 
+// A triangle with many others through it, so many that a row is in order at once, in one part, and in several.
+TEST(CudaLaunch, puts_long_rows_in_order) {
+    Soup<float> soup;
+    const auto add = [&](std::array<float, 3> a, std::array<float, 3> b, std::array<float, 3> c) {
+        const auto v = static_cast<std::int32_t>(soup.vertices.size());
+        for (const auto& p : {a, b, c}) soup.vertices.push_back(p);
+        soup.triangles.push_back({v, v + 1, v + 2});
+    };
+    const std::array counts{64, 65, 2048, 2049, 4200};
+    const auto height = [](std::size_t k) { return 2 * static_cast<float>(k); };
+    for (std::size_t k = 0; k < 5; ++k) add({-9, -9, height(k)}, {30, -9, height(k)}, {-9, 30, height(k)});
+    for (int i = 0; i < 4200; ++i)
+        for (std::size_t k = 0; k < 5; ++k) {
+            if (i >= counts[k]) continue;
+            const float x = static_cast<float>(i % 70) / 70, y = static_cast<float>(i / 70) / 70, z = height(k);
+            add({x, y, z - 0.5f}, {x, y, z + 0.5f}, {x + 1e-3f, y, z + 0.5f});
+        }
+    Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
+    const Collisions& expected = cpu.find_self(soup.view());
+    for (std::size_t k = 0; k < 5; ++k) ASSERT_EQ(expected.offsets[k + 1] - expected.offsets[k], counts[k]);
+    const DeviceMesh device(soup.view());
+    cuda.launch_self(device.view());
+    EXPECT_TRUE(shows(cuda.wait(), soup.view(), nullptr, expected));
+    Detector chunked({.backend = Backend::cuda, .memory_limit = 2'000'000});
+    EXPECT_TRUE(same_answer(chunked.find_self(device.view()), expected));
+}
+
 // One pair among many triangles, none, or thousands; with room for a pass, and in chunks.
 TEST(CudaLaunch, tells_whether_anything_collides) {
     Soup<float> soup = random_soup(1000, 1e-4);

@@ -23,8 +23,8 @@ void Answer::cut(Cutter& c, const Scene& scene, std::size_t pairs) {
     output.capacity = pairs;
     output.pairs = c.take<Pair>(pairs);
     output.second = c.take<std::int32_t>(pairs);
-    output.long_capacity = long_row_capacity(pairs);
-    output.long_rows = c.take<std::int32_t>(output.long_capacity);
+    output.part_capacity = part_capacity(pairs);
+    output.parts = c.take<RowPart>(output.part_capacity);
 }
 
 void Answer::make_room(const Scene& scene, std::size_t pairs) {
@@ -52,7 +52,7 @@ void Answer::clear(Clearing& clearing, const Scene& scene) const {
 }
 
 void Answer::write(const Scene& scene, const List<Hit>& hits, Counters* counters, Counters* told) {
-    make_offsets(geometry_, stream_, scene, output);
+    make_offsets(geometry_, stream_, scene, output, counters);
     fill_buckets(geometry_, stream_, scene, hits, output);
     order_buckets(geometry_, stream_, scene, output, counters, told);
 }

@@ -23,7 +23,7 @@ class Answer {
     /// What make_room and make_contacts take.
     static std::size_t bytes(const Scene& scene, std::size_t pairs, bool contacts);
 
-    /// What write() finds cleared, beside the counter of long rows: flags, and numbers by first triangle, which are
+    /// What write() finds cleared, beside the counter of parts: flags, and numbers by first triangle, which are
     /// counted before.
     void clear(Clearing& clearing, const Scene& scene) const;
     /// Turns listed hits, counted by first triangle in output.offsets, into the answer; `told` as order_buckets() has

@@ -59,7 +59,7 @@ struct Counters {
     unsigned long long undecided;  ///< of these, undecided by filters in float64
     unsigned long long beyond;     ///< what expansions cannot hold: for the host
     unsigned long long hits;
-    unsigned long long long_rows;  ///< rows of the answer that a block sorts
+    unsigned long long parts;  ///< of rows of the answer that are long
 };
 
 /// Lists side by side, each with room to spare: list s has the places [first[s], first[s + 1]), and its elements lie in

@@ -11,6 +11,12 @@
 
 namespace crumple::cuda {
 
+/// A part of a row of the answer that is longer than its pairs can put in order by looking at each other.
+struct RowPart {
+    std::int32_t row;  ///< first triangle
+    std::uint32_t number;
+};
+
 struct Output {
     unsigned long long* offsets;  ///< n + 1; before: pairs of each first triangle
     unsigned long long* by_tile;  ///< the same of each `offset_tile` first triangles
@@ -18,9 +24,9 @@ struct Output {
     std::int32_t* second;         ///< by pair, in no order within a bucket
     Pair* pairs;
     std::uint8_t *hit, *hit_second;  ///< room for a multiple of four bytes
-    std::int32_t* long_rows;         ///< first triangles with more pairs than one thread each can put in order
+    RowPart* parts;                  ///< of all long rows, in any order
     unsigned long long capacity;     ///< of pairs
-    unsigned long long long_capacity;
+    unsigned long long part_capacity;
 
     /// Pairs of the answer; none if there are more than fit, since not all of them were kept.
     CRUMPLE_HD unsigned long long total(std::size_t n) const { return offsets[n] <= capacity ? offsets[n] : 0; }
@@ -28,17 +34,21 @@ struct Output {
 
 /// Tiles of an answer about so many first triangles.
 std::size_t offset_tiles(std::size_t first_triangles);
-std::size_t long_row_capacity(std::size_t pairs);
+std::size_t part_capacity(std::size_t pairs);
 
 /// Bytes for so many flags: they are set by atomics on words.
 std::size_t whole_words(std::size_t flags);
 
-/// Turns numbers by first triangle into offsets.
-void make_offsets(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Output& output);
+/// Turns numbers by first triangle into offsets, and lists the parts of long rows.
+void make_offsets(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Output& output,
+                  Counters* counters);
+/// Lists them where the offsets are known.
+void list_parts(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Output& output,
+                Counters* counters);
 /// Writes the list's hits to their buckets.
 void fill_buckets(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const List<Hit>& hits,
                   const Output& output);
-/// What order_buckets() finds cleared, beside the counter of long rows.
+/// What order_buckets() finds cleared, beside the list of parts.
 void clear_flags(Clearing& clearing, const Scene& scene, const Output& output);
 /// Puts each bucket in order and sets the flags. `told`, unless it is null, is given a copy of the counters: memory of
 /// the host that the device can write.

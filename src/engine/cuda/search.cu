@@ -227,7 +227,7 @@ bool Search::accept(const Counters& counters) {
             append_hits(geometry_, stream_, pass_.beyond(), found, counters.hits, pass_.hits());
             Clearing clearing;
             answer_.clear(clearing, pass_.scene);
-            clearing.add(&pass_.counters->long_rows, sizeof pass_.counters->long_rows);
+            clearing.add(&pass_.counters->parts, sizeof pass_.counters->parts);
             clearing.launch(geometry_, stream_);
             rank_hits(geometry_, stream_, pass_.hits(), answer_.output.offsets, answer_.output.by_tile);
             answer_.write(pass_.scene, pass_.hits(), pass_.counters, nullptr);
