@@ -9,6 +9,7 @@
 #include "cuda_on_cpu/machine/memory.h"
 #include "cuda_on_cpu/machine/sanitizers.h"
 #include "cuda_on_cpu/machine/settings.h"
+#include "engine/cuda/plan.h"
 #include "scenes/scenes.h"
 
 #ifdef CUDA_ON_CPU_ASAN
@@ -131,6 +132,17 @@ TEST_F(CudaMachine, makes_a_graph_of_what_it_is_asked_for_again) {
     made = 0;
     for (int turn = 0; turn < 18; ++turn) made += frames(buffers[static_cast<std::size_t>(turn % 6)], 1);
     EXPECT_LE(made, 3u) << "arrays that move are not worth a graph";
+}
+
+TEST_F(CudaMachine, gives_chunks_lists_as_long_as_memory_holds) {
+    cuda::Plan plan;
+    const auto survivors = [&](std::int64_t bytes) {
+        plan.choose_chunks(100'000, false, {}, bytes);
+        return plan.survivors;
+    };
+    EXPECT_EQ(survivors(0), 4096u) << "what a unit may have";
+    EXPECT_EQ(survivors(24'000'000), 401'024u) << "what a pass at once would have";
+    EXPECT_EQ(survivors(2'400'000), 100'000u);
 }
 
 // Nodes that wait for each other cost time each; the benchmark's bounds count them (benchmarks/least_work.cpp). What

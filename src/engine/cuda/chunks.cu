@@ -2,11 +2,28 @@
 
 #include "engine/cuda/search.h"
 
+#include <algorithm>
+
 namespace crumple::cuda {
 
-void Search::find_in_chunks() {
+// A quarter of what memory is left, for members and an answer grow, too.
+std::int64_t Search::bytes_left() const {
+    std::size_t free = 0, total = 0;
+    CRUMPLE_CUDA(cudaMemGetInfo(&free, &total));
+    const auto left = static_cast<std::int64_t>(free);
+    return (meter_.limit > 0 ? std::clamp<std::int64_t>(meter_.limit - meter_.used, 0, left) : left) / 4;
+}
+
+void Search::plan_chunks(Lists lists) {
+    planned_for_ = {};
+    laid_out_.reset();
+    pass_.plan.choose_chunks(pass_.scene.triangle_count(), pass_.scene.between, options_,
+                             lists == Lists::roomy ? bytes_left() : 0);
+}
+
+void Search::find_in_chunks(Lists lists) {
     drop_lists();
-    answer_.total = count_in_chunks();
+    answer_.total = count_in_chunks(lists);
     // The offsets wait with the host while their block grows.
     const std::size_t n = static_cast<std::size_t>(pass_.scene.triangles[0]) + 1;
     Array<unsigned long long> offsets(&meter_);
@@ -29,10 +46,8 @@ void Search::find_in_chunks() {
     planned_for_ = {};
 }
 
-unsigned long long Search::count_in_chunks() {
-    planned_for_ = {};
-    laid_out_.reset();
-    pass_.plan.choose_chunks(pass_.scene.triangle_count(), pass_.scene.between, options_);
+unsigned long long Search::count_in_chunks(Lists lists) {
+    plan_chunks(lists);
     answer_.make_room(pass_.scene, 0);
     Clearing clearing;
     answer_.clear(clearing, pass_.scene);
@@ -59,10 +74,9 @@ void Search::lay_out_chunks() {
     pass_.subdivide_scene();
 }
 
-bool Search::any_in_chunks() {
+bool Search::any_in_chunks(Lists lists) {
     drop_lists();
-    planned_for_ = {};
-    pass_.plan.choose_chunks(pass_.scene.triangle_count(), pass_.scene.between, options_);
+    plan_chunks(lists);
     return pass_over_chunks({Hits::Mode::any, {}, nullptr, nullptr, nullptr}) > 0;
 }
 

@@ -43,10 +43,12 @@ struct Plan {
         hits = count + 1024;
     }
 
-    /// Lists of a few candidates: work is then done in slices.
-    void choose_chunks(std::int64_t n, bool between, const Options& options) {
-        constexpr unsigned long long candidates = 32ull * unit_columns;  // what one unit has at most
+    /// Lists of few candidates, as many as `bytes` hold and no fewer than a unit may have: work is then done in slices.
+    void choose_chunks(std::int64_t n, bool between, const Options& options, std::int64_t bytes) {
+        constexpr unsigned long long least = 32ull * unit_columns, each = 2 * sizeof(Candidate) + sizeof(Pair);
         choose(n, between, options);
+        const unsigned long long candidates =
+            std::clamp(static_cast<unsigned long long>(bytes) / each, least, std::max(least, survivors));
         members[0] = members[1] = 1024;
         units = 1024;
         survivors = undecided = beyond = candidates;

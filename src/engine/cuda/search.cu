@@ -109,9 +109,15 @@ void Search::with_room_for(Make make, Undo undo) {
     make();
 }
 
+// With as long lists as memory seems to allow; if that was too bold, with the shortest.
+template <class Work>
+void Search::in_chunks(Work work) {
+    if (!fits([&] { work(Lists::roomy); })) work(Lists::shortest);
+}
+
 void Search::find() {
     statistics_ = {};
-    if (!fits_at_once([&] { find_at_once(); })) find_in_chunks();
+    if (!fits_at_once([&] { find_at_once(); })) in_chunks([&](Lists lists) { find_in_chunks(lists); });
 }
 
 void Search::find_at_once() {
@@ -143,7 +149,8 @@ bool Search::accept_launched() {
 bool Search::any() {
     statistics_ = {};
     bool found = false;
-    return fits_at_once([&] { found = any_at_once(); }) ? found : any_in_chunks();
+    if (!fits_at_once([&] { found = any_at_once(); })) in_chunks([&](Lists lists) { found = any_in_chunks(lists); });
+    return found;
 }
 
 // In two rounds, for a hit is known only after a sweep: where many collide, a sixteenth of the sweep tells, and kernels

@@ -34,7 +34,7 @@ class Search {
     bool accept_launched();
 
     /// Counts pairs without storing them, in as little memory as may be.
-    unsigned long long count_in_chunks();
+    unsigned long long count_in_chunks() { return count_in_chunks(Lists::shortest); }
 
     /// The contacts, if they are wanted; on the device, or with all of the answer copied to the host.
     void make_contacts();
@@ -79,20 +79,27 @@ class Search {
         friend bool operator==(const Layout&, const Layout&) = default;
     };
 
+    enum class Lists : std::uint8_t { shortest, roomy };  ///< of chunks
+
     void plan();
     void lay_out_lists(bool answer);
     void find_at_once();
     void enqueue(StageEvents* watch);
     void enqueue_until_sorted(Clearing& clearing, StageEvents* watch);
     bool any_at_once();
-    bool any_in_chunks();
+    bool any_in_chunks(Lists lists);
     bool accept(const Counters& counters);
     void count(const Counters& counters);
     Counters read_counters();
     std::size_t decide_beyond(std::size_t n);
 
     // chunks.cu
-    void find_in_chunks();
+    template <class Work>
+    void in_chunks(Work work);
+    void find_in_chunks(Lists lists);
+    unsigned long long count_in_chunks(Lists lists);
+    void plan_chunks(Lists lists);
+    std::int64_t bytes_left() const;
     void lay_out_chunks();
     std::size_t pass_over_chunks(Hits hits);
     void pass_over_slices(Hits hits, std::size_t& counted);
