@@ -161,6 +161,18 @@ TEST(CudaLaunch, puts_long_rows_in_order) {
     EXPECT_TRUE(same_answer(chunked.find_self(device.view()), expected));
 }
 
+// A cluster of more units of work than there was room for.
+TEST(CudaLaunch, sweeps_all_units_in_chunks) {
+    Soup<float> soup = random_soup(6000, 0.01);
+    for (std::size_t v = 0; v < soup.vertices.size(); ++v)
+        soup.vertices[v][0] = 3 * soup.vertices[v][0] + (v % 3 ? 0 : 1);
+    const DeviceMesh device(soup.view());
+    Detector cpu({.backend = Backend::cpu});
+    const Options options{.backend = Backend::cuda, .memory_limit = 1'900'000, .leaf_size = 100'000};
+    EXPECT_TRUE(same_answer(Detector(options).find_self(device.view()), cpu.find_self(soup.view())));
+    EXPECT_TRUE(Detector(options).has_collision(device.view()));
+}
+
 // One pair among many triangles, none, or thousands; with room for a pass, and in chunks.
 TEST(CudaLaunch, tells_whether_anything_collides) {
     Soup<float> soup = random_soup(1000, 1e-4);

@@ -94,7 +94,10 @@ std::size_t Search::pass_over_chunks(Hits hits) {
         if (!laid_out) continue;
         pass_.align();
         pass_.sort();
-        count(read_counters());
+        const Counters sorted = read_counters();
+        laid_out = pass_.plan.accepts_units(sorted);
+        if (!laid_out) continue;
+        count(sorted);
         hits.list.count = &pass_.counters->hits;
         pass_over_slices(hits, counted);
         if (hits.mode == Hits::Mode::any && counted > 0) break;

@@ -96,9 +96,9 @@ struct Plan {
     bool accepts_hits(unsigned long long wanted) { return grow(hits, wanted); }
 
     /// The same for one cluster of many: how many join it says nothing about the clusters.
-    bool accepts_chunk(const Counters& c) {
-        return accepts_places(c, 0) && (levels() == 1 || accepts_places(c, 1)) && grow(units, c.units);
-    }
+    bool accepts_chunk(const Counters& c) { return accepts_places(c, 0) && (levels() == 1 || accepts_places(c, 1)); }
+    /// The same once it is sorted.
+    bool accepts_units(const Counters& c) { return grow(units, c.units); }
 
    private:
     void start_anew() {
