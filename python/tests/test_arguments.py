@@ -264,12 +264,13 @@ ARRAYS_OF_NOTHING = (np.zeros((0, 3)), np.zeros((0, 3), np.int32), None, np.zero
     [
         (),
         (0,),
-        (0, 1, (), None, []),
-        ("0", 1, ARRAYS_OF_NOTHING, None, []),
-        (0, 1, ARRAYS_OF_NOTHING, (), []),
-        (0, 1, ARRAYS_OF_NOTHING, None, [1]),
-        (0, 1, ARRAYS_OF_NOTHING, None, [(0, np.zeros(1))]),
-        (0, 1, ([], [], None, []), None, []),
+        (0, 1, ARRAYS_OF_NOTHING, None, []),
+        (0, 1, (), None, [], None),
+        ("0", 1, ARRAYS_OF_NOTHING, None, [], None),
+        (0, 1, ARRAYS_OF_NOTHING, (), [], None),
+        (0, 1, ARRAYS_OF_NOTHING, None, [1], None),
+        (0, 1, ARRAYS_OF_NOTHING, None, [(0, np.zeros(1))], None),
+        (0, 1, ([], [], None, []), None, [], None),
         [0, 1],
         None,
     ],
@@ -282,7 +283,7 @@ def test_the_state_of_a_part_is_checked(state):
 
 def test_a_part_whose_state_does_not_fit_together_is_refused(detector):
     part = crumple.Part.__new__(crumple.Part)
-    part.__setstate__((0, 1, ARRAYS_OF_NOTHING, None, []))
+    part.__setstate__((0, 1, ARRAYS_OF_NOTHING, None, [], None))
     with pytest.raises(crumple.InvalidInput, match="a part needs 1 to 4 levels"):
         detector.find(part)
     with pytest.raises(TypeError, match="a crumple.World or a crumple.Part, not int"):

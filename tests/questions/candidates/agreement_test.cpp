@@ -7,6 +7,7 @@
 #include "questions/candidates/compare_candidates.h"
 #include "questions/features/agreeing.h"
 #include "questions/features/listed_soups.h"
+#include "rounds.h"
 
 namespace crumple::test {
 namespace {
@@ -42,7 +43,8 @@ class CandidateAgreement : public testing::Test {
     void expect_all(double inflation, bool weld = false) {
         SCOPED_TRACE(testing::Message() << "inflation " << inflation);
         // Where most features overlap a soup of few triangles tells as much.
-        for (const NamedMove<Scalar>& move : moving_soups<Scalar>(inflation > 0.1 ? 0.25 : 1)) {
+        for (const NamedMove<Scalar>& move :
+             moving_soups<Scalar>((inflation > 0.1 ? 0.25 : 1) * (sanitized ? 0.5 : 1))) {
             if (inflation * move.unit > std::numeric_limits<double>::max()) continue;
             SCOPED_TRACE(move.name);
             expect_candidates(move.soup, inflation * move.unit, weld);

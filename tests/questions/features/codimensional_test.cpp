@@ -9,6 +9,7 @@
 #include "error_of.h"
 #include "questions/features/agreeing.h"
 #include "questions/features/listed_soups.h"
+#include "rounds.h"
 
 namespace crumple::test {
 namespace {
@@ -19,7 +20,7 @@ class Codimensional : public testing::Test {
     template <class Work>
     void for_each_soup(double part, unsigned seeds, Work work) {
         unsigned seed = 0;
-        for (const NamedMove<Scalar>& move : moving_soups<Scalar>(part))
+        for (const NamedMove<Scalar>& move : moving_soups<Scalar>(sanitized ? 0.6 * part : part))
             for (unsigned i = 0; i < seeds; ++i, ++seed) {
                 SCOPED_TRACE(testing::Message() << move.name << ", lists " << seed);
                 work(with_lists(move.soup, seed), move.unit);
