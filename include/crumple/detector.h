@@ -184,17 +184,17 @@ class Detector {
     /// from partition(), shapes and members are checked, and an Error's vertex or triangle is a position in the part.
     const Collisions& find(const Part& part, const Query& query = {}, std::stop_token stop = {});
 
-    /// Parts of a scene that is asked what touches what in a step, or what is near what: as many as above, for questions
-    /// that ask for no more distance than this one. What a part knows of vertices and edges (Part::features) makes it
-    /// two to four times as large. Motion::triangle_pairs are not made by parts.
+    /// Parts of a scene that is asked what touches what in a step, or what is near what: as many as above, for
+    /// questions that ask for no more distance than this one. What a part knows of vertices and edges (Part::features)
+    /// makes it two to four times as large. Motion::triangle_pairs are not made by parts.
     std::vector<Part> partition(const MeshView& mesh, const VertexView& end, const Motion& question, int count,
                                 std::stop_token stop = {});
     std::vector<Part> partition(const MeshView& mesh, const Near& question, int count, std::stop_token stop = {});
 
-    /// The impacts, and the near pairs, that such a part owns: the rows of the whole answer with the ids of the mesh, in
-    /// its order; each in one part. `first` and `any` are those of the part. Impacts::edges and points are empty: a
-    /// part knows its own (PartFeatures). Offsets and least distances count by position in the part's lists. Near::radii
-    /// and Near::rest are those that the part was made with. Not with the cuda backend.
+    /// The impacts, and the near pairs, that such a part owns: the rows of the whole answer with the ids of the mesh,
+    /// in its order; each in one part. `first` and `any` are those of the part. Impacts::edges and points are empty: a
+    /// part knows its own (PartFeatures). Offsets and least distances count by position in the part's lists.
+    /// Near::radii and Near::rest are those that the part was made with. Not with the cuda backend.
     const Impacts& find_impacts(const Part& part, const Motion& question = {}, std::stop_token stop = {});
     const Nearby& find_near(const Part& part, const Near& question, std::stop_token stop = {});
 

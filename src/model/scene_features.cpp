@@ -145,8 +145,7 @@ void SceneFeatures::sort_sides(const Scene& scene, ParallelFor& workers) {
     const std::int64_t slots = sides + static_cast<std::int64_t>(edges_.size());
     const auto ends = [&](std::int64_t slot) {
         const std::int64_t t = slot / 3 * 3;
-        const Edge e =
-            slot < sides ? Edge{corners_[t + slot % 3], corners_[t + (slot + 1) % 3]} : edges_[slot - sides];
+        const Edge e = slot < sides ? Edge{corners_[t + slot % 3], corners_[t + (slot + 1) % 3]} : edges_[slot - sides];
         return std::pair(std::min(e.a, e.b), std::max(e.a, e.b));
     };
     first_.assign(static_cast<std::size_t>(vertices) + 2, 0);
