@@ -16,7 +16,7 @@ STACK = {"exact_kernel": 8192, "contact_kernel": 8192, "filter_kernel": 256, "fr
 OTHER_STACKS = 16
 # Registers of a thread: 48 let five blocks of 256 run on a multiprocessor, 80 three, 40 six, 32 eight.
 REGISTERS = {"exact_kernel": 255, "contact_kernel": 255, "sweep_kernel": 48, "filter_kernel": 80, "frame_kernel": 128,
-             "bin_kernel": 40,
+             "DeviceScanKernel": 128, "bin_kernel": 40,
              "place_kernel": 72, "check_kernel": 40, "bounds_kernel": 64, "members_kernel": 48}
 OTHER_REGISTERS = 40
 # Loads of 16 bytes at least: two records of four, and what else comes by rows.
