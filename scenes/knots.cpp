@@ -56,7 +56,8 @@ io::TriangleMesh make_model(const Parameters& parameters) {
     const int across = std::max(8, static_cast<int>(std::lround(std::sqrt(half / slenderness))));
     const int along = std::max(30, static_cast<int>(std::lround(half / across)));
     Random random(parameters.seed);
-    Pose pose{.axes = rotation(random.direction(), random.uniform())};
+    const double turn = random.uniform();  // first: compilers disagree about the order of arguments
+    const Pose pose{.axes = rotation(random.direction(), turn)};
     Soup soup;
     soup.reserve(static_cast<std::int64_t>(along) * across, 2LL * along * across);
     add_knot(soup, along, across, 0.12, pose);
