@@ -186,7 +186,7 @@ class Detector {
 
     /// Parts of a scene that is asked what touches what in a step, or what is near what: as many as above, for
     /// questions that ask for no more distance than this one. What a part knows of vertices and edges (Part::features)
-    /// makes it two to four times as large. Motion::triangle_pairs are not made by parts.
+    /// makes it about twice as large. Motion::triangle_pairs are not made by parts.
     std::vector<Part> partition(const MeshView& mesh, const VertexView& end, const Motion& question, int count,
                                 std::stop_token stop = {});
     std::vector<Part> partition(const MeshView& mesh, const Near& question, int count, std::stop_token stop = {});

@@ -37,7 +37,7 @@ def partition_motion(
     A part answers for what it was made: a separation that is no larger, the same `weld`. Groups come along; which of
     them are wanted is asked of each part. Arguments and errors otherwise as of find_impacts.
 
-    Cost: a look at each triangle, and copies; a part is two to four times as large as one of `partition`. Source:
+    Cost: a look at each triangle, and copies; a part is about twice as large as one of `partition`. Source:
     Mainzer and Zachmann, sec. 1.1, for parts on several machines, and sec. 4, eqs. 2-4, for their centres.
     """
     rules = _core.rules_of_mesh("both", None)
