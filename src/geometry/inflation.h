@@ -28,6 +28,7 @@ struct Inflation {
     bool of_box = false;  ///< what is widened is the box of a primitive's points, along the axes of the coordinates
     const float* radius = nullptr;  ///< one a primitive, instead of `half`, the largest of them; or null
 
+    friend bool operator==(const Inflation&, const Inflation&) = default;
     CRUMPLE_HD bool none() const { return half == 0 && of_way == 0 && !of_box; }
     /// That of one primitive.
     CRUMPLE_HD Inflation of(std::int64_t primitive) const {

@@ -14,8 +14,9 @@ from pathlib import Path
 # reach them. The sweep spills nothing but convergence barriers; corners of the filters' records are chosen at run time.
 STACK = {"exact_kernel": 8192, "contact_kernel": 8192, "filter_kernel": 256, "frame_kernel": 256, "sweep_kernel": 32}
 OTHER_STACKS = 16
-# Registers of a thread: 48 let five blocks of 256 run on a multiprocessor, 80 three, 40 six, 32 eight.
-REGISTERS = {"exact_kernel": 255, "contact_kernel": 255, "sweep_kernel": 48, "filter_kernel": 80, "frame_kernel": 128,
+# Registers of a thread: 48 let five blocks of 256 run on a multiprocessor, 80 three, 40 six, 32 eight. Kernels that look
+# at a triangle's whole way hold six corners.
+REGISTERS = {"WidenedILi2": 72, "exact_kernel": 255, "contact_kernel": 255, "sweep_kernel": 48, "filter_kernel": 80, "frame_kernel": 128,
              "DeviceScanKernel": 128, "bin_kernel": 40,
              "place_kernel": 72, "check_kernel": 40, "bounds_kernel": 64, "members_kernel": 48}
 OTHER_REGISTERS = 40

@@ -6,15 +6,16 @@
 
 #include "cuda/device_mesh.h"
 #include "engine/cuda/answer.h"
-#include "engine/cuda/pass.h"
 #include "engine/cuda/sort_kernel.h"
 #include "engine/cuda/sweep_kernel.h"
+#include "questions/intersect/cuda/pass.h"
 #include "stages/state.h"
 
 namespace crumple::cuda {
 
 struct NoRecords {
-    __device__ void put(std::uint32_t, const Vec3d*, const std::int32_t*, const InFrame<3>&, const Frame&) const {}
+    __device__ void put(std::uint32_t, std::int32_t, const Vec3d*, const std::int32_t*, const InFrame<3>&,
+                        const Frame&) const {}
 };
 struct KeepAll {
     __device__ bool operator()(const Candidate&) const { return true; }
@@ -56,10 +57,10 @@ class DeviceScene {
     test::DeviceBytes corners_, vertices_[2], box_;
 };
 
-class StagesOfPass : public Pass {
+class StagesOfPass : public IntersectionPass {
    public:
     StagesOfPass(const Geometry& geometry, const Options& options, bool guided)
-        : Pass(geometry, nullptr, options), guided_(guided) {}
+        : IntersectionPass(geometry, nullptr, options), guided_(guided) {}
 
     test::StageState run(const Scene& host) {
         const DeviceScene on_device(host);
@@ -95,7 +96,7 @@ class StagesOfPass : public Pass {
         subdivide_clusters(~std::uint64_t{0});
         align();
         sort_members(geometry_, stream_, scene, points_, plan.leaves(), members_of(last_level()),
-                     members_[last_level()], frames(), ownership(), sorted_, NoRecords{}, units(), counters);
+                     members_[last_level()], frames(), ownership(), sorted_, AtRest{}, NoRecords{}, units(), counters);
         cuda::sweep(geometry_, stream_, scene, sorted_, units(), ownership(), groups, KeepAll{},
                     {survivors_, &counters->survivors, plan.survivors}, {}, counters);
         if (plan.guided) branch_.join(stream_);

@@ -55,10 +55,20 @@ __device__ bool is_finite(const BinnedFrame& f) {
            is_finite(f.base) && is_finite(f.scale);
 }
 
+// The axes of the coordinates, the first one being that which the frame's is nearest to.
+__device__ void turn_to_coordinates(LeafFrame& frame) {
+    const Vec3f along = abs(frame.axis[0]);
+    const int first = along.x == largest(along) ? 0 : along.y == largest(along) ? 1 : 2;
+    for (int i = 0; i < 3; ++i) {
+        frame.axis[i] = {0, 0, 0};
+        frame.axis[i][(first + i) % 3] = 1;
+    }
+}
+
 // The frame of one leaf, by one block.
 __device__ void make_frame(FrameShared& shared, unsigned long long begin, unsigned long long members,
                            const std::int32_t* triangle, const Scene& scene, const PointRows& points, const Ball* balls,
-                           BinnedFrame& result) {
+                           bool along_axes, BinnedFrame& result) {
     const auto samples = static_cast<unsigned>(members < threads ? members : threads);
     const bool has = threadIdx.x < samples;
     const std::int32_t sample = has ? triangle[begin + threadIdx.x * members / samples] : 0;
@@ -95,6 +105,7 @@ __device__ void make_frame(FrameShared& shared, unsigned long long begin, unsign
         turn_to_edges(axes, moment);
         frame.origin = to_float(mean);
         for (int i = 0; i < 3; ++i) frame.axis[i] = to_float(axes.axis[i]);
+        if (along_axes) turn_to_coordinates(frame);
         frame.big = 2 * (spread + static_cast<float>(radius)) + 1e-30f;
     }
     __syncthreads();
@@ -118,20 +129,21 @@ __device__ void make_frame(FrameShared& shared, unsigned long long begin, unsign
 }
 
 __global__ void frame_kernel(int leaves, Segments members_of, const std::int32_t* triangle, Scene scene,
-                             PointRows points, const Ball* balls, BinnedFrame* frames) {
+                             PointRows points, const Ball* balls, bool along_axes, BinnedFrame* frames) {
     auto& shared = dynamic_shared<FrameShared>();
     for (int leaf = static_cast<int>(blockIdx.x); leaf < leaves; leaf += static_cast<int>(gridDim.x)) {
         const auto l = static_cast<std::size_t>(leaf);
         const unsigned long long begin = members_of.first[l], members = members_of.end(l) - begin;
         if (members > 0)
-            make_frame(shared, begin, members, triangle, scene, points, balls, frames[l]);
+            make_frame(shared, begin, members, triangle, scene, points, balls, along_axes, frames[l]);
         else if (threadIdx.x == 0)
             frames[l] = plain_frame();
     }
 }
 
-__global__ void reach_kernel(int leaves, Segments members_of, Members members, Scene scene, PointRows points,
-                             const Ball* balls, Frames frames) {
+template <class Primitive>
+__global__ void reach_kernel(int leaves, Segments members_of, Members members, Scene scene, Primitive primitive,
+                             PointRows points, const Ball* balls, Frames frames) {
     const auto n = static_cast<std::size_t>(leaves);
     for (unsigned long long m = grid_thread(); m < members_of.first[n]; m += grid_stride()) {
         const std::size_t leaf = segment_of(m, members_of.first, n);
@@ -139,7 +151,7 @@ __global__ void reach_kernel(int leaves, Segments members_of, Members members, S
         const BinnedFrame& frame = frames.binned[leaf];
         const std::int32_t t = members.triangle[m];
         float reach = ball_reach(balls[t], frame.origin);
-        if (reach > frame.big) reach = exact_reach(scene, points, t, frame, reach);
+        if (reach > frame.big) reach = exact_reach(scene, primitive, points, t, frame, reach);
         atomicMax(&frames.reach[leaf], __float_as_uint(reach));
     }
 }
@@ -148,17 +160,20 @@ __global__ void reach_kernel(int leaves, Segments members_of, Members members, S
 
 void make_frames(const Geometry& geometry, cudaStream_t stream, int leaves, const Segments& members_of,
                  const std::int32_t* triangle, const Scene& scene, const Points& points, const Ball* balls,
-                 BinnedFrame* frames) {
+                 bool along_axes, BinnedFrame* frames) {
     const unsigned blocks = std::min(static_cast<unsigned>(leaves), geometry.resident * geometry.threads / threads);
     Launch{stream, blocks, threads, sizeof(FrameShared)}(frame_kernel, leaves, members_of, triangle, scene,
-                                                         points.rows(), balls, frames);
+                                                         points.rows(), balls, along_axes, frames);
 }
 
 void measure_reach(const Geometry& geometry, cudaStream_t stream, int leaves, const Segments& members_of,
-                   const Members& members, const Scene& scene, const Points& points, const Ball* balls,
-                   const Frames& frames) {
-    Launch{stream, geometry.blocks(members.capacity), geometry.threads}(reach_kernel, leaves, members_of, members,
-                                                                        scene, points.rows(), balls, frames);
+                   const Members& members, const Scene& scene, const Primitives& primitives, const Points& points,
+                   const Ball* balls, const Frames& frames) {
+    with_primitive(primitives, [&](auto primitive) {
+        Launch{stream, geometry.blocks(members.capacity), geometry.threads}(reach_kernel<decltype(primitive)>, leaves,
+                                                                            members_of, members, scene, primitive,
+                                                                            points.rows(), balls, frames);
+    });
 }
 
 }  // namespace crumple::cuda

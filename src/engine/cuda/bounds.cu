@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 
 #include "engine/cuda/memory.h"
 
@@ -16,10 +17,11 @@ bool is_aligned(const VertexReader& reader) {
                alignof(T) ==
            0;
 }
+bool is_aligned(const VertexReader& reader) {
+    return reader.float32 ? is_aligned<float>(reader) : is_aligned<double>(reader);
+}
 bool is_aligned(const Scene& scene) {
-    return std::ranges::all_of(scene.reader, [](const VertexReader& reader) {
-        return reader.float32 ? is_aligned<float>(reader) : is_aligned<double>(reader);
-    });
+    return is_aligned(scene.reader[0]) && is_aligned(scene.reader[1]) && (!scene.moving || is_aligned(scene.end));
 }
 
 // A vertex where the caller left it. Scene::position() copies single bytes on a device, for it knows of no alignment.
@@ -38,6 +40,11 @@ __device__ Vec3d position(const Scene& scene, std::size_t v) {
     const VertexReader& reader = scene.reader[v < first ? 0 : 1];
     if (v >= first) v -= first;
     return reader.float32 ? read<float>(reader, v) : read<double>(reader, v);
+}
+template <bool aligned>
+__device__ Vec3d end_position(const Scene& scene, std::size_t v) {
+    if constexpr (!aligned) return scene.end(static_cast<std::int64_t>(v));
+    return scene.end.float32 ? read<float>(scene.end, v) : read<double>(scene.end, v);
 }
 
 /// A box of each warp of a block, axis by axis.
@@ -112,6 +119,40 @@ __global__ void bounds_kernel(Scene scene, const SceneBox* box, Row<T>* rows, Ba
     }
 }
 
+// The same for what is asked of more than contact: rows at the start and at the end, and widened balls.
+template <bool aligned, class T>
+__global__ void widened_bounds_kernel(Scene scene, Primitives primitives, const SceneBox* box, Row<T>* rows,
+                                      Ball* balls, Counters* counters) {
+    auto& normaliser = dynamic_shared<Normaliser>();
+    if (threadIdx.x == 0) normaliser = normaliser_of(*box);
+    __syncthreads();
+    const auto normalised = [&](const Vec3d& at) {
+        const Vec3d p = normaliser(at);
+        return Row<T>{static_cast<T>(p.x), static_cast<T>(p.y), static_cast<T>(p.z), 0};
+    };
+    const auto start = [&](std::size_t v) { return normalised(position<aligned>(scene, v)); };
+    const auto end = [&](std::size_t v) { return normalised(end_position<aligned>(scene, v)); };
+    const auto vertices = static_cast<std::size_t>(scene.vertex_count());
+    for (std::size_t v = grid_thread(); v < vertices; v += grid_stride()) {
+        rows[v] = start(v);
+        if (primitives.moving) rows[vertices + v] = end(v);
+    }
+    const auto triangles = static_cast<std::size_t>(scene.triangle_count());
+    const Inflation& inflation = primitives.inflation;
+    for (std::size_t t = grid_thread(); t < triangles; t += grid_stride()) {
+        balls[t] = {0, 0, 0, NAN};
+        if (!corners_exist(scene, t, counters)) continue;
+        Vec3f from[3], to[3];
+        for (std::size_t k = 0; k < 3; ++k) {
+            const auto v = static_cast<std::size_t>(scene.corners[3 * t + k]);
+            from[k] = in_float(start(v));
+            to[k] = primitives.moving ? in_float(end(v)) : from[k];
+        }
+        balls[t] = inflation.of_box ? ball_of_box(from, to, inflation)
+                                    : ball_of_way(from, to, inflation.of(static_cast<std::int64_t>(t)));
+    }
+}
+
 }  // namespace
 
 void clear(Clearing& clearing, Counters* counters) {
@@ -134,17 +175,21 @@ void check_vertices(const Geometry& geometry, cudaStream_t stream, const Scene& 
         is_aligned(scene) ? check_kernel<true> : check_kernel<false>, scene, box, counters);
 }
 
-void compute_bounds(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const SceneBox* box,
-                    const Points& points, Ball* balls, Counters* counters) {
+void compute_bounds(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Primitives& primitives,
+                    const SceneBox* box, const Points& points, Ball* balls, Counters* counters) {
     const auto elements = static_cast<std::size_t>(std::max(scene.vertex_count(), scene.triangle_count()));
-    const auto run = [&](auto aligned_kernel, auto kernel, auto* rows) {
-        Launch{stream, geometry.blocks(elements), geometry.threads, sizeof(Normaliser)}(
-            is_aligned(scene) ? aligned_kernel : kernel, scene, box, rows, balls, counters);
+    const Launch launch{stream, geometry.blocks(elements), geometry.threads, sizeof(Normaliser)};
+    const auto run = [&]<bool aligned>(auto* rows) {
+        using T = std::remove_reference_t<decltype(rows->x)>;
+        if (primitives.widened)
+            launch(widened_bounds_kernel<aligned, T>, scene, primitives, box, rows, balls, counters);
+        else
+            launch(bounds_kernel<aligned, T>, scene, box, rows, balls, counters);
     };
-    if (points.f)
-        run(bounds_kernel<true, float>, bounds_kernel<false, float>, points.f);
-    else
-        run(bounds_kernel<true, double>, bounds_kernel<false, double>, points.d);
+    const auto run_aligned = [&](auto* rows) {
+        is_aligned(scene) ? run.template operator()<true>(rows) : run.template operator()<false>(rows);
+    };
+    points.f ? run_aligned(points.f) : run_aligned(points.d);
 }
 
 }  // namespace crumple::cuda

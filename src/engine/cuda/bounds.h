@@ -6,6 +6,7 @@
 
 #include "engine/cuda/clearing.h"
 #include "engine/cuda/layout.h"
+#include "engine/cuda/primitive.h"
 #include "engine/cuda/runtime.h"
 #include "geometry/normaliser.h"
 #include "model/scene.h"
@@ -57,7 +58,8 @@ __device__ inline bool corners_exist(const Scene& scene, std::size_t t, Counters
     return false;
 }
 
-void compute_bounds(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const SceneBox* box,
-                    const Points& points, Ball* balls, Counters* counters);
+/// Of a scene that moves, a ball holds the triangle's whole way, and rows of ends follow those of starts.
+void compute_bounds(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Primitives& primitives,
+                    const SceneBox* box, const Points& points, Ball* balls, Counters* counters);
 
 }  // namespace crumple::cuda

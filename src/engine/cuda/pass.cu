@@ -27,7 +27,7 @@ void Guides::cut(Cutter& cutter, const Plan& plan) {
 }
 
 void Pass::cut(Cutter& c) {
-    const auto vertices = static_cast<std::size_t>(scene.vertex_count());
+    const std::size_t vertices = primitives.rows(scene.vertex_count());
     const auto triangles = static_cast<std::size_t>(scene.triangle_count());
     const auto leaves = static_cast<std::size_t>(plan.leaves());
     const std::size_t rows = plan.last_members();
@@ -54,16 +54,12 @@ void Pass::cut(Cutter& c) {
     sorted_.bin_first = c.take<std::uint32_t>(leaves * (bins + 1));
     sorted_.binned = c.take<unsigned>(leaves);
     sorted_.box = c.take<CrossBox>(rows);
-    records_.record = c.take<Record>(rows);
     sorted_.conflict = c.take<std::uint64_t>(rows);
     sorted_.end = c.take<std::uint32_t>(rows);
     sorted_.triangle = c.take<std::int32_t>(rows);
     sorted_.leaf = c.take<std::uint16_t>(rows);
     units_ = c.take<Unit>(plan.units);
     survivors_ = c.take<Candidate>(plan.survivors);
-    undecided_ = c.take<Candidate>(plan.undecided);
-    beyond_ = c.take<Pair>(plan.beyond);
-    hits_ = c.take<Hit>(plan.hits);
 }
 
 Level Pass::level(int i) const {
@@ -121,7 +117,7 @@ void Pass::clear_counters() {
     clearing.launch(geometry_, stream_);
 }
 
-void Pass::bounds() { compute_bounds(geometry_, stream_, scene, box, points_, balls_, counters); }
+void Pass::bounds() { compute_bounds(geometry_, stream_, scene, primitives, box, points_, balls_, counters); }
 
 // The level's centres, before they are used.
 void Pass::move_centres(int i) {
@@ -136,7 +132,7 @@ void Pass::list_members(int i, std::uint64_t listed) {
     const std::size_t items = i == 0 ? static_cast<std::size_t>(scene.triangle_count()) : plan.members[0];
     const bool reaching = plan.guided && i == last_level();
     make_members(geometry_, stream_, level(i), items, balls_, listed, members_[i],
-                 {reaching ? frames() : Frames{}, scene, points_.rows()}, &counters->members[i],
+                 {reaching ? frames() : Frames{}, scene, primitives, points_.rows()}, &counters->members[i],
                  &counters->unplaced[i]);
 }
 
@@ -170,35 +166,20 @@ void Pass::look_ahead(int i, cudaStream_t stream) {
     make_places(stream, it, members_[i].capacity, &counters->places[i]);
     if (i != last_level()) return;
     make_frames(geometry_, stream, plan.leaves(), it.members_of, members_[i].triangle, scene, points_, balls_,
-                guides.next.frame);
+                primitives.along_axes, guides.next.frame);
 }
 
 void Pass::align() {
     if (plan.guided) return;
     const Segments leaves = members_of(last_level());
     const Members& members = members_[last_level()];
-    make_frames(geometry_, stream_, plan.leaves(), leaves, members.triangle, scene, points_, balls_, guides.next.frame);
+    make_frames(geometry_, stream_, plan.leaves(), leaves, members.triangle, scene, points_, balls_,
+                primitives.along_axes, guides.next.frame);
     Clearing clearing;
     clearing.copy(guides.now.frame, guides.next.frame,
                   static_cast<std::size_t>(plan.leaves()) * sizeof *guides.now.frame);
     clearing.launch(geometry_, stream_);
-    measure_reach(geometry_, stream_, plan.leaves(), leaves, members, scene, points_, balls_, frames());
-}
-
-void Pass::sort() {
-    sort_members(geometry_, stream_, scene, points_, plan.leaves(), members_of(last_level()), members_[last_level()],
-                 frames(), ownership(), sorted_, records_, units(), counters);
-}
-
-void Pass::sweep(const Slice& slice) {
-    cuda::sweep(geometry_, stream_, scene, sorted_, units(), ownership(), groups, PlaneTest{records_.record, policy},
-                {survivors_, &counters->survivors, plan.survivors}, slice, counters);
-}
-
-void Pass::narrow(const Hits& hits) {
-    cuda::narrow(geometry_, stream_, scene, sorted_, records_, points_, frames(), policy,
-                 {survivors_, &counters->survivors, plan.survivors}, {undecided_, &counters->undecided, plan.undecided},
-                 {beyond_, &counters->beyond, plan.beyond}, hits, &counters->doubles);
+    measure_reach(geometry_, stream_, plan.leaves(), leaves, members, scene, primitives, points_, balls_, frames());
 }
 
 }  // namespace crumple::cuda

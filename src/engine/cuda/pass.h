@@ -1,16 +1,15 @@
 #pragma once
 
-// One pass over the stages, [MZ] Algorithm 1, on arrays that are cut from blocks of device memory.
+// One pass over the stages up to `sweep`, [MZ] Algorithm 1, on arrays that are cut from blocks of device memory. What
+// follows is the question's (questions/), which brings its records and its filter.
 
 #include "crumple/options.h"
 #include "engine/cuda/bounds.h"
 #include "engine/cuda/memory.h"
-#include "engine/cuda/output.h"
 #include "engine/cuda/plan.h"
 #include "engine/cuda/sort.h"
 #include "engine/cuda/subdivide.h"
 #include "engine/cuda/sweep.h"
-#include "questions/intersect/cuda/narrow.h"
 
 namespace crumple::cuda {
 
@@ -37,13 +36,13 @@ class Pass {
     /// What is asked. Pointers are of the device.
     Scene scene;
     const SceneBox* box = nullptr;
+    Primitives primitives;
     WantedGroups groups;
-    NarrowPolicy policy;
     Plan plan;
     Guides guides{};
     const Branch* beside = nullptr;  ///< where a guided pass makes the next guide; joined by whoever needs it
 
-    /// Cuts the arrays of all stages but the last; their contents are lost.
+    /// Cuts the arrays of the stages up to `sort`, and the list that `sweep` fills; their contents are lost.
     void cut(Cutter& cutter);
 
     void bounds();
@@ -51,17 +50,22 @@ class Pass {
     /// Leaves of those clusters of the first level that have a bit in `listed`.
     void subdivide_clusters(std::uint64_t listed);
     void align();
-    void sort();
-    void sweep(const Slice& slice);
-    void narrow(const Hits& hits);
+    template <class Primitive, class Records>
+    void sort(const Primitive& primitive, const Records& records) {
+        sort_members(geometry_, stream_, scene, points_, plan.leaves(), members_of(last_level()),
+                     members_[last_level()], frames(), ownership(), sorted_, primitive, records, units(), counters);
+    }
+    template <class Filter>
+    void sweep(const Slice& slice, const Filter& filter) {
+        cuda::sweep(geometry_, stream_, scene, sorted_, units(), ownership(), groups, filter, survivors(), slice,
+                    counters);
+    }
 
     /// What the stages find cleared, from subdivide_scene() or subdivide_clusters() on.
     void clear(Clearing& clearing) const;
     /// Between slices of one sweep: all but its units.
     void clear_counters();
 
-    List<Hit> hits() const { return {hits_, &counters->hits, plan.hits}; }
-    Pair* beyond() const { return beyond_; }
     Counters* counters = nullptr;
 
    private:
@@ -78,6 +82,7 @@ class Pass {
     Segments members_of(int i) const { return {guides.now.first[i], count_[i]}; }
     Frames frames() const { return {guides.now.frame, reach_}; }
     List<Unit> units() const { return {units_, &counters->units, plan.units}; }
+    List<Candidate> survivors() const { return {survivors_, &counters->survivors, plan.survivors}; }
 
     Geometry geometry_;
     cudaStream_t stream_;
@@ -91,11 +96,8 @@ class Pass {
     Members members_[2] = {};
     unsigned* reach_ = nullptr;
     Sorted sorted_{};
-    RecordRows records_{};
     Unit* units_ = nullptr;
-    Candidate *survivors_ = nullptr, *undecided_ = nullptr;
-    Pair* beyond_ = nullptr;
-    Hit* hits_ = nullptr;
+    Candidate* survivors_ = nullptr;
 };
 
 }  // namespace crumple::cuda

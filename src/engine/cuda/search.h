@@ -12,7 +12,7 @@
 #include "engine/cuda/answer.h"
 #include "engine/cuda/graph_cache.h"
 #include "engine/cuda/input.h"
-#include "engine/cuda/pass.h"
+#include "questions/intersect/cuda/pass.h"
 
 namespace crumple::cuda {
 
@@ -128,7 +128,7 @@ class Search {
     GraphCache<Key> graphs_;
     Block guides_, work_;
     Answer answer_;
-    Pass pass_;
+    IntersectionPass pass_;
     Query query_;
     Statistics statistics_;
     std::optional<Layout> laid_out_;                                    ///< what the lists are laid out for

@@ -29,9 +29,9 @@ __device__ void sum_bins(std::uint32_t* bin_first, std::uint32_t first) {
 // First and last bin of each member, and its place among those that start in the same bin. A warp's members are of one
 // leaf, and the warp that brings the leaf's last ones sums up its bins, which is a kernel less than to wait for all
 // leaves. Fences on both sides of the counter: the last warp sees what the others have counted.
-template <class T>
-__global__ void bin_kernel(Scene scene, const Row<T>* rows, int leaves, Segments members_of, Members members,
-                           Frames frames, Sorted sorted) {
+template <class T, class Primitive>
+__global__ void bin_kernel(Scene scene, Primitive primitive, const Row<T>* rows, int leaves, Segments members_of,
+                           Members members, Frames frames, Sorted sorted) {
     const unsigned lane = threadIdx.x % 32;
     const auto n = static_cast<std::size_t>(leaves);
     for (unsigned long long m = grid_thread(); m < members_of.first[n]; m += grid_stride()) {
@@ -41,9 +41,9 @@ __global__ void bin_kernel(Scene scene, const Row<T>* rows, int leaves, Segments
         const bool valid = m < end;
         if (valid) {
             const Frame frame = frames[leaf];
-            Vec3d p[3];
-            load_corners(rows, scene.corners + 3 * static_cast<std::size_t>(members.triangle[m]), p);
-            const InFrame<3> member(p, frame);
+            const std::int32_t t = members.triangle[m];
+            Vec3d p[Primitive::corners];
+            const auto member = primitive.in_frame(rows, scene.corners + 3 * static_cast<std::size_t>(t), t, frame, p);
             const std::uint32_t first = bin_of(member.low.x - frame.margin, frame);
             const std::uint32_t last = bin_of(member.high.x + frame.margin, frame);
             sorted.bin[m] = first | last << 16;
@@ -90,14 +90,25 @@ void clear(Clearing& clearing, const Sorted& sorted, int leaves) {
     clearing.add(sorted.binned, n * sizeof *sorted.binned);
 }
 
-void bin_members(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Points& points, int leaves,
-                 const Segments& members_of, const Members& members, const Frames& frames, const Sorted& sorted) {
-    const Launch over_members{stream, geometry.blocks(members.capacity), geometry.threads};
+template <class Primitive>
+void bin_members(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Primitive& primitive,
+                 const Points& points, int leaves, const Segments& members_of, const Members& members,
+                 const Frames& frames, const Sorted& sorted) {
+    const auto bin = [&](const auto* rows, auto kernel) {
+        Launch{stream, geometry.blocks(members.capacity), geometry.threads}(kernel, scene, primitive, rows, leaves,
+                                                                            members_of, members, frames, sorted);
+    };
     if (points.f)
-        over_members(bin_kernel<float>, scene, points.f, leaves, members_of, members, frames, sorted);
+        bin(points.f, bin_kernel<float, Primitive>);
     else
-        over_members(bin_kernel<double>, scene, points.d, leaves, members_of, members, frames, sorted);
+        bin(points.d, bin_kernel<double, Primitive>);
 }
+template void bin_members(const Geometry&, cudaStream_t, const Scene&, const AtRest&, const Points&, int,
+                          const Segments&, const Members&, const Frames&, const Sorted&);
+template void bin_members(const Geometry&, cudaStream_t, const Scene&, const Widened<1>&, const Points&, int,
+                          const Segments&, const Members&, const Frames&, const Sorted&);
+template void bin_members(const Geometry&, cudaStream_t, const Scene&, const Widened<2>&, const Points&, int,
+                          const Segments&, const Members&, const Frames&, const Sorted&);
 
 void list_units(const Geometry& geometry, cudaStream_t stream, int leaves, const Segments& members_of,
                 std::size_t capacity, const Sorted& sorted, const List<Unit>& units) {

@@ -23,16 +23,20 @@ struct Ownership {
 /// What sort_members() finds cleared.
 void clear(Clearing& clearing, const Sorted& sorted, int leaves);
 
-/// `Records`: what the question keeps of each member, with a function of the device put(row, corners, ids, member in
-/// its frame, frame). Defined in sort_kernel.h.
-template <class Records>
+/// `Primitive`: what is searched of each triangle. `Records`: what the question keeps of each member, with a function
+/// of the device put(row, triangle, its corners as `Primitive` has them, ids, member in its frame, frame). Defined in
+/// sort_kernel.h.
+template <class Primitive, class Records>
 void sort_members(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Points& points, int leaves,
                   const Segments& members_of, const Members& members, const Frames& frames, const Ownership& ownership,
-                  const Sorted& sorted, const Records& records, const List<Unit>& units, Counters* counters);
+                  const Sorted& sorted, const Primitive& primitive, const Records& records, const List<Unit>& units,
+                  Counters* counters);
 
 /// Its first part: the bins of each member, and where each bin's rows begin.
-void bin_members(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Points& points, int leaves,
-                 const Segments& members_of, const Members& members, const Frames& frames, const Sorted& sorted);
+template <class Primitive>
+void bin_members(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Primitive& primitive,
+                 const Points& points, int leaves, const Segments& members_of, const Members& members,
+                 const Frames& frames, const Sorted& sorted);
 /// Its last part: units of work.
 void list_units(const Geometry& geometry, cudaStream_t stream, int leaves, const Segments& members_of,
                 std::size_t capacity, const Sorted& sorted, const List<Unit>& units);

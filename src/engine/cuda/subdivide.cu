@@ -155,9 +155,9 @@ __device__ std::uint64_t children_of(const Ball& ball, const MembersShared& shar
 
 // Finds the children of all items and lists the members. A block counts its own first, so that it asks for places once
 // a child, not once a member; it counts in 32 bits, for shared memory adds no more at once.
-template <bool reaching>
+template <bool reaching, class Primitive>
 __global__ void members_kernel(Level level, const Ball* balls, std::uint64_t listed, Members members, Reaching how,
-                               unsigned long long* total, unsigned long long* unplaced) {
+                               Primitive primitive, unsigned long long* total, unsigned long long* unplaced) {
     auto& shared = dynamic_shared<MembersShared>();
     const unsigned parent = blockIdx.y, fan_out = static_cast<unsigned>(level.fan_out), first_child = parent * fan_out;
     for (unsigned k = threadIdx.x; k < fan_out; k += blockDim.x) {
@@ -206,7 +206,8 @@ __global__ void members_kernel(Level level, const Ball* balls, std::uint64_t lis
             if constexpr (!reaching) continue;
             const Row<float> origin = shared.origin[k];
             float reach = ball_reach(balls[t], {origin.x, origin.y, origin.z});
-            if (reach > origin.unused) reach = exact_reach(how.scene, how.points, t, how.frames.binned[child], reach);
+            if (reach > origin.unused)
+                reach = exact_reach(how.scene, primitive, how.points, t, how.frames.binned[child], reach);
             atomicMax(&shared.reach[k], __float_as_uint(reach));
         }
     }
@@ -277,9 +278,15 @@ void make_members(const Geometry& geometry, cudaStream_t stream, const Level& le
     const auto parents = static_cast<unsigned>(level.parents);
     const std::size_t share = items / parents + 1;
     const dim3 blocks{std::max(1u, std::min(geometry.blocks(share), 4 * geometry.resident / parents)), parents};
-    Launch{stream, blocks, geometry.threads, sizeof(MembersShared)}(
-        reaching.frames.reach ? members_kernel<true> : members_kernel<false>, level, balls, listed, members, reaching,
-        total, unplaced);
+    const Launch launch{stream, blocks, geometry.threads, sizeof(MembersShared)};
+    if (!reaching.frames.reach) {
+        launch(members_kernel<false, AtRest>, level, balls, listed, members, reaching, AtRest{}, total, unplaced);
+        return;
+    }
+    with_primitive(reaching.primitives, [&](auto primitive) {
+        launch(members_kernel<true, decltype(primitive)>, level, balls, listed, members, reaching, primitive, total,
+               unplaced);
+    });
 }
 
 void make_places(cudaStream_t stream, const Level& level, unsigned long long capacity, unsigned long long* wanted) {

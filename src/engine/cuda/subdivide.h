@@ -9,6 +9,7 @@
 
 #include "engine/cuda/clearing.h"
 #include "engine/cuda/layout.h"
+#include "engine/cuda/primitive.h"
 #include "engine/cuda/runtime.h"
 #include "model/scene.h"
 
@@ -39,6 +40,7 @@ void fuzzy_c_means(const Geometry& geometry, cudaStream_t stream, const Level& l
 struct Reaching {
     Frames frames;
     Scene scene;
+    Primitives primitives;
     PointRows points;
 };
 

@@ -12,8 +12,8 @@ namespace crumple::cuda {
 struct RecordRows {
     Record* record;
 
-    __device__ void put(std::uint32_t row, const Vec3d p[3], const std::int32_t id[3], const InFrame<3>& member,
-                        const Frame& frame) const {
+    __device__ void put(std::uint32_t row, std::int32_t, const Vec3d p[3], const std::int32_t id[3],
+                        const InFrame<3>& member, const Frame& frame) const {
         Record made = record_of(p, id, member);
         scale_plane(made, plane_scale(frame.reach));
         record[row] = made;
