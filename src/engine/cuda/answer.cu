@@ -19,7 +19,7 @@ void Answer::cut(Cutter& c, const Scene& scene, std::size_t pairs) {
     output.by_tile = c.take<unsigned long long>(offset_tiles(first));
     output.next = c.take<unsigned long long>(first + 1);
     output.hit = c.take<std::uint8_t>(whole_words(first));
-    output.hit_second = c.take<std::uint8_t>(whole_words(second));
+    output.hit_second = scene.between ? c.take<std::uint8_t>(whole_words(second)) : output.hit;
     output.capacity = pairs;
     output.pairs = c.take<Pair>(pairs);
     output.second = c.take<std::int32_t>(pairs);
@@ -52,9 +52,10 @@ void Answer::clear(Clearing& clearing, const Scene& scene) const {
 }
 
 void Answer::write(const Scene& scene, const List<Hit>& hits, Counters* counters, Counters* told) {
-    make_offsets(geometry_, stream_, scene, output, counters);
+    const auto firsts = static_cast<std::size_t>(scene.triangles[0]);
+    make_offsets(geometry_, stream_, firsts, output, counters);
     fill_buckets(geometry_, stream_, scene, hits, output);
-    order_buckets(geometry_, stream_, scene, output, counters, told);
+    order_buckets(geometry_, stream_, firsts, output, counters, told);
 }
 
 std::int64_t Answer::make_contacts(const Scene& scene, Cancellation& cancellation) {

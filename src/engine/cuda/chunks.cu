@@ -40,8 +40,8 @@ void Search::find_in_chunks(Lists lists) {
     clear_flags(clearing, pass_.scene, output);
     cuda::clear(clearing, pass_.counters);
     clearing.launch(geometry_, stream_);
-    list_parts(geometry_, stream_, pass_.scene, output, pass_.counters);
-    order_buckets(geometry_, stream_, pass_.scene, output, pass_.counters, nullptr);
+    list_parts(geometry_, stream_, n - 1, output, pass_.counters);
+    order_buckets(geometry_, stream_, n - 1, output, pass_.counters, nullptr);
     CRUMPLE_CUDA(cudaStreamSynchronize(stream_));
     planned_for_ = {};
 }
@@ -54,7 +54,7 @@ unsigned long long Search::count_in_chunks(Lists lists) {
     clearing.launch(geometry_, stream_);
     const Output& output = answer_.output;
     pass_over_chunks({Hits::Mode::count, {}, output.offsets, output.by_tile, nullptr});
-    make_offsets(geometry_, stream_, pass_.scene, output, pass_.counters);
+    make_offsets(geometry_, stream_, static_cast<std::size_t>(pass_.scene.triangles[0]), output, pass_.counters);
     unsigned long long total = 0;
     copy(&total, output.offsets + pass_.scene.triangles[0], 1, cudaMemcpyDeviceToHost);
     return total;
