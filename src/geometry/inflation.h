@@ -13,7 +13,7 @@ namespace crumple {
 inline constexpr float farthest = 4;
 
 /// A length of the scene in normalised coordinates, rounded once, and at most what holds everything.
-inline float normalised_length(double length, const Normaliser& normaliser) {
+CRUMPLE_HD inline float normalised_length(double length, const Normaliser& normaliser) {
     return static_cast<float>(min(double{farthest}, length * normaliser.pre * normaliser.post));
 }
 
@@ -28,7 +28,6 @@ struct Inflation {
     bool of_box = false;  ///< what is widened is the box of a primitive's points, along the axes of the coordinates
     const float* radius = nullptr;  ///< one a primitive, instead of `half`, the largest of them; or null
 
-    friend bool operator==(const Inflation&, const Inflation&) = default;
     CRUMPLE_HD bool none() const { return half == 0 && of_way == 0 && !of_box; }
     /// That of one primitive.
     CRUMPLE_HD Inflation of(std::int64_t primitive) const {

@@ -114,10 +114,4 @@ void SceneFeatures::find_neighbours() {
 
 // An edge without a common vertex with the lone one is that to a vertex which the lone one does not name; of three
 // vertices it does not name one.
-bool SceneFeatures::has_edge_apart(std::int32_t vertex, const Edge& lone) const {
-    const Neighbours& of = neighbours_[vertex];
-    const auto apart = [&](std::int32_t other) { return other >= 0 && other != name(lone.a) && other != name(lone.b); };
-    return of.more || apart(of.first) || apart(of.second);
-}
-
 }  // namespace crumple

@@ -77,6 +77,7 @@ void SceneFeatures::prepare(const Scene& scene, bool weld, ParallelFor& workers,
     check_number(scene, listed);
     if (!known(scene, listed)) {
         vertices_ = -1;  // should memory end half-way
+        ++revision_;
         adopted_ = false;
         faces_ = scene.triangle_count();
         corners_.resize_discard(static_cast<std::size_t>(3 * faces_));
@@ -103,6 +104,7 @@ void SceneFeatures::prepare(const Scene& scene, bool weld, ParallelFor& workers,
         if (lists_points_) add_carriers_of_points();
         vertices_ = scene.vertex_count();
     }
+    if (weld || renames() || knows_neighbours()) ++revision_;  // names hang on where vertices are
     names_.clear();
     if (weld) name_equal_positions(scene, buffers_.table, names_);
     find_neighbours();
@@ -121,6 +123,7 @@ void SceneFeatures::adopt(const Part& part) {
         std::copy(from.begin(), from.end(), to.begin());
     };
     vertices_ = -1;
+    ++revision_;
     adopted_ = true;
     lone_edges_ = false;  // neighbours are given
     copy(given.edge_ends, edges_);

@@ -23,21 +23,16 @@
 #include "crumple/array.h"
 #include "crumple/features.h"
 #include "crumple/part.h"
+#include "model/feature_table.h"
 #include "model/scene.h"
 
 namespace crumple {
-
-/// The edges of a triangle, by side; -1 where a side's ends are equal.
-using TriangleEdges = std::array<std::int32_t, 3>;
 
 /// Edges and points that a caller lists, by the scene's vertices, checked.
 struct ListedFeatures {
     std::optional<std::span<const Edge>> edges = {};
     std::optional<std::span<const std::int32_t>> points = {};
 };
-
-/// Of a carrier: it owns a vertex of no edge and no triangle at corner 0, or an edge of no triangle on side 0.
-inline constexpr std::uint8_t lone_point = 1 << 6, lone_edge = 1 << 7;
 
 class SceneFeatures {
    public:
@@ -64,9 +59,7 @@ class SceneFeatures {
     /// How many points have vertices below this one, where those of lower vertices come first, as bodies' do.
     std::int64_t points_below(std::int32_t vertex) const;
     /// Of the vertex that a triangle or a carrier owns at a corner.
-    std::int32_t point_of(std::int64_t triangle, int corner) const {
-        return points_of_.empty() ? corners_[3 * triangle + corner] : points_of_[triangle][std::size_t(corner)];
-    }
+    std::int32_t point_of(std::int64_t triangle, int corner) const { return table().point_of(triangle, corner); }
 
     /// Triangles of the scene; carriers are numbered from there on.
     std::int64_t faces() const { return faces_; }
@@ -88,22 +81,27 @@ class SceneFeatures {
         const std::int32_t v = name(vertex);
         return v == name(corners[0]) || v == name(corners[1]) || v == name(corners[2]);
     }
-    bool incident(std::int32_t vertex, const Edge& e) const {
-        const std::int32_t v = name(vertex);
-        return v == name(e.a) || v == name(e.b);
-    }
+    bool incident(std::int32_t vertex, const Edge& e) const { return table().incident(vertex, e); }
     bool incident(const Edge& e, const Edge& f) const { return incident(e.a, f) || incident(e.b, f); }
     /// Whether an edge of the vertex is a pair with a lone edge that it is not on: then that pair covers the vertex.
-    bool has_edge_apart(std::int32_t vertex, const Edge& lone) const;
+    bool has_edge_apart(std::int32_t vertex, const Edge& lone) const { return table().has_edge_apart(vertex, lone); }
+
+    /// All of it that inner loops read, while this stays as it is.
+    FeatureTable table() const {
+        const auto any = [](const auto& array) { return array.empty() ? nullptr : array.data(); };
+        return {edges_of_.data(), owned_.data(),    corners_.data(), any(names_),
+                any(points_of_),  any(neighbours_), faces_};
+    }
+    /// The listed vertices; empty: points are vertices.
+    const Array<std::int32_t>& listed_points() const { return points_; }
+    const Array<PointsOfTriangle>& points_of() const { return points_of_; }
+    /// Another number whenever what is known has changed.
+    std::uint64_t revision() const { return revision_; }
 
     /// Gives all memory back.
     void release();
 
-    /// The other ends of a vertex's edges, by name: up to two that differ, -1 for none.
-    struct Neighbours {
-        std::int32_t first = -1, second = -1;
-        bool more = false;
-    };
+    using Neighbours = NamedNeighbours;
     bool knows_neighbours() const { return !neighbours_.empty(); }  ///< there are lone edges
     const Neighbours& neighbours(std::int32_t vertex) const { return neighbours_[vertex]; }
 
@@ -144,9 +142,10 @@ class SceneFeatures {
     Array<std::uint8_t> owned_;
     Array<std::int32_t> names_, corners_;  ///< corners: for which the rest is known
     std::int64_t vertices_ = -1, faces_ = 0;
+    std::uint64_t revision_ = 0;
     bool lists_edges_ = false, lists_points_ = false, lone_edges_ = false, adopted_ = false;
-    Array<std::int32_t> points_;                    ///< as listed
-    Array<std::array<std::int32_t, 3>> points_of_;  ///< by corner; empty: as vertices
+    Array<std::int32_t> points_;       ///< as listed
+    Array<PointsOfTriangle> points_of_;  ///< by corner; empty: as vertices
     Array<std::int32_t> face_of_carrier_;
     Array<Neighbours> neighbours_;  ///< of each vertex, if there are lone edges
     // Scratch:

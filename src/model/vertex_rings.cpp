@@ -26,6 +26,7 @@ void VertexRings::release() {
 }
 
 void VertexRings::adopt(const PartFeatures& part) {
+    ++revision_;
     vertices_ = -1;
     rings_ = part.rings;
     first_.resize_discard(part.first_ring.size());
@@ -100,6 +101,7 @@ void VertexRings::prepare(const SceneFeatures& features, std::int64_t vertices, 
                           ParallelFor& workers, Cancellation& cancellation) {
     if (known(features, vertices, rings)) return;
     vertices_ = -1;  // should memory end half-way
+    ++revision_;
     rings_ = rings;
     find_next(features, vertices);
     first_.resize_discard(static_cast<std::size_t>(vertices) + 1);

@@ -41,6 +41,12 @@ class VertexRings {
         return std::binary_search(ring.begin(), ring.end(), other);
     }
 
+    /// What about() reads: the rings of all, one after the other, and where those of each name begin.
+    std::span<const std::int32_t> rings_of_all() const { return of_.span(); }
+    std::span<const std::int64_t> firsts() const { return first_.span(); }
+    /// Another number whenever what is known has changed.
+    std::uint64_t revision() const { return revision_; }
+
     /// Gives all memory back.
     void release();
 
@@ -56,6 +62,7 @@ class VertexRings {
     Array<std::int32_t> corners_, names_;  ///< for which this is known
     std::int64_t vertices_ = -1;
     std::int32_t rings_ = 0;
+    std::uint64_t revision_ = 0;
 };
 
 }  // namespace crumple

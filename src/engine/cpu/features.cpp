@@ -6,6 +6,7 @@
 
 #include "base/stopwatch.h"
 #include "geometry/normaliser.h"
+#include "questions/features/asked.h"
 
 namespace crumple::cpu {
 namespace {
@@ -91,14 +92,7 @@ void find(const Call& call, const FeatureQuery& query, FeatureLeaves<moments>& l
 }  // namespace
 
 Inflation inflation_of(const Scene& scene, const FeatureQuery& query) {
-    Inflation inflation;
-    if (query.distance > 0) {
-        const Normaliser normaliser(scene.low, scene.high);
-        inflation.half = normalised_length(query.distance, normaliser) * 0.500001f + 1e-30f;
-    }
-    if (query.share > 0)
-        inflation.of_way = static_cast<float>(std::min(1e30, query.share / (1 - query.share))) * 1.000001f;
-    return inflation;
+    return crumple::inflation_of(Normaliser(scene.low, scene.high), query.distance, query.share);
 }
 
 Inflation inflation_of_radii(const Scene& scene, std::span<const double> radii, Workers& workers,
@@ -113,8 +107,7 @@ Inflation inflation_of_radii(const Scene& scene, std::span<const double> radii, 
             for (std::size_t i = c * some; i < std::min(n, (c + 1) * some); ++i) visit(i);
         });
     };
-    for_each(vertex.size(),
-             [&](std::size_t v) { vertex[v] = normalised_length(radii[v], normaliser) * 1.000002f + 1e-30f; });
+    for_each(vertex.size(), [&](std::size_t v) { vertex[v] = radius_of(normaliser, radii[v]); });
     for_each(triangle.size(), [&](std::size_t t) {
         const std::int32_t* c = scene.corners + 3 * t;
         triangle[t] = std::max(vertex[c[0]], std::max(vertex[c[1]], vertex[c[2]]));

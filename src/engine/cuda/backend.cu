@@ -14,6 +14,7 @@
 
 #include "crumple/error.h"
 #include "engine/cuda/device.h"
+#include "engine/cuda/feature_finder.h"
 #include "engine/cuda/host_mesh.h"
 #include "engine/cuda/input.h"
 #include "engine/cuda/search.h"
@@ -33,7 +34,8 @@ class CudaBackend final : public BackendBase {
           device_(options.device),
           geometry_(device_.geometry()),
           input_(options.device, stream_.get(), meter),
-          search_(device_, geometry_, stream_.get(), options, meter, cancellation, input_) {
+          search_(device_, geometry_, stream_.get(), options, meter, cancellation, input_),
+          features_(device_, geometry_, stream_.get(), options, meter, cancellation, input_) {
         reserve_stacks();
     }
     ~CudaBackend() override {
@@ -54,6 +56,13 @@ class CudaBackend final : public BackendBase {
         on_device([&] {
             view(a, b, query);
             find(query, result);
+        });
+    }
+
+    void find(const Scene& scene, const FeatureQuery& query, FeatureAnswer& answer) override {
+        on_device([&] {
+            finish();
+            features_.find(scene, query, answer);
         });
     }
 
@@ -142,6 +151,7 @@ class CudaBackend final : public BackendBase {
         }
         input_.release();
         search_.release();
+        features_.release();
     }
 
     std::int64_t bytes_needed_for_launched() override {
@@ -204,6 +214,7 @@ class CudaBackend final : public BackendBase {
         fill(stream_.get(), counters, 0, sizeof *counters);
         reserve_exact_stack(geometry_, stream_.get(), counters);
         reserve_contact_stack(geometry_, stream_.get());
+        reserve_feature_stacks(geometry_, stream_.get(), counters);
         CRUMPLE_CUDA(cudaStreamSynchronize(stream_.get()));
     }
 
@@ -260,6 +271,7 @@ class CudaBackend final : public BackendBase {
     Event before_ = make_event(device_), done_ = make_event(device_);
     Input input_;
     Search search_;
+    FeatureFinder features_;
     State state_ = State::idle;
     DeviceCollisions shown_;
 };

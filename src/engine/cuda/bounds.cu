@@ -6,46 +6,10 @@
 #include <type_traits>
 
 #include "engine/cuda/memory.h"
+#include "engine/cuda/positions.h"
 
 namespace crumple::cuda {
 namespace {
-
-template <class T>
-bool is_aligned(const VertexReader& reader) {
-    return (reinterpret_cast<std::uintptr_t>(reader.data) | static_cast<std::uintptr_t>(reader.row_stride) |
-            static_cast<std::uintptr_t>(reader.column_stride)) %
-               alignof(T) ==
-           0;
-}
-bool is_aligned(const VertexReader& reader) {
-    return reader.float32 ? is_aligned<float>(reader) : is_aligned<double>(reader);
-}
-bool is_aligned(const Scene& scene) {
-    return is_aligned(scene.reader[0]) && is_aligned(scene.reader[1]) && (!scene.moving || is_aligned(scene.end));
-}
-
-// A vertex where the caller left it. Scene::position() copies single bytes on a device, for it knows of no alignment.
-template <class T>
-__device__ Vec3d read(const VertexReader& reader, std::size_t v) {
-    const std::byte* row = reader.data + static_cast<std::int64_t>(v) * reader.row_stride;
-    const auto scalar = [&](int axis) {
-        return static_cast<double>(*reinterpret_cast<const T*>(row + axis * reader.column_stride));
-    };
-    return {scalar(0), scalar(1), scalar(2)};
-}
-template <bool aligned>
-__device__ Vec3d position(const Scene& scene, std::size_t v) {
-    if constexpr (!aligned) return scene.position(static_cast<std::int64_t>(v));
-    const auto first = static_cast<std::size_t>(scene.vertices[0]);
-    const VertexReader& reader = scene.reader[v < first ? 0 : 1];
-    if (v >= first) v -= first;
-    return reader.float32 ? read<float>(reader, v) : read<double>(reader, v);
-}
-template <bool aligned>
-__device__ Vec3d end_position(const Scene& scene, std::size_t v) {
-    if constexpr (!aligned) return scene.end(static_cast<std::int64_t>(v));
-    return scene.end.float32 ? read<float>(scene.end, v) : read<double>(scene.end, v);
-}
 
 /// A box of each warp of a block, axis by axis.
 struct BoxShared {
@@ -138,7 +102,7 @@ __global__ void widened_bounds_kernel(Scene scene, Primitives primitives, const 
         if (primitives.moving) rows[vertices + v] = end(v);
     }
     const auto triangles = static_cast<std::size_t>(scene.triangle_count());
-    const Inflation& inflation = primitives.inflation;
+    const Inflation inflation = *primitives.inflation;
     for (std::size_t t = grid_thread(); t < triangles; t += grid_stride()) {
         balls[t] = {0, 0, 0, NAN};
         if (!corners_exist(scene, t, counters)) continue;
@@ -148,8 +112,8 @@ __global__ void widened_bounds_kernel(Scene scene, Primitives primitives, const 
             from[k] = in_float(start(v));
             to[k] = primitives.moving ? in_float(end(v)) : from[k];
         }
-        balls[t] = inflation.of_box ? ball_of_box(from, to, inflation)
-                                    : ball_of_way(from, to, inflation.of(static_cast<std::int64_t>(t)));
+        balls[t] = primitives.along_axes ? ball_of_box(from, to, inflation)
+                                         : ball_of_way(from, to, inflation.of(static_cast<std::int64_t>(t)));
     }
 }
 

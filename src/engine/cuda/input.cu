@@ -81,17 +81,16 @@ void copy(cudaStream_t stream, T* to, const T* from, std::size_t n) {
     CRUMPLE_CUDA(cudaStreamSynchronize(stream));  // the host's arrays need not last
 }
 
-std::size_t bytes_of(const Scene& scene, std::size_t side) {
-    return 3 * static_cast<std::size_t>(scene.vertices[side]) * scene.reader[side].scalar_bytes();
+std::size_t bytes_of(const VertexReader& reader, std::int64_t vertices) {
+    return 3 * static_cast<std::size_t>(vertices) * reader.scalar_bytes();
 }
 
-// The vertices of one mesh, row by row without gaps.
-const std::byte* pack(const Scene& scene, std::size_t side, Array<std::byte>& packed) {
-    const VertexReader& reader = scene.reader[side];
+// Vertices row by row without gaps.
+const std::byte* pack(const VertexReader& reader, std::int64_t vertices, Array<std::byte>& packed) {
     if (reader.contiguous()) return reader.data;
     const std::size_t size = reader.scalar_bytes();
-    std::byte* out = packed.resize_discard(bytes_of(scene, side));
-    for (std::int64_t v = 0; v < scene.vertices[side]; ++v)
+    std::byte* out = packed.resize_discard(bytes_of(reader, vertices));
+    for (std::int64_t v = 0; v < vertices; ++v)
         for (int axis = 0; axis < 3; ++axis, out += size)
             std::memcpy(out, reader.data + v * reader.row_stride + axis * reader.column_stride, size);
     return packed.data();
@@ -108,11 +107,20 @@ void Input::bring(const Scene& host) {
     scene_ = host;
     mesh_[0] = mesh_[1] = {};
     weld_ = false;
-    std::byte* vertices[2] = {};
+    // The vertices of both meshes, and where those of the first one end.
+    struct Vertices {
+        const VertexReader* from;
+        VertexReader* to;
+        std::int64_t count;
+        std::byte* data = nullptr;
+    };
+    Vertices vertices[3] = {{&host.reader[0], &scene_.reader[0], host.vertices[0]},
+                            {&host.reader[1], &scene_.reader[1], host.vertices[1]},
+                            {&host.end, &scene_.end, host.moving ? host.vertices[0] : 0}};
     const auto triangles = static_cast<std::size_t>(host.triangle_count());
     lay_out(block_, [&](Cutter& c) {
         box_ = c.take<SceneBox>(1);
-        for (std::size_t side = 0; side < 2; ++side) vertices[side] = c.take<std::byte>(bytes_of(host, side));
+        for (Vertices& v : vertices) v.data = c.take<std::byte>(bytes_of(*v.from, v.count));
         corners_ = c.take<std::int32_t>(3 * triangles);
         groups_ = c.take<std::int32_t>(host.groups ? triangles : 0);
     });
@@ -120,10 +128,10 @@ void Input::bring(const Scene& host) {
     for (int axis = 0; axis < 3; ++axis)
         box.low[axis] = ordered(host.low[axis]), box.high[axis] = ordered(host.high[axis]);
     copy(stream_, box_, &box, 1);
-    for (std::size_t side = 0; side < 2; ++side) {
-        copy(stream_, vertices[side], pack(host, side, packed_), bytes_of(host, side));
-        const auto size = static_cast<std::int64_t>(host.reader[side].scalar_bytes());
-        scene_.reader[side] = {vertices[side], 3 * size, size, host.reader[side].float32};
+    for (const Vertices& v : vertices) {
+        copy(stream_, v.data, pack(*v.from, v.count, packed_), bytes_of(*v.from, v.count));
+        const auto size = static_cast<std::int64_t>(v.from->scalar_bytes());
+        *v.to = {v.data, 3 * size, size, v.from->float32};
     }
     copy(stream_, corners_, host.corners, 3 * triangles);
     if (host.groups) copy(stream_, groups_, host.groups, triangles);
@@ -154,14 +162,18 @@ void Input::view(const MeshView& a, const MeshView* b, bool weld) {
 
 void Input::want(const Query& query) {
     rule_.prepare(query);
-    const std::size_t excluded = rule_.excluded().size();
+    want(rule_);
+}
+
+void Input::want(const GroupRule& rule) {
+    const std::size_t excluded = rule.excluded().size();
     const void* const before = rule_block_.data();
     lay_out(rule_block_, [&](Cutter& c) { excluded_ = c.take<std::uint64_t>(excluded); });
     // Frames of a simulation have the same rule, and no time to wait for a copy.
-    const bool known = rule_block_.data() == before && std::ranges::equal(uploaded_, rule_.excluded());
-    if (!known) copy(stream_, excluded_, rule_.excluded().data(), excluded);
-    std::ranges::copy(rule_.excluded(), uploaded_.resize_discard(excluded));
-    wanted_ = rule_.wanted();
+    const bool known = rule_block_.data() == before && std::ranges::equal(uploaded_, rule.excluded());
+    if (!known) copy(stream_, excluded_, rule.excluded().data(), excluded);
+    std::ranges::copy(rule.excluded(), uploaded_.resize_discard(excluded));
+    wanted_ = rule.wanted();
     wanted_.excluded = excluded_;
 }
 

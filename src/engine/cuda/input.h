@@ -32,6 +32,7 @@ class Input {
     /// that lie elsewhere; contents are checked by the work that enqueue() gives to the stream.
     void view(const MeshView& a, const MeshView* b, bool weld);
     void want(const Query& query);
+    void want(const GroupRule& rule);
 
     /// What is to be cleared before enqueue()'s work.
     void clear(Clearing& clearing) const;

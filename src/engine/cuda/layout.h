@@ -24,6 +24,7 @@
 #include <cstdint>
 
 #include "crumple/collisions.h"
+#include "crumple/features.h"
 #include "geometry/ball.h"
 #include "geometry/leaf_frame.h"
 #include "geometry/point_rows.h"
@@ -53,11 +54,14 @@ struct Counters {
     unsigned long long members[2];                      ///< of each level of subdivision
     unsigned long long unplaced[2];                     ///< of these: there was no room in their child
     unsigned long long interval_tests, box_overlaps;
-    unsigned long long next_unit;  ///< of the sweep: that no warp has taken yet
-    unsigned long long survivors;  ///< that no plane separates
-    unsigned long long doubles;    ///< of these, undecided in float32
-    unsigned long long undecided;  ///< of these, undecided by filters in float64
-    unsigned long long beyond;     ///< what expansions cannot hold: for the host
+    unsigned long long next_unit;             ///< of the sweep: that no warp has taken yet
+    unsigned long long survivors;             ///< that no plane separates
+    unsigned long long doubles;               ///< of these, undecided in float32
+    unsigned long long undecided;             ///< of these, undecided by filters in float64
+    unsigned long long beyond;                ///< what expansions cannot hold: for the host
+    unsigned long long listed;                ///< tests of features that survivors stand for
+    unsigned long long tests[feature_kinds];  ///< of these, by FeatureKind: those that filters leave
+    unsigned long long open[feature_kinds];   ///< of these: what the quick decision leaves
     unsigned long long hits;
     unsigned long long parts;  ///< of rows of the answer that are long
 };

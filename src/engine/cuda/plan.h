@@ -19,6 +19,7 @@ struct Plan {
     unsigned long long members[2] = {0, 0};  ///< places
     unsigned long long units = 0;
     unsigned long long survivors = 0, undecided = 0, beyond = 0, hits = 0;
+    unsigned long long tests[feature_kinds] = {}, open[feature_kinds] = {};  ///< of questions about features
 
     friend bool operator==(const Plan&, const Plan&) = default;
 
@@ -42,6 +43,13 @@ struct Plan {
         beyond = 1024;
         hits = count + 1024;
     }
+    /// The same for a question about features; `all_kinds`: of edges and points that are listed, too.
+    void choose_features(std::int64_t n, bool all_kinds, const Options& options) {
+        choose(n, false, options);
+        for (std::size_t k = 0; k < (all_kinds ? feature_kinds : 2u); ++k)
+            tests[k] = open[k] = survivors / (k < 2 ? 4 : 16) + 1024;
+        undecided = 0;
+    }
 
     /// Lists of few candidates, as many as `bytes` hold and no fewer than a unit may have: work is then done in slices.
     void choose_chunks(std::int64_t n, bool between, const Options& options, std::int64_t bytes) {
@@ -53,6 +61,21 @@ struct Plan {
         units = 1024;
         survivors = undecided = beyond = candidates;
         hits = 0;
+    }
+
+    /// The same for a question about features, of which a pair of triangles stands for 15 tests at most, or for 20 of
+    /// all kinds.
+    void choose_feature_chunks(std::int64_t n, bool all_kinds, const Options& options, std::int64_t bytes,
+                               std::size_t bytes_of_test) {
+        constexpr unsigned long long most[feature_kinds] = {6, 9, 4, 1};
+        const unsigned long long together = all_kinds ? 20 : 15;
+        choose_chunks(n, false, options, 0);
+        const unsigned long long least = survivors, each = sizeof(Candidate) + together * bytes_of_test;
+        survivors = std::clamp(static_cast<unsigned long long>(bytes) / each, least,
+                               std::max(least, 4ull * static_cast<unsigned long long>(n)));
+        for (std::size_t k = 0; k < (all_kinds ? feature_kinds : 2u); ++k) tests[k] = open[k] = most[k] * survivors;
+        beyond = hits = together * survivors;
+        undecided = 0;
     }
 
     /// False if a list of members was too short, or too many triangles joined too many clusters; the plan is then
@@ -90,6 +113,8 @@ struct Plan {
         fits = grow(survivors, c.survivors) && fits;
         fits = grow(undecided, c.undecided) && fits;
         fits = grow(beyond, c.beyond) && fits;
+        for (std::size_t k = 0; k < feature_kinds; ++k)
+            fits = grow(tests[k], c.tests[k]) & grow(open[k], c.open[k]) & fits;
         return (!listed || grow(hits, c.hits)) && fits;
     }
 

@@ -35,8 +35,8 @@ struct AtRest {
 template <int moments>
 struct Widened {
     static constexpr int corners = 3 * moments;
-    std::int32_t ends;  ///< row of the first vertex's end
-    Inflation inflation;
+    std::int32_t ends;           ///< row of the first vertex's end
+    const Inflation* inflation;  ///< on the device, where the scene's box may be known alone
 
     template <class Rows>
     __device__ InFrame<corners> in_frame(const Rows& rows, const std::int32_t* corner, std::int32_t triangle,
@@ -50,7 +50,7 @@ struct Widened {
             way = max(way, length(to_float(p[end] - p[k])));
         }
         InFrame<corners> member(p, frame);
-        const float more = inflation.of(triangle)(way);
+        const float more = inflation->of(triangle)(way);
         member.low = member.low - Vec3f{more, more, more};
         member.high = member.high + Vec3f{more, more, more};
         member.reach += more;
@@ -62,8 +62,8 @@ struct Widened {
 struct Primitives {
     bool widened = false, moving = false;
     std::int32_t ends = 0;
-    Inflation inflation = {};
-    bool along_axes = false;  ///< leaves' frames have the axes of the coordinates, for boxes that have them
+    const Inflation* inflation = nullptr;
+    bool along_axes = false;  ///< boxes have the axes of the coordinates: so do leaves' frames
     friend bool operator==(const Primitives&, const Primitives&) = default;
 
     /// Rows of points.

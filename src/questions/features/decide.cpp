@@ -32,21 +32,17 @@ FeatureDecision impact(FeatureKind kind, const FeaturePoints& p, FeatureCounts& 
 std::size_t split_of(FeatureKind kind) { return kind == FeatureKind::edge_edge ? 2 : 1; }
 
 Reach reach_of(FeatureKind kind, const std::int32_t (&vertex)[4], const FeatureQuery& query) {
-    if (query.radii.empty()) return {query.distance, 0, query.strict};
-    const auto radius = [&](std::size_t i) { return query.radii[static_cast<std::size_t>(vertex[i])]; };
-    Reach reach{0, 0, query.strict};
-    for (std::size_t i = 0; i < 4; ++i) {
-        double& side = i < split_of(kind) ? reach.a : reach.b;
-        side = std::max(side, radius(i));
-    }
-    return reach;
+    return reach_of(kind, vertex, query.radii.empty() ? nullptr : query.radii.data(), query.distance, query.strict);
 }
 
+bool close_at_rest(FeatureKind kind, const std::array<Vec3d, 4>& points, double radius, DistanceCounts& by) {
+    return Distance({kinds_of(kind), points}, by).within({radius, 0});
+}
 bool close_at_rest(FeatureKind kind, const std::int32_t (&vertex)[4], const RestShape& rest, DistanceCounts& by) {
     if (!rest.knows(vertex[0], vertex[3])) return false;
-    Features features{kinds_of(kind), {}};
-    for (std::size_t i = 0; i < 4; ++i) features.point[i] = rest.position(vertex[i]);
-    return Distance(features, by).within({rest.radius, 0});
+    const std::array points{rest.position(vertex[0]), rest.position(vertex[1]), rest.position(vertex[2]),
+                            rest.position(vertex[3])};
+    return close_at_rest(kind, points, rest.radius, by);
 }
 
 /// A pair of features at rest, of which it is asked whether they are near, and then how near.
@@ -57,6 +53,10 @@ class Nearness {
     bool near(FeatureKind kind, const std::int32_t (&vertex)[4], const FeatureQuery& query) {
         return distance_.within(reach_of(kind, vertex, query)) &&
                !(query.rest && close_at_rest(kind, vertex, *query.rest, by_));
+    }
+    bool near(const FeatureCase& pair, double rest_radius) {
+        return distance_.within(pair.reach) &&
+               !(pair.has_rest && close_at_rest(pair.kind, pair.rest, rest_radius, by_));
     }
     FeatureDecision measured() { return {true, distance_.squared(), distance_.touching()}; }
     void add_to(cpu::GuessBatch& batch) const { batch.add(features_, distance_.guess()); }
@@ -86,6 +86,19 @@ FeatureDecision decide(FeatureKind kind, const Scene& scene, const std::int32_t 
     if (!query.motion) return nearness(kind, points, vertex, query, counts);
     if (query.distance == 0 && query.share == 0) return impact(kind, points, counts);
     return separated_impact(kind, points, {query.distance, query.share}, counts);
+}
+
+FeatureDecision decide(const FeatureCase& pair, const FeatureQuery& query, FeatureCounts& counts) {
+    ++counts.tests;
+    if (query.motion) {
+        if (query.distance == 0 && query.share == 0) return impact(pair.kind, pair.points, counts);
+        return separated_impact(pair.kind, pair.points, {query.distance, query.share}, counts);
+    }
+    Nearness near(pair.kind, pair.points);
+    FeatureDecision decision;
+    if (near.near(pair, query.rest ? query.rest->radius : 0)) decision = near.measured();
+    counts.rational += near.rational();
+    return decision;
 }
 
 std::optional<FeatureDecision> decide_or_add(FeatureKind kind, const Scene& scene, const std::int32_t (&vertex)[4],

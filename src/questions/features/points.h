@@ -1,6 +1,7 @@
 #pragma once
 
-// What a decision about two features is given: the four points, at the start and at the end.
+// What a decision about two features is given: the four points, at the start and at the end. Compiled for host and
+// device.
 
 #include <array>
 
@@ -17,22 +18,22 @@ namespace crumple {
 using FeaturePoints = std::array<MovingPoint, 4>;
 
 /// Exact: what the caller gave.
-inline MovingPoint moving_point(const Scene& scene, std::int32_t vertex) {
+CRUMPLE_HD inline MovingPoint moving_point(const Scene& scene, std::int32_t vertex) {
     const Vec3d start = scene.position(vertex);
     return {start, scene.moving ? scene.end(vertex) : start};
 }
 
-inline FeaturePoints points_of(const Scene& scene, const std::int32_t (&vertex)[4]) {
+CRUMPLE_HD inline FeaturePoints points_of(const Scene& scene, const std::int32_t (&vertex)[4]) {
     return {moving_point(scene, vertex[0]), moving_point(scene, vertex[1]), moving_point(scene, vertex[2]),
             moving_point(scene, vertex[3])};
 }
 
-inline FeatureKinds kinds_of(FeatureKind kind) {
+CRUMPLE_HD inline FeatureKinds kinds_of(FeatureKind kind) {
     return static_cast<FeatureKinds>(kind);  // in the same order
 }
 
 /// The points at rest, where they are at the start.
-inline Features at_start(FeatureKind kind, const FeaturePoints& p) {
+CRUMPLE_HD inline Features at_start(FeatureKind kind, const FeaturePoints& p) {
     return {kinds_of(kind), {p[0].start, p[1].start, p[2].start, p[3].start}};
 }
 

@@ -27,6 +27,11 @@ struct alignas(16) FeatureRecord {
     std::int32_t triangle;
 
     CRUMPLE_HD Vec3f at(int i) const { return {x[i], y[i], z[i]}; }
+    /// Corner k at a moment. A device keeps a record in registers, which it cannot index by what it computes.
+    CRUMPLE_HD Vec3f corner(int moment, int k) const {
+        const int i = 4 * moment;
+        return k == 0 ? at(i) : k == 1 ? at(i + 1) : at(i + 2);
+    }
     CRUMPLE_HD void set(int i, const Vec3f& p) { x[i] = p.x, y[i] = p.y, z[i] = p.z; }
 };
 

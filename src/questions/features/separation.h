@@ -67,10 +67,10 @@ CRUMPLE_HD bool separates_beside(const CommonCorner& common, const Vec3f& d, con
                                  const FeatureRecord<moments>& b, float gap) {
     bool above = true, below = true;
     for (int m = 0; m < moments; ++m) {
-        const float place = dot(d, a.at(4 * m + common.of_a));
+        const float place = dot(d, a.corner(m, common.of_a));
         for (int k = 1; k < 3; ++k) {
-            const float value_a = dot(d, a.at(4 * m + (common.of_a + k) % 3));
-            const float value_b = dot(d, b.at(4 * m + (common.of_b + k) % 3));
+            const float value_a = dot(d, a.corner(m, (common.of_a + k) % 3));
+            const float value_b = dot(d, b.corner(m, (common.of_b + k) % 3));
             above = above && value_b - place > gap && place - value_a > gap;
             below = below && place - value_b > gap && value_a - place > gap;
         }

@@ -2,11 +2,11 @@
 
 // The tests that a pair of triangles or carriers stands for where a caller lists edges and points (SceneFeatures):
 // those of tests_of_pair.h, without the faces that carriers are not, points by their place in the list; and tests of
-// what carriers own against each other.
+// what carriers own against each other. Compiled for host and device.
 
-#include <algorithm>
+#include <array>
 
-#include "model/scene_features.h"
+#include "model/feature_table.h"
 #include "questions/features/tests_of_pair.h"
 
 namespace crumple {
@@ -14,8 +14,8 @@ namespace crumple {
 /// A vertex that `of` owns, against the edge of no triangle that `carrier` owns, unless an edge of the vertex is tested
 /// against it. At most 3.
 template <int moments>
-void list_vertex_edges(const FeatureRecord<moments>& of, const FeatureRecord<moments>& carrier,
-                       const SceneFeatures& features, FeatureTest*& next) {
+CRUMPLE_HD void list_vertex_edges(const FeatureRecord<moments>& of, const FeatureRecord<moments>& carrier,
+                                  const FeatureTable& features, FeatureTest*& next) {
     if (!(carrier.owned & lone_edge)) return;
     const Edge edge{carrier.vertex[0], carrier.vertex[1]};
     for (int k = 0; k < 3; ++k) {
@@ -27,18 +27,18 @@ void list_vertex_edges(const FeatureRecord<moments>& of, const FeatureRecord<mom
 
 /// Two vertices of no triangle and no edge. At most 1.
 template <int moments>
-void list_vertex_vertices(const FeatureRecord<moments>& a, const FeatureRecord<moments>& b,
-                          const SceneFeatures& features, FeatureTest*& next) {
+CRUMPLE_HD void list_vertex_vertices(const FeatureRecord<moments>& a, const FeatureRecord<moments>& b,
+                                     const FeatureTable& features, FeatureTest*& next) {
     const std::int32_t v = a.vertex[0], w = b.vertex[0];
     if (!(a.owned & b.owned & lone_point) || features.name(v) == features.name(w)) return;
-    const auto [p, q] = std::minmax({features.point_of(a.triangle, 0), features.point_of(b.triangle, 0)});
-    *next++ = {{p, q}, {v, w, w, w}};
+    const std::int32_t p = features.point_of(a.triangle, 0), q = features.point_of(b.triangle, 0);
+    *next++ = {{min(p, q), max(p, q)}, {v, w, w, w}};
 }
 
 /// Drops tests with faces that are carriers, and calls vertices points. `next`: behind the last test of the pair.
 template <int moments>
-void keep_faces(const FeatureRecord<moments>& a, const FeatureRecord<moments>& b, const SceneFeatures& features,
-                FeatureTest* test, FeatureTest*& next) {
+CRUMPLE_HD void keep_faces(const FeatureRecord<moments>& a, const FeatureRecord<moments>& b,
+                           const FeatureTable& features, FeatureTest* test, FeatureTest*& next) {
     const auto point = [&](const FeatureRecord<moments>& of, std::int32_t v) {
         int k = 0;
         while (!(of.owned >> k & 1) || of.vertex[k] != v) ++k;
@@ -46,7 +46,7 @@ void keep_faces(const FeatureRecord<moments>& a, const FeatureRecord<moments>& b
     };
     FeatureTest* kept = test;
     for (; test != next; ++test) {
-        if (test->pair.b >= features.faces()) continue;
+        if (test->pair.b >= features.faces) continue;
         *kept = *test;
         kept->pair.a = point(test->pair.b == b.triangle ? a : b, test->pair.a);
         ++kept;
@@ -56,8 +56,9 @@ void keep_faces(const FeatureRecord<moments>& a, const FeatureRecord<moments>& b
 
 /// Writes all tests of a pair of triangles or carriers, by kind, and moves behind them: at most 6, 9, 4, and 1.
 template <int moments, class Name>
-void list_tests_of_listed(const FeatureRecord<moments>& a, const FeatureRecord<moments>& b,
-                          const SceneFeatures& features, Name name, std::array<FeatureTest*, feature_kinds>& next) {
+CRUMPLE_HD void list_tests_of_listed(const FeatureRecord<moments>& a, const FeatureRecord<moments>& b,
+                                     const FeatureTable& features, Name name,
+                                     std::array<FeatureTest*, feature_kinds>& next) {
     FeatureTest* vertex_face = next[0];
     list_tests_of_pair(a, b, name, next[0], next[1]);
     keep_faces(a, b, features, vertex_face, next[0]);

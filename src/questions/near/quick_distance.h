@@ -17,11 +17,14 @@ class QuickDistance {
 
     /// In float64 first, then in pairs of numbers.
     CRUMPLE_HD Proximity compare(const Reach& reach) const {
+        const Proximity known = compare_in_float64(reach);
+        return known == Proximity::unknown ? compare_closely(reach) : known;
+    }
+    CRUMPLE_HD Proximity compare_in_float64(const Reach& reach) const {
         const double radius = reach.a + reach.b;
         const Vec3d g = differences_.w + guess_.s * differences_.u + guess_.t * differences_.v;
         if (differences_.within(g, radius)) return Proximity::within;
-        if (differences_.beyond(g, radius)) return Proximity::beyond;
-        return compare_closely(reach);
+        return differences_.beyond(g, radius) ? Proximity::beyond : Proximity::unknown;
     }
 
     const detail::Guess& guess() const { return guess_; }

@@ -1,13 +1,40 @@
 #pragma once
 
-// Detectors on the cpu that work in many ways, and shall agree with brute force in every one.
+// Detectors on the cpu, or on the backend that the build names, that work in many ways, and shall agree with brute
+// force in every one.
 
 #include <memory>
 
 #include "questions/features/compare_features.h"
 #include "questions/features/moving_soups.h"
+#include "rounds.h"
+
+#ifndef CRUMPLE_TESTED_BACKEND
+#define CRUMPLE_TESTED_BACKEND cpu
+#endif
 
 namespace crumple::test {
+
+/// Whether the CPU plays a device, on which all takes some hundred times as long.
+inline constexpr bool played = Backend::CRUMPLE_TESTED_BACKEND == Backend::cuda;
+/// Soups to try, see moving_soups(). Under sanitizers they are smaller, as the yardstick takes the square of it; where
+/// a device is played, they are fewer.
+template <class Scalar>
+std::vector<NamedMove<Scalar>> soups_to_try(double part, double if_sanitized) {
+    std::vector<NamedMove<Scalar>> all = moving_soups<Scalar>((played ? 0.2 : sanitized ? if_sanitized : 1) * part);
+    std::size_t i = 0;
+    if (played) std::erase_if(all, [&](const auto&) { return i++ % 7 != 0; });
+    return all;
+}
+
+/// Names of tests that are typed by the scalar.
+class PrecisionNames {
+   public:
+    template <class Scalar>
+    static std::string GetName(int) {
+        return sizeof(Scalar) == 4 ? "float32" : "float64";
+    }
+};
 
 /// Detectors that shall all agree; they go from soup to soup, and from question to question.
 struct Tested {
@@ -19,7 +46,7 @@ inline const std::vector<Tested>& tested() {
     static const std::vector<Tested> all = [] {
         std::vector<Tested> list;
         const auto add = [&](const std::string& name, Options options) {
-            options.backend = Backend::cpu;
+            options.backend = Backend::CRUMPLE_TESTED_BACKEND;
             try {
                 list.push_back({name, std::make_unique<Detector>(options)});
             } catch (const Error& error) {
@@ -29,6 +56,7 @@ inline const std::vector<Tested>& tested() {
         add("one thread", {.threads = 1});
         add("small leaves", {.threads = 2, .leaf_size = 8});
         add("seven clusters", {.threads = 5, .clusters = 7, .leaf_size = 8});
+        if (played) return list;
         add("one cluster", {.threads = 2, .clusters = 1, .leaf_size = 8});
         add("many clusters", {.threads = 1, .clusters = 64, .leaf_size = 1});
         for (const Simd simd : {Simd::scalar, Simd::sse4, Simd::avx2, Simd::avx512, Simd::neon})

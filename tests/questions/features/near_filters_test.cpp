@@ -38,7 +38,7 @@ class NearFilters : public testing::TestWithParam<Backend> {
         return detector.find_near(soup.view(), question).vertex_faces().pairs.size();
     }
 };
-INSTANTIATE_TEST_SUITE_P(, NearFilters, testing::Values(Backend::reference, Backend::cpu),
+INSTANTIATE_TEST_SUITE_P(, NearFilters, testing::Values(Backend::reference, Backend::CRUMPLE_TESTED_BACKEND),
                          [](const auto& info) { return std::string(backend_name(info.param)); });
 
 /// A small triangle, whose first vertex is the lowest, one above the middle of a large one.
@@ -206,7 +206,7 @@ TEST_P(NearFilters, ErrorsNameArgumentAndVertex) {
 TEST(NearFiltersOfWorlds, ConcernPairsWithinABody) {
     const MovingSoup<> soup = two();
     const std::vector<double> radii(6, 0.5);
-    for (const Backend backend : {Backend::reference, Backend::cpu}) {
+    for (const Backend backend : {Backend::reference, Backend::CRUMPLE_TESTED_BACKEND}) {
         Detector detector({.backend = backend, .threads = 2});
         std::vector<Shape> shapes{Shape(soup.view()), Shape(soup.view())};
         const std::vector<Body> bodies{{.shape = 0}, {.shape = 1}};
@@ -235,7 +235,7 @@ TEST(NearFiltersOfWorlds, RadiiAreNotPosed) {
     std::vector<Shape> shapes{Shape(soup.view())};
     shapes[0].radii = radii;
     const std::vector<Body> bodies(1);
-    Detector detector({.backend = Backend::cpu});
+    Detector detector({.backend = Backend::CRUMPLE_TESTED_BACKEND});
     for (const double scale : {0.5, 1.0, 1.0 + ulp, 2.0}) {
         const std::vector<Pose> poses{{{scale, 0, 0, 1, 0, scale, 0, 1, 0, 0, scale, 0}}};
         shapes[0].rest = {};
@@ -248,20 +248,13 @@ TEST(NearFiltersOfWorlds, RadiiAreNotPosed) {
 template <class Scalar>
 class NearFilterAgreement : public testing::Test {};
 using Precisions = testing::Types<float, double>;
-class PrecisionNames {
-   public:
-    template <class Scalar>
-    static std::string GetName(int) {
-        return sizeof(Scalar) == 4 ? "float32" : "float64";
-    }
-};
 TYPED_TEST_SUITE(NearFilterAgreement, Precisions, PrecisionNames);
 
 /// Soups that are not too large to be decided in rationals, pair by pair.
 template <class Scalar, class Work>
 void for_each_small_soup(std::size_t most, Work work) {
     unsigned seed = 0;
-    for (const NamedMove<Scalar>& move : moving_soups<Scalar>(sanitized ? 0.5 : 1)) {
+    for (const NamedMove<Scalar>& move : soups_to_try<Scalar>(1, 0.5)) {
         SCOPED_TRACE(move.name);
         ++seed;
         if (move.soup.triangles.size() > most || move.unit > 1e300) continue;

@@ -240,7 +240,7 @@ void FeatureLeaves<moments>::filter_listed(const PairsLeft<moments>& pairs, List
 template <int moments>
 void FeatureLeaves<moments>::list_tests_of_listed(const PairsLeft<moments>& pairs, Worker& worker) const {
     constexpr std::size_t most[feature_kinds] = {6, 9, 4, 1};
-    const SceneFeatures& features = query_->features;
+    const FeatureTable features = query_->features.table();
     const auto name = [&](std::int32_t vertex) { return features.name(vertex); };
     std::array<FeatureTest*, feature_kinds> next;
     for (std::size_t k = 0; k < feature_kinds; ++k) next[k] = worker.tests[k].resize_discard(most[k] * batch);

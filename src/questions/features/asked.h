@@ -1,0 +1,23 @@
+#pragma once
+
+// How much is asked for, in the normalised coordinates of a scene: what widens balls and boxes, and what filters hold
+// distances against. Rounded up. Compiled for host and device.
+
+#include "geometry/inflation.h"
+
+namespace crumple {
+
+/// For a distance, and a share in [0, 1) of a pair's own distance at the start.
+CRUMPLE_HD inline Inflation inflation_of(const Normaliser& normaliser, double distance, double share) {
+    Inflation inflation;
+    if (distance > 0) inflation.half = normalised_length(distance, normaliser) * 0.500001f + 1e-30f;
+    if (share > 0) inflation.of_way = static_cast<float>(min(1e30, share / (1 - share))) * 1.000001f;
+    return inflation;
+}
+
+/// A vertex's radius.
+CRUMPLE_HD inline float radius_of(const Normaliser& normaliser, double radius) {
+    return normalised_length(radius, normaliser) * 1.000002f + 1e-30f;
+}
+
+}  // namespace crumple

@@ -1,0 +1,64 @@
+#pragma once
+
+// What kernels are told of a question about features. Pointers are of the device.
+
+#include <cstdint>
+
+#include "geometry/inflation.h"
+#include "model/feature_table.h"
+
+namespace crumple::cuda {
+
+/// See VertexRings.
+struct RingTable {
+    const std::int32_t* of = nullptr;  ///< null: there are none
+    const std::int64_t* first = nullptr;
+    friend bool operator==(const RingTable&, const RingTable&) = default;
+
+    __device__ bool joined(std::int32_t name, std::int32_t other) const {
+        std::int64_t begin = first[name], end = first[name + 1];
+        while (begin < end) {
+            const std::int64_t middle = (begin + end) / 2;
+            if (of[middle] == other) return true;
+            if (of[middle] < other)
+                begin = middle + 1;
+            else
+                end = middle;
+        }
+        return false;
+    }
+};
+
+/// See RestShape.
+struct RestTable {
+    const double* position = nullptr;  ///< three a vertex; null: there is no such shape
+    const std::int32_t* body = nullptr;
+    double radius = 0;
+    friend bool operator==(const RestTable&, const RestTable&) = default;
+
+    CRUMPLE_HD bool knows(std::int32_t v, std::int32_t w) const {
+        return position && (!body || (body[v] >= 0 && body[v] == body[w]));
+    }
+    __device__ Vec3d operator()(std::int32_t v) const {
+        const double* p = position + 3 * static_cast<std::int64_t>(v);
+        return {p[0], p[1], p[2]};
+    }
+};
+
+struct AskedOfFeatures {
+    bool motion = false, strict = false;
+    double distance = 0, share = 0;
+    const double* radii = nullptr;  ///< by vertex; null: `distance` is asked for
+    RestTable rest;
+    RingTable rings;
+    FeatureTable features;
+    // In normalised coordinates, rounded up:
+    const Inflation* inflation = nullptr;
+    const float *vertex_radius = nullptr, *triangle_radius = nullptr;
+
+    friend bool operator==(const AskedOfFeatures&, const AskedOfFeatures&) = default;
+
+    bool separated() const { return motion && (distance > 0 || share > 0); }
+};
+
+}  // namespace crumple::cuda

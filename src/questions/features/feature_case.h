@@ -1,0 +1,29 @@
+#pragma once
+
+// A pair of features by itself, with all that its decision takes: what a device hands to the host. Compiled for host
+// and device.
+
+#include "questions/features/points.h"
+
+namespace crumple {
+
+/// How far a pair of features may be apart: of each feature the largest radius of its vertices; or all of it is the
+/// first's, where one distance is asked for.
+CRUMPLE_HD inline Reach reach_of(FeatureKind kind, const std::int32_t (&vertex)[4], const double* radii,
+                                 double distance, bool strict) {
+    if (!radii) return {distance, 0, strict};
+    const double r[4] = {radii[vertex[0]], radii[vertex[1]], radii[vertex[2]], radii[vertex[3]]};
+    const double last = max(r[2], r[3]);
+    return kind == FeatureKind::edge_edge ? Reach{max(r[0], r[1]), last, strict} : Reach{r[0], max(r[1], last), strict};
+}
+
+struct FeatureCase {
+    FeatureKind kind;
+    Pair pair;
+    FeaturePoints points;
+    Reach reach;
+    bool has_rest;
+    std::array<Vec3d, 4> rest;  ///< where the points are at rest
+};
+
+}  // namespace crumple
