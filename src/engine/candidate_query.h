@@ -43,7 +43,7 @@ inline void clear(CandidateAnswer& answer) {
 /// As FeatureSink.
 using CandidateSink = FunctionRef<void(CandidateKind kind, std::span<const Pair> rows)>;
 
-constexpr FeatureTypes types_of(CandidateKind kind) {
+CRUMPLE_HD constexpr FeatureTypes types_of(CandidateKind kind) {
     constexpr auto vertex = FeatureType::vertex, edge = FeatureType::edge, face = FeatureType::face;
     constexpr FeatureTypes types[candidate_kinds] = {{vertex, face}, {edge, edge},   {edge, face},
                                                      {face, face},   {vertex, edge}, {vertex, vertex}};

@@ -45,11 +45,23 @@ enum class FeatureType : std::uint8_t { vertex, edge, face };
 struct FeatureTypes {
     FeatureType first, second;
 };
-constexpr FeatureTypes types_of(FeatureKind kind) {
+CRUMPLE_HD constexpr FeatureTypes types_of(FeatureKind kind) {
     constexpr auto vertex = FeatureType::vertex, edge = FeatureType::edge;
     constexpr FeatureTypes types[feature_kinds] = {
         {vertex, FeatureType::face}, {edge, edge}, {vertex, edge}, {vertex, vertex}};
     return types[static_cast<std::size_t>(kind)];
+}
+
+/// How many features there are of a type.
+inline std::int64_t count_of(const SceneFeatures& features, FeatureType type) {
+    switch (type) {
+        case FeatureType::vertex:
+            return features.points();
+        case FeatureType::edge:
+            return static_cast<std::int64_t>(features.edges().size());
+        default:
+            return features.faces();
+    }
 }
 
 /// A pair of features that is an answer: indices of the scene's points, edges, triangles.

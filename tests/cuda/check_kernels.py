@@ -12,22 +12,26 @@ from pathlib import Path
 
 # Bytes of a thread's stack, spills included, by the beginning of the kernel's name. Expansions need room; few pairs
 # reach them. The sweep spills nothing but convergence barriers; corners of the filters' records are chosen at run time.
-STACK = {"decide_kernel": 896, "close_kernel": 8192, "listed_kernel": 576, "list_kernel": 80, "exact_kernel": 8192, "contact_kernel": 8192, "filter_kernel": 256, "frame_kernel": 256, "sweep_kernel": 32}
+STACK = {"exact_kernel": 8192, "contact_kernel": 8192, "close_kernel": 8192, "decide_kernel": 896, "listed_kernel": 576,
+         "list_kernel": 80, "pair_kernel": 96, "within_kernel": 96, "filter_kernel": 256, "frame_kernel": 256,
+         "sweep_kernel": 32}
 OTHER_STACKS = 16
-# Registers of a thread: 48 let five blocks of 256 run on a multiprocessor, 80 three, 40 six, 32 eight. Kernels that look
-# at a triangle's whole way hold six corners.
-REGISTERS = {"FeatureRows": 96, "SeparationTest": 120, "decide_kernel": 255, "close_kernel": 255, "listed_kernel": 80,
-             "list_kernel": 80, "pack_kernel": 64, "widened_bounds": 72, "WidenedILi2": 72, "exact_kernel": 255, "contact_kernel": 255, "sweep_kernel": 48, "filter_kernel": 80, "frame_kernel": 128,
-             "DeviceScanKernel": 128, "bin_kernel": 40,
-             "place_kernel": 72, "check_kernel": 40, "bounds_kernel": 64, "members_kernel": 48}
+# Registers of a thread: 48 let five blocks of 256 run on a multiprocessor, 80 three, 40 six, 32 eight. The first name
+# that fits counts: questions about features look at a triangle's whole way, which is six corners, and twice that for a
+# pair.
+REGISTERS = {"SeparationTest": 120, "FeatureRows": 96, "CandidateRows": 80, "widened_bounds": 72, "WidenedILi2": 72,
+             "exact_kernel": 255, "contact_kernel": 255, "close_kernel": 255, "decide_kernel": 255, "listed_kernel": 80,
+             "list_kernel": 80, "pack_kernel": 64, "pair_kernel": 80, "within_kernel": 64, "sweep_kernel": 48,
+             "filter_kernel": 80, "frame_kernel": 128, "DeviceScanKernel": 128, "bin_kernel": 40, "place_kernel": 72,
+             "check_kernel": 40, "bounds_kernel": 64, "members_kernel": 48}
 OTHER_REGISTERS = 40
 # Loads of 16 bytes at least: two records of four, and what else comes by rows.
-WIDE_LOADS = {"sweep_kernel": 16, "filter_kernel": 20, "bin_kernel": 3, "place_kernel": 3}
+WIDE_LOADS = {"OverlapAlone": 3, "sweep_kernel": 16, "filter_kernel": 20, "bin_kernel": 3, "place_kernel": 3}
 # Kernels that may load single bytes: those for arrays that are not aligned (a template's `false`), one that copies kinds
 # of contacts, rare ones that read coordinates wherever they are, those that decide about features, which ask at run time
 # whether these are aligned, and flags: which features a triangle owns.
 BYTES = re.compile(r"(check|bounds|join)_kernelI\w*Lb0E|(exact|contact|gather|part|weld|fill_table)_kernel|HostContact"
-                   r"|(decide|close|pack)_kernel|FeatureRows|listed_kernel")
+                   r"|(decide|close|pack|listed|pair|within)_kernel|(Feature|Candidate)Rows")
 
 
 def kernels(nvcc, source, folder):

@@ -4,6 +4,7 @@
 
 #include "base/stopwatch.h"
 #include "geometry/normaliser.h"
+#include "questions/candidates/inflation.h"
 
 namespace crumple::cpu {
 namespace {
@@ -24,13 +25,7 @@ void search_within(const Call& call, const CandidateQuery& query, CandidateLeave
 }  // namespace
 
 Inflation inflation_of(const Scene& scene, const CandidateQuery& query) {
-    Inflation inflation;
-    inflation.of_box = true;
-    if (query.inflation > 0) {
-        const Normaliser normaliser(scene.low, scene.high);
-        inflation.half = normalised_length(query.inflation, normaliser) * 1.000001f + 1e-30f;
-    }
-    return inflation;
+    return inflation_of_candidates(Normaliser(scene.low, scene.high), query.inflation);
 }
 
 void search_candidates(const Call& call, const CandidateQuery& query, CandidateLeaves& leaves) {

@@ -83,17 +83,6 @@ bool owns_any(const SceneFeatures& features, FeatureType type, const IdRange& id
 
 }  // namespace
 
-std::int64_t count_of(const SceneFeatures& features, FeatureType type) {
-    switch (type) {
-        case FeatureType::vertex:
-            return features.points();
-        case FeatureType::edge:
-            return static_cast<std::int64_t>(features.edges().size());
-        default:
-            return features.faces();
-    }
-}
-
 Level exclude_others(const PairRange& range, const RangeBuffers& buffers) {
     return exclude_others([&](std::int64_t t) { return range.first.has(t); },
                           [&](std::int64_t t) { return range.second.has(t); }, buffers);

@@ -30,9 +30,6 @@ struct FeatureRange {
     bool has(const Pair& pair) const { return first.has(pair.a) && second.has(pair.b); }
 };
 
-/// How many features of a type there are.
-std::int64_t count_of(const SceneFeatures& features, FeatureType type);
-
 /// Which triangles are looked at for a share of the answer, and who owns its pairs.
 struct RangeBuffers {
     Workers& workers;

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "crumple/error.h"
+#include "engine/cuda/candidate_finder.h"
 #include "engine/cuda/device.h"
 #include "engine/cuda/feature_finder.h"
 #include "engine/cuda/host_mesh.h"
@@ -35,7 +36,9 @@ class CudaBackend final : public BackendBase {
           geometry_(device_.geometry()),
           input_(options.device, stream_.get(), meter),
           search_(device_, geometry_, stream_.get(), options, meter, cancellation, input_),
-          features_(device_, geometry_, stream_.get(), options, meter, cancellation, input_) {
+          features_there_(stream_.get(), meter),
+          features_(device_, geometry_, stream_.get(), options, meter, cancellation, input_, features_there_),
+          candidates_(device_, geometry_, stream_.get(), options, meter, cancellation, input_, features_there_) {
         reserve_stacks();
     }
     ~CudaBackend() override {
@@ -63,6 +66,13 @@ class CudaBackend final : public BackendBase {
         on_device([&] {
             finish();
             features_.find(scene, query, answer);
+        });
+    }
+
+    void find_candidates(const Scene& scene, const CandidateQuery& query, CandidateAnswer& answer) override {
+        on_device([&] {
+            finish();
+            candidates_.find(scene, query, answer);
         });
     }
 
@@ -152,6 +162,8 @@ class CudaBackend final : public BackendBase {
         input_.release();
         search_.release();
         features_.release();
+        candidates_.release();
+        features_there_.release();
     }
 
     std::int64_t bytes_needed_for_launched() override {
@@ -271,7 +283,9 @@ class CudaBackend final : public BackendBase {
     Event before_ = make_event(device_), done_ = make_event(device_);
     Input input_;
     Search search_;
+    FeaturesOnDevice features_there_;
     FeatureFinder features_;
+    CandidateFinder candidates_;
     State state_ = State::idle;
     DeviceCollisions shown_;
 };

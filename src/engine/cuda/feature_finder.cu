@@ -13,61 +13,18 @@ constexpr std::size_t batch = 4096;  // cases that the host decides at once
 
 }  // namespace
 
-FeatureFinder::FeatureFinder(const Device& device, const Geometry& geometry, cudaStream_t stream,
-                             const Options& options, MemoryMeter& meter, Cancellation& cancellation, Input& input)
-    : options_(options),
-      meter_(meter),
-      cancellation_(cancellation),
-      geometry_(geometry),
-      stream_(stream),
-      input_(input),
-      features_(stream, meter),
-      watch_(device),
-      beside_(device),
-      counters_(device),
-      guides_(meter),
-      work_(meter),
-      answer_(meter),
-      pass_(geometry, stream, options) {
-    pass_.beside = &beside_;
-}
-
-void FeatureFinder::drop_lists() {
-    laid_out_.reset();
-    work_.release();
-    answer_.release();
-}
-
 void FeatureFinder::release() {
-    drop_lists();
-    guides_.release();
+    Finder::release();
     features_.release();
+    laid_out_.reset();
     planned_for_ = {};
-    too_many_ = std::numeric_limits<std::int64_t>::max();
-}
-
-// Whether there was memory for the work.
-template <class Work>
-bool FeatureFinder::fits(Work work) {
-    try {
-        work();
-        return true;
-    } catch (const MemoryMeter::Exceeded&) {
-    } catch (const OutOfDeviceMemory&) {
-    }
-    return false;
 }
 
 void FeatureFinder::find(const Scene& scene, const FeatureQuery& query, FeatureAnswer& answer) {
     clear(answer);
     adopt(scene, query);
-    const std::int64_t n = pass_.scene.triangle_count();
-    if (query.frugal) {
-        find_in_chunks(answer, Lists::shortest);
-    } else if (n >= too_many_ || !fits([&] { find_at_once(answer); })) {
-        too_many_ = std::min(too_many_, n);
-        if (!fits([&] { find_in_chunks(answer, Lists::roomy); })) find_in_chunks(answer, Lists::shortest);
-    }
+    Finder::find(
+        query.frugal, [&] { find_at_once(answer); }, [&](Lists lists) { find_in_chunks(answer, lists); });
     answer.statistics = statistics_;
 }
 
@@ -133,7 +90,7 @@ void FeatureFinder::enqueue() {
     Clearing clearing;
     output_.clear(clearing);
     cuda::clear(clearing, earliest_);
-    enqueue_until_sorted(clearing);
+    enqueue_until_sorted(clearing, [&] { features_.enqueue(geometry_, stream_, pass_.scene, pass_.box); });
     watch_.begin(Stage::sweep, stream_);
     pass_.sweep({0, 1, 1, hits().end()});
     watch_.begin(Stage::narrow, stream_);
@@ -143,26 +100,7 @@ void FeatureFinder::enqueue() {
     if (query_->extent == Extent::all) write_answer(geometry_, stream_, hits(), output_, pass_.counters, nullptr);
     if (query_->extent != Extent::any && query_->motion)
         find_earliest(geometry_, stream_, hits(), earliest_, pass_.counters, nullptr);
-    if (pass_.plan.guided) beside_.join(stream_);
-    watch_.end(stream_);
-    CRUMPLE_CUDA(cudaMemcpyAsync(counters_.get(), pass_.counters, sizeof(Counters), cudaMemcpyDeviceToHost, stream_));
-}
-
-void FeatureFinder::enqueue_until_sorted(Clearing& clearing) {
-    pass_.clear(clearing);
-    input_.clear(clearing);
-    clearing.launch(geometry_, stream_);
-    watch_.begin(Stage::bounds, stream_);
-    input_.enqueue(geometry_, stream_, pass_.counters);
-    features_.enqueue(geometry_, stream_, pass_.scene, pass_.box);
-    pass_.bounds();
-    watch_.begin(Stage::subdivide, stream_);
-    pass_.subdivide_scene();
-    pass_.subdivide_clusters(~std::uint64_t{0});
-    watch_.begin(Stage::align, stream_);
-    pass_.align();
-    watch_.begin(Stage::sort, stream_);
-    pass_.sort();
+    enqueue_end();
 }
 
 // Whether the pass was complete. If not, the plan is another one. Where nothing but a hit is asked for and there is
@@ -184,10 +122,7 @@ bool FeatureFinder::accept() {
         }
     }
     count(counters);
-    if (complete) {
-        pass_.plan.cold = false;
-        pass_.plan.guided = true;
-    }
+    if (complete) accepted();
     return true;
 }
 
@@ -235,27 +170,6 @@ std::vector<RankedHit> FeatureFinder::decide_beyond(std::size_t count) {
     return found;
 }
 
-Counters FeatureFinder::read_counters() {
-    copy_now(stream_, counters_.get(), pass_.counters, 1, cudaMemcpyDeviceToHost);
-    return *counters_;
-}
-
-void FeatureFinder::count(const Counters& c) {
-    Statistics& s = statistics_;
-    s.backend = "cuda";
-    s.clusters = pass_.plan.fan_out[0];
-    s.leaves = pass_.plan.leaves();
-    s.members += static_cast<std::int64_t>(c.members[pass_.plan.levels() - 1]);
-    s.interval_tests += static_cast<std::int64_t>(c.interval_tests);
-    s.box_overlaps += static_cast<std::int64_t>(c.box_overlaps);
-    s.edge_tests += static_cast<std::int64_t>(c.listed);
-    for (const unsigned long long tests : c.tests) {
-        s.double_tests += static_cast<std::int64_t>(tests);
-        s.exact_tests += static_cast<std::int64_t>(tests);
-    }
-    s.rational_tests += static_cast<std::int64_t>(c.beyond);
-}
-
 void FeatureFinder::tell_earliest(FeatureAnswer& answer) {
     Earliest first{};
     copy_now(stream_, &first, earliest_, 1, cudaMemcpyDeviceToHost);
@@ -289,90 +203,42 @@ void FeatureFinder::copy_to(FeatureAnswer& answer) {
     }
 }
 
-// A quarter of what memory is left, for members and what is found grow, too.
-std::int64_t FeatureFinder::bytes_left() const {
-    std::size_t free = 0, total = 0;
-    CRUMPLE_CUDA(cudaMemGetInfo(&free, &total));
-    const auto left = static_cast<std::int64_t>(free);
-    return (meter_.limit > 0 ? std::clamp<std::int64_t>(meter_.limit - meter_.used, 0, left) : left) / 4;
-}
-
-void FeatureFinder::lay_out_chunks() {
-    lay_out(guides_, [&](Cutter& c) { pass_.guides.cut(c, pass_.plan); });
-    lay_out(work_, [&](Cutter& c) { pass_.cut(c); });
-    lay_out(answer_, [&](Cutter& c) { output_.cut(c, features_.firsts(), 0); });
-    Clearing clearing;
-    pass_.clear(clearing);
-    input_.clear(clearing);
-    output_.clear(clearing);
-    clearing.launch(geometry_, stream_);
-    input_.enqueue(geometry_, stream_, pass_.counters);
-    features_.enqueue(geometry_, stream_, pass_.scene, pass_.box);
-    pass_.bounds();
-    input_.throw_error(read_counters());
-    pass_.subdivide_scene();
-}
-
 void FeatureFinder::find_in_chunks(FeatureAnswer& answer, Lists lists) {
     drop_lists();
-    clear(answer);
+    laid_out_.reset();
     planned_for_ = {};
+    clear(answer);
     statistics_ = {};
     constexpr std::size_t of_test = 2 * sizeof(FeatureTest) + sizeof(OpenTest) + sizeof(RankedHit);
     pass_.plan.choose_feature_chunks(pass_.scene.triangle_count(), pass_.all_kinds, options_,
                                      lists == Lists::roomy ? bytes_left() : 0, of_test);
     Array<RankedHit> found(&meter_);
-    bool laid_out = false;
-    for (int k = 0; k < pass_.plan.fan_out[0];) {
-        if (!laid_out) lay_out_chunks();
-        Clearing clearing;
-        pass_.clear(clearing);
-        clearing.launch(geometry_, stream_);
-        pass_.subdivide_clusters(std::uint64_t{1} << k);
-        laid_out = pass_.plan.accepts_chunk(read_counters());
-        if (!laid_out) continue;
-        pass_.align();
-        pass_.sort();
-        const Counters sorted = read_counters();
-        laid_out = pass_.plan.accepts_units(sorted);
-        if (!laid_out) continue;
-        count(sorted);
-        pass_over_slices(found, answer);
-        if (query_->extent == Extent::any && answer.any) break;
-        ++k;
-    }
+    const auto cut = [&](Cutter& c) { output_.cut(c, features_.firsts(), 0); };
+    const auto make_ready = [&] { features_.enqueue(geometry_, stream_, pass_.scene, pass_.box); };
+    over_chunks(cut, make_ready, [&] { return take_slice(found, answer); });
     drop_lists();
     write_sorted(found, answer);
 }
 
-// A slice is halved until its pairs of triangles fit their list; then all lists fit.
-void FeatureFinder::pass_over_slices(Array<RankedHit>& found, FeatureAnswer& answer) {
-    for (Slice slice{}; slice.turn < slice.turns;) {
-        cancellation_.check();
-        pass_.clear_counters();
-        pass_.sweep(slice);
-        if (read_counters().survivors > pass_.plan.survivors) {
-            slice = {2 * slice.turn, 2 * slice.turns};
-            continue;
-        }
-        pass_.narrow(hits());
-        const Counters counters = read_counters();
-        count(counters);
-        answer.any = answer.any || counters.hits > 0;
-        if (query_->extent == Extent::any && answer.any) return;
-        const auto listed = static_cast<std::size_t>(counters.hits), before = found.size();
-        if (query_->extent != Extent::any) {
-            found.resize(before + listed);
-            copy_now(stream_, found.data() + before, pass_.hits().data, listed, cudaMemcpyDeviceToHost);
-        }
-        if (counters.beyond > 0)
-            for (const RankedHit& hit : decide_beyond(static_cast<std::size_t>(counters.beyond))) {
-                answer.any = true;
-                if (query_->extent == Extent::any) return;
-                found.push_back(hit);
-            }
-        ++slice.turn;
+// False once nothing more is wanted.
+bool FeatureFinder::take_slice(Array<RankedHit>& found, FeatureAnswer& answer) {
+    const bool any = query_->extent == Extent::any;
+    pass_.narrow(hits());
+    const Counters counters = read_counters();
+    count(counters);
+    answer.any = answer.any || counters.hits > 0;
+    if (any && answer.any) return false;
+    const auto listed = static_cast<std::size_t>(counters.hits), before = found.size();
+    if (!any) {
+        found.resize(before + listed);
+        copy_now(stream_, found.data() + before, pass_.hits().data, listed, cudaMemcpyDeviceToHost);
     }
+    if (counters.beyond == 0) return true;
+    for (const RankedHit& hit : decide_beyond(static_cast<std::size_t>(counters.beyond))) {
+        answer.any = true;
+        if (!any) found.push_back(hit);
+    }
+    return !(any && answer.any);
 }
 
 void FeatureFinder::write_sorted(Array<RankedHit>& found, FeatureAnswer& answer) const {

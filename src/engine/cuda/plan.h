@@ -63,6 +63,23 @@ struct Plan {
         hits = 0;
     }
 
+    /// The same for candidates: of pairs of triangles that overlap most have some.
+    void choose_candidates(std::int64_t n, const Options& options) {
+        choose(n, false, options);
+        survivors *= 4;
+        hits = 2 * survivors;
+        undecided = beyond = 0;
+    }
+    /// In slices: 49 features of a pair of triangles at most, and 12 of each by itself.
+    void choose_candidate_chunks(std::int64_t n, const Options& options, std::int64_t bytes, std::size_t bytes_of_hit) {
+        choose_chunks(n, false, options, 0);
+        const unsigned long long least = survivors, each = sizeof(Candidate) + 49 * bytes_of_hit;
+        survivors = std::clamp(static_cast<unsigned long long>(bytes) / each, least,
+                               std::max(least, 4ull * static_cast<unsigned long long>(n)));
+        hits = std::max(49 * survivors, 12ull * static_cast<unsigned long long>(n));
+        undecided = beyond = 0;
+    }
+
     /// The same for a question about features, of which a pair of triangles stands for 15 tests at most, or for 20 of
     /// all kinds.
     void choose_feature_chunks(std::int64_t n, bool all_kinds, const Options& options, std::int64_t bytes,

@@ -2,7 +2,7 @@
 
 // The definition of a candidate: whether two boxes that are grown by r overlap, in real numbers. On each axis and in
 // either order that is low - r <= high + r. Rounding keeps the order, so unequal sums tell; of equal ones what rounding
-// has left out tells, and that is a float64 number.
+// has left out tells, and that is a float64 number. Compiled for host and device.
 
 #include <cmath>
 
@@ -16,8 +16,8 @@ namespace crumple {
 struct FeatureBox {
     Vec3d low, high;
 
-    explicit FeatureBox(const Vec3d& p) : low(p), high(p) {}
-    void add(const Vec3d& p) { low = min(low, p), high = max(high, p); }
+    CRUMPLE_HD explicit FeatureBox(const Vec3d& p) : low(p), high(p) {}
+    CRUMPLE_HD void add(const Vec3d& p) { low = min(low, p), high = max(high, p); }
 };
 
 /// The box of so many vertices all the way. Exact: what the caller gave.
@@ -31,18 +31,18 @@ inline FeatureBox box_of_way(const Scene& scene, const std::int32_t* vertex, int
 }
 
 /// What the rounded sum a + b lacks, where that is finite. The larger summand comes first: so nothing overflows.
-inline double lost_in_sum(double a, double b) {
+CRUMPLE_HD inline double lost_in_sum(double a, double b) {
     return std::abs(a) < std::abs(b) ? fast_two_sum(b, a).low : fast_two_sum(a, b).low;
 }
 
 /// low - r <= high + r. A sum that overflows is on the right side of any other.
-inline bool reaches(double low, double high, double r) {
+CRUMPLE_HD inline bool reaches(double low, double high, double r) {
     const double from = low - r, to = high + r;
     if (from != to) return from < to;
     return lost_in_sum(low, -r) <= lost_in_sum(high, r);
 }
 
-inline bool grown_boxes_overlap(const FeatureBox& a, const FeatureBox& b, double r) {
+CRUMPLE_HD inline bool grown_boxes_overlap(const FeatureBox& a, const FeatureBox& b, double r) {
     for (int axis = 0; axis < 3; ++axis)
         if (!reaches(a.low[axis], b.high[axis], r) || !reaches(b.low[axis], a.high[axis], r)) return false;
     return true;

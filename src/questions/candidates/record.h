@@ -9,10 +9,12 @@
 // A coordinate of a grown box is a key: the sum is rounded, then normalised, taken relative to the leaf's origin and
 // rounded to float32, each of which keeps the order of numbers. So unequal keys tell the order of the exact sums
 // (box_test.h); equal ones tell nothing. The lane of a feature that another triangle owns overlaps nothing; nor does
-// lane 7, and that of a carrier itself, which is no face (model/scene_features.h).
+// lane 7, and that of a carrier itself, which is no face (model/scene_features.h). Compiled for host and device.
 
 #include <cstdint>
 
+#include "crumple/candidates.h"
+#include "engine/feature_query.h"
 #include "geometry/leaf_frame.h"
 #include "geometry/normaliser.h"
 
@@ -29,8 +31,27 @@ struct alignas(64) CandidateRecord {
     std::uint32_t owned;                                      ///< a bit for each lane
 };
 
+/// The lanes of features that a triangle or a carrier owns; `owned`: see SceneFeatures.
+CRUMPLE_HD constexpr unsigned owned_lanes(unsigned owned, bool face) {
+    return (owned & (vertex_lanes | edge_lanes)) | (face ? face_lane : 0);
+}
+
+/// What a lane holds. Of lane 7 as well, which is nothing.
+CRUMPLE_HD constexpr FeatureType type_of(int lane) {
+    return lane < 3 ? FeatureType::vertex : lane < 6 ? FeatureType::edge : FeatureType::face;
+}
+
+/// The kind of a pair of features by their lanes, in either order.
+CRUMPLE_HD constexpr CandidateKind kind_of(int a, int b) {
+    constexpr CandidateKind kind[3][3] = {
+        {CandidateKind::vertex_vertex, CandidateKind::vertex_edge, CandidateKind::vertex_face},
+        {CandidateKind::vertex_edge, CandidateKind::edge_edge, CandidateKind::edge_face},
+        {CandidateKind::vertex_face, CandidateKind::edge_face, CandidateKind::face_face}};
+    return kind[static_cast<std::size_t>(type_of(a))][static_cast<std::size_t>(type_of(b))];
+}
+
 /// The corners that a lane has, as bits.
-constexpr unsigned corners_of(int lane) {
+CRUMPLE_HD constexpr unsigned corners_of(int lane) {
     constexpr std::uint8_t corners[candidate_lanes] = {0b001, 0b010, 0b100, 0b011, 0b110, 0b101, 0b111, 0};
     return corners[lane];
 }
@@ -39,14 +60,14 @@ constexpr unsigned corners_of(int lane) {
 struct SharedCorners {
     unsigned of[3] = {0, 0, 0};
 
-    SharedCorners(const CandidateRecord& a, const CandidateRecord& b) {
+    CRUMPLE_HD SharedCorners(const CandidateRecord& a, const CandidateRecord& b) {
         for (int i = 0; i < 3; ++i)
             for (int k = 0; k < 3; ++k) of[i] |= unsigned{a.name[i] == b.name[k]} << k;
     }
-    explicit SharedCorners(unsigned bits) : of{bits & 7, bits >> 3 & 7, bits >> 6 & 7} {}
-    unsigned bits() const { return of[0] | of[1] << 3 | of[2] << 6; }
+    CRUMPLE_HD explicit SharedCorners(unsigned bits) : of{bits & 7, bits >> 3 & 7, bits >> 6 & 7} {}
+    CRUMPLE_HD unsigned bits() const { return of[0] | of[1] << 3 | of[2] << 6; }
     /// Whether two lanes have a vertex in common.
-    bool incident(int lane_a, int lane_b) const {
+    CRUMPLE_HD bool incident(int lane_a, int lane_b) const {
         unsigned shared = 0;
         for (int i = 0; i < 3; ++i)
             if (corners_of(lane_a) >> i & 1) shared |= of[i];
@@ -65,7 +86,7 @@ struct CandidateKey {
     const Normaliser& normaliser;
     Vec3d origin;
 
-    Vec3f operator()(const Vec3d& grown) const {
+    CRUMPLE_HD Vec3f operator()(const Vec3d& grown) const {
         const Vec3d p = normaliser(grown) - origin;
         return to_float(max(Vec3d{-farthest_key, -farthest_key, -farthest_key},
                             min(Vec3d{farthest_key, farthest_key, farthest_key}, p)));

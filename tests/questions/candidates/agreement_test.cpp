@@ -1,4 +1,4 @@
-// Candidates of small hard soups: the cpu backend, however it works, against brute force in rational numbers.
+// Candidates of small hard soups: the backend, however it works, against brute force in rational numbers.
 
 #include <gtest/gtest.h>
 
@@ -43,20 +43,12 @@ class CandidateAgreement : public testing::Test {
     void expect_all(double inflation, bool weld = false) {
         SCOPED_TRACE(testing::Message() << "inflation " << inflation);
         // Where most features overlap a soup of few triangles tells as much.
-        for (const NamedMove<Scalar>& move :
-             moving_soups<Scalar>((inflation > 0.1 ? 0.25 : 1) * (sanitized ? 0.5 : 1))) {
+        for (const NamedMove<Scalar>& move : soups_to_try<Scalar>(inflation > 0.1 ? 0.25 : 1, 0.5)) {
             if (inflation * move.unit > std::numeric_limits<double>::max()) continue;
             SCOPED_TRACE(move.name);
             expect_candidates(move.soup, inflation * move.unit, weld);
             if (this->HasFailure()) return;
         }
-    }
-};
-class PrecisionNames {
-   public:
-    template <class Scalar>
-    static std::string GetName(int) {
-        return sizeof(Scalar) == 4 ? "float32" : "float64";
     }
 };
 using Precisions = testing::Types<float, double>;
@@ -71,7 +63,7 @@ TYPED_TEST(CandidateAgreement, OfBoxesThatHoldEverything) { this->expect_all(1e9
 
 TYPED_TEST(CandidateAgreement, OfListedEdgesAndPoints) {
     unsigned seed = 0;
-    for (const NamedMove<TypeParam>& move : moving_soups<TypeParam>(0.5))
+    for (const NamedMove<TypeParam>& move : soups_to_try<TypeParam>(0.5, 1))
         for (int i = 0; i < 4; ++i, ++seed) {
             SCOPED_TRACE(testing::Message() << move.name << ", lists " << seed);
             expect_candidates(with_lists(move.soup, seed), 0, i == 3);
@@ -89,7 +81,7 @@ TYPED_TEST(CandidateAgreement, OfAnyGrowth) {
 
 TEST(CandidateKinds, AreListedAsAskedFor) {
     const MovingSoup<> soup = moving_grid(4, 30, 24, 3);
-    Detector detector({.backend = Backend::cpu, .threads = 2, .leaf_size = 8});
+    Detector detector({.backend = Backend::CRUMPLE_TESTED_BACKEND, .threads = 2, .leaf_size = 8});
     const CandidateLists all = detector.find_candidates(soup.view(), soup.end_view(), {.kinds = all_candidate_kinds()});
     for (unsigned chosen = 1; chosen < 64; ++chosen) {
         CandidateQuestion question{.kinds = {}};
@@ -121,7 +113,7 @@ TEST(CandidateGroups, AreThoseOfTheLowestTriangle) {
 
 /// What touches on the way has boxes that overlap on the way.
 TEST(CandidatesAndImpacts, EveryImpactIsACandidate) {
-    for (const NamedMove<double>& move : moving_soups<double>()) {
+    for (const NamedMove<double>& move : soups_to_try<double>(1, 1)) {
         SCOPED_TRACE(move.name);
         Detector& detector = *tested()[1].detector;
         const Impacts& impacts = detector.find_impacts(move.soup.view(), move.soup.end_view());

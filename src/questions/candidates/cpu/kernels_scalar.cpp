@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "engine/feature_query.h"
 #include "questions/candidates/cpu/kernels.h"
 
 namespace crumple::cpu {
@@ -43,20 +42,6 @@ std::size_t find(const CandidateRecord* record, const Candidates& candidates, st
     return count;
 }
 
-// Of lane 7 as well, which is nothing.
-FeatureType type_of(int lane) {
-    return lane < 3 ? FeatureType::vertex : lane < 6 ? FeatureType::edge : FeatureType::face;
-}
-
-// The kind of a pair of features by their lanes, in either order.
-std::uint8_t kind_of(int a, int b) {
-    constexpr CandidateKind kind[3][3] = {
-        {CandidateKind::vertex_vertex, CandidateKind::vertex_edge, CandidateKind::vertex_face},
-        {CandidateKind::vertex_edge, CandidateKind::edge_edge, CandidateKind::edge_face},
-        {CandidateKind::vertex_face, CandidateKind::edge_face, CandidateKind::face_face}};
-    return static_cast<std::uint8_t>(kind[static_cast<std::size_t>(type_of(a))][static_cast<std::size_t>(type_of(b))]);
-}
-
 }  // namespace
 
 Rounds::Rounds(const WantedKinds& wanted) {
@@ -69,13 +54,13 @@ Rounds::Rounds(const WantedKinds& wanted) {
     for (int column = 0; column < most; ++column) {
         int round = 0;
         for (std::uint8_t lane = 0; lane < most; ++lane)
-            if (wanted[kind_of(lane, column)]) row[round++][column] = lane;
+            if (wanted[static_cast<std::size_t>(kind_of(lane, column))]) row[round++][column] = lane;
         count = std::max(count, round);
     }
     for (int bit = 0; bit < 8 * count; ++bit) {
         const int a = row[bit / 8][bit % 8], b = bit % 8;
-        listed[bit] = {kind_of(a, b), static_cast<std::uint8_t>(a), static_cast<std::uint8_t>(b),
-                       type_of(b) < type_of(a), type_of(b) == type_of(a)};
+        listed[bit] = {static_cast<std::uint8_t>(kind_of(a, b)), static_cast<std::uint8_t>(a),
+                       static_cast<std::uint8_t>(b), type_of(b) < type_of(a), type_of(b) == type_of(a)};
         for (unsigned shared = 0; shared < 512; ++shared)
             if (SharedCorners(shared).incident(a, b)) incident[shared] |= std::uint64_t{1} << bit;
     }

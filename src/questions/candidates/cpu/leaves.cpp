@@ -106,8 +106,7 @@ CandidateLeaves::GrownBox CandidateLeaves::write_member(std::int32_t triangle, c
 }
 
 unsigned CandidateLeaves::owned_lanes(std::int32_t triangle) const {
-    const bool face = triangle < query_->features.faces();
-    return (query_->features.owned(triangle) & (vertex_lanes | edge_lanes)) | (face ? face_lane : 0);
+    return crumple::owned_lanes(query_->features.owned(triangle), triangle < query_->features.faces());
 }
 
 // The leaf is swept along the axis of the coordinates that its own first axis is nearest to. Keys are of numbers that

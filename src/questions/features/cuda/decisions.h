@@ -3,8 +3,8 @@
 // How a device decides a test of features: quickly, in registers; closely, with expansions or pairs of numbers; what
 // both leave open is for the host. Each question is a struct of two functions.
 
-#include "engine/cuda/positions.h"
 #include "questions/features/cuda/asked.h"
+#include "questions/features/cuda/exact_points.h"
 #include "questions/features/feature_case.h"
 #include "questions/features/tests_of_pair.h"
 #include "questions/motion/quick_impact.h"
@@ -19,29 +19,6 @@ struct Decided {
     Outcome outcome = Outcome::open;
     double value = 0;   ///< toi, or squared distance
     bool flag = false;  ///< start, or touching
-};
-
-/// What the caller gave.
-struct ExactPoints {
-    Scene scene;
-    bool aligned;
-
-    __device__ Vec3d start(std::int32_t v) const {
-        return aligned ? position<true>(scene, static_cast<std::size_t>(v))
-                       : position<false>(scene, static_cast<std::size_t>(v));
-    }
-    __device__ MovingPoint moving(std::int32_t v) const {
-        const Vec3d from = start(v);
-        if (!scene.moving) return {from, from};
-        return {from, aligned ? end_position<true>(scene, static_cast<std::size_t>(v))
-                              : end_position<false>(scene, static_cast<std::size_t>(v))};
-    }
-    __device__ FeaturePoints moving(const std::int32_t (&v)[4]) const {
-        return {moving(v[0]), moving(v[1]), moving(v[2]), moving(v[3])};
-    }
-    __device__ std::array<Vec3d, 4> start(const std::int32_t (&v)[4]) const {
-        return {start(v[0]), start(v[1]), start(v[2]), start(v[3])};
-    }
 };
 
 __device__ inline Decided decided(const QuickImpact& impact) {

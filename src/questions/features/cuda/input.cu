@@ -12,9 +12,7 @@ FirstOfKind firsts_of(const SceneFeatures& features, std::int64_t edges) {
     std::int64_t base = 0;
     for (std::size_t k = 0; k < feature_kinds; ++k) {
         base += types_of(static_cast<FeatureKind>(k)).first == FeatureType::edge ? edges : features.points();
-        if (base > std::numeric_limits<std::int32_t>::max())
-            throw Error(ErrorCode::invalid_argument,
-                        "the cuda backend numbers at most 2147483647 features that come first in a pair");
+        check_joint_number(base);
         firsts.base[k + 1] = static_cast<std::uint32_t>(base);
         if (k == 1 && features.plain())  // the other lists stay empty
             return firsts.base[3] = firsts.base[4] = firsts.base[2], firsts;
@@ -24,9 +22,13 @@ FirstOfKind firsts_of(const SceneFeatures& features, std::int64_t edges) {
 
 }  // namespace
 
+void check_joint_number(std::int64_t features) {
+    if (features > std::numeric_limits<std::int32_t>::max())
+        throw Error(ErrorCode::invalid_argument,
+                    "the cuda backend numbers at most 2147483647 features that come first in a pair");
+}
+
 void FeatureInput::bring(const Scene& scene, const FeatureQuery& query) {
-    if (!features_.data() || features_revision_ != query.features.revision())
-        bring_features(query.features, scene.vertex_count());
     bring_rings(query.rings);
     bring_values(scene, query);
     all_kinds_ = !query.features.plain();
@@ -36,10 +38,11 @@ void FeatureInput::bring(const Scene& scene, const FeatureQuery& query) {
     asked_.distance = query.distance;
     asked_.share = query.share;
     asked_.rings = ring_table_;
-    asked_.features = table_;
+    asked_.features = features_.bring(query.features, scene.vertex_count());
 }
 
-void FeatureInput::bring_features(const SceneFeatures& features, std::int64_t vertices) {
+const FeatureTable& FeaturesOnDevice::bring(const SceneFeatures& features, std::int64_t vertices) {
+    if (block_.data() && revision_ == features.revision()) return table_;
     const FeatureTable host = features.table();
     const auto triangles = static_cast<std::size_t>(features.faces() + features.carriers());
     const auto named = static_cast<std::size_t>(vertices);
@@ -48,7 +51,7 @@ void FeatureInput::bring_features(const SceneFeatures& features, std::int64_t ve
     std::int32_t *corners = nullptr, *names = nullptr;
     PointsOfTriangle* points = nullptr;
     NamedNeighbours* neighbours = nullptr;
-    lay_out(features_, [&](Cutter& c) {
+    lay_out(block_, [&](Cutter& c) {
         edges = c.take<TriangleEdges>(triangles);
         owned = c.take<std::uint8_t>(triangles);
         corners = c.take<std::int32_t>(3 * triangles);
@@ -72,7 +75,8 @@ void FeatureInput::bring_features(const SceneFeatures& features, std::int64_t ve
               host.points_of ? points : nullptr,
               host.neighbours ? neighbours : nullptr,
               host.faces};
-    features_revision_ = features.revision();
+    revision_ = features.revision();
+    return table_;
 }
 
 void FeatureInput::bring_rings(const VertexRings* rings) {
@@ -134,7 +138,6 @@ void FeatureInput::enqueue(const Geometry& geometry, cudaStream_t stream, const 
 }
 
 void FeatureInput::release() {
-    features_.release();
     rings_.release();
     values_.release();
     rest_.release();

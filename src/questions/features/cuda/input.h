@@ -10,10 +10,29 @@
 
 namespace crumple::cuda {
 
+/// The features of a scene, kept on the device while they stay the same.
+class FeaturesOnDevice {
+   public:
+    FeaturesOnDevice(cudaStream_t stream, MemoryMeter& meter) : stream_(stream), block_(meter) {}
+
+    /// Of the host's; done when it returns. Valid until the next call.
+    const FeatureTable& bring(const SceneFeatures& features, std::int64_t vertices);
+    void release() { block_.release(); }
+
+   private:
+    cudaStream_t stream_;
+    Block block_;
+    std::uint64_t revision_ = 0;
+    FeatureTable table_;
+};
+
+/// Throws Error if so many features are more than joint numbering has.
+void check_joint_number(std::int64_t features);
+
 class FeatureInput {
    public:
-    FeatureInput(cudaStream_t stream, MemoryMeter& meter)
-        : stream_(stream), features_(meter), rings_(meter), values_(meter), rest_(&meter) {}
+    FeatureInput(cudaStream_t stream, MemoryMeter& meter, FeaturesOnDevice& features)
+        : stream_(stream), features_(features), rings_(meter), values_(meter), rest_(&meter) {}
 
     /// Copies what the host has; done when it returns. Features and rings only if they are others than those that lie
     /// there. `scene`: of the host.
@@ -29,15 +48,14 @@ class FeatureInput {
     void release();
 
    private:
-    void bring_features(const SceneFeatures& features, std::int64_t vertices);
     void bring_rings(const VertexRings* rings);
     void bring_values(const Scene& scene, const FeatureQuery& query);
 
     cudaStream_t stream_;
-    Block features_, rings_, values_;
+    FeaturesOnDevice& features_;
+    Block rings_, values_;
     Array<double> rest_;  ///< positions at rest, on their way to the device
-    std::uint64_t features_revision_ = 0, rings_revision_ = 0;
-    FeatureTable table_;
+    std::uint64_t rings_revision_ = 0;
     RingTable ring_table_;
     AskedOfFeatures asked_;
     FirstOfKind firsts_;

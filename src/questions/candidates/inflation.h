@@ -1,0 +1,17 @@
+#pragma once
+
+// By how much the box of a triangle's way is widened for candidates. Compiled for host and device.
+
+#include "geometry/inflation.h"
+
+namespace crumple {
+
+/// `inflation`: CandidateQuestion::inflation.
+CRUMPLE_HD inline Inflation inflation_of_candidates(const Normaliser& normaliser, double inflation) {
+    Inflation widening;
+    widening.of_box = true;
+    if (inflation > 0) widening.half = normalised_length(inflation, normaliser) * 1.000001f + 1e-30f;
+    return widening;
+}
+
+}  // namespace crumple
