@@ -17,21 +17,25 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <exception>
 #include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <span>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 
 #include "crumple/crumple.h"
 #include "device_limits.h"
 #include "least_work.h"
 #include "race.h"
 #include "report.h"
+#include "scenes/scenes.h"
 #include "workload.h"
 
 namespace crumple::benchmark {
@@ -40,7 +44,7 @@ namespace {
 struct Settings {
     std::vector<std::string> scenes;
     std::string json, commit = "unknown";
-    int frames = 200, device = 0, largest = 2'000'000;
+    int frames = 200, device = 0, largest = 2'000'000, worlds = 10'000;
     bool profile = false, serving = false;
     DeviceLimits limits;
 
@@ -233,6 +237,59 @@ nlohmann::json measure(const Settings& settings, const std::string& scene, Table
             {"counts", counted}};
 }
 
+/// Many small worlds in one call, from and to the host: a body of 500 triangles twice in each, further apart from world
+/// to world until they are clear of each other. What the device takes of it is the sum of the stages.
+nlohmann::json measure_worlds(const Settings& settings, Table& table) {
+    const io::TriangleMesh mesh = scenes::make("model", {.triangles = 500});
+    const double reach = std::visit(
+        [](const auto& vertices) {
+            double most = 0;
+            for (const auto& v : vertices) most = std::max(most, std::abs(static_cast<double>(v)));
+            return most;
+        },
+        mesh.vertices);
+    const std::vector<Shape> shapes{Shape(mesh.view())};
+    std::vector<Body> bodies;
+    std::vector<Pose> poses(2 * static_cast<std::size_t>(settings.worlds));
+    for (int w = 0; w < settings.worlds; ++w) {
+        bodies.insert(bodies.end(), 2, {.shape = 0, .world = w, .self = false});
+        poses[bodies.size() - 1].rows[3] = 4 * reach * w / settings.worlds;
+    }
+    const World world{shapes, bodies, poses};
+    nlohmann::json rows = nlohmann::json::array();
+    for (const auto& [name, wants] : {std::pair{"flags", Wants::any_by_world}, std::pair{"pairs", Wants::pairs}}) {
+        const Intersect question{.wants = wants};
+        Detector detector(settings.options()), cpu({.backend = Backend::cpu});
+        const double first = milliseconds_of([&] { detector.find(world, question); });
+        const WorldCollisions* expected = nullptr;
+        const double on_cpu = milliseconds_of([&] { expected = &cpu.find(world, question); });
+        const WorldCollisions& found = detector.find(world, question);
+        const auto same = [](const auto& x, const auto& y) {
+            return std::equal(x.begin(), x.end(), y.begin(), y.end());
+        };
+        if (!same(found.world_hit, expected->world_hit) || !same(found.pairs, expected->pairs))
+            throw std::runtime_error("worlds: the answers of cuda and cpu differ");
+        const auto hits = std::count(found.world_hit.begin(), found.world_hit.end(), 1);
+        const std::int64_t triangles = found.statistics.triangles, pairs = found.count;
+        const double stages = std::accumulate(found.statistics.stage_milliseconds.begin(),
+                                              found.statistics.stage_milliseconds.end(), 0.0);
+        const Summary times = repeated(std::min(5, settings.host_frames()), [&] { detector.find(world, question); });
+        table.row({name, std::to_string(settings.worlds), std::to_string(triangles), std::to_string(hits),
+                   std::to_string(pairs), number(times.median), range(times),
+                   wants == Wants::pairs ? number(stages) : "", number(on_cpu), number(first)});
+        rows.push_back({{"wants", name},
+                        {"worlds", settings.worlds},
+                        {"triangles", triangles},
+                        {"worlds_hit", hits},
+                        {"pairs", pairs},
+                        {"from_and_to_host", to_json(times)},
+                        {"stages", stages},
+                        {"cpu_all_threads", on_cpu},
+                        {"first_milliseconds", first}});
+    }
+    return rows;
+}
+
 /// From 10,000 triangles on. The exponent is that of the large sizes: below, a frame is mostly launches, which do not
 /// grow and so would flatter it. Calls so_far(rows) after each size.
 template <class SoFar>
@@ -360,8 +417,13 @@ int run(Settings settings) {
             result["growth"]["sizes"] = rows;
             write(settings, result);
         });
+    Table worlds(
+        "worlds side by side in one call, milliseconds",
+        {"wants", "worlds", "triangles", "hit", "pairs", "host to host", "quartiles", "stages", "cpu", "first"});
+    if (settings.worlds > 0) result["worlds"] = measure_worlds(settings, worlds);
     write(settings, result);
     table.print();
+    if (settings.worlds > 0) worlds.print();
     if (result.contains("growth") && result["growth"].contains("exponent"))
         fmt::print("  time ~ triangles^{:.3f} on the device from 200,000 triangles on, ^{:.3f} over all sizes\n",
                    result["growth"]["exponent"].get<double>(), result["growth"]["exponent_of_all_sizes"].get<double>());
@@ -381,6 +443,8 @@ int main(int argc, char** argv) {
                    "their files are");
     app.add_option("--frames", settings.frames, "Frames that a median is made of")->check(CLI::Range(1, 100'000));
     app.add_option("--largest", settings.largest, "Triangles of the largest cloth of the growth curve; 0: no curve");
+    app.add_option("--worlds", settings.worlds, "Worlds of 1,000 triangles each in one call; 0: none")
+        ->check(CLI::Range(0, 1'000'000));
     app.add_option("--device", settings.device, "Number of the device")->check(CLI::Range(0, 1'000));
     app.add_option("--json", settings.json, "File to write the figures to");
     app.add_option("--commit", settings.commit, "What the figures say they were made from");

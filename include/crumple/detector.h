@@ -62,7 +62,7 @@ class Detector {
     Statistics stream_between(const MeshView& a, const MeshView& b, TakeBlock take, const Query& query = {},
                               const Streaming& how = {}, std::stop_token stop = {});
 
-    /// Whether anything collides. On the CPU it stops at the first pair found; the cuda backend finds all pairs.
+    /// Whether anything collides. It stops at the first pair found; the cuda backend at those found at the same time.
     bool has_collision(const MeshView& mesh, const Query& query = {}, std::stop_token stop = {});
     bool has_collision(const MeshView& a, const MeshView& b, const Query& query = {}, std::stop_token stop = {});
     bool has_collision(const MeshView& mesh, DefaultQuery, std::stop_token stop = {});
@@ -70,7 +70,7 @@ class Detector {
     /// All pairs of triangles of different bodies, and within bodies, that intersect; or less, as Intersect::wants
     /// says. One body in place gives the pairs of find_self, two that are wanted `between` those of find_between.
     /// Bodies whose shapes are named cost next to nothing while they are clear of others; flags for such bodies end at
-    /// the first hit. Errors name body or shape. The cuda backend searches copies on its device and keeps nothing.
+    /// the first hit. Errors name body or shape. The cuda backend searches copies on its device, many worlds at once.
     const WorldCollisions& find(const World& world, const Intersect& question = {}, std::stop_token stop = {});
 
     /// The same in blocks, as stream_self: of pairs, their bodies, and contacts. `count` and `world_counts` of a block

@@ -3,6 +3,7 @@
 // The seam that a backend fills in. The detector checks the input, prepares the scene, and asks.
 
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "base/cancellation.h"
@@ -21,6 +22,7 @@ namespace crumple {
 /// Takes one block of a stream; it is gone when this returns.
 using BlockSink = FunctionRef<void(const Collisions& block)>;
 
+/// Pairs are wanted by the query's rules, or by those of the world that the scene is made of (Scene::bodies).
 /// A backend with threads lends them by overriding parallel_for(). Its calls check the cancellation they are given.
 class BackendBase : public ParallelFor {
    public:
@@ -33,8 +35,18 @@ class BackendBase : public ParallelFor {
     /// limit for records while it counts, never for the result.
     virtual std::int64_t bytes_needed(const Scene& scene, const Query& query, const Part* part) = 0;
 
-    /// Whether there is any pair. The cpu and reference backends stop at the first; cuda finds all.
+    /// Whether there is any pair. Stops at the first, or soon after it.
     virtual bool any(const Scene& scene, const Query& query) = 0;
+
+    /// How many worlds a scene may have side by side (Scene::worlds) in find(), any() and any_by_world(). Those do not
+    /// work in chunks if there are several: they throw MemoryMeter::Exceeded where memory does not suffice.
+    virtual int worlds_at_once() const { return 1; }
+
+    /// Sets the flag of each world in which there is a pair; the others are 0 and stay so. Whoever takes several worlds
+    /// counts what it did.
+    virtual void any_by_world(const Scene& scene, const Query& query, std::span<std::uint8_t> flags, Statistics&) {
+        flags[0] = any(scene, query);
+    }
 
     /// Hands all pairs over in blocks (Detector::stream_self). A call that throws may have handed over some.
     virtual void stream(const Scene& scene, const Query& query, const Streaming& how, BlockSink sink,
@@ -54,10 +66,6 @@ class BackendBase : public ParallelFor {
                         Statistics& statistics);
     virtual void stream_candidates(const Scene& scene, const CandidateQuery& query, const Streaming& how,
                                    CandidateSink sink, Statistics& statistics);
-
-    /// Whether the rules of a scene that is made of a world (Scene::bodies) are heeded; else its answer has pairs that
-    /// they do not want, too.
-    virtual bool heeds_bodies() const { return false; }
 
     /// The same for meshes in device memory (b null: one), which the backend checks itself. Only cuda can.
     virtual void find(const MeshView& a, const MeshView* b, const Query& query, Collisions& result);

@@ -78,7 +78,7 @@ Scene FeatureSearch::prepare_part(BackendBase& backend, const Part& part, const 
     std::vector<std::int32_t> distinct(groups.begin(), groups.end());
     std::sort(distinct.begin(), distinct.end());
     distinct.erase(std::unique(distinct.begin(), distinct.end()), distinct.end());
-    if (distinct.empty()) distinct.push_back(0);
+    if (distinct.empty()) distinct.assign(1, 0);
     for (const std::int32_t group : distinct) rules_.classes.push_back({0, group, true, false, true});
     rules_.classes.push_back({0, 0, true, false, groups.empty()});
     const auto triangles = static_cast<std::size_t>(part.mesh.size());

@@ -39,6 +39,7 @@ WorldScene::WorldScene(MemoryMeter* meter)
       groups_(meter),
       triangle_(meter),
       lone_groups_(meter),
+      first_of_world_(meter),
       added_(meter),
       row_(meter),
       buffers_(meter) {}
@@ -55,6 +56,7 @@ void WorldScene::begin(bool float32, BodyRules& rules, bool moving) {
     }
     for (auto* list : {&corner_, &groups_, &triangle_}) list->clear();
     added_.clear();
+    first_of_world_.assign(1, 0);
 }
 
 void WorldScene::grow_vertices(std::int64_t more) {
@@ -99,8 +101,8 @@ void WorldScene::add_triangle(const WorldOutline& outline, std::int32_t b, bool 
     const Body& body = outline.body(b);
     const auto& groups = outline.shape(b).groups;
     const std::int32_t group = groups.empty() ? body.group : groups[static_cast<std::size_t>(row.triangle)];
-    const bool known = !classes_->empty() && classes_->back().body == b && classes_->back().group == group;
-    if (!known) classes_->push_back({b, group, body.self, everywhere, true});
+    const BodyClass its{b, group, body.self, everywhere, true};
+    if (classes_->empty() || classes_->back() != its) classes_->push_back(its);
     groups_.push_back(static_cast<std::int32_t>(classes_->size()) - 1);
     triangle_.push_back(row.triangle);
     for (const std::int32_t corner : row.corner) corner_.push_back(corner);
@@ -163,6 +165,10 @@ Scene WorldScene::scene(const WorldOutline& outline, bool weld, ParallelFor& wor
     try {
         Scene scene = prepare_scene(mesh, nullptr, weld, workers, buffers_);
         scene.bodies = rules_;
+        if (first_of_world_.size() > 2) {
+            scene.first_of_world = first_of_world_.data();
+            scene.worlds = static_cast<int>(first_of_world_.size()) - 1;
+        }
         if (moving_) add_motion(view(end_), workers, buffers_, scene);
         return scene;
     } catch (const Error& error) {

@@ -1,9 +1,10 @@
 #pragma once
 
-// Bodies of one world, or what of them may meet, as one scene of posed triangles that any backend can search.
+// Bodies of one world, or what of them may meet, as one scene of posed triangles that any backend can search; for those
+// that can, of several worlds side by side (Scene::worlds).
 //
-// Bodies are added in ascending order, and triangles of each in ascending order, so that a scene's pairs are in the
-// order of the answer. The scene's groups are classes of BodyRules.
+// Worlds are added one after the other, bodies of each in ascending order, and triangles of each body in ascending
+// order, so that a scene's pairs are in the order of the answer. The scene's groups are classes of BodyRules.
 
 #include <cstdint>
 
@@ -31,16 +32,23 @@ class WorldScene {
     void add(const WorldOutline& outline, std::int32_t b, bool everywhere, const ShapeTree& tree,
              std::span<const std::int32_t> groups);
 
+    /// All of a world has been added: what comes next is another's.
+    void end_world() { first_of_world_.push_back(triangles()); }
+
     /// The scene. Valid until begin().
     Scene scene(const WorldOutline& outline, bool weld, ParallelFor& workers);
 
     /// The scene with the features' carriers, in the classes of their bodies. Valid as scene().
     Scene with_carriers(const WorldOutline& outline, const SceneFeatures& features, const Scene& scene);
 
+    std::int64_t first_of_world(std::size_t w) const { return first_of_world_[w]; }
     std::int64_t triangles() const { return static_cast<std::int64_t>(triangle_.size()); }
     std::int32_t body(std::int32_t t) const { return (*classes_)[groups_[t]].body; }
-    std::int32_t group(std::int32_t t) const { return groups_[t]; }       ///< its class
     std::int32_t triangle(std::int32_t t) const { return triangle_[t]; }  ///< within its body
+
+    std::int64_t vertices() const {
+        return static_cast<std::int64_t>(float32_ ? start_.f.size() : start_.d.size()) / 3;
+    }
 
     /// The body that a vertex belongs to, as its position among those that were added.
     std::size_t added_of(std::int32_t vertex) const;
@@ -64,9 +72,6 @@ class WorldScene {
         Array<float> f;
         Array<double> d;
     };
-    std::int64_t vertices() const {
-        return static_cast<std::int64_t>(float32_ ? start_.f.size() : start_.d.size()) / 3;
-    }
     void put(Coordinates& coordinates, std::int64_t vertex, const Vec3d& p);
     VertexView view(const Coordinates& coordinates) const;
     void grow_vertices(std::int64_t more);
@@ -79,6 +84,7 @@ class WorldScene {
     Coordinates start_, end_;
     Array<std::int32_t> corner_, groups_, triangle_;
     Array<std::int32_t> lone_groups_;  ///< of each vertex, if there are carriers
+    Array<std::int64_t> first_of_world_;
     Array<Added> added_;
     Array<Row> row_;  ///< scratch
     SceneBuffers buffers_;

@@ -6,6 +6,7 @@
 #include <limits>
 #include <numeric>
 #include <string>
+#include <utility>
 
 #include "crumple/error.h"
 #include "engine/first_hit.h"
@@ -16,6 +17,12 @@ namespace {
 
 // Worlds that are decided in one task: some microseconds each.
 constexpr std::int32_t worlds_a_task = 16;
+
+// Side by side lie worlds that are small, and so many that a device's launches are little beside its work: further ones
+// would cost memory only. A larger world fills the device by itself, and would have the small ones cut into clusters
+// that they do not need.
+constexpr std::int64_t most_of_a_joined_world = 1 << 16, most_of_joined_worlds = 1 << 24;
+constexpr std::size_t few_worlds = 64;
 
 bool is_flag(Wants wants) { return wants <= Wants::body_pairs; }
 
@@ -39,7 +46,9 @@ WorldSearch::WorldSearch(MemoryMeter& meter, Cancellation& cancellation, ShapeTr
       groups_(&meter),
       whole_(&meter),
       scene_(&meter),
-      found_(metered(&meter)) {}
+      found_(metered(&meter)),
+      flags_(&meter),
+      most_joined_(most_of_joined_worlds) {}
 
 void WorldSearch::release() {
     trees_.clear();
@@ -53,6 +62,8 @@ void WorldSearch::release() {
     whole_.release();
     scene_ = WorldScene(&meter_);
     found_ = metered(&meter_);
+    flags_.release();
+    most_joined_ = most_of_joined_worlds;
 }
 
 void WorldSearch::find(BackendBase& backend, const World& world, const Intersect& question, WorldCollisions& result,
@@ -66,12 +77,7 @@ void WorldSearch::find(BackendBase& backend, const World& world, const Intersect
     read_shapes();
     read_bodies();
     if (is_flag(question.wants) && boxes_) search_directly(backend, result);
-    for (std::int32_t pass = 0; pass < passes(); ++pass) {
-        cancellation_.check();
-        if (question.wants == Wants::any && result.any) break;
-        if (question.wants == Wants::any_by_world && known(pass, result)) continue;
-        search_scene(backend, pass, result);
-    }
+    search_scenes(backend, result);
     if (blocks)
         blocks->pass_on(result, true);
     else
@@ -202,44 +208,107 @@ void WorldSearch::search_directly(BackendBase& backend, WorldCollisions& result)
         for (const BodyPair& pair : pairs) result.bodies.push_back(pair);
 }
 
-// What of the pass's bodies has to be searched as a scene; false: nothing.
-bool WorldSearch::gather(BackendBase& backend, std::int32_t pass) {
+// Worlds that need a scene, as many side by side as may be.
+void WorldSearch::search_scenes(BackendBase& backend, WorldCollisions& result) {
+    const auto at_once = static_cast<std::size_t>(blocks_ ? 1 : backend.worlds_at_once());
+    // Where one hit ends it all, few first: that needs no more than a handful of searches, and may spare most worlds.
+    std::size_t most = question_.wants == Wants::any ? std::min(few_worlds, at_once) : at_once;
+    joined_.clear();
+    for (std::int32_t pass = 0; pass < passes() && !is_over(result); ++pass) {
+        cancellation_.check();
+        if (question_.wants == Wants::any_by_world && known(pass, result)) continue;
+        collect(pass);
+        const Extent extent = collected();
+        if (extent.triangles < 2) continue;
+        if (!joined_.empty() && !joins(extent)) {
+            search_joined(backend, true, result);
+            if (is_over(result)) break;
+            collect(pass);  // the search may have collected others
+        }
+        if (joined_.empty()) scene_.begin(float32_, rules_);
+        joined_.push_back(pass);
+        const bool gathered = fits([&] { gather(backend, pass); });
+        if (gathered && joined_.size() < most && extent.triangles <= most_of_a_joined_world) continue;
+        search_joined(backend, gathered, result);
+        most = std::min(8 * most, at_once);
+    }
+    if (!joined_.empty()) search_joined(backend, true, result);
+}
+
+// What of the pass's bodies has to be searched as a scene: whole bodies, or groups of their triangles.
+void WorldSearch::collect(std::int32_t pass) {
     const std::int32_t worlds = outline_.worlds();
-    scene_.begin(float32_, rules_);
     marks_.clear();
     whole_.clear();
     if (!boxes_) {
         for (std::int32_t b = begin_of(pass); b < end_of(pass); ++b) whole_.push_back(b);
         if (pass < worlds)
             for (std::int32_t b = outline_.first_body(worlds); b < outline_.bodies(); ++b) whole_.push_back(b);
-    } else {
-        for (std::int32_t b = begin_of(pass); b < end_of(pass); ++b)
-            if (rules_.within(b, outline_.body(b).self)) whole_.push_back(b);
-        for_each_body_pair(pass, [&](std::int32_t a, std::int32_t b) {
-            cancellation_.check();
-            if (!(is_flag(question_.wants) && direct(a, b))) mark(a, b);
-            return true;
-        });
-        std::sort(whole_.begin(), whole_.end());
-        whole_.resize(static_cast<std::size_t>(std::unique(whole_.begin(), whole_.end()) - whole_.begin()));
-        std::sort(marks_.begin(), marks_.end());
-        marks_.resize(static_cast<std::size_t>(std::unique(marks_.begin(), marks_.end()) - marks_.begin()));
+        return;
     }
+    for (std::int32_t b = begin_of(pass); b < end_of(pass); ++b)
+        if (rules_.within(b, outline_.body(b).self)) whole_.push_back(b);
+    for_each_body_pair(pass, [&](std::int32_t a, std::int32_t b) {
+        cancellation_.check();
+        if (!(is_flag(question_.wants) && direct(a, b))) mark(a, b);
+        return true;
+    });
+    std::sort(whole_.begin(), whole_.end());
+    whole_.resize(static_cast<std::size_t>(std::unique(whole_.begin(), whole_.end()) - whole_.begin()));
+    std::sort(marks_.begin(), marks_.end());
+    marks_.resize(static_cast<std::size_t>(std::unique(marks_.begin(), marks_.end()) - marks_.begin()));
+}
+
+// In the order of bodies: whole(body), or some(body, groups of its tree).
+template <class Whole, class Some>
+void WorldSearch::for_each_collected(Whole whole, Some some) {
     const std::int32_t* w = whole_.begin();
     const Mark* m = marks_.begin();
     while (w != whole_.end() || m != marks_.end()) {
         const std::int32_t b = m == marks_.end() || (w != whole_.end() && *w <= m->body) ? *w : m->body;
-        const bool everywhere = pass < worlds && b >= outline_.first_body(worlds);
         groups_.clear();
         for (; m != marks_.end() && m->body == b; ++m) groups_.push_back(m->group);
         if (w != whole_.end() && *w == b) {
-            scene_.add(outline_, b, everywhere, backend);
+            whole(b);
             ++w;
         } else {
-            scene_.add(outline_, b, everywhere, *tree(b), groups_.span());
+            some(b, groups_.span());
         }
     }
-    return scene_.triangles() > 1;
+}
+
+WorldSearch::Extent WorldSearch::collected() {
+    Extent extent;
+    for_each_collected(
+        [&](std::int32_t b) {
+            extent.triangles += outline_.shape(b).triangles.rows;
+            extent.vertices += outline_.shape(b).vertices.rows;
+        },
+        [&](std::int32_t b, std::span<const std::int32_t> groups) {
+            for (const std::int32_t g : groups) {
+                extent.triangles += tree(b)->group(g).count;
+                extent.vertices += tree(b)->group(g).vertices;
+            }
+        });
+    return extent;
+}
+
+// Whether what is collected may lie beside the worlds that are gathered.
+bool WorldSearch::joins(const Extent& extent) const {
+    return extent.triangles <= most_of_a_joined_world && scene_.triangles() + extent.triangles <= most_joined_ &&
+           scene_.vertices() + extent.vertices <= std::numeric_limits<std::int32_t>::max();
+}
+
+// Adds what is collected to the scene, as a world of its own.
+void WorldSearch::gather(BackendBase& backend, std::int32_t pass) {
+    const auto everywhere = [&](std::int32_t b) {
+        return pass < outline_.worlds() && b >= outline_.first_body(outline_.worlds());
+    };
+    for_each_collected([&](std::int32_t b) { scene_.add(outline_, b, everywhere(b), backend); },
+                       [&](std::int32_t b, std::span<const std::int32_t> groups) {
+                           scene_.add(outline_, b, everywhere(b), *tree(b), groups);
+                       });
+    scene_.end_world();
 }
 
 // Groups of triangles by which a and b may meet; a body without a tree is searched as a whole.
@@ -265,36 +334,90 @@ void WorldSearch::mark(std::int32_t a, std::int32_t b) {
     by_box(b, tree_b, place_b, box_[a]);
 }
 
-void WorldSearch::search_scene(BackendBase& backend, std::int32_t pass, WorldCollisions& result) {
-    if (!gather(backend, pass)) return;
+// Whether memory suffices for work on the worlds that are joined. One has to fit.
+template <class Work>
+bool WorldSearch::fits(Work work) const {
+    try {
+        work();
+        return true;
+    } catch (const MemoryMeter::Exceeded&) {
+        if (joined_.size() < 2) throw;
+    }
+    return false;
+}
+
+void WorldSearch::search_joined(BackendBase& backend, bool gathered, WorldCollisions& result) {
+    if (gathered && fits([&] { look(backend, result); }))
+        take(result);
+    else
+        search_halves(backend, result);
+    joined_.clear();
+}
+
+// One half of the worlds, then the other, each gathered anew. What was kept for all is given back first, so that in the
+// end each has the memory that it would have alone.
+void WorldSearch::search_halves(BackendBase& backend, WorldCollisions& result) {
+    const std::vector<std::int32_t> all = std::exchange(joined_, {});
+    most_joined_ = std::min(most_joined_, scene_.triangles()) / 2;
+    const auto middle = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2);
+    for (const bool second : {false, true}) {
+        if (is_over(result)) return;
+        scene_ = WorldScene(&meter_);
+        found_ = metered(&meter_);
+        backend.release();
+        joined_.assign(second ? middle : all.begin(), second ? all.end() : middle);
+        const bool gathered = fits([&] {
+            scene_.begin(float32_, rules_);
+            for (const std::int32_t pass : joined_) {
+                cancellation_.check();
+                collect(pass);
+                gather(backend, pass);
+            }
+        });
+        search_joined(backend, gathered, result);
+    }
+}
+
+// Asks the backend about the scene.
+void WorldSearch::look(BackendBase& backend, WorldCollisions& result) {
     Query query;
     query.neighbours = question_.neighbours;
     query.intersections = question_.intersections;
     query.weld = question_.weld;
     query.contacts = question_.wants == Wants::contacts;
     const Scene scene = scene_.scene(outline_, question_.weld, backend);
-    if (question_.wants <= Wants::any_by_world && backend.heeds_bodies()) {
-        if (backend.any(scene, query)) hit(pass, outline_, result);
-        return;
-    }
+    flags_.assign(joined_.size(), 0);
     found_.statistics = {};
-    if (blocks_) {
-        const auto take = [&](const Collisions& block) { append(block, pass, true, result); };
-        backend.stream(scene, query, blocks_->how, take, found_.statistics);
+    if (question_.wants == Wants::any) {
+        flags_[0] = backend.any(scene, query);
+    } else if (question_.wants == Wants::any_by_world) {
+        backend.any_by_world(scene, query, flags_.span(), found_.statistics);
+    } else if (blocks_) {
+        const auto append_block = [&](const Collisions& block) { append(block, result); };
+        backend.stream(scene, query, blocks_->how, append_block, found_.statistics);
     } else {
         backend.find(scene, query, nullptr, found_);
     }
-    add_pass(found_.statistics, result.statistics);
-    if (!blocks_) append(found_, pass, backend.heeds_bodies(), result);
 }
 
-void WorldSearch::append(const Collisions& found, std::int32_t pass, bool only_wanted, WorldCollisions& result) {
+// Adds what was found to the answer.
+void WorldSearch::take(WorldCollisions& result) {
+    for (std::size_t w = 0; w < flags_.size(); ++w)
+        if (flags_[w]) hit(joined_[w], outline_, result);
+    if (question_.wants != Wants::any) add_pass(found_.statistics, result.statistics);
+    if (question_.wants > Wants::any_by_world && !blocks_) append(found_, result);
+}
+
+// Pairs come world by world.
+void WorldSearch::append(const Collisions& found, WorldCollisions& result) {
+    std::size_t world = 0;
     for (std::size_t i = 0; i < found.pairs.size(); ++i) {
         const Pair& pair = found.pairs[i];
+        while (pair.a >= scene_.first_of_world(world + 1)) ++world;
         const std::int32_t a = scene_.body(pair.a), b = scene_.body(pair.b);
-        if (!only_wanted && !rules_(scene_.group(pair.a), scene_.group(pair.b))) continue;
         const Contacts& c = found.contacts;
-        add_pair(outline_, question_, pass, {a, b}, {scene_.triangle(pair.a), scene_.triangle(pair.b)}, result);
+        add_pair(outline_, question_, joined_[world], {a, b}, {scene_.triangle(pair.a), scene_.triangle(pair.b)},
+                 result);
         if (question_.wants == Wants::contacts)
             add_contact(c.kinds[i], {c.points.data() + c.offsets[i], c.points.data() + c.offsets[i + 1]}, result);
         if (blocks_) blocks_->pass_on(result);

@@ -7,10 +7,13 @@
 //   both bodies of a pair have trees, and a flag is wanted:  engine/first_hit.h decides the pair at once
 //   else: groups of triangles that may meet, or whole bodies --> WorldScene --> the backend's search of a scene
 //
+// A scene is of one world, or of many side by side where the backend says that it can (worlds_at_once).
+//
 // So a body that is clear of all others costs one box, and the work of one world does not depend on how many others
 // there are, or how far triangles that are in all worlds reach.
 
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "base/cancellation.h"
@@ -48,6 +51,10 @@ class WorldSearch {
         double low, reach;
     };
 
+    struct Extent {
+        std::int64_t triangles = 0, vertices = 0;
+    };
+
     void read_shapes();
     void read_bodies();
     Bounds read_box(std::int32_t b) const;
@@ -67,10 +74,22 @@ class WorldSearch {
     bool known(std::int32_t pass, const WorldCollisions& result) const {
         return pass < outline_.worlds() && result.world_hit[pass] != 0;
     }
-    bool gather(BackendBase& backend, std::int32_t pass);
+    void search_scenes(BackendBase& backend, WorldCollisions& result);
+    bool is_over(const WorldCollisions& result) const { return question_.wants == Wants::any && result.any; }
+    void collect(std::int32_t pass);
     void mark(std::int32_t a, std::int32_t b);
-    void search_scene(BackendBase& backend, std::int32_t pass, WorldCollisions& result);
-    void append(const Collisions& found, std::int32_t pass, bool only_wanted, WorldCollisions& result);
+    template <class Whole, class Some>
+    void for_each_collected(Whole whole, Some some);
+    Extent collected();
+    bool joins(const Extent& extent) const;
+    void gather(BackendBase& backend, std::int32_t pass);
+    template <class Work>
+    bool fits(Work work) const;
+    void search_joined(BackendBase& backend, bool gathered, WorldCollisions& result);
+    void search_halves(BackendBase& backend, WorldCollisions& result);
+    void look(BackendBase& backend, WorldCollisions& result);
+    void take(WorldCollisions& result);
+    void append(const Collisions& found, WorldCollisions& result);
 
     MemoryMeter& meter_;
     Cancellation& cancellation_;
@@ -89,8 +108,12 @@ class WorldSearch {
     Array<Rest> rest_;                                 ///< those in all worlds, from left to right
     Array<Mark> marks_;
     Array<std::int32_t> groups_, whole_;
+    std::vector<std::int32_t> joined_;  ///< passes whose worlds are side by side in the scene
     WorldScene scene_;
     Collisions found_;
+    Array<std::uint8_t> flags_;  ///< of joined worlds
+
+    std::int64_t most_joined_;  ///< triangles of several worlds for which there is memory, as far as is known
 };
 
 }  // namespace crumple

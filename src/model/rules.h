@@ -4,13 +4,12 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <span>
 
 #include "crumple/array.h"
 #include "crumple/options.h"
 #include "model/body_rules.h"
-#include "model/group_rule.h"
 #include "model/scene.h"
+#include "model/wanted_pairs.h"
 
 namespace crumple {
 
@@ -33,22 +32,21 @@ class GroupRule {
         std::sort(excluded_.begin(), excluded_.end());
     }
     /// Every pair is wanted: callers may skip the test.
-    bool trivial() const { return !bodies_ && wanted().all(); }
+    bool trivial() const { return !bodies_ && of_groups().all(); }
 
     /// No pair within a group is wanted.
     bool groups_apart() const { return bodies_ ? classes_apart_ : wanted_ == Wanted::between; }
 
-    /// Excluded pairs of groups as sorted keys.
-    std::span<const std::uint64_t> excluded() const { return excluded_.span(); }
-
     /// The rule by itself; valid while this is as it is.
-    WantedGroups wanted() const {
+    WantedPairs wanted() const { return bodies_ ? bodies_->wanted() : WantedPairs{of_groups(), {}, nullptr}; }
+    bool operator()(std::int32_t g, std::int32_t h) const { return bodies_ ? (*bodies_)(g, h) : of_groups()(g, h); }
+
+   private:
+    WantedGroups of_groups() const {
         return {wanted_ == Wanted::between, wanted_ == Wanted::within, excluded_.data(),
                 static_cast<std::int64_t>(excluded_.size())};
     }
-    bool operator()(std::int32_t g, std::int32_t h) const { return bodies_ ? (*bodies_)(g, h) : wanted()(g, h); }
 
-   private:
     const BodyRules* bodies_ = nullptr;
     bool classes_apart_ = false;
     Wanted wanted_ = Wanted::both;

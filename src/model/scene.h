@@ -7,6 +7,7 @@
 // the caller has them. `corners` is the caller's own array where that is one contiguous int32 mesh and nothing is
 // welded; otherwise it lies in SceneBuffers.
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -62,7 +63,11 @@ struct Scene {
     const std::int32_t* groups = nullptr;       ///< 1 a triangle, or null: all in group 0
     const std::int32_t* lone_groups = nullptr;  ///< 1 a vertex: of features of no triangle; or null: in group 0
     const BodyRules* bodies = nullptr;          ///< of a world: its groups are classes of these, which decide
-    bool moving = false;                        ///< one mesh, whose vertices go straight to `end`
+    /// Worlds side by side, which never meet: the first triangle of each, and how many there are in all; null: one
+    /// world has all.
+    const std::int64_t* first_of_world = nullptr;
+    int worlds = 1;
+    bool moving = false;  ///< one mesh, whose vertices go straight to `end`
     VertexReader end;
     Vec3d low, high;                           ///< box of all vertices, also at their ends; 0 if there are none
     std::array<Vec3d, 2> side_low, side_high;  ///< box of each mesh's vertices; low > high if there are none
@@ -70,6 +75,12 @@ struct Scene {
     friend bool operator==(const Scene&, const Scene&) = default;
     CRUMPLE_HD std::int64_t vertex_count() const { return vertices[0] + vertices[1]; }
     CRUMPLE_HD std::int64_t triangle_count() const { return triangles[0] + triangles[1]; }
+    std::int64_t largest_world() const {
+        std::int64_t largest = first_of_world ? 0 : triangle_count();
+        for (int w = 0; first_of_world && w < worlds; ++w)
+            largest = std::max(largest, first_of_world[w + 1] - first_of_world[w]);
+        return largest;
+    }
     CRUMPLE_HD Vec3d position(std::int64_t vertex) const {
         return vertex < vertices[0] ? reader[0](vertex) : reader[1](vertex - vertices[0]);
     }

@@ -97,7 +97,7 @@ class StagesOfPass : public IntersectionPass {
         align();
         sort_members(geometry_, stream_, scene, points_, plan.leaves(), members_of(last_level()),
                      members_[last_level()], frames(), ownership(), sorted_, AtRest{}, NoRecords{}, units(), counters);
-        cuda::sweep(geometry_, stream_, scene, sorted_, units(), ownership(), groups, KeepAll{},
+        cuda::sweep(geometry_, stream_, scene, sorted_, units(), ownership(), wanted, KeepAll{},
                     {survivors_, &counters->survivors, plan.survivors}, {}, counters);
         if (plan.guided) branch_.join(stream_);
         CRUMPLE_CUDA(cudaStreamSynchronize(stream_));

@@ -30,7 +30,8 @@ class Worlds : public testing::TestWithParam<Backend> {
     Detector detector_{Options{.backend = GetParam(), .threads = 2}};
     Detector reference_{Options{.backend = Backend::reference}};
 
-    void compare(unsigned seed, const test::WorldKind& kind) {
+    void compare(unsigned seed, const test::WorldKind& kind) { compare(detector_, seed, kind); }
+    void compare(Detector& detector, unsigned seed, const test::WorldKind& kind) {
         SCOPED_TRACE(testing::Message() << "seed " << seed);
         const auto world = random_world(seed, kind);
         for (unsigned i = 0; i < 3; ++i) {
@@ -41,7 +42,7 @@ class Worlds : public testing::TestWithParam<Backend> {
             for (Shape& shape : shapes)
                 if (shape.name != 0) shape.name += 1000 * (seed + 1);
             const World view{shapes, world->bodies, world->poses};
-            ASSERT_TRUE(same_world_answer(detector_.find(view, question), reference_.find(view, question)));
+            ASSERT_TRUE(same_world_answer(detector.find(view, question), reference_.find(view, question)));
         }
     }
 };
@@ -61,6 +62,20 @@ TEST_P(Worlds, at_one_place) {
 TEST_P(Worlds, of_many_bodies_each) {
     for (unsigned seed = 400; seed < 400 + seeds / 4; ++seed)
         compare(seed, {.bodies = 90, .worlds = 2, .triangles = 5, .everywhere = 0.5, .reach = 2});
+}
+/// Of every size, some of them empty: a leaf each, or leaves of one level or of two.
+TEST_P(Worlds, of_every_number_at_one_place) {
+    const auto compare_many = [&](int worlds, const Options& options) {
+        SCOPED_TRACE(testing::Message() << worlds << " worlds, leaves of " << options.leaf_size);
+        Detector detector(options);
+        compare(detector, 600 + static_cast<unsigned>(worlds),
+                {.shapes = 9, .bodies = 3 * worlds, .worlds = worlds, .everywhere = 1.5 / worlds, .gaps = 0.2});
+    };
+    for (const int worlds : {2, 3, 9, 31, 70}) compare_many(worlds, {.backend = GetParam(), .threads = 2});
+    for (const int worlds : {2, 5, 12}) {
+        compare_many(worlds, {.backend = GetParam(), .threads = 2, .leaf_size = 20});
+        compare_many(worlds, {.backend = GetParam(), .threads = 2, .clusters = 3, .leaf_size = 8});
+    }
 }
 TEST_P(Worlds, of_no_bodies) { compare(500, {.bodies = 0}); }
 

@@ -73,6 +73,7 @@ struct WorldKind {
     int shapes = 3, bodies = 6, worlds = 1;
     int triangles = 40;
     double named = 0.5, everywhere = 0.2, reach = 0.6;
+    double gaps = 0;  ///< worlds without a body of their own
     bool mixed_precision = true;
 };
 
@@ -104,6 +105,7 @@ inline std::unique_ptr<RandomWorld> random_world(unsigned seed, const WorldKind&
     std::int32_t in = 0;
     for (int b = 0; b < kind.bodies; ++b) {
         if (in >= 0 && dice.chance(kind.worlds > 1 ? 0.5 : 0) && in + 1 < kind.worlds) ++in;
+        while (kind.gaps > 0 && in >= 0 && in + 1 < kind.worlds && dice.chance(kind.gaps)) ++in;
         if (in >= 0 && b >= kind.bodies * (1 - kind.everywhere)) in = -1;
         world->bodies.push_back({dice.below(kind.shapes), dice.below(3), in, dice.chance(0.5)});
         world->poses.push_back(random_pose(dice, kind.reach));

@@ -127,8 +127,6 @@ class CpuBackend final : public BackendBase {
         statistics = statistics_;
     }
 
-    bool heeds_bodies() const override { return true; }
-
     void parallel_for(std::size_t n, Task task) override {
         workers_.run([&] { workers_.parallel_for(n, [&](std::size_t i, std::size_t) { task(i); }); });
     }

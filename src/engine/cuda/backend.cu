@@ -45,15 +45,19 @@ class CudaBackend final : public BackendBase {
         if (state_ == State::launched) cudaEventSynchronize(done_.get());  // it writes to what is freed now
     }
 
+    int worlds_at_once() const override { return max_leaves; }
+
     using BackendBase::find;  // what is refused stays in sight
     void find(const Scene& scene, const Query& query, const Part* part, Collisions& result) override {
-        on_device([&] {
-            bring(scene);
-            if (part)
-                find_owned(scene, query, Levels(part), result);
-            else
-                find(query, result);
-        });
+        on_device(
+            [&] {
+                bring(scene);
+                if (part)
+                    find_owned(scene, query, Levels(part), result);
+                else
+                    find(query, result);
+            },
+            scene.worlds);
     }
     void find(const MeshView& a, const MeshView* b, const Query& query, Collisions& result) override {
         on_device([&] {
@@ -77,10 +81,24 @@ class CudaBackend final : public BackendBase {
     }
 
     bool any(const Scene& scene, const Query& query) override {
-        return on_device([&] {
-            bring(scene);
-            return any(query);
-        });
+        return on_device(
+            [&] {
+                bring(scene);
+                return any(query);
+            },
+            scene.worlds);
+    }
+    void any_by_world(const Scene& scene, const Query& query, std::span<std::uint8_t> flags,
+                      Statistics& statistics) override {
+        if (scene.worlds == 1) return BackendBase::any_by_world(scene, query, flags, statistics);
+        on_device(
+            [&] {
+                bring(scene);
+                search_.adopt(query);
+                search_.flag_worlds(flags);
+                statistics = search_.statistics();
+            },
+            scene.worlds);
     }
     bool any(const MeshView& a, const MeshView* b, const Query& query) override {
         return on_device([&] {
@@ -230,12 +248,14 @@ class CudaBackend final : public BackendBase {
         CRUMPLE_CUDA(cudaStreamSynchronize(stream_.get()));
     }
 
+    // Several worlds may fit if there are fewer of them.
     template <class Work>
-    std::invoke_result_t<Work> on_device(Work work) {
+    std::invoke_result_t<Work> on_device(Work work, int worlds = 1) {
         const Device::Current current(device_);
         try {
             return work();
         } catch (const OutOfDeviceMemory& error) {
+            if (worlds > 1) throw MemoryMeter::Exceeded{};
             throw Error(ErrorCode::device, error.message());
         }
     }

@@ -52,7 +52,7 @@ void CandidateFinder::adopt(const Scene& scene, const CandidateQuery& query) {
     pass_.scene = input_.scene();
     asked.points = {pass_.scene, is_aligned(pass_.scene)};
     pass_.box = input_.box();
-    pass_.groups = input_.groups_wanted();
+    pass_.wanted = input_.wanted();
     pass_.asked = asked;
     pass_.primitives = {true, scene.moving, scene.moving ? static_cast<std::int32_t>(scene.vertex_count()) : 0,
                         widening_, true};

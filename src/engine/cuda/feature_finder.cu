@@ -35,7 +35,7 @@ void FeatureFinder::adopt(const Scene& scene, const FeatureQuery& query) {
     features_.bring(scene, query);
     pass_.scene = input_.scene();
     pass_.box = input_.box();
-    pass_.groups = input_.groups_wanted();
+    pass_.wanted = input_.wanted();
     pass_.asked = features_.asked();
     pass_.all_kinds = features_.all_kinds();
     pass_.primitives = {true, scene.moving, scene.moving ? static_cast<std::int32_t>(scene.vertex_count()) : 0,

@@ -137,10 +137,12 @@ void Input::bring(const Scene& host) {
     if (host.groups) copy(stream_, groups_, host.groups, triangles);
     scene_.corners = corners_;
     scene_.groups = host.groups ? groups_ : nullptr;
+    worlds_.bring(stream_, host);
 }
 
 void Input::view(const MeshView& a, const MeshView* b, bool weld) {
     scene_ = outline_scene(a, b, MemorySpace::cuda);
+    worlds_.forget();
     places_.check(a, b);
     mesh_[0] = a;
     mesh_[1] = b ? std::optional(*b) : std::nullopt;
@@ -161,20 +163,18 @@ void Input::view(const MeshView& a, const MeshView* b, bool weld) {
 }
 
 void Input::want(const Query& query) {
-    rule_.prepare(query);
+    rule_.prepare(query, scene_.bodies);
     want(rule_);
 }
 
 void Input::want(const GroupRule& rule) {
-    const std::size_t excluded = rule.excluded().size();
-    const void* const before = rule_block_.data();
-    lay_out(rule_block_, [&](Cutter& c) { excluded_ = c.take<std::uint64_t>(excluded); });
-    // Frames of a simulation have the same rule, and no time to wait for a copy.
-    const bool known = rule_block_.data() == before && std::ranges::equal(uploaded_, rule.excluded());
-    if (!known) copy(stream_, excluded_, rule.excluded().data(), excluded);
-    std::ranges::copy(rule.excluded(), uploaded_.resize_discard(excluded));
     wanted_ = rule.wanted();
-    wanted_.excluded = excluded_;
+    const auto bring = [&](Mirror<std::uint64_t>& there, WantedGroups& wanted) {
+        wanted.excluded = there.bring(stream_, {wanted.excluded, static_cast<std::size_t>(wanted.excluded_count)});
+    };
+    bring(excluded_groups_, wanted_.groups);
+    bring(excluded_bodies_, wanted_.bodies);
+    if (scene_.bodies) wanted_.classes = classes_.bring(stream_, scene_.bodies->classes.span());
 }
 
 void Input::clear(Clearing& clearing) const {
@@ -261,9 +261,11 @@ Input::Work Input::work() const {
 
 void Input::release() {
     block_.release();
-    rule_block_.release();
+    worlds_.release();
     rule_.release();
-    uploaded_.release();
+    excluded_groups_.release();
+    excluded_bodies_.release();
+    classes_.release();
     packed_.release();
 }
 

@@ -8,7 +8,9 @@
 #include "crumple/mesh.h"
 #include "engine/cuda/bounds.h"
 #include "engine/cuda/memory.h"
+#include "engine/cuda/mirror.h"
 #include "engine/cuda/places.h"
+#include "engine/cuda/worlds.h"
 #include "geometry/position_hash.h"
 #include "model/rules.h"
 #include "model/scene.h"
@@ -21,9 +23,11 @@ class Input {
         : places_(device),
           stream_(stream),
           block_(meter),
-          rule_block_(meter),
+          worlds_(meter),
           rule_(&meter),
-          uploaded_(&meter),
+          excluded_groups_(meter),
+          excluded_bodies_(meter),
+          classes_(meter),
           packed_(&meter) {}
 
     /// A scene in host memory; done when it returns.
@@ -31,6 +35,7 @@ class Input {
     /// One mesh or two in device memory. Throws Error (invalid_argument) for shapes that make no sense and for arrays
     /// that lie elsewhere; contents are checked by the work that enqueue() gives to the stream.
     void view(const MeshView& a, const MeshView* b, bool weld);
+    /// The query's rules, or those of the world that the scene is made of.
     void want(const Query& query);
     void want(const GroupRule& rule);
 
@@ -56,16 +61,19 @@ class Input {
 
     const Scene& scene() const { return scene_; }
     const SceneBox* box() const { return box_; }
-    const WantedGroups& groups_wanted() const { return wanted_; }
+    const Worlds& worlds() const { return worlds_; }
+    const WantedPairs& wanted() const { return wanted_; }
 
    private:
     void join(const Geometry& geometry, cudaStream_t stream, Counters* counters);
 
     Places places_;
     cudaStream_t stream_;
-    Block block_, rule_block_;
+    Block block_;
+    Worlds worlds_;
     GroupRule rule_;
-    Array<std::uint64_t> uploaded_;  ///< the excluded pairs of groups that lie at the front of rule_block_
+    Mirror<std::uint64_t> excluded_groups_, excluded_bodies_;
+    Mirror<BodyClass> classes_;
     Array<std::byte> packed_;
     Scene scene_;
     std::optional<MeshView> mesh_[2];  ///< on the device; none: the host has checked and joined
@@ -75,8 +83,7 @@ class Input {
     std::int32_t *corners_ = nullptr, *groups_ = nullptr;
     unsigned* table_ = nullptr;  ///< of welding
     std::size_t slots_ = 0;
-    std::uint64_t* excluded_ = nullptr;
-    WantedGroups wanted_;  ///< on the device
+    WantedPairs wanted_;  ///< on the device
 };
 
 }  // namespace crumple::cuda

@@ -35,6 +35,8 @@ inline constexpr int max_fan_out = 64;  ///< children of a cluster: bits of a ma
 /// The same between two meshes: a row's conflicts are lower children, of 63 at most 62, and in two bits its side.
 inline constexpr int max_fan_out_between = 63;
 inline constexpr int bins = 1024;  ///< of a leaf's sweep axis
+/// A row tells its leaf in 16 bits, and parents are rows of a grid, of which CUDA has no more.
+inline constexpr int max_leaves = 65'535;
 
 using crumple::Row;
 
@@ -78,8 +80,8 @@ struct Segments {
     }
 };
 
-/// One level of subdivision. Items are triangles on the first level, members of the first level on the second. Parent p
-/// has the children [p fan_out, (p + 1) fan_out).
+/// One level of subdivision. Items are triangles on the first level, whose parents are worlds (worlds.h); on the second
+/// they are members of the first. Parent p has the children [p fan_out, (p + 1) fan_out).
 struct Level {
     int parents, fan_out;
     Segments items_of;               ///< of each parent; null: one parent has all items
@@ -168,6 +170,14 @@ struct Candidate {
 struct Hit {
     std::int32_t a, b;
     std::uint32_t rank;
+};
+
+/// Hits of each world, where flags of worlds are asked for; null: they are not. Each world has as many leaves.
+struct WorldHits {
+    unsigned long long* count = nullptr;
+    std::uint32_t leaves = 1;
+
+    CRUMPLE_HD unsigned long long* of(std::uint32_t leaf) const { return count + leaf / leaves; }
 };
 
 /// A list that the device fills.

@@ -13,8 +13,8 @@ constexpr int samples_of_scene = 2048, samples_per_child = 32;  // points that p
 }  // namespace
 
 void Guides::cut(Cutter& cutter, const Plan& plan) {
-    const std::size_t children[2] = {static_cast<std::size_t>(plan.fan_out[0]),
-                                     static_cast<std::size_t>(plan.fan_out[0] * plan.fan_out[1])};
+    const std::size_t children[2] = {static_cast<std::size_t>(plan.children(0)),
+                                     static_cast<std::size_t>(plan.children(1))};
     for (Guide* guide : {&now, &next}) {
         for (int i = 0; i < 2; ++i) {
             guide->centre[i] = cutter.take<Row<float>>(children[i]);
@@ -22,7 +22,7 @@ void Guides::cut(Cutter& cutter, const Plan& plan) {
         }
         guide->frame = cutter.take<BinnedFrame>(static_cast<std::size_t>(plan.leaves()));
     }
-    moved[0] = cutter.take<float>(1);
+    moved[0] = cutter.take<float>(static_cast<std::size_t>(plan.worlds));
     moved[1] = cutter.take<float>(children[0]);
 }
 
@@ -43,7 +43,7 @@ void Pass::cut(Cutter& c) {
     for (int i = 0; i < plan.levels(); ++i) partial = std::max(partial, fuzzy_scratch(level(i), fuzziness(i)));
     partial_ = c.take<Row<float>>(partial);
     for (int i = 0; i < plan.levels(); ++i) {
-        count_[i] = c.take<unsigned long long>(i == 0 ? static_cast<std::size_t>(plan.fan_out[0]) : leaves);
+        count_[i] = c.take<unsigned long long>(static_cast<std::size_t>(plan.children(i)));
         mask_[i] = c.take<std::uint64_t>(i == 0 ? triangles : plan.members[0]);
         const auto room = plan.members[i];
         members_[i] = {c.take<std::int32_t>(room), c.take<std::uint32_t>(room), room};
@@ -64,9 +64,9 @@ void Pass::cut(Cutter& c) {
 
 Level Pass::level(int i) const {
     Level level{};
-    level.parents = i == 0 ? 1 : plan.fan_out[0];
+    level.parents = i == 0 ? plan.worlds : plan.children(0);
     level.fan_out = plan.fan_out[i];
-    if (i == 1) level.items_of = members_of(0);
+    level.items_of = i == 0 ? worlds : members_of(0);
     level.items = static_cast<unsigned long long>(scene.triangle_count());
     level.triangle = i == 0 ? nullptr : members_[0].triangle;
     level.centre = guides.now.centre[i];
@@ -81,12 +81,12 @@ Level Pass::level(int i) const {
 Fuzziness Pass::fuzziness(int i) const {
     return {static_cast<float>(options_.fuzziness), plan.cold ? options_.first_iterations : options_.max_iterations,
             static_cast<float>(plan.cold ? options_.first_stop : options_.stop), plan.cold,
-            i == 0 ? samples_of_scene : samples_per_child * plan.fan_out[1]};
+            i == 0 && plan.worlds == 1 ? samples_of_scene : samples_per_child * plan.fan_out[i]};
 }
 
 Ownership Pass::ownership() const {
-    if (plan.levels() == 1) return {nullptr, mask_[0], plan.fan_out[0]};
-    return {mask_[0], mask_[1], plan.fan_out[1]};
+    if (plan.levels() == 1) return {nullptr, mask_[0], plan.fan_out[0], 1};
+    return {mask_[0], mask_[1], plan.fan_out[1], plan.fan_out[0]};
 }
 
 void Pass::clear(Clearing& clearing) const {

@@ -37,7 +37,8 @@ class Pass {
     Scene scene;
     const SceneBox* box = nullptr;
     Primitives primitives;
-    WantedGroups groups;
+    Segments worlds{};  ///< triangles of each world; null: one has all
+    WantedPairs wanted;
     Plan plan;
     Guides guides{};
     const Branch* beside = nullptr;  ///< where a guided pass makes the next guide; joined by whoever needs it
@@ -57,7 +58,7 @@ class Pass {
     }
     template <class Filter>
     void sweep(const Slice& slice, const Filter& filter) {
-        cuda::sweep(geometry_, stream_, scene, sorted_, units(), ownership(), groups, filter, survivors(), slice,
+        cuda::sweep(geometry_, stream_, scene, sorted_, units(), ownership(), wanted, filter, survivors(), slice,
                     counters);
     }
 

@@ -13,7 +13,8 @@
 namespace crumple::cuda {
 
 struct Plan {
-    int fan_out[2] = {0, 0};  ///< children of each cluster of a level; 0: there is no such level
+    int worlds = 1;           ///< side by side, each cut into clusters for itself
+    int fan_out[2] = {0, 0};  ///< children of each world, and of each of its clusters; 0: there is no such level
     bool cold = true;         ///< there are no centres yet to start from
     bool guided = false;      ///< the pass before has left centres, places and frames for this one (layout.h, Guide)
     unsigned long long members[2] = {0, 0};  ///< places
@@ -24,7 +25,10 @@ struct Plan {
     friend bool operator==(const Plan&, const Plan&) = default;
 
     int levels() const { return fan_out[1] > 0 ? 2 : 1; }
-    int leaves() const { return fan_out[0] * std::max(1, fan_out[1]); }
+    int leaves_a_world() const { return fan_out[0] * std::max(1, fan_out[1]); }
+    int leaves() const { return worlds * leaves_a_world(); }
+    /// Clusters of a level, of all worlds.
+    int children(int level) const { return worlds * fan_out[0] * (level == 0 ? 1 : fan_out[1]); }
     unsigned long long last_members() const { return members[levels() - 1]; }
 
     /// Clusters and room for a scene of n triangles, of one mesh or between two, that is unlike the last one.
@@ -35,13 +39,19 @@ struct Plan {
         fan_out[0] = static_cast<int>(options.clusters > 0 ? std::min<std::int64_t>(options.clusters, most)
                                                            : std::min(leaves, most));
         if (leaves > fan_out[0]) fan_out[1] = static_cast<int>(std::min((leaves + fan_out[0] - 1) / fan_out[0], most));
-        const auto count = static_cast<unsigned long long>(n);
-        members[0] = members[1] = count + 3 * count / 4 + 1024;
-        units = count / 4 + 1024;
-        survivors = 4 * count + 1024;
-        undecided = count / 2 + 1024;
-        beyond = 1024;
-        hits = count + 1024;
+        make_room(n, 1024);
+    }
+
+    /// The same for n triangles of so many worlds side by side, of which the largest has `largest`: it decides how many
+    /// clusters each gets.
+    void choose_worlds(std::int64_t n, int count, std::int64_t largest, const Options& options) {
+        choose(largest, false, options);
+        worlds = count;
+        fan_out[0] = std::min(fan_out[0], max_leaves / worlds);
+        fan_out[1] = std::min(fan_out[1], max_leaves / children(0));
+        if (fan_out[1] < 2) fan_out[1] = 0;
+        // A leaf's places, and its units, come in whole warps.
+        make_room(n, 1024 + 64 * static_cast<unsigned long long>(leaves()));
     }
     /// The same for a question about features; `all_kinds`: of edges and points that are listed, too.
     void choose_features(std::int64_t n, bool all_kinds, const Options& options) {
@@ -143,6 +153,15 @@ struct Plan {
     bool accepts_units(const Counters& c) { return grow(units, c.units); }
 
    private:
+    void make_room(std::int64_t n, unsigned long long spare) {
+        const auto count = static_cast<unsigned long long>(n);
+        members[0] = members[1] = count + 3 * count / 4 + spare;
+        units = count / 4 + spare;
+        survivors = 4 * count + 1024;
+        undecided = count / 2 + 1024;
+        beyond = 1024;
+        hits = count + 1024;
+    }
     void start_anew() {
         cold = true;
         guided = false;

@@ -31,7 +31,8 @@ void Search::adopt(const Query& query) {
     input_.want(query);
     pass_.scene = input_.scene();
     pass_.box = input_.box();
-    pass_.groups = input_.groups_wanted();
+    pass_.worlds = input_.worlds().triangles();
+    pass_.wanted = input_.wanted();
     pass_.policy = policy_of(query.neighbours, query.intersections);
     statistics_ = {};
 }
@@ -51,8 +52,11 @@ void Search::release() {
 }
 
 void Search::plan() {
-    const SceneKind kind{pass_.scene.triangle_count(), pass_.scene.between};
-    if (planned_for_ != kind) pass_.plan.choose(kind.triangles, kind.between, options_);
+    const Scene& scene = pass_.scene;
+    const SceneKind kind{scene.triangle_count(), scene.between, scene.worlds};
+    if (planned_for_ != kind && scene.worlds == 1) pass_.plan.choose(kind.triangles, kind.between, options_);
+    if (planned_for_ != kind && scene.worlds > 1)
+        pass_.plan.choose_worlds(kind.triangles, kind.worlds, scene.largest_world(), options_);
     planned_for_ = kind;
 }
 
@@ -117,7 +121,14 @@ void Search::in_chunks(Work work) {
 
 void Search::find() {
     statistics_ = {};
-    if (!fits_at_once([&] { find_at_once(); })) in_chunks([&](Lists lists) { find_in_chunks(lists); });
+    if (fits_at_once([&] { find_at_once(); })) return;
+    refuse_several_worlds();
+    in_chunks([&](Lists lists) { find_in_chunks(lists); });
+}
+
+// Fewer worlds at once need less than chunks of all of them.
+void Search::refuse_several_worlds() const {
+    if (pass_.scene.worlds > 1) throw MemoryMeter::Exceeded{};
 }
 
 void Search::find_at_once() {
@@ -135,7 +146,7 @@ bool Search::launch(cudaStream_t stream) {
     return fits_at_once([&] {
         plan();
         lay_out_lists(true);
-        graphs_.run({pass_.scene, pass_.groups, pass_.policy, pass_.plan, input_.work(), work_.data(), answer_.place(),
+        graphs_.run({pass_.scene, pass_.wanted, pass_.policy, pass_.plan, input_.work(), work_.data(), answer_.place(),
                      guides_.data()},
                     stream, [&] { enqueue(nullptr); });
     });
@@ -149,8 +160,15 @@ bool Search::accept_launched() {
 bool Search::any() {
     statistics_ = {};
     bool found = false;
-    if (!fits_at_once([&] { found = any_at_once(); })) in_chunks([&](Lists lists) { found = any_in_chunks(lists); });
+    if (fits_at_once([&] { found = any_at_once(); })) return found;
+    refuse_several_worlds();
+    in_chunks([&](Lists lists) { found = any_in_chunks(lists); });
     return found;
+}
+
+void Search::flag_worlds(std::span<std::uint8_t> flags) {
+    statistics_ = {};
+    if (!fits_at_once([&] { flag_worlds_at_once(flags); })) refuse_several_worlds();
 }
 
 // In two rounds, for a hit is known only after a sweep: where many collide, a sixteenth of the sweep tells, and kernels
@@ -270,7 +288,7 @@ Counters Search::read_counters() {
 void Search::count(const Counters& c) {
     Statistics& s = statistics_;
     s.backend = "cuda";
-    s.clusters = pass_.plan.fan_out[0];
+    s.clusters = pass_.plan.children(0);
     s.leaves = pass_.plan.leaves();
     s.members += static_cast<std::int64_t>(c.members[pass_.plan.levels() - 1]);
     s.interval_tests += static_cast<std::int64_t>(c.interval_tests);

@@ -8,6 +8,7 @@
 
 #include <limits>
 #include <optional>
+#include <span>
 
 #include "engine/cuda/answer.h"
 #include "engine/cuda/graph_cache.h"
@@ -24,10 +25,13 @@ class Search {
     /// What is asked of the input, whichever way it came.
     void adopt(const Query& query);
 
-    /// Leaves the answer on the device.
+    /// Leaves the answer on the device. Worlds side by side are not searched in chunks: where they do not fit, this and
+    /// what follows throw MemoryMeter::Exceeded.
     void find();
     /// Whether there is a pair: the work ends at the first one, and none is written.
     bool any();
+    /// Sets the flags of those worlds of several in which there is a pair; the work of each ends at the first one.
+    void flag_worlds(std::span<std::uint8_t> flags);
     /// Gives a whole pass to `stream`; false if there is no room for it, so that find() has to do the work.
     bool launch(cudaStream_t stream);
     /// After it is done: whether that pass has left the whole answer.
@@ -58,7 +62,7 @@ class Search {
     // Everything that the commands of a pass were made of. While it stays the same, they are the same.
     struct Key {
         Scene scene;
-        WantedGroups groups;
+        WantedPairs wanted;
         NarrowPolicy policy;
         Plan plan;
         Input::Work input;
@@ -68,6 +72,7 @@ class Search {
     struct SceneKind {
         std::int64_t triangles = -1;
         bool between = false;
+        int worlds = 1;
         friend bool operator==(const SceneKind&, const SceneKind&) = default;
     };
     /// What sizes and places of all arrays follow from.
@@ -92,6 +97,12 @@ class Search {
     void count(const Counters& counters);
     Counters read_counters();
     std::size_t decide_beyond(std::size_t n);
+
+    void refuse_several_worlds() const;
+
+    // flags.cu
+    void flag_worlds_at_once(std::span<std::uint8_t> flags);
+    void flag_beyond(std::size_t n, std::span<std::uint8_t> flags);
 
     // chunks.cu
     template <class Work>

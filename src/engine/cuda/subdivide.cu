@@ -222,8 +222,8 @@ struct PlacesShared {
     typename cub::BlockScan<unsigned long long, threads>::TempStorage scan;
 };
 
-// Prefix sums of the children's sizes; at most 4096 of them, so one block does. A child that is empty gets no place:
-// it rarely has members in the next pass.
+// Prefix sums of the children's sizes; at most 4096 of them in one world, so one block does. A child that is empty gets
+// no place: it rarely has members in the next pass.
 template <int threads>
 __global__ void places_kernel(Level level, unsigned long long capacity, unsigned long long* wanted) {
     auto& shared = dynamic_shared<PlacesShared<threads>>();

@@ -27,7 +27,8 @@ struct SweepShared {
 
 __device__ inline bool ours(const Ownership& o, std::uint32_t leaf, std::int32_t a, std::int32_t b) {
     if (!o.upper_mask) return true;
-    const auto cluster = leaf / static_cast<std::uint32_t>(o.last_fan_out);
+    const auto cluster =
+        leaf / static_cast<std::uint32_t>(o.last_fan_out) % static_cast<std::uint32_t>(o.upper_fan_out);
     return !(o.upper_mask[a] & o.upper_mask[b] & ((std::uint64_t{1} << cluster) - 1));
 }
 
@@ -36,7 +37,7 @@ struct Sweep {
     const Scene& scene;
     const Sorted& sorted;
     const Ownership& ownership;
-    const WantedGroups& groups;
+    const WantedPairs& wanted;
     const Filter& filter;
     const List<Candidate>& list;
     WarpShared& shared;
@@ -47,7 +48,7 @@ struct Sweep {
     __device__ bool keeps(const Candidate& c) const {
         const std::int32_t a = sorted.triangle[c.row], b = sorted.triangle[c.column];
         if (!ours(ownership, sorted.leaf[c.row], a, b)) return false;
-        if (!groups.all() && !groups(scene.group(a), scene.group(b))) return false;
+        if (!wanted.all() && !wanted(scene.group(a), scene.group(b))) return false;
         return filter(c);
     }
 
@@ -108,12 +109,13 @@ __device__ inline unsigned columns_within(std::uint32_t first, std::uint32_t beg
 
 template <int threads, class Filter>
 __global__ void __launch_bounds__(threads)
-    sweep_kernel(Scene scene, Sorted sorted, List<Unit> units, Ownership ownership, WantedGroups groups, Filter filter,
+    sweep_kernel(Scene scene, Sorted sorted, List<Unit> units, Ownership ownership, WantedPairs wanted, Filter filter,
                  List<Candidate> list, Slice slice, Counters* counters) {
     const unsigned lane = threadIdx.x % 32;
     WarpShared& shared = dynamic_shared<SweepShared<threads>>().warp[threadIdx.x / 32];
-    Sweep<Filter> sweep{scene, sorted, ownership, groups, filter, list, shared, lane};
-    const unsigned long long all = units.filled(), begin_unit = all * slice.turn / slice.turns;
+    Sweep<Filter> sweep{scene, sorted, ownership, wanted, filter, list, shared, lane};
+    const unsigned long long all = (units.filled() + slice.step - 1) / slice.step;
+    const unsigned long long begin_unit = all * slice.turn / slice.turns;
     const unsigned long long end_unit = all * (slice.turn + slice.count) / slice.turns;
     // Units differ in cost, so warps take some at a time: few, or the last one would be late.
     const unsigned long long share = (end_unit - begin_unit) / (shares_a_warp * (grid_stride() / 32)) + 1;
@@ -126,7 +128,8 @@ __global__ void __launch_bounds__(threads)
             last = min(number + share, end_unit);
             if (number >= end_unit) break;
         }
-        const Unit unit = units.data[number];
+        const Unit unit = units.data[number * slice.step];
+        if (slice.decided.count && has_ended(slice.decided.of(sorted.leaf[unit.row]))) continue;
         const std::uint32_t row = unit.row + lane;
         const bool valid = row < unit.row_end;
         const CrossBox box = valid ? sorted.box[row] : CrossBox{};
@@ -160,13 +163,13 @@ __global__ void __launch_bounds__(threads)
 
 template <class Filter>
 void sweep(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Sorted& sorted,
-           const List<Unit>& units, const Ownership& ownership, const WantedGroups& groups, const Filter& filter,
+           const List<Unit>& units, const Ownership& ownership, const WantedPairs& wanted, const Filter& filter,
            const List<Candidate>& survivors, const Slice& slice, Counters* counters) {
     const auto run = [&]<int threads>() {
         constexpr auto kernel = detail::sweep_kernel<threads, Filter>;
         constexpr std::size_t shared = sizeof(detail::SweepShared<threads>);
         Launch{stream, geometry.fitting(kernel, shared), threads, shared}(kernel, scene, sorted, units, ownership,
-                                                                          groups, filter, survivors, slice, counters);
+                                                                          wanted, filter, survivors, slice, counters);
     };
     if (geometry.threads == 64)
         run.template operator()<64>();

@@ -129,6 +129,21 @@ __global__ void stop_at_a_flag(unsigned* out, bool planted) {
     out[threadIdx.x] = 1;
 }
 
+// Lanes of several worlds, one of which is decided: its lanes have nothing to add, but vote as the others do.
+__global__ void leave_out_a_world(unsigned* out, bool planted) {
+    Items& s = portable::dynamic_shared<Items>();
+    const unsigned lane = threadIdx.x % 32, world = threadIdx.x / 8;
+    if (threadIdx.x % 8 == 0) s.items[world] = world % 4 == 2;
+    __syncwarp();
+    unsigned kept = 0;
+    for (unsigned round = 0; round < 2; ++round) {
+        const bool decided = atomicAdd(&s.items[world], 0) != 0;
+        if (planted && decided) continue;
+        kept = __ballot_sync(full, !decided);
+    }
+    out[threadIdx.x] = kept >> lane & 1;
+}
+
 /// Writes shared memory at some index. Planted by the index.
 __global__ void write_shared(int* out, int index) {
     int* const items = portable::dynamic_shared<Items>().items;

@@ -119,6 +119,10 @@ TEST_F(Planted, mask_names_lanes_that_do_not_vote) {
 TEST_F(Planted, lanes_that_each_look_for_a_flag) {
     expect_refused(stop_at_a_flag, "exits while others wait for it in __ballot_sync|which do not exist or have exited");
 }
+TEST_F(Planted, lanes_of_a_decided_world_that_do_not_vote) {
+    expect_refused(leave_out_a_world,
+                   "exits while others wait for it in __ballot_sync|which do not exist or have exited");
+}
 TEST_F(Planted, mask_lacks_the_caller) {
     expect_refused(a_lane_not_named_votes, "the mask lacks the caller, lane 3", 32);
 }

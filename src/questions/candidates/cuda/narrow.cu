@@ -13,7 +13,7 @@ template void sort_members(const Geometry&, cudaStream_t, const Scene&, const Po
                            const Members&, const Frames&, const Ownership&, const Sorted&, const Widened<2>&,
                            const CandidateRows&, const List<Unit>&, Counters*);
 template void sweep(const Geometry&, cudaStream_t, const Scene&, const Sorted&, const List<Unit>&, const Ownership&,
-                    const WantedGroups&, const OverlapAlone&, const List<Candidate>&, const Slice&, Counters*);
+                    const WantedPairs&, const OverlapAlone&, const List<Candidate>&, const Slice&, Counters*);
 template void make_offsets(const Geometry&, cudaStream_t, std::size_t, const CandidateOutput&, Counters*);
 template void order_buckets(const Geometry&, cudaStream_t, std::size_t, const CandidateOutput&, Counters*, Counters*);
 
@@ -76,13 +76,13 @@ __global__ void pair_kernel(AskedOfCandidates asked, const CandidateRecord* reco
     if (lane == 0 && tests) atomicAdd(listed_count, tests);
 }
 
-__global__ void within_kernel(Scene scene, WantedGroups groups, AskedOfCandidates asked, CandidateHits hits) {
+__global__ void within_kernel(Scene scene, WantedPairs pairs, AskedOfCandidates asked, CandidateHits hits) {
     const auto n = static_cast<std::size_t>(scene.triangle_count()), warps_end = (n + 31) / 32 * 32;
     for (std::size_t i = grid_thread(); i < warps_end; i += grid_stride()) {
         const auto t = static_cast<std::int32_t>(i);
         const std::int32_t* corner = i < n ? scene.corners + 3 * i : nullptr;
         const std::int32_t group = i < n ? scene.group(t) : 0;
-        const bool wanted = i < n && (groups.all() || groups(group, group));
+        const bool wanted = i < n && (pairs.all() || pairs(group, group));
         const unsigned owned = wanted ? asked.owned_lanes(t) : 0;
         const auto name = [&](int k) { return asked.features.name(corner[k]); };
         const auto id = [&](int lane) {
@@ -128,11 +128,11 @@ void find_candidates(const Geometry& geometry, cudaStream_t stream, const AskedO
     Launch{stream, blocks, geometry.threads}(pair_kernel, asked, record, survivors, hits, &counters->listed);
 }
 
-void find_within(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const WantedGroups& groups,
+void find_within(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const WantedPairs& pairs,
                  const AskedOfCandidates& asked, const CandidateHits& hits) {
     if (!asked.wants(CandidateKind::vertex_vertex) && !asked.wants(CandidateKind::vertex_edge)) return;
     Launch{stream, geometry.blocks(static_cast<std::size_t>(scene.triangle_count())), geometry.threads}(
-        within_kernel, scene, groups, asked, hits);
+        within_kernel, scene, pairs, asked, hits);
 }
 
 void CandidateOutput::cut(Cutter& c, const FirstOfCandidates& features, std::size_t room) {

@@ -25,7 +25,7 @@ class CandidatePass : public Pass {
     void narrow(const CandidateHits& hits) {
         find_candidates(geometry_, stream_, asked, record_, survivors(), hits, counters);
     }
-    void search_within(const CandidateHits& hits) { find_within(geometry_, stream_, scene, groups, asked, hits); }
+    void search_within(const CandidateHits& hits) { find_within(geometry_, stream_, scene, wanted, asked, hits); }
 
     List<RankedCandidate> hits() const { return {hits_, &counters->hits, plan.hits}; }
 

@@ -14,8 +14,8 @@ template void sort_members(const Geometry&, cudaStream_t, const Scene&, const Po
                            const FeatureRows<2>&, const List<Unit>&, Counters*);
 
 template void sweep(const Geometry&, cudaStream_t, const Scene&, const Sorted&, const List<Unit>&, const Ownership&,
-                    const WantedGroups&, const SeparationTest<1>&, const List<Candidate>&, const Slice&, Counters*);
+                    const WantedPairs&, const SeparationTest<1>&, const List<Candidate>&, const Slice&, Counters*);
 template void sweep(const Geometry&, cudaStream_t, const Scene&, const Sorted&, const List<Unit>&, const Ownership&,
-                    const WantedGroups&, const SeparationTest<2>&, const List<Candidate>&, const Slice&, Counters*);
+                    const WantedPairs&, const SeparationTest<2>&, const List<Candidate>&, const Slice&, Counters*);
 
 }  // namespace crumple::cuda

@@ -23,6 +23,19 @@ __device__ void add(const Hits& hits, bool is_hit, std::int32_t a, std::int32_t 
         hits.list.data[place] = {a, b, static_cast<std::uint32_t>(rank)};
 }
 
+// The same for a candidate.
+__device__ void add(const Hits& hits, bool is_hit, const Pair& pair, std::int32_t second, const Sorted& sorted,
+                    const Candidate& c) {
+    if (hits.mode != Hits::Mode::by_world) return add(hits, is_hit, pair.a, pair.b, second);
+    if (is_hit) atomicAdd(hits.worlds.of(sorted.leaf[c.row]), 1ull);
+}
+
+// Whether the candidate's world has a hit, so that it need not be decided. Each lane looks for itself, so none may go
+// another way than the warp because of it.
+__device__ bool is_decided(const Hits& hits, const Sorted& sorted, const Candidate& c) {
+    return hits.mode == Hits::Mode::by_world && atomicAdd(hits.worlds.of(sorted.leaf[c.row]), 0ull) != 0;
+}
+
 __device__ std::int32_t second_of(const Scene& scene) {
     return static_cast<std::int32_t>(scene.between ? scene.triangles[0] : 0);
 }
@@ -54,7 +67,7 @@ __global__ void __launch_bounds__(256, 3)
             if (in_double && filter_in_double(a, b, signs, points)) verdict = Verdict::apart;
         }
         tally(in_double, doubles);
-        add(hits, verdict == Verdict::collides, pair.a, pair.b, second_of(scene));
+        add(hits, verdict == Verdict::collides, pair, second_of(scene), sorted, candidate);
         const unsigned long long place = append(verdict == Verdict::undecided, undecided.count);
         if (verdict == Verdict::undecided && place < undecided.capacity) undecided.data[place] = candidate;
     }
@@ -67,12 +80,14 @@ __global__ void exact_kernel(Scene scene, Sorted sorted, Neighbours neighbours, 
     for (unsigned long long i = grid_thread(); i < warps_end && !has_ended(hits.end()); i += grid_stride()) {
         Verdict verdict = Verdict::apart;
         Pair pair{};
-        if (i < n) {
-            pair = pair_of(sorted, undecided.data[i]);
+        Candidate candidate{};
+        if (i < n) candidate = undecided.data[i];
+        if (i < n && !is_decided(hits, sorted, candidate)) {
+            pair = pair_of(sorted, candidate);
             ExactSigns signs;
             verdict = decide(scene.triangle(pair.a), scene.triangle(pair.b), neighbours, intersections, signs);
         }
-        add(hits, verdict == Verdict::collides, pair.a, pair.b, second_of(scene));
+        add(hits, verdict == Verdict::collides, pair, second_of(scene), sorted, candidate);
         const unsigned long long place = append(verdict == Verdict::undecided, beyond.count);
         if (verdict == Verdict::undecided && place < beyond.capacity) beyond.data[place] = pair;
     }

@@ -11,15 +11,17 @@
 namespace crumple::cuda {
 
 /// Where colliding pairs go. Counting: only their number by first triangle. Filling: to the places that prefix sums of
-/// these numbers gave, `second` of them. Any: nowhere, they are only counted, and the first one ends the work.
-/// Otherwise: to a list, with their rank.
+/// these numbers gave, `second` of them. Any: nowhere, they are only counted, and the first one ends the work. By
+/// world: the same for each world, and expansions are left to those without a hit. Otherwise: to a list, with their
+/// rank.
 struct Hits {
-    enum class Mode { list, count, fill, any };
+    enum class Mode { list, count, fill, any, by_world };
     Mode mode;
     List<Hit> list;
     unsigned long long* by_first;  ///< n: number of pairs of each first triangle; filling: where its next one goes
     unsigned long long* by_tile;   ///< the same of each `offset_tile` first triangles; filling: null
     std::int32_t* second;
+    WorldHits worlds{};
 
     /// For has_ended().
     CRUMPLE_HD unsigned long long* end() const { return mode == Mode::any ? list.count : nullptr; }

@@ -11,6 +11,6 @@ template void sort_members(const Geometry&, cudaStream_t, const Scene&, const Po
                            const RecordRows&, const List<Unit>&, Counters*);
 
 template void sweep(const Geometry&, cudaStream_t, const Scene&, const Sorted&, const List<Unit>&, const Ownership&,
-                    const WantedGroups&, const PlaneTest&, const List<Candidate>&, const Slice&, Counters*);
+                    const WantedPairs&, const PlaneTest&, const List<Candidate>&, const Slice&, Counters*);
 
 }  // namespace crumple::cuda

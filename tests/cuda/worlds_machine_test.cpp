@@ -1,0 +1,110 @@
+// Worlds side by side as the machine that plays the device counts them: how many launches they take, and what becomes
+// of those that do not fit.
+
+#include <gtest/gtest.h>
+
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "crumple/error.h"
+#include "cuda_on_cpu/machine/settings.h"
+#include "worlds/compare_worlds.h"
+#include "worlds/random_worlds.h"
+
+namespace crumple::test {
+namespace {
+
+using cuda_on_cpu::settings;
+
+class CudaMachineWorlds : public testing::Test {
+   protected:
+    void TearDown() override {
+        settings() = {};
+        settings().multiprocessors = 1;
+    }
+
+    /// Two bodies a world, which meet in every third one; every seventh world has none.
+    explicit CudaMachineWorlds(int worlds = 40) {
+        for (int w = 0; w < worlds; ++w) {
+            if (w % 7 == 5) continue;
+            for (int b = 0; b < 2; ++b) {
+                bodies_.push_back({.shape = b, .world = w, .self = false});
+                poses_.push_back({{1, 0, 0, b && w % 3 ? 0.5 + 1e-3 * w : 0, 0, 1, 0, 0, 0, 0, 1, 0}});
+            }
+        }
+    }
+    World world(std::size_t bodies) const {
+        return {shapes_, std::span(bodies_).first(bodies), std::span(poses_).first(bodies)};
+    }
+    World world() const { return world(bodies_.size()); }
+
+    /// Kernels that a detector without memories takes for the answer.
+    static int launches(const World& world, const Intersect& question) {
+        Detector detector({.backend = Backend::cuda});
+        constexpr int many = 1 << 30;
+        settings().launches_before_failure = many;
+        detector.find(world, question);
+        return many - std::exchange(settings().launches_before_failure, -1);
+    }
+
+    Soup<float> first_ = random_soup<float>(60, 0.3, 1), second_ = random_soup<float>(45, 0.3, 2);
+    std::vector<Shape> shapes_{Shape(first_.view()), Shape(second_.view())};
+    std::vector<Body> bodies_;
+    std::vector<Pose> poses_;
+};
+
+TEST_F(CudaMachineWorlds, take_one_pass_however_many_there_are) {
+    for (const Wants wants : {Wants::any, Wants::any_by_world, Wants::body_pairs, Wants::pairs}) {
+        const Intersect question{.wants = wants};
+        EXPECT_EQ(launches(world(), question), launches(world(4), question)) << "wants " << static_cast<int>(wants);
+    }
+    Detector detector({.backend = Backend::cuda});
+    EXPECT_EQ(detector.find(world()).statistics.leaves, 35) << "a leaf each world";
+}
+
+TEST_F(CudaMachineWorlds, that_do_not_fit_in_memory_are_searched_in_halves) {
+    for (const Wants wants : {Wants::any, Wants::any_by_world, Wants::body_pairs, Wants::pairs, Wants::contacts}) {
+        SCOPED_TRACE(testing::Message() << "wants " << static_cast<int>(wants));
+        const Intersect question{.wants = wants};
+        const WorldCollisions expected = Detector({.backend = Backend::cpu}).find(world(), question);
+        const int one_pass = launches(world(), question);
+        Detector free({.backend = Backend::cuda});
+        std::int64_t limit = free.find(world(), question).statistics.peak_memory_bytes;
+        int answers = 0;
+        for (;; limit = limit * 2 / 3, ++answers) {
+            Detector detector({.backend = Backend::cuda, .memory_limit = limit, .count_bytes_needed = true});
+            try {
+                const WorldCollisions& found = detector.find(world(), question);
+                ASSERT_TRUE(same_world_answer(found, expected)) << limit;
+                EXPECT_LE(found.statistics.peak_memory_bytes, limit);
+            } catch (const Error& error) {
+                ASSERT_EQ(error.code, ErrorCode::memory_limit);
+                Detector enough({.backend = Backend::cuda, .memory_limit = error.bytes_needed});
+                EXPECT_TRUE(same_world_answer(enough.find(world(), question), expected));
+                break;
+            }
+        }
+        EXPECT_GE(answers, 3) << "of " << one_pass << " kernels";
+    }
+}
+
+TEST_F(CudaMachineWorlds, may_run_out_of_memory_at_any_allocation_or_launch) {
+    for (const Wants wants : {Wants::any_by_world, Wants::contacts}) {
+        const Intersect question{.wants = wants};
+        const WorldCollisions expected = Detector({.backend = Backend::cpu}).find(world(), question);
+        for (int before = 0; before < 30; ++before) {
+            SCOPED_TRACE(testing::Message() << "wants " << static_cast<int>(wants) << ", after " << before);
+            Detector first({.backend = Backend::cuda}), second({.backend = Backend::cuda});
+            settings().allocations_before_failure = before;
+            EXPECT_TRUE(same_world_answer(first.find(world(), question), expected));
+            settings().allocations_before_failure = -1;
+            settings().launches_before_failure = before;
+            EXPECT_TRUE(same_world_answer(second.find(world(), question), expected));
+            settings().launches_before_failure = -1;
+        }
+    }
+}
+
+}  // namespace
+}  // namespace crumple::test

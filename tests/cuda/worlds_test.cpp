@@ -1,0 +1,98 @@
+// Worlds side by side in one pass of the device.
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <vector>
+
+#include "agreement/hard_soups.h"
+#include "worlds/compare_worlds.h"
+#include "worlds/random_worlds.h"
+
+namespace crumple::test {
+namespace {
+
+/// Of two worlds with the same bodies one is decided by its first hit; in the other one no pair is wanted.
+TEST(CudaWorlds, that_are_decided_are_swept_no_further) {
+    const auto a = random_soup<float>(1500, 0.1, 3), b = random_soup<float>(1500, 0.1, 4);
+    auto c = a, d = b;
+    c.groups.assign(1500, 1);
+    d.groups.assign(1500, 2);
+    const std::vector<Shape> shapes{Shape(a.view()), Shape(b.view()), Shape(c.view()), Shape(d.view())};
+    std::vector<Body> bodies;
+    for (int i = 0; i < 4; ++i) bodies.push_back({.shape = i, .world = i / 2, .self = false});
+    Intersect question;
+    question.rules.excluded_groups.push_back({1, 2});
+    Detector detector({.backend = Backend::cuda});
+    const WorldCollisions all = detector.find({shapes, bodies, {}}, question);
+    question.wants = Wants::any_by_world;
+    const WorldCollisions& flags = detector.find({shapes, bodies, {}}, question);
+    ASSERT_GT(all.world_counts[0], 100);
+    ASSERT_EQ(all.world_counts[1], 0);
+    EXPECT_TRUE(same_bytes(flags.world_hit, all.world_hit, "flags of worlds"));
+    // Each world has half of the overlaps. A sixteenth is looked at twice, of the first world nothing else.
+    EXPECT_GT(flags.statistics.box_overlaps, all.statistics.box_overlaps * 2 / 5);
+    EXPECT_LT(flags.statistics.box_overlaps, all.statistics.box_overlaps * 2 / 3);
+}
+
+/// In every other world a corner lies in the plane of another triangle, which products of subnormal numbers cannot
+/// tell.
+TEST(CudaWorlds, that_only_the_host_can_decide_have_flags) {
+    const std::vector<std::array<std::int32_t, 3>> triangles{{0, 1, 2}, {3, 4, 5}};
+    const auto two = [](double height) {
+        std::vector<std::array<double, 3>> corners{{-4, -4, 0},    {4, -4, 0}, {0, 4, 0},
+                                                   {0, 0, height}, {4, 0, 4},  {0, 4, 4}};
+        for (auto& corner : corners)
+            for (double& x : corner) x *= 0x1p-1074;
+        return corners;
+    };
+    const auto touching = two(0), apart = two(1);
+    const std::vector<Shape> shapes{Shape(MeshView(touching, triangles)), Shape(MeshView(apart, triangles))};
+    std::vector<Body> bodies;
+    for (int w = 0; w < 7; ++w) bodies.push_back({.shape = w % 2, .world = w});
+    const WorldCollisions found =
+        Detector({.backend = Backend::cuda}).find({shapes, bodies, {}}, {.wants = Wants::any_by_world});
+    EXPECT_EQ(std::vector<int>(found.world_hit.begin(), found.world_hit.end()), (std::vector{1, 0, 1, 0, 1, 0, 1}));
+    EXPECT_GT(found.statistics.rational_tests, 0);
+}
+
+/// At one place, though some are so large beside others that these are a point.
+TEST(CudaWorlds, of_hard_soups_have_the_answers_of_the_cpu) {
+    const std::vector<NamedMesh> soups = hard_soups();
+    std::vector<Shape> shapes;
+    std::vector<Body> bodies;
+    for (const NamedMesh& soup : soups) {
+        const auto number = static_cast<std::int32_t>(shapes.size());
+        shapes.push_back(Shape(soup.mesh.view()));
+        bodies.push_back({.shape = number, .world = number});
+    }
+    for (const int leaf_size : {3000, 40}) {
+        Detector cuda({.backend = Backend::cuda, .leaf_size = leaf_size}), cpu({.backend = Backend::cpu});
+        for (const Wants wants : {Wants::any_by_world, Wants::contacts, Wants::any_by_world})
+            for (const bool weld : {false, true}) {
+                SCOPED_TRACE(testing::Message() << "leaves of " << leaf_size << ", wants " << static_cast<int>(wants)
+                                                << ", weld " << weld);
+                const Intersect question{.wants = wants, .weld = weld};
+                const World world{shapes, bodies, {}};
+                EXPECT_TRUE(same_world_answer(cuda.find(world, question), cpu.find(world, question)));
+            }
+    }
+}
+
+/// Smaller ones lie side by side; one that fills a device is searched by itself, between those before and behind it.
+TEST(CudaWorlds, of_very_different_sizes_do_not_share_a_pass) {
+    const auto large = random_soup<float>(70'000, 0.004, 5);
+    const auto first = random_soup<float>(60, 0.3, 1), second = random_soup<float>(45, 0.3, 2);
+    const std::vector<Shape> shapes{Shape(first.view()), Shape(second.view()), Shape(large.view())};
+    std::vector<Body> bodies;
+    for (int w = 0; w < 6; ++w)
+        for (int b = 0; b < 2; ++b) bodies.push_back({.shape = w == 2 && b == 0 ? 2 : b, .world = w});
+    const World world{shapes, bodies, {}};
+    Detector cuda({.backend = Backend::cuda}), cpu({.backend = Backend::cpu});
+    const WorldCollisions& found = cuda.find(world);
+    EXPECT_TRUE(same_world_answer(found, cpu.find(world)));
+    EXPECT_LT(found.statistics.leaves, 80) << "small worlds are a leaf each";
+}
+
+}  // namespace
+}  // namespace crumple::test
