@@ -9,27 +9,22 @@ namespace {
     throw Error(ErrorCode::invalid_argument, "meshes in device memory need the cuda backend (Options::backend)",
                 Element::option);
 }
-[[noreturn]] void refuse_features() {
-    throw Error(ErrorCode::invalid_argument, "motion and nearness need the cpu backend (Options::backend)",
+[[noreturn]] void refuse_blocks() {
+    throw Error(ErrorCode::invalid_argument, "answers in blocks need the cpu backend (Options::backend)",
                 Element::option);
-}
-[[noreturn]] void refuse_candidates() {
-    throw Error(ErrorCode::invalid_argument, "candidates need the cpu backend (Options::backend)", Element::option);
 }
 
 }  // namespace
 
-void BackendBase::stream(const Scene&, const Query&, const Streaming&, BlockSink, Statistics&) {
-    throw Error(ErrorCode::invalid_argument, "answers in blocks need the cpu backend (Options::backend)",
-                Element::option);
+void BackendBase::stream(const Scene&, const Query&, const Streaming&, BlockSink, Statistics&) { refuse_blocks(); }
+void BackendBase::visit(const Scene& scene, const Query& query, BlockSink take, Statistics& statistics) {
+    stream(scene, query, {.ordered = false}, take, statistics);
 }
-void BackendBase::find(const Scene&, const FeatureQuery&, FeatureAnswer&) { refuse_features(); }
 void BackendBase::stream(const Scene&, const FeatureQuery&, const Streaming&, FeatureSink, Statistics&) {
-    refuse_features();
+    refuse_blocks();
 }
-void BackendBase::find_candidates(const Scene&, const CandidateQuery&, CandidateAnswer&) { refuse_candidates(); }
 void BackendBase::stream_candidates(const Scene&, const CandidateQuery&, const Streaming&, CandidateSink, Statistics&) {
-    refuse_candidates();
+    refuse_blocks();
 }
 void BackendBase::find(const MeshView&, const MeshView*, const Query&, Collisions&) { refuse(); }
 std::int64_t BackendBase::bytes_needed(const MeshView&, const MeshView*, const Query&) { refuse(); }

@@ -52,12 +52,14 @@ class BackendBase : public ParallelFor {
     virtual void stream(const Scene& scene, const Query& query, const Streaming& how, BlockSink sink,
                         Statistics& statistics);
 
-    /// Pairs of features that touch or are near, of a scene of one mesh. Fills rows, counts and stage times. Not on
-    /// cuda.
-    virtual void find(const Scene& scene, const FeatureQuery& query, FeatureAnswer& answer);
+    /// All pairs, in any order, a block at a time or all at once: for work that goes on with them.
+    virtual void visit(const Scene& scene, const Query& query, BlockSink take, Statistics& statistics);
+
+    /// Pairs of features that touch or are near, of a scene of one mesh. Fills rows, counts and stage times.
+    virtual void find(const Scene& scene, const FeatureQuery& query, FeatureAnswer& answer) = 0;
 
     /// Pairs of features whose grown boxes overlap, likewise.
-    virtual void find_candidates(const Scene& scene, const CandidateQuery& query, CandidateAnswer& answer);
+    virtual void find_candidates(const Scene& scene, const CandidateQuery& query, CandidateAnswer& answer) = 0;
 
     /// The same, handed over in pieces of any size (Detector::stream_impacts, stream_near, stream_candidates). In order
     /// there is one piece at a time, and what they say of a kind is in the order of the answer; else pieces come from

@@ -74,8 +74,7 @@ void TriangleImpacts::find(BackendBase& backend, const Scene& scene, const Scene
         for (const Pair& pair : block.pairs) intersecting_.push_back(pair);
     };
     Statistics of_search;
-    keeping_peak(meter_,
-                 [&] { backend.stream(at_start(scene, features), Query(), {.ordered = false}, take, of_search); });
+    keeping_peak(meter_, [&] { backend.visit(at_start(scene, features), Query(), take, of_search); });
     add_pass(of_search, statistics);
 
     list_triangles_of_vertices(scene, features.faces());

@@ -66,6 +66,13 @@ class CudaBackend final : public BackendBase {
         });
     }
 
+    void visit(const Scene& scene, const Query& query, BlockSink take, Statistics& statistics) override {
+        Collisions all = metered(&meter_);
+        find(scene, query, nullptr, all);
+        statistics = all.statistics;
+        take(all);
+    }
+
     void find(const Scene& scene, const FeatureQuery& query, FeatureAnswer& answer) override {
         on_device([&] {
             finish();

@@ -147,11 +147,11 @@ void FeatureFinder::write_again(const std::vector<RankedHit>& found, unsigned lo
 // What no filter of the device could tell, in rational arithmetic.
 std::vector<RankedHit> FeatureFinder::decide_beyond(std::size_t count) {
     std::vector<RankedHit> found;
-    std::vector<FeatureCase> cases(std::min(count, batch));
+    std::vector<PackedFeatures> cases(std::min(count, batch));
     Block block(meter_);
-    FeatureCase* device = nullptr;
-    lay_out(block, [&](Cutter& c) { device = c.take<FeatureCase>(cases.size()); });
-    fill(stream_, device, 0, cases.size() * sizeof(FeatureCase));  // what lies between members is copied, too
+    PackedFeatures* device = nullptr;
+    lay_out(block, [&](Cutter& c) { device = c.take<PackedFeatures>(cases.size()); });
+    fill(stream_, device, 0, cases.size() * sizeof(PackedFeatures));  // what lies between members is copied, too
     for (std::size_t begin = 0; begin < count; begin += batch) {
         const std::size_t some = std::min(batch, count - begin);
         pack_cases(geometry_, stream_, pass_.scene, pass_.asked, pass_.beyond() + begin, some, device);

@@ -54,7 +54,7 @@ class Nearness {
         return distance_.within(reach_of(kind, vertex, query)) &&
                !(query.rest && close_at_rest(kind, vertex, *query.rest, by_));
     }
-    bool near(const FeatureCase& pair, double rest_radius) {
+    bool near(const PackedFeatures& pair, double rest_radius) {
         return distance_.within(pair.reach) &&
                !(pair.has_rest && close_at_rest(pair.kind, pair.rest, rest_radius, by_));
     }
@@ -88,7 +88,7 @@ FeatureDecision decide(FeatureKind kind, const Scene& scene, const std::int32_t 
     return separated_impact(kind, points, {query.distance, query.share}, counts);
 }
 
-FeatureDecision decide(const FeatureCase& pair, const FeatureQuery& query, FeatureCounts& counts) {
+FeatureDecision decide(const PackedFeatures& pair, const FeatureQuery& query, FeatureCounts& counts) {
     ++counts.tests;
     if (query.motion) {
         if (query.distance == 0 && query.share == 0) return impact(pair.kind, pair.points, counts);

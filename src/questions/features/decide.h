@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "engine/feature_query.h"
-#include "questions/features/feature_case.h"
+#include "questions/features/packed_features.h"
 #include "questions/features/points.h"
 #include "questions/near/cpu/guess_batch.h"
 
@@ -29,7 +29,7 @@ FeatureDecision decide(FeatureKind kind, const Scene& scene, const std::int32_t 
                        FeatureCounts& counts);
 
 /// The same of a pair that a device has packed.
-FeatureDecision decide(const FeatureCase& pair, const FeatureQuery& query, FeatureCounts& counts);
+FeatureDecision decide(const PackedFeatures& pair, const FeatureQuery& query, FeatureCounts& counts);
 
 /// The same where nearness is asked for and lanes can measure distances: if the features are near, but how near is
 /// quickly said, they are added to the batch, which has room, and there is no decision yet.

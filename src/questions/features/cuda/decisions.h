@@ -5,7 +5,7 @@
 
 #include "questions/features/cuda/asked.h"
 #include "questions/features/cuda/exact_points.h"
-#include "questions/features/feature_case.h"
+#include "questions/features/packed_features.h"
 #include "questions/features/tests_of_pair.h"
 #include "questions/motion/quick_impact.h"
 #include "questions/motion/quick_separation.h"

@@ -249,11 +249,11 @@ __global__ void __launch_bounds__(256)
 }
 
 __global__ void pack_kernel(ExactPoints points, AskedOfFeatures asked, const OpenTest* tests, std::size_t count,
-                            FeatureCase* cases) {
+                            PackedFeatures* cases) {
     for (std::size_t i = grid_thread(); i < count; i += grid_stride()) {
         const OpenTest open = tests[i];
         const auto& v = open.test.vertex;
-        FeatureCase& made = cases[i];
+        PackedFeatures& made = cases[i];
         made.kind = open.kind;
         made.pair = open.test.pair;
         made.points = points.moving(v);
@@ -377,7 +377,7 @@ void reserve_feature_stacks(const Geometry& geometry, cudaStream_t stream, Count
 }
 
 void pack_cases(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const AskedOfFeatures& asked,
-                const OpenTest* tests, std::size_t count, FeatureCase* cases) {
+                const OpenTest* tests, std::size_t count, PackedFeatures* cases) {
     Launch{stream, geometry.blocks(count), geometry.threads}(pack_kernel, ExactPoints{scene, is_aligned(scene)}, asked,
                                                              tests, count, cases);
 }

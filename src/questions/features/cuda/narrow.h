@@ -16,7 +16,7 @@
 #include "engine/cuda/runtime.h"
 #include "model/scene.h"
 #include "questions/features/cuda/asked.h"
-#include "questions/features/feature_case.h"
+#include "questions/features/packed_features.h"
 #include "questions/features/tests_of_pair.h"
 
 namespace crumple::cuda {
@@ -80,7 +80,7 @@ void reserve_feature_stacks(const Geometry& geometry, cudaStream_t stream, Count
 
 /// All that decisions about open tests take.
 void pack_cases(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const AskedOfFeatures& asked,
-                const OpenTest* tests, std::size_t count, FeatureCase* cases);
+                const OpenTest* tests, std::size_t count, PackedFeatures* cases);
 
 /// Writes hits that the host has found behind the list's first `begin`.
 void append_hits(const Geometry& geometry, cudaStream_t stream, const RankedHit* found, std::size_t count,

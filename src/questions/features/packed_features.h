@@ -17,7 +17,7 @@ CRUMPLE_HD inline Reach reach_of(FeatureKind kind, const std::int32_t (&vertex)[
     return kind == FeatureKind::edge_edge ? Reach{max(r[0], r[1]), last, strict} : Reach{r[0], max(r[1], last), strict};
 }
 
-struct FeatureCase {
+struct PackedFeatures {
     FeatureKind kind;
     Pair pair;
     FeaturePoints points;
