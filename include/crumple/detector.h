@@ -80,7 +80,7 @@ class Detector {
                       const Streaming& how = {}, std::stop_token stop = {});
 
     /// What touches what on the way from the start of a step to its end, and when: all impacts of vertices with faces
-    /// and of edges with edges, exactly (docs/motion.md). Not with the cuda backend.
+    /// and of edges with edges, exactly (docs/motion.md). Arrays lie in host memory.
     const Impacts& find_impacts(const World& world, const Motion& question = {}, std::stop_token stop = {});
     /// The same for one mesh, whose vertices are at `end` at the end.
     const Impacts& find_impacts(const MeshView& mesh, const VertexView& end, const Motion& question = {},
@@ -100,14 +100,14 @@ class Detector {
                             std::stop_token stop = {});
 
     /// What is near what: all pairs of vertices and faces, and of edges and edges, within a distance, exactly
-    /// (docs/nearness.md). Not with the cuda backend.
+    /// (docs/nearness.md). Arrays lie in host memory.
     const Nearby& find_near(const World& world, const Near& question, std::stop_token stop = {});
     /// The same for one mesh.
     const Nearby& find_near(const MeshView& mesh, const Near& question, std::stop_token stop = {});
 
     /// Which features have boxes that overlap, on the way from the start of a step to its end where the world has ends,
     /// else at rest (docs/candidates.md): the lists that a narrow phase of one's own goes through. Cost: some 25 to 35
-    /// ns a candidate on one thread, where there are millions. Not with the cuda backend.
+    /// ns a candidate on one thread, where there are millions.
     const CandidateLists& find_candidates(const World& world, const CandidateQuestion& question = {},
                                           std::stop_token stop = {});
     /// The same for one mesh at rest.

@@ -301,7 +301,7 @@ def find_candidates(
     Of a world (crumple.World): find_candidates(world), on the way to `end_poses` and to the shapes' `end`.
         bodies, groups, excluded, excluded_groups, poses, end_poses: as find_impacts has them.
 
-    Raises InvalidInput, which names the argument and the place, also on a detector of the cuda backend; MemoryLimit.
+    Raises InvalidInput, which names the argument and the place; MemoryLimit.
     More: docs/candidates.md.
     """
     question = candidate_question(kinds, inflation, weld, _core.rules_of_mesh(wanted, excluded_groups))

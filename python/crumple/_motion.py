@@ -159,7 +159,7 @@ def find_impacts(
     Of a part (crumple.Part, see partition_motion): find_impacts(part) has the rows that the part owns, with the ids of
     the mesh. Its edges and points are those of the whole; offsets count by position in the part.
 
-    Raises InvalidInput, which names the argument and the place, also on a detector of the cuda backend; MemoryLimit.
+    Raises InvalidInput, which names the argument and the place; MemoryLimit.
     What an impact is: docs/motion.md.
     """
     rules = _core.rules_of_mesh(wanted, excluded_groups)

@@ -364,7 +364,7 @@ def find_near(
         bodies, groups, excluded, excluded_groups, poses: as find_impacts has them. There is no `least`, and no `index`.
         Radii and vertices at rest are those of its shapes; what is close at rest is within a body.
 
-    Raises InvalidInput, which names the argument and the place, also on a detector of the cuda backend; MemoryLimit.
+    Raises InvalidInput, which names the argument and the place; MemoryLimit.
     What nearness is: docs/nearness.md.
     """
     rules = _core.rules_of_mesh(wanted, excluded_groups)

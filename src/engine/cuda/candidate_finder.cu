@@ -30,6 +30,8 @@ void CandidateFinder::release() {
 
 void CandidateFinder::find(const Scene& scene, const CandidateQuery& query, CandidateAnswer& answer) {
     clear(answer);
+    answer.statistics.backend = "cuda";
+    if (scene.triangle_count() == 0) return;  // lists have a least size, which no limit need hold for nothing
     adopt(scene, query);
     Finder::find(
         query.frugal, [&] { find_at_once(answer); }, [&](Lists lists) { find_in_chunks(answer, lists); });

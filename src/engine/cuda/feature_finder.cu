@@ -22,6 +22,8 @@ void FeatureFinder::release() {
 
 void FeatureFinder::find(const Scene& scene, const FeatureQuery& query, FeatureAnswer& answer) {
     clear(answer);
+    answer.statistics.backend = "cuda";
+    if (scene.triangle_count() == 0) return;  // lists have a least size, which no limit need hold for nothing
     adopt(scene, query);
     Finder::find(
         query.frugal, [&] { find_at_once(answer); }, [&](Lists lists) { find_in_chunks(answer, lists); });

@@ -23,7 +23,7 @@ template <class Scalar>
 std::vector<NamedMove<Scalar>> soups_to_try(double part, double if_sanitized) {
     std::vector<NamedMove<Scalar>> all = moving_soups<Scalar>((played ? 0.2 : sanitized ? if_sanitized : 1) * part);
     std::size_t i = 0;
-    if (played) std::erase_if(all, [&](const auto&) { return i++ % 7 != 0; });
+    if (played) std::erase_if(all, [&](const auto&) { return i++ % (sanitized ? 21 : 7) != 0; });
     return all;
 }
 
