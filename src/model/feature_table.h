@@ -31,7 +31,7 @@ struct FeatureTable {
     const std::uint8_t* owned = nullptr;
     const std::int32_t* corners = nullptr;
     const std::int32_t* names = nullptr;          ///< null: the vertices' indices
-    const PointsOfTriangle* points_of = nullptr;    ///< null: as vertices
+    const PointsOfTriangle* points_of = nullptr;  ///< null: as vertices
     const NamedNeighbours* neighbours = nullptr;  ///< of each vertex, if there are lone edges
     std::int64_t faces = 0;
 

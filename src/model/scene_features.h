@@ -144,7 +144,7 @@ class SceneFeatures {
     std::int64_t vertices_ = -1, faces_ = 0;
     std::uint64_t revision_ = 0;
     bool lists_edges_ = false, lists_points_ = false, lone_edges_ = false, adopted_ = false;
-    Array<std::int32_t> points_;       ///< as listed
+    Array<std::int32_t> points_;         ///< as listed
     Array<PointsOfTriangle> points_of_;  ///< by corner; empty: as vertices
     Array<std::int32_t> face_of_carrier_;
     Array<Neighbours> neighbours_;  ///< of each vertex, if there are lone edges
