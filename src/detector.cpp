@@ -179,7 +179,7 @@ struct Detector::Implementation : WorldCalls {
         const Lifted lifted(meter);
         return backend->bytes_needed_for_launched();
     }
-    // A detector that throws holds an empty result and no kept memory.
+    // A detector that throws holds an empty result and no kept memory, unless a caller's graph works on that.
     template <class Work, class Count>
     void on_the_device(Work work, Count count) {
         const FloatEnvironment environment;
@@ -189,6 +189,9 @@ struct Detector::Implementation : WorldCalls {
             } catch (const MemoryMeter::Exceeded& exceeded) {
                 throw_limit_error(exceeded.bytes - kept_before_launch, count);
             }
+        } catch (const Error& error) {
+            if (!backend->keeps_after(error)) forget();
+            throw;
         } catch (...) {
             forget();
             throw;

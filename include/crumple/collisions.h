@@ -73,9 +73,13 @@ struct Collisions {
     Statistics statistics;
 };
 
-/// An answer that lies in the memory of a device: pointers of the device, as Collisions has arrays. Valid until the
-/// detector's next call.
+/// An answer that lies in the memory of a device: pointers of the device, as Collisions has arrays. How long it is
+/// valid, Detector::wait says.
 struct DeviceCollisions {
+    /// False if lists of fixed length were too short for it (Detector::launch_self in a capture): there are no arrays.
+    bool complete = true;
+    /// Pairs that there are; where the answer is not complete, those that were found, and there may be more.
+    std::int64_t pairs_needed = 0;
     const Pair* pairs = nullptr;  ///< pair_count
     std::int64_t pair_count = 0;
     const std::int64_t* offsets = nullptr;                  ///< triangles of the first mesh + 1

@@ -222,16 +222,36 @@ class Detector {
 
     /// Starts a query on meshes in device memory and returns at once: on the stream of `mesh` (of `a`), which the
     /// arrays have to be ready on. Only with the cuda backend. Consecutive frames of one shape run as one CUDA graph
-    /// each, and the host reads one struct of counters after it. The arrays must stay as they are until wait() returns.
+    /// each, and the host reads one struct of counters after it. The arrays must stay as they are until the wait() for
+    /// it returns.
+    ///
+    /// Two launches may be in flight before a wait(), on one stream or two; each wait() is for the oldest. A third
+    /// throws Error (invalid_argument), and leaves them. Passes share their lists, so that they run one after the
+    /// other. Any call but launches, wait() and download() forgets what is in flight, after it has waited for it.
+    ///
+    /// On a stream that is being captured, the query becomes part of the caller's graph, and each replay of that is a
+    /// query, of what the arrays then hold. Two calls before it, outside of the capture, with meshes of the same shape
+    /// and the same query, make the lists; without them it throws Error (invalid_argument), and the capture goes on.
+    /// Lists cannot grow in a replay: wait() then says that the answer is not complete. The graph may be replayed until
+    /// the next call of any member but wait() and download(), which may move or free what it works on; and no call may
+    /// be made while a replay runs. One launch to a capture and detector; both streams of launch_between take part.
     void launch_self(const MeshView& mesh, const Query& query = {});
     void launch_between(const MeshView& a, const MeshView& b, const Query& query = {});
 
     /// Waits for the launched query and tells where its answer lies on the device. Reports bad input, makes room and
     /// runs again where a list was too short, and does what only the host can: the answer is complete. Valid until the
-    /// next call of any other member but download().
+    /// second launch after the one that it answers, or the next call of any member but launches, wait() and download().
+    /// (Where memory, or Options::memory_limit, does not hold two answers: until the next launch or wait().) Bad input
+    /// of one launch leaves another in flight.
+    ///
+    /// After a launch in a capture: tells of the last replay, whose stream the caller has waited for; valid until the
+    /// next replay. It does not run again what did not fit (DeviceCollisions::complete): a call outside of a capture
+    /// makes longer lists, for a new one. After bad input the graph may go on. Throws Error (invalid_argument) if there
+    /// was no replay since the capture, or since the last wait().
     const DeviceCollisions& wait(std::stop_token stop = {});
 
-    /// Copies the answer of wait() to the host; an error once another call has come after that. Valid as any result.
+    /// Copies the answer of the last wait() to the host; an error once another call has come after that. Valid as any
+    /// result.
     const Collisions& download();
 
     const Options& options() const;

@@ -79,6 +79,8 @@ class BackendBase : public ParallelFor {
     virtual const DeviceCollisions& wait();
     virtual void download(Collisions& result);
     virtual std::int64_t bytes_needed_for_launched();
+    /// Whether what is kept between calls outlives the error that one of these has thrown: a caller's graph needs it.
+    virtual bool keeps_after(const Error&) const { return false; }
 
     /// Drops what is kept between calls, memory and centres alike.
     virtual void release() = 0;

@@ -10,41 +10,21 @@
 #include <optional>
 #include <span>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "agreement/compare.h"
+#include "agreement/hard_soups.h"
 #include "crumple/error.h"
 #include "cuda/cloth.h"
 #include "cuda/device_mesh.h"
+#include "cuda/shows.h"
 #include "error_of.h"
 #include "halves.h"
 #include "soups.h"
 
 namespace crumple::test {
 namespace {
-
-/// Does the device hold the expected answer, all of its arrays?
-testing::AssertionResult shows(const DeviceCollisions& found, const MeshView& a, const MeshView* b,
-                               const Collisions& expected) {
-    const auto same = [](const auto& device, const auto& host, const char* what) {
-        return std::equal(device.begin(), device.end(), host.begin(), host.end())
-                   ? testing::AssertionSuccess()
-                   : testing::AssertionFailure() << what << " differ";
-    };
-    const std::vector<Pair> pairs = to_host(found.pairs, found.pair_count);
-    testing::AssertionResult result = same_pairs(pairs, expected.pairs.span());
-    if (result) result = same(to_host(found.offsets, a.triangles.rows + 1), expected.offsets, "offsets");
-    if (result) result = same(to_host(found.hit, a.triangles.rows), expected.hit, "hit flags");
-    if (result && b) result = same(to_host(found.hit_second, b->triangles.rows), expected.hit_second, "second flags");
-    if (!result || expected.contacts.offsets.empty()) return result;
-    result = same(to_host(found.contact_kinds, found.pair_count), expected.contacts.kinds, "kinds");
-    if (result)
-        result =
-            same(to_host(found.contact_offsets, found.pair_count + 1), expected.contacts.offsets, "contact offsets");
-    if (result)
-        result = same(to_host(found.contact_points, found.contact_point_count), expected.contacts.points, "points");
-    return result;
-}
 
 TEST(CudaLaunch, answers_frames_of_a_simulation) {
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda, .leaf_size = 200});
@@ -111,6 +91,7 @@ TEST(CudaLaunch, answers_when_the_scene_jumps) {
     for (const int leaf_size : {40, 5}) {
         Detector cuda({.backend = Backend::cuda, .leaf_size = leaf_size});
         DeviceMesh device(first.view());
+        bool waiting = false;
         for (std::size_t frame = 0; frame < 2 * frames.size(); ++frame) {
             SCOPED_TRACE(testing::Message() << "leaves of " << leaf_size << ", frame " << frame);
             Soup<float> host = first;
@@ -120,7 +101,10 @@ TEST(CudaLaunch, answers_when_the_scene_jumps) {
             device.set_vertices(host.view());
             for (int repeat = 0; repeat < (frame % 3 == 0 ? 4 : 1); ++repeat) {
                 cuda.launch_self(device.view());
-                if (bad && frame % 2) continue;
+                if (std::exchange(waiting, bad && frame % 2)) {
+                    EXPECT_THROW(cuda.wait(), Error);
+                }
+                if (waiting) break;  // while the next frame is launched
                 if (bad)
                     EXPECT_THROW(cuda.wait(), Error);
                 else
@@ -238,10 +222,10 @@ TEST(CudaLaunch, downloads_only_what_wait_has_found) {
     const std::vector<std::function<void()>> later_calls{
         [&] { cuda.find_self(mesh.view()); },
         [&] { cuda.has_collision(device.view()); },
-        [&] { cuda.launch_self(device.view()); },
         [&] { EXPECT_THROW(cuda.launch_self(mesh.view()), Error); },
         [&] { EXPECT_THROW(cuda.find(Part{}), Error); },
         [&] { EXPECT_THROW(cuda.partition(mesh.view(), 0), Error); },
+        [&] { cuda.launch_self(device.view()); },
     };
     EXPECT_THROW(cuda.download(), Error);
     for (const auto& call : later_calls) {
@@ -265,17 +249,218 @@ TEST(CudaLaunch, answers_between_two_meshes) {
     }
 }
 
-TEST(CudaLaunch, forgets_a_launch_that_nobody_waited_for) {
+TEST(CudaLaunch, forgets_launches_that_nobody_waited_for) {
     const io::TriangleMesh first = cloth(300), second = cloth(500);
     const DeviceMesh device_first(first.view()), device_second(second.view());
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
     cuda.launch_self(device_first.view());
-    cuda.launch_self(device_second.view());
-    EXPECT_TRUE(shows(cuda.wait(), second.view(), nullptr, cpu.find_self(second.view())));
     cuda.launch_self(device_first.view());
     EXPECT_TRUE(same_answer(cuda.find_self(second.view()), cpu.find_self(second.view())));
     EXPECT_THROW(cuda.wait(), Error);
+    cuda.launch_self(device_second.view());
+    EXPECT_TRUE(shows(cuda.wait(), second.view(), nullptr, cpu.find_self(second.view())));
     cuda.launch_self(device_first.view());
+}
+
+/// A stream of the test's own.
+struct OwnStream {
+    cudaStream_t stream = nullptr;
+    OwnStream() { check(cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking)); }
+    ~OwnStream() { cudaStreamDestroy(stream); }
+    MeshView on(MeshView mesh) const {
+        mesh.stream = stream;
+        return mesh;
+    }
+};
+
+// Each answer is the oldest launch's, on one stream or on two, and stays until the second launch after its own.
+TEST(CudaLaunch, answers_two_frames_in_flight) {
+    for (const int streams : {1, 2}) {
+        for (const int leaf_size : {3000, 60}) {
+            for (const bool contacts : {false, true}) {
+                SCOPED_TRACE(testing::Message() << streams << " streams, leaves of " << leaf_size << contacts);
+                const Query query{.contacts = contacts};
+                const OwnStream stream[2];
+                std::vector<io::TriangleMesh> meshes;
+                std::vector<DeviceMesh> buffers;
+                std::vector<MeshView> views;
+                for (std::size_t frame = 0; frame < 8; ++frame) {
+                    meshes.push_back(cloth(600, 60 + 4 * static_cast<int>(frame)));
+                    buffers.emplace_back(meshes.back().view());
+                    views.push_back(stream[streams == 2 ? frame % 2 : 0].on(buffers.back().view()));
+                }
+                Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda, .leaf_size = leaf_size});
+                const auto expect_right = [&](const DeviceCollisions& found, std::size_t frame) {
+                    const Collisions& expected = cpu.find_self(meshes[frame].view(), query);
+                    EXPECT_TRUE(shows(found, views[frame], nullptr, expected)) << "frame " << frame;
+                };
+                cuda.launch_self(views[0], query);
+                for (std::size_t frame = 1; frame < 8; ++frame) {
+                    cuda.launch_self(views[frame], query);
+                    const DeviceCollisions& found = cuda.wait();
+                    expect_right(found, frame - 1);
+                    EXPECT_TRUE(same_answer(cuda.download(), cpu.find_self(meshes[frame - 1].view(), query)));
+                }
+                const DeviceCollisions& last = cuda.wait();
+                cuda.launch_self(views[0], query);
+                expect_right(last, 7);
+                cuda.wait();
+                expect_right(last, 7);
+            }
+        }
+    }
+}
+
+// What the first leaves undone is done in its wait(), whatever the second has made of the lists, and the second is
+// right, too.
+TEST(CudaLaunch, answers_two_frames_in_flight_of_which_any_is_hard) {
+    const std::vector<NamedMesh> scenes = hard_soups();
+    const Query query{.contacts = true};
+    Detector cpu({.backend = Backend::cpu});
+    Detector cuda({.backend = Backend::cuda, .leaf_size = 30});
+    const OwnStream stream[2];
+    int again = 0;
+    for (std::size_t i = 0; i < scenes.size(); ++i) {
+        for (const std::size_t other : {i, (i + 1) % scenes.size(), (i + 5) % scenes.size()}) {
+            SCOPED_TRACE(scenes[i].name + " and " + scenes[other].name);
+            const DeviceMesh first(scenes[i].mesh.view()), second(scenes[other].mesh.view());
+            cuda.launch_self(stream[0].on(first.view()), query);
+            cuda.launch_self(stream[1].on(second.view()), {.weld = true});
+            const DeviceCollisions found = cuda.wait();
+            if (found.statistics.rational_tests > 0) {
+                ++again;
+                EXPECT_EQ(cudaStreamQuery(stream[1].stream), cudaSuccess) << "it ran again while its lists were in use";
+            }
+            EXPECT_TRUE(shows(found, first.view(), nullptr, cpu.find_self(scenes[i].mesh.view(), query)));
+            EXPECT_TRUE(
+                shows(cuda.wait(), second.view(), nullptr, cpu.find_self(scenes[other].mesh.view(), {.weld = true})));
+        }
+    }
+    EXPECT_GT(again, 0);
+}
+
+TEST(CudaLaunch, grows_lists_with_two_frames_in_flight) {
+    constexpr int n = 1500;
+    const Soup<float> soups[] = {random_soup(n, 1e-3), random_soup(n, 0.6, 2), random_soup(n, 0.9, 3)};
+    const int frames[] = {0, 0, 0, 1, 2, 0, 2, 2, 1, 0, 0};
+    std::vector<DeviceMesh> devices;
+    for (const Soup<float>& soup : soups) devices.emplace_back(soup.view());
+    Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
+    std::vector<Collisions> expected;
+    for (const Soup<float>& soup : soups) expected.push_back(cpu.find_self(soup.view()));
+    ASSERT_GT(expected[1].pairs.size(), 3u * n);
+    ASSERT_GT(expected[2].pairs.size(), expected[1].pairs.size() * 5 / 4);
+    for (std::size_t frame = 0; frame < std::size(frames); ++frame) {
+        cuda.launch_self(devices[static_cast<std::size_t>(frames[frame])].view());
+        if (frame == 0) continue;
+        const auto before = static_cast<std::size_t>(frames[frame - 1]);
+        EXPECT_TRUE(shows(cuda.wait(), soups[before].view(), nullptr, expected[before])) << "frame " << frame - 1;
+    }
+    EXPECT_TRUE(shows(cuda.wait(), soups[0].view(), nullptr, expected[0]));
+}
+
+// Lists are shared: a pass begins when those before are over, on whatever stream they are, and so does what moves lists
+// or runs a pass again.
+TEST(CudaLaunch, runs_passes_of_all_streams_one_after_the_other) {
+    constexpr int n = 1500;
+    const Soup<float> sparse = random_soup(n, 1e-3), dense = random_soup(n, 0.6, 2), more = random_soup(2 * n, 1e-3);
+    DeviceMesh first(sparse.view());
+    const DeviceMesh second(sparse.view()), larger(more.view());
+    const OwnStream stream[2];
+    Detector cuda({.backend = Backend::cuda});
+    const auto is_done = [&](int i) { return cudaStreamQuery(stream[i].stream) == cudaSuccess; };
+    for (int frame = 0; frame < 6; ++frame) {
+        cuda.launch_self(stream[0].on(first.view()));
+        cuda.launch_self(stream[1].on(second.view()));
+        check(cudaStreamSynchronize(stream[1].stream));
+        EXPECT_TRUE(is_done(0)) << "frame " << frame;
+        cuda.wait();
+        cuda.wait();
+    }
+    first.set_vertices(dense.view());
+    cuda.launch_self(stream[0].on(first.view()));
+    cuda.launch_self(stream[1].on(second.view()));
+    EXPECT_GT(cuda.wait().pair_count, n);
+    EXPECT_TRUE(is_done(1)) << "when lists of the first grow";
+    cuda.wait();
+    cuda.launch_self(stream[0].on(first.view()));
+    cuda.launch_self(stream[1].on(larger.view()));
+    EXPECT_TRUE(is_done(0)) << "when lists are laid out for another scene";
+    cuda.wait();
+    cuda.wait();
+}
+
+TEST(CudaLaunch, refuses_a_third_launch_and_keeps_the_others) {
+    const io::TriangleMesh meshes[2] = {cloth(300, 93), cloth(500, 93)};
+    const DeviceMesh first(meshes[0].view()), second(meshes[1].view());
+    Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
+    for (int turn = 0; turn < 3; ++turn) {
+        cuda.launch_self(first.view());
+        cuda.launch_self(second.view());
+        EXPECT_STREQ(error_of([&] { cuda.launch_self(first.view()); }).what(),
+                     "two launches are in flight: the next one comes after a wait()");
+        EXPECT_THROW(cuda.launch_self(meshes[0].view()), Error);
+        EXPECT_TRUE(shows(cuda.wait(), first.view(), nullptr, cpu.find_self(meshes[0].view())));
+        EXPECT_TRUE(shows(cuda.wait(), second.view(), nullptr, cpu.find_self(meshes[1].view())));
+    }
+}
+
+// Bad input of the one is not the other's.
+TEST(CudaLaunch, reports_bad_input_of_each_frame_in_flight) {
+    const Soup<float> good = random_soup(200, 0.2);
+    Soup<float> bad = good;
+    bad.vertices[17][1] = std::numeric_limits<float>::infinity();
+    const DeviceMesh device[2] = {DeviceMesh(good.view()), DeviceMesh(bad.view())};
+    Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
+    const Collisions& expected = cpu.find_self(good.view());
+    const int frames[] = {0, 0, 0, 1, 0, 1, 1, 0, 0, 0};
+    const auto expect_answer = [&](int which) {
+        if (which)
+            EXPECT_STREQ(error_of([&] { cuda.wait(); }).what(), "vertex 17 is not finite");
+        else
+            EXPECT_TRUE(shows(cuda.wait(), good.view(), nullptr, expected));
+    };
+    for (std::size_t frame = 0; frame < std::size(frames); ++frame) {
+        cuda.launch_self(device[frames[frame]].view());
+        if (frame > 0) expect_answer(frames[frame - 1]);
+    }
+    expect_answer(0);
+}
+
+TEST(CudaLaunch, answers_two_frames_in_flight_under_a_memory_limit) {
+    const io::TriangleMesh meshes[2] = {cloth(600, 80), cloth(600, 93)};
+    const DeviceMesh devices[2] = {DeviceMesh(meshes[0].view()), DeviceMesh(meshes[1].view())};
+    Detector cpu({.backend = Backend::cpu});
+    const std::vector<Collisions> expected{cpu.find_self(meshes[0].view()), cpu.find_self(meshes[1].view())};
+    Detector unlimited({.backend = Backend::cuda});
+    const std::int64_t all = unlimited.find_self(devices[1].view()).statistics.peak_memory_bytes;
+    // How many frames are answered, `ahead` of which are in flight at each wait().
+    const auto answers = [&](std::int64_t limit, std::size_t ahead) {
+        SCOPED_TRACE(testing::Message() << limit << " bytes");
+        Detector cuda({.backend = Backend::cuda, .memory_limit = limit});
+        std::size_t answered = 0;
+        try {
+            for (std::size_t frame = 0; frame < 6; ++frame) {
+                cuda.launch_self(devices[frame % 2].view());
+                if (frame < ahead) continue;
+                const std::size_t asked = answered % 2;
+                EXPECT_TRUE(shows(cuda.wait(), meshes[asked].view(), nullptr, expected[asked])) << answered;
+                ++answered;
+            }
+        } catch (const Error& error) {
+            EXPECT_EQ(error.code, ErrorCode::memory_limit) << error.what();
+        }
+        return answered;
+    };
+    std::size_t most = 0, least = 6;
+    for (std::int64_t limit = 2 * all; limit > 100'000; limit -= limit / 6) {
+        const std::size_t one = answers(limit, 0), two = answers(limit, 1);
+        EXPECT_EQ(two == 5, one == 6) << limit;
+        most = std::max(most, two);
+        least = std::min(least, two);
+    }
+    EXPECT_EQ(most, 5u);
+    EXPECT_EQ(least, 0u);
 }
 
 TEST(CudaLaunch, answers_for_empty_meshes) {

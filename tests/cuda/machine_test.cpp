@@ -5,12 +5,14 @@
 #include "agreement/compare.h"
 #include "crumple/error.h"
 #include "cuda/device_mesh.h"
+#include "cuda/shows.h"
 #include "cuda_on_cpu/machine/graph.h"
 #include "cuda_on_cpu/machine/memory.h"
 #include "cuda_on_cpu/machine/sanitizers.h"
 #include "cuda_on_cpu/machine/settings.h"
 #include "engine/cuda/plan.h"
 #include "scenes/scenes.h"
+#include "soups.h"
 
 #ifdef CUDA_ON_CPU_ASAN
 #include <sanitizer/lsan_interface.h>
@@ -124,14 +126,40 @@ TEST_F(CudaMachine, makes_a_graph_of_what_it_is_asked_for_again) {
     std::vector<DeviceMesh> buffers;
     for (int i = 0; i < 6; ++i) buffers.emplace_back(mesh.view());
     EXPECT_EQ(frames(buffers[0], 2), 0u) << "without centres and with";
-    EXPECT_EQ(frames(buffers[0], 1), 1u);
+    EXPECT_EQ(frames(buffers[0], 1), 1u) << "the one that moves, for the other slot";
+    EXPECT_EQ(frames(buffers[0], 2), 2u) << "one a slot";
     EXPECT_EQ(frames(buffers[0], 5), 0u);
     std::size_t made = 0;
     for (int turn = 0; turn < 12; ++turn) made += frames(buffers[static_cast<std::size_t>(turn % 4)], 1);
     EXPECT_EQ(made, 3u) << "four buffers in turn, one of which is known";
     made = 0;
-    for (int turn = 0; turn < 18; ++turn) made += frames(buffers[static_cast<std::size_t>(turn % 6)], 1);
-    EXPECT_LE(made, 3u) << "arrays that move are not worth a graph";
+    for (int turn = 0; turn < 40; ++turn) made += frames(buffers[static_cast<std::size_t>(turn % 5)], 1);
+    EXPECT_EQ(made, 0u) << "five in two slots are more than are kept";
+}
+
+// One graph is given the addresses of each frame. The arrays of all frames live, so that none comes again.
+TEST_F(CudaMachine, makes_one_graph_for_arrays_that_move_and_lists_that_grow) {
+    constexpr int n = 1500;
+    const Soup<float> soups[] = {random_soup(n, 1e-3), random_soup(n, 0.5, 2), random_soup(n, 0.8, 3)};
+    Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
+    std::vector<Collisions> expected;
+    for (const Soup<float>& soup : soups) expected.push_back(cpu.find_self(soup.view()));
+    ASSERT_GT(expected[1].pairs.size(), 2u * n);
+    ASSERT_GT(expected[2].pairs.size(), expected[1].pairs.size() * 5 / 4);
+    const std::size_t before = cuda_on_cpu::graph_count().instantiated;
+    std::vector<DeviceMesh> frames;
+    const auto soup_of = [](std::size_t frame) { return frame < 6 ? 0u : frame < 12 ? 1u : 2u; };
+    const auto expect_right = [&](std::size_t frame) {
+        EXPECT_TRUE(shows(cuda.wait(), soups[0].view(), nullptr, expected[soup_of(frame)])) << "frame " << frame;
+    };
+    for (std::size_t frame = 0; frame < 18; ++frame) {
+        frames.emplace_back(soups[soup_of(frame)].view());
+        cuda.launch_self(frames.back().view());
+        if (frame > 0) expect_right(frame - 1);
+    }
+    expect_right(17);
+    EXPECT_EQ(cuda_on_cpu::graph_count().instantiated - before, 1u);
+    EXPECT_EQ(cuda_on_cpu::graph_count().chain, 14u);
 }
 
 TEST_F(CudaMachine, gives_chunks_lists_as_long_as_memory_holds) {
@@ -160,13 +188,114 @@ TEST_F(CudaMachine, makes_graphs_of_few_nodes) {
     for (const auto& [clusters, leaf_size, chain, nodes] :
          {Case{1, 3000, 14, 16}, {3, 3000, 14, 20}, {2, 15, 15, 26}}) {
         Detector cuda({.backend = Backend::cuda, .clusters = clusters, .leaf_size = leaf_size});
-        for (int frame = 0; frame < 4; ++frame) {
+        for (int frame = 0; frame < 5; ++frame) {
             cuda.launch_self(device.view());
             cuda.wait();
         }
         EXPECT_EQ(cuda_on_cpu::graph_count().chain, chain) << "leaves of " << leaf_size;
         EXPECT_EQ(cuda_on_cpu::graph_count().nodes, nodes) << "leaves of " << leaf_size;
     }
+}
+
+// A caller's graph gets the nodes that a graph of ours has, and makes nobody allocate.
+TEST_F(CudaMachine, puts_the_same_nodes_into_a_callers_graph) {
+    const DeviceMesh device(scenes::make("soup", {.triangles = 50}).view());
+    Detector cuda({.backend = Backend::cuda, .clusters = 3});
+    cudaStream_t stream;
+    check(cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking));
+    MeshView view = device.view();
+    view.stream = stream;
+    for (int call = 0; call < 2; ++call) {
+        cuda.launch_self(view);
+        cuda.wait();
+    }
+    const std::size_t used = cuda_on_cpu::memory::used(), graphs = cuda_on_cpu::graph_count().instantiated;
+    settings().allocations_before_failure = 0;
+    check(cudaStreamBeginCapture(stream, cudaStreamCaptureModeThreadLocal));
+    cuda.launch_self(view);
+    cudaGraph_t graph = nullptr;
+    check(cudaStreamEndCapture(stream, &graph));
+    EXPECT_EQ(cuda_on_cpu::memory::used(), used);
+    EXPECT_EQ(cuda_on_cpu::graph_count().instantiated, graphs);
+    cudaGraphExec_t executable = nullptr;
+    check(cudaGraphInstantiate(&executable, graph, 0));
+    EXPECT_EQ(cuda_on_cpu::graph_count().chain, 14u);
+    EXPECT_EQ(cuda_on_cpu::graph_count().nodes, 20u);
+    check(cudaGraphLaunch(executable, stream));
+    check(cudaStreamSynchronize(stream));
+    EXPECT_TRUE(cuda.wait().complete) << "and wait() allocates nothing, either";
+    check(cudaGraphExecDestroy(executable));
+    check(cudaGraphDestroy(graph));
+    check(cudaStreamDestroy(stream));
+}
+
+// Its lists must not go for the sake of contacts: the caller's graph works on them.
+TEST_F(CudaMachine, may_have_no_memory_for_contacts_of_a_replay) {
+    const io::TriangleMesh few = scenes::make("cloth", {.triangles = 300, .frame = 80}),
+                           many = scenes::make("cloth", {.triangles = 300, .frame = 93});
+    DeviceMesh device(few.view());
+    const Query query{.contacts = true};
+    Detector cuda({.backend = Backend::cuda});
+    cudaStream_t stream;
+    check(cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking));
+    MeshView view = device.view();
+    view.stream = stream;
+    for (int call = 0; call < 2; ++call) {
+        cuda.launch_self(view, query);
+        cuda.wait();
+    }
+    check(cudaStreamBeginCapture(stream, cudaStreamCaptureModeThreadLocal));
+    cuda.launch_self(view, query);
+    cudaGraph_t graph = nullptr;
+    check(cudaStreamEndCapture(stream, &graph));
+    cudaGraphExec_t executable = nullptr;
+    check(cudaGraphInstantiate(&executable, graph, 0));
+    device.set_vertices(many.view());
+    check(cudaGraphLaunch(executable, stream));
+    check(cudaStreamSynchronize(stream));
+    settings().allocations_before_failure = 0;
+    try {
+        EXPECT_FALSE(cuda.wait().complete) << "no contacts were made";
+        ADD_FAILURE() << "no error";
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code, ErrorCode::device) << error.what();
+    }
+    settings().allocations_before_failure = -1;
+    EXPECT_THROW(cuda.wait(), Error) << "the launch is over";
+    cuda.launch_self(view, query);
+    EXPECT_GT(cuda.wait().contact_point_count, 0);
+    check(cudaGraphExecDestroy(executable));
+    check(cudaGraphDestroy(graph));
+    check(cudaStreamDestroy(stream));
+}
+
+// A launch that fails in the middle of a capture leads its branches back, so that the caller can end it.
+TEST_F(CudaMachine, may_fail_at_any_launch_in_a_capture) {
+    const io::TriangleMesh mesh = scenes::make("cloth", {.triangles = 300, .frame = 93});
+    const DeviceMesh device(mesh.view());
+    cudaStream_t stream;
+    check(cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking));
+    MeshView view = device.view();
+    view.stream = stream;
+    for (int launches = 0; launches < 16; launches += 3) {
+        SCOPED_TRACE(testing::Message() << "after " << launches);
+        Detector cuda({.backend = Backend::cuda});
+        for (int call = 0; call < 2; ++call) {
+            cuda.launch_self(view);
+            cuda.wait();
+        }
+        const std::int64_t pairs = cuda.find_self(view).statistics.pairs;
+        check(cudaStreamBeginCapture(stream, cudaStreamCaptureModeThreadLocal));
+        settings().launches_before_failure = launches;
+        EXPECT_THROW(cuda.launch_self(view), Error);
+        settings().launches_before_failure = -1;
+        cudaGraph_t graph = nullptr;
+        EXPECT_EQ(cudaStreamEndCapture(stream, &graph), cudaSuccess);
+        if (graph) check(cudaGraphDestroy(graph));
+        cuda.launch_self(view);
+        EXPECT_EQ(cuda.wait().pair_count, pairs);
+    }
+    check(cudaStreamDestroy(stream));
 }
 
 // The driver takes memory for stacks, and perhaps for graphs.

@@ -27,8 +27,9 @@ void Answer::cut(Cutter& c, const Scene& scene, std::size_t pairs) {
     output.parts = c.take<RowPart>(output.part_capacity);
 }
 
-void Answer::make_room(const Scene& scene, std::size_t pairs) {
-    lay_out(block_, [&](Cutter& c) { cut(c, scene, pairs); });
+void Answer::make_room(const Scene& scene, std::size_t pairs, Room room) {
+    lay_out(
+        block_, [&](Cutter& c) { cut(c, scene, pairs); }, room);
 }
 
 std::size_t Answer::bytes(const Scene& scene, std::size_t pairs, bool contacts) {
@@ -97,7 +98,7 @@ void Answer::decide_open(const Scene& scene, std::size_t n, std::int32_t second,
 
 DeviceCollisions Answer::show(const Scene& scene, bool contacts) const {
     DeviceCollisions shown;
-    shown.pair_count = static_cast<std::int64_t>(total);
+    shown.pairs_needed = shown.pair_count = static_cast<std::int64_t>(total);
     shown.pairs = output.pairs;
     shown.offsets = reinterpret_cast<const std::int64_t*>(output.offsets);
     shown.hit = output.hit;

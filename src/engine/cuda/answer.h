@@ -19,7 +19,7 @@ class Answer {
     unsigned long long total = 0;  ///< pairs
 
     /// Makes room for so many pairs.
-    void make_room(const Scene& scene, std::size_t pairs);
+    void make_room(const Scene& scene, std::size_t pairs, Room room = Room::grows);
     /// What make_room and make_contacts take.
     static std::size_t bytes(const Scene& scene, std::size_t pairs, bool contacts);
 

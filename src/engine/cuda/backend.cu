@@ -1,6 +1,8 @@
 // The cuda backend: brings scenes in and answers out, and keeps the callers' streams and ours in order.
 //
-// launch() gives a whole pass to the caller's stream and returns; wait() looks at the counters.
+// launch() gives a whole pass to the caller's stream and returns; wait() looks at the counters of the oldest launch, of
+// two at most (flights.h). In a capture the pass becomes part of the caller's graph, and wait() looks at what its last
+// replay has left.
 
 #include "engine/backend.h"
 
@@ -16,6 +18,7 @@
 #include "engine/cuda/candidate_finder.h"
 #include "engine/cuda/device.h"
 #include "engine/cuda/feature_finder.h"
+#include "engine/cuda/flights.h"
 #include "engine/cuda/host_mesh.h"
 #include "engine/cuda/input.h"
 #include "engine/cuda/search.h"
@@ -34,15 +37,19 @@ class CudaBackend final : public BackendBase {
           cancellation_(cancellation),
           device_(options.device),
           geometry_(device_.geometry()),
-          input_(options.device, stream_.get(), meter),
-          search_(device_, geometry_, stream_.get(), options, meter, cancellation, input_),
+          search_(device_, geometry_, stream_.get(), options, meter, cancellation, flights_),
           features_there_(stream_.get(), meter),
-          features_(device_, geometry_, stream_.get(), options, meter, cancellation, input_, features_there_),
-          candidates_(device_, geometry_, stream_.get(), options, meter, cancellation, input_, features_there_) {
+          features_(device_, geometry_, stream_.get(), options, meter, cancellation, search_.lent_input(),
+                    features_there_),
+          candidates_(device_, geometry_, stream_.get(), options, meter, cancellation, search_.lent_input(),
+                      features_there_) {
         reserve_stacks();
     }
     ~CudaBackend() override {
-        if (state_ == State::launched) cudaEventSynchronize(done_.get());  // it writes to what is freed now
+        try {
+            flights_.finish();  // they write to what is freed now
+        } catch (...) {         // the device has failed
+        }
     }
 
     int worlds_at_once() const override { return max_leaves; }
@@ -140,39 +147,46 @@ class CudaBackend final : public BackendBase {
     }
 
     void launch(const MeshView& a, const MeshView* b, const Query& query) override {
+        if (flights_.full())
+            throw Error(ErrorCode::invalid_argument, "two launches are in flight: the next one comes after a wait()");
         on_device([&] {
-            finish();
-            refuse_captured(a, b);
-            input_.view(a, b, query.weld);
+            const auto first = capture_of(static_cast<cudaStream_t>(a.stream));
+            const auto second = b ? capture_of(static_cast<cudaStream_t>(b->stream)) : first;
+            if (first || second) return launch_in_capture(a, b, query, first == second);
+            end_state();
+            const bool again = search_.alone() && flights_.count() == 0;
+            const std::size_t slot = again ? flights_.newest() : flights_.next();
+            search_.view(slot, a, b, query.weld);
             search_.adopt(query);
             const auto stream = static_cast<cudaStream_t>(a.stream);
             if (b && b->stream != a.stream) order(before_, static_cast<cudaStream_t>(b->stream), stream);
-            const bool fits = search_.launch(stream);
-            CRUMPLE_CUDA(cudaEventRecord(done_.get(), stream));
-            state_ = fits ? State::launched : State::postponed;
+            flights_.queue(stream);
+            search_.launch(stream);
+            flights_.add(slot, stream);
         });
     }
 
     const DeviceCollisions& wait() override {
-        if (state_ != State::launched && state_ != State::postponed)
-            throw Error(ErrorCode::invalid_argument, "wait() needs a launch before it");
+        if (state_ == State::captured) return wait_for_replay();
+        if (flights_.count() == 0) throw Error(ErrorCode::invalid_argument, "wait() needs a launch before it");
         on_device([&] {
-            const bool launched = state_ == State::launched;
-            finish();
-            search_.forget_statistics();
-            if (!(launched && search_.accept_launched())) search_.find();
+            end_state();
+            search_.resume(flights_.land());
+            if (!search_.accept_launched()) search_.find();
             search_.make_contacts();
-            shown_ = search_.show();
+            shown() = search_.show();
         });
         state_ = State::answered;
-        return shown_;
+        return shown();
     }
 
     void download(Collisions& result) override {
-        if (state_ != State::answered) throw Error(ErrorCode::invalid_argument, "download() needs a wait() before it");
+        if (state_ != State::answered && !(state_ == State::captured && replayed_))
+            throw Error(ErrorCode::invalid_argument, "download() needs a wait() before it");
+        if (!shown().complete) throw Error(ErrorCode::invalid_argument, "download() needs an answer that is complete");
         on_device([&] {
             search_.download(result);
-            result.statistics = shown_.statistics;
+            result.statistics = shown().statistics;
         });
     }
 
@@ -183,8 +197,8 @@ class CudaBackend final : public BackendBase {
             finish();
         } catch (const Error&) {
             state_ = State::idle;  // a device that has failed has nothing left to wait for
+            flights_.forget();
         }
-        input_.release();
         search_.release();
         features_.release();
         candidates_.release();
@@ -198,7 +212,52 @@ class CudaBackend final : public BackendBase {
         });
     }
 
+    bool keeps_after(const Error& error) const override {
+        if (state_ == State::refused) return true;
+        const bool needed = state_ == State::captured || flights_.count() > 0;
+        return needed && error.code != ErrorCode::memory_limit && error.code != ErrorCode::device;
+    }
+
    private:
+    // Nothing is allocated, freed, copied or waited for.
+    void launch_in_capture(const MeshView& a, const MeshView* b, const Query& query, bool same) {
+        if (flights_.count() > 0)
+            throw Error(ErrorCode::invalid_argument, "a launch in a capture comes after wait() for the one before");
+        if (search_.capture_is_open())
+            throw Error(ErrorCode::invalid_argument, "a detector's launches in a capture are one at most");
+        state_ = State::refused;
+        if (!same)
+            throw Error(ErrorCode::invalid_argument, "the streams of two meshes take part in one capture, or in none");
+        try {
+            search_.view(search_.current(), a, b, query.weld, Room::fixed);
+            search_.adopt(query, Room::fixed);
+            const auto stream = static_cast<cudaStream_t>(a.stream);
+            if (b && b->stream != a.stream) order(before_, static_cast<cudaStream_t>(b->stream), stream);
+            search_.capture(stream);
+        } catch (const NoRoom&) {
+            throw Error(ErrorCode::invalid_argument,
+                        "a launch in a capture needs two calls before it, outside of the capture, with meshes of the "
+                        "same shape and the same query: they make its lists");
+        }
+        replayed_ = false;
+        state_ = State::captured;
+    }
+
+    // The stream that it was on is done, says the caller.
+    const DeviceCollisions& wait_for_replay() {
+        on_device([&] {
+            refuse_open_capture();
+            if (!search_.has_replayed())
+                throw Error(ErrorCode::invalid_argument, "wait() needs a replay of the captured launch before it");
+            replayed_ = false;
+            const bool complete = search_.accept_replay();
+            if (complete) search_.make_contacts();
+            shown() = complete ? search_.show() : search_.show_incomplete();
+            replayed_ = true;
+        });
+        return shown();
+    }
+
     void find(const Query& query, Collisions& result) {
         search_.adopt(query);
         search_.find();
@@ -269,7 +328,7 @@ class CudaBackend final : public BackendBase {
 
     void bring(const Scene& scene) {
         finish();
-        input_.bring(scene);
+        search_.bring(scene);
     }
     // Work of ours begins after what the callers' streams were given.
     void view(const MeshView& a, const MeshView* b, const Query& query) {
@@ -277,29 +336,36 @@ class CudaBackend final : public BackendBase {
         refuse_captured(a, b);
         order(before_, static_cast<cudaStream_t>(a.stream), stream_.get());
         if (b) order(before_, static_cast<cudaStream_t>(b->stream), stream_.get());
-        input_.view(a, b, query.weld);
+        search_.view(search_.current(), a, b, query.weld);
     }
     // We wait for the streams, which a capture forbids, and would spoil it.
     static void refuse_captured(const MeshView& a, const MeshView* b) {
-        for (const MeshView* mesh : {&a, b}) {
-            if (!mesh || !mesh->stream) continue;
-            cudaStreamCaptureStatus status = cudaStreamCaptureStatusNone;
-            CRUMPLE_CUDA(cudaStreamIsCapturing(static_cast<cudaStream_t>(mesh->stream), &status));
-            if (status != cudaStreamCaptureStatusNone)
+        for (const MeshView* mesh : {&a, b})
+            if (mesh && capture_of(static_cast<cudaStream_t>(mesh->stream)) != 0)
                 throw Error(ErrorCode::invalid_argument, "a mesh's stream is being captured, and cannot be waited for");
-        }
     }
-    // A launch that nobody waited for is over before its memory is used again; an answer that wait() gave is gone.
+    // Streams of ours take part in it, and what they are given now would, too.
+    void refuse_open_capture() const {
+        if (search_.capture_is_open())
+            throw Error(ErrorCode::invalid_argument, "the capture that a launch was put into has not ended");
+    }
+    // A launch in a capture ends here, and so does download().
+    void end_state() {
+        if (state_ == State::captured) refuse_open_capture();
+        state_ = State::idle;
+    }
+    // Launches that nobody waited for are over before their memory is used again.
     void finish() {
-        const State before = std::exchange(state_, State::idle);
-        if (before == State::launched || before == State::postponed) CRUMPLE_CUDA(cudaEventSynchronize(done_.get()));
+        end_state();
+        flights_.finish();
     }
+    DeviceCollisions& shown() { return shown_[search_.current()]; }
 
     enum class State : std::uint8_t {
         idle,
-        launched,   ///< a pass is on a caller's stream
-        postponed,  ///< there was no room for it: wait() does the work, after the stream's
-        answered,   ///< by wait(), and still there
+        answered,  ///< by wait(), and no call came after that
+        captured,  ///< a pass is in a caller's graph, and its memory stays
+        refused,   ///< a launch in a capture, which nothing may be freed in
     };
 
     MemoryMeter& meter_;
@@ -307,14 +373,15 @@ class CudaBackend final : public BackendBase {
     Device device_;
     Geometry geometry_;
     Stream stream_ = make_stream(device_);
-    Event before_ = make_event(device_), done_ = make_event(device_);
-    Input input_;
+    Event before_ = make_event(device_);
+    Flights flights_{device_};
     Search search_;
     FeaturesOnDevice features_there_;
     FeatureFinder features_;
     CandidateFinder candidates_;
     State state_ = State::idle;
-    DeviceCollisions shown_;
+    bool replayed_ = false;                               ///< since the capture: wait() has told of it
+    std::array<DeviceCollisions, Flights::slots> shown_;  ///< by slot
 };
 
 }  // namespace

@@ -17,20 +17,21 @@ std::int64_t Search::bytes_left() const {
 void Search::plan_chunks(Lists lists) {
     planned_for_ = {};
     laid_out_.reset();
+    lists_of_ = nobody;
     pass_.plan.choose_chunks(pass_.scene.triangle_count(), pass_.scene.between, options_,
                              lists == Lists::roomy ? bytes_left() : 0);
 }
 
 void Search::find_in_chunks(Lists lists) {
     drop_lists();
-    answer_.total = count_in_chunks(lists);
+    answer().total = count_in_chunks(lists);
     // The offsets wait with the host while their block grows.
     const std::size_t n = static_cast<std::size_t>(pass_.scene.triangles[0]) + 1;
     Array<unsigned long long> offsets(&meter_);
-    copy(offsets.resize_discard(n), answer_.output.offsets, n, cudaMemcpyDeviceToHost);
+    copy(offsets.resize_discard(n), answer().output.offsets, n, cudaMemcpyDeviceToHost);
     drop_lists();
-    answer_.make_room(pass_.scene, static_cast<std::size_t>(answer_.total));
-    const Output& output = answer_.output;
+    answer().make_room(pass_.scene, static_cast<std::size_t>(answer().total));
+    const Output& output = answer().output;
     copy(output.offsets, offsets.data(), n, cudaMemcpyHostToDevice);
     copy(output.next, offsets.data(), n, cudaMemcpyHostToDevice);
     offsets.release();
@@ -48,11 +49,11 @@ void Search::find_in_chunks(Lists lists) {
 
 unsigned long long Search::count_in_chunks(Lists lists) {
     plan_chunks(lists);
-    answer_.make_room(pass_.scene, 0);
+    answer().make_room(pass_.scene, 0);
     Clearing clearing;
-    answer_.clear(clearing, pass_.scene);
+    answer().clear(clearing, pass_.scene);
     clearing.launch(geometry_, stream_);
-    const Output& output = answer_.output;
+    const Output& output = answer().output;
     pass_over_chunks({Hits::Mode::count, {}, output.offsets, output.by_tile, nullptr});
     make_offsets(geometry_, stream_, static_cast<std::size_t>(pass_.scene.triangles[0]), output, pass_.counters);
     unsigned long long total = 0;
@@ -66,11 +67,11 @@ void Search::lay_out_chunks() {
     lay_out(work_, [&](Cutter& c) { pass_.cut(c); });
     Clearing clearing;
     pass_.clear(clearing);
-    input_.clear(clearing);
+    input().clear(clearing);
     clearing.launch(geometry_, stream_);
-    input_.enqueue(geometry_, stream_, pass_.counters);
+    input().enqueue(geometry_, stream_, pass_.counters);
     pass_.bounds();
-    input_.throw_error(read_counters());
+    input().throw_error(read_counters());
     pass_.subdivide_scene();
 }
 
@@ -97,7 +98,7 @@ std::size_t Search::pass_over_chunks(Hits hits) {
         const Counters sorted = read_counters();
         laid_out = pass_.plan.accepts_units(sorted);
         if (!laid_out) continue;
-        count(sorted);
+        count(sorted, pass_.plan);
         hits.list.count = &pass_.counters->hits;
         pass_over_slices(hits, counted);
         if (hits.mode == Hits::Mode::any && counted > 0) break;
@@ -117,7 +118,7 @@ void Search::pass_over_slices(Hits hits, std::size_t& counted) {
         }
         pass_.narrow(hits);
         const Counters counters = read_counters();
-        count(counters);
+        count(counters, pass_.plan);
         counted += counters.hits;
         if (counters.beyond > 0) {
             const std::size_t found = decide_beyond(static_cast<std::size_t>(counters.beyond));
@@ -132,7 +133,7 @@ void Search::pass_over_slices(Hits hits, std::size_t& counted) {
 
 // Throws if an answer with so many pairs alone exceeds the limit.
 void Search::require_room(std::size_t pairs) const {
-    const auto bytes = static_cast<std::int64_t>(Answer::bytes(pass_.scene, pairs, query_.contacts));
+    const auto bytes = static_cast<std::int64_t>(Answer::bytes(pass_.scene, pairs, query().contacts));
     if (meter_.limit > 0 && bytes > meter_.limit) throw MemoryMeter::Exceeded{bytes};
 }
 

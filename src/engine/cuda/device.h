@@ -55,6 +55,7 @@ class Branch {
         return stream_.get();
     }
     void join(cudaStream_t into) const { order(turn_, stream_.get(), into); }
+    cudaStream_t stream() const { return stream_.get(); }
 
    private:
     Stream stream_;

@@ -15,10 +15,11 @@ void Search::flag_worlds_at_once(std::span<std::uint8_t> flags) {
     plan();
     for (bool complete = false; !complete;) {
         cancellation_.check();
-        lay_out_lists(false);
+        lay_out_lists();
+        lists_of_ = nobody;
         Clearing clearing;
         enqueue_until_sorted(clearing, nullptr);
-        const WorldHits found{input_.worlds().found(), static_cast<std::uint32_t>(pass_.plan.leaves_a_world())};
+        const WorldHits found{input().worlds().found(), static_cast<std::uint32_t>(pass_.plan.leaves_a_world())};
         for (const unsigned long long step : {16ull, 1ull}) {
             Counters* const c = pass_.counters;
             fill(stream_, &c->next_unit, 0, sizeof *c - offsetof(Counters, next_unit));
@@ -27,15 +28,15 @@ void Search::flag_worlds_at_once(std::span<std::uint8_t> flags) {
         }
         if (pass_.plan.guided) beside_.join(stream_);
         const Counters counters = read_counters();
-        input_.throw_error(counters);
+        input().throw_error(counters);
         complete = pass_.plan.accepts(counters, pass_.scene.triangle_count(), options_, false);
         if (!complete) continue;
-        count(counters);
+        count(counters, pass_.plan);
         flag_beyond(static_cast<std::size_t>(counters.beyond), flags);
     }
     pass_.plan.cold = false;
     pass_.plan.guided = true;
-    input_.worlds().read(stream_, flags);
+    input().worlds().read(stream_, flags);
 }
 
 // What even expansions could not hold, of worlds in which nothing else was found.

@@ -1,8 +1,14 @@
 #pragma once
 
-// Work that is given to a stream again and again: launch by launch the first time, which also loads its kernels, and as
-// one CUDA graph from the second time on. So a caller
-// whose arrays move with each call never pays for a graph, and no kernel is loaded while a stream captures.
+// Work that is given to a stream again and again, as CUDA graphs. What is made of it depends on how it was met before:
+//
+//     never, nor any of its shape      launch by launch, which also loads its kernels
+//     never, but work of its shape     the one graph for work that moves, which is given the new addresses and lengths
+//     once                             a graph of its own from now on
+//     more often                       that graph
+//
+// So arrays that lie elsewhere in each frame, and lists that grow, cost no new graph; frames that come again cost one
+// launch; and no kernel is loaded while a stream captures.
 
 #include <algorithm>
 #include <array>
@@ -15,7 +21,7 @@ namespace crumple::cuda {
 
 /// What `enqueue` gives to `stream`, as a graph.
 template <class Enqueue>
-GraphExec capture(cudaStream_t stream, Enqueue enqueue) {
+Graph capture(cudaStream_t stream, Enqueue enqueue) {
     const CaptureMode strict(cudaStreamCaptureModeThreadLocal);  // allocating or waiting meanwhile is an error
     CRUMPLE_CUDA(cudaStreamBeginCapture(stream, cudaStreamCaptureModeThreadLocal));
     cudaGraph_t made = nullptr;
@@ -27,13 +33,25 @@ GraphExec capture(cudaStream_t stream, Enqueue enqueue) {
         throw;
     }
     CRUMPLE_CUDA(cudaStreamEndCapture(stream, &made));
-    const Graph graph(made);
+    return Graph(made);
+}
+
+inline GraphExec instantiate(const Graph& graph) {
     cudaGraphExec_t executable = nullptr;
     CRUMPLE_CUDA(cudaGraphInstantiate(&executable, graph.get(), 0));
     return GraphExec(executable);
 }
 
-/// `Key`: all that the work depends on.
+/// Has it do what `graph` does, if that has the same nodes, from its next launch on. False if it has not.
+inline bool update(const GraphExec& executable, const Graph& graph) {
+    cudaGraphExecUpdateResultInfo result{};
+    const cudaError_t error = cudaGraphExecUpdate(executable.get(), graph.get(), &result);
+    if (error != cudaErrorGraphExecUpdateFailure) CRUMPLE_CUDA(error);
+    if (error != cudaSuccess) cudaGetLastError();  // or the next check would meet it
+    return error == cudaSuccess;
+}
+
+/// `Key`: all that the work depends on. `Key::shape()`: what its kernels depend on, as a key.
 template <class Key>
 class GraphCache {
    public:
@@ -48,20 +66,36 @@ class GraphCache {
         // The latest comes first, and the last one goes.
         std::rotate(kept_.begin(), met ? found : std::prev(kept_.end()), met ? std::next(found) : kept_.end());
         Kept& kept = kept_[0];
-        if (!met) {
-            kept = {};
-            order(turn_, stream, own_);
-            enqueue();
-            order(turn_, own_, stream);
-            kept.key = key;
-            kept.met = true;
+        if (met) {
+            if (!kept.graph) kept.graph = instantiate(capture(own_, enqueue));
+            CRUMPLE_CUDA(cudaGraphLaunch(kept.graph.get(), stream));
             return;
         }
-        if (!kept.graph) kept.graph = capture(own_, enqueue);
-        CRUMPLE_CUDA(cudaGraphLaunch(kept.graph.get(), stream));
+        kept = {};
+        if (moving_.met && moving_.key == key.shape()) {
+            const Graph graph = capture(own_, enqueue);
+            if (!moving_.graph || !update(moving_.graph, graph)) moving_.graph = instantiate(graph);
+            CRUMPLE_CUDA(cudaGraphLaunch(moving_.graph.get(), stream));
+        } else {
+            run_once(stream, enqueue);
+            moving_ = {key.shape(), true, {}};
+        }
+        kept.key = key;
+        kept.met = true;
     }
 
-    void clear() { kept_ = {}; }
+    /// The same for work that will not come again: launch by launch.
+    template <class Enqueue>
+    void run_once(cudaStream_t stream, Enqueue enqueue) const {
+        order(turn_, stream, own_);
+        enqueue();
+        order(turn_, own_, stream);
+    }
+
+    void clear() {
+        kept_ = {};
+        moving_ = {};
+    }
 
    private:
     struct Kept {
@@ -72,7 +106,8 @@ class GraphCache {
 
     cudaStream_t own_;
     Event turn_;
-    std::array<Kept, 4> kept_;  ///< for simulations that write their frames to several buffers in turn
+    std::array<Kept, 8> kept_;  ///< for two slots, and simulations that write their frames to several buffers in turn
+    Kept moving_;               ///< by shape
 };
 
 }  // namespace crumple::cuda

@@ -140,7 +140,7 @@ void Input::bring(const Scene& host) {
     worlds_.bring(stream_, host);
 }
 
-void Input::view(const MeshView& a, const MeshView* b, bool weld) {
+void Input::view(const MeshView& a, const MeshView* b, bool weld, Room room) {
     scene_ = outline_scene(a, b, MemorySpace::cuda);
     worlds_.forget();
     places_.check(a, b);
@@ -152,29 +152,31 @@ void Input::view(const MeshView& a, const MeshView* b, bool weld) {
     const bool as_is = !b && !weld && is_int32_rows(a.triangles);
     const bool any_groups = !a.groups.empty() || (b && !b->groups.empty());
     slots_ = weld ? std::bit_ceil(2 * vertices + 1) : 0;
-    lay_out(block_, [&](Cutter& c) {
+    const auto cut = [&](Cutter& c) {
         box_ = c.take<SceneBox>(1);
         corners_ = c.take<std::int32_t>(as_is ? 0 : 3 * triangles);
         groups_ = c.take<std::int32_t>(b && any_groups ? triangles : 0);
         table_ = c.take<unsigned>(slots_);
-    });
+    };
+    lay_out(block_, cut, room);
     scene_.corners = as_is ? static_cast<const std::int32_t*>(a.triangles.data) : corners_;
     scene_.groups = !any_groups ? nullptr : b ? groups_ : a.groups.data();
 }
 
-void Input::want(const Query& query) {
+void Input::want(const Query& query, Room room) {
     rule_.prepare(query, scene_.bodies);
-    want(rule_);
+    want(rule_, room);
 }
 
-void Input::want(const GroupRule& rule) {
+void Input::want(const GroupRule& rule, Room room) {
     wanted_ = rule.wanted();
     const auto bring = [&](Mirror<std::uint64_t>& there, WantedGroups& wanted) {
-        wanted.excluded = there.bring(stream_, {wanted.excluded, static_cast<std::size_t>(wanted.excluded_count)});
+        const std::span<const std::uint64_t> host(wanted.excluded, static_cast<std::size_t>(wanted.excluded_count));
+        wanted.excluded = there.bring(stream_, host, room);
     };
     bring(excluded_groups_, wanted_.groups);
     bring(excluded_bodies_, wanted_.bodies);
-    if (scene_.bodies) wanted_.classes = classes_.bring(stream_, scene_.bodies->classes.span());
+    if (scene_.bodies) wanted_.classes = classes_.bring(stream_, scene_.bodies->classes.span(), room);
 }
 
 void Input::clear(Clearing& clearing) const {

@@ -34,10 +34,10 @@ class Input {
     void bring(const Scene& host);
     /// One mesh or two in device memory. Throws Error (invalid_argument) for shapes that make no sense and for arrays
     /// that lie elsewhere; contents are checked by the work that enqueue() gives to the stream.
-    void view(const MeshView& a, const MeshView* b, bool weld);
+    void view(const MeshView& a, const MeshView* b, bool weld, Room room = Room::grows);
     /// The query's rules, or those of the world that the scene is made of.
-    void want(const Query& query);
-    void want(const GroupRule& rule);
+    void want(const Query& query, Room room = Room::grows);
+    void want(const GroupRule& rule, Room room = Room::grows);
 
     /// What is to be cleared before enqueue()'s work.
     void clear(Clearing& clearing) const;

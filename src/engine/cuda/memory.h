@@ -26,6 +26,7 @@ class Block {
         return data_;
     }
     const void* data() const { return data_; }
+    std::size_t capacity() const { return capacity_; }
     void release() {
         if (!data_) return;
         const CaptureMode relaxed(cudaStreamCaptureModeRelaxed);
@@ -84,11 +85,17 @@ class Cutter {
     std::size_t used_ = 0;
 };
 
+/// Whether a block may grow: not for work that goes into a caller's capture, where nothing may be allocated.
+enum class Room : std::uint8_t { grows, fixed };
+/// Thrown where something would have to grow, or be brought, that is fixed.
+struct NoRoom {};
+
 /// Lays arrays out in the block: cut(cutter) names them one after the other, first to measure, then to place them.
 template <class Cut>
-void lay_out(Block& block, Cut cut) {
+void lay_out(Block& block, Cut cut, Room room = Room::grows) {
     Cutter measure;
     cut(measure);
+    if (room == Room::fixed && measure.used() > block.capacity()) throw NoRoom{};
     Cutter cutter(block.resize(measure.used()));
     cut(cutter);
 }

@@ -1,5 +1,8 @@
 #include "engine/cuda/search.h"
 
+#include <algorithm>
+#include <cstdint>
+#include <type_traits>
 #include <vector>
 
 #include "engine/cuda/gather.h"
@@ -8,66 +11,54 @@
 namespace crumple::cuda {
 
 Search::Search(const Device& device, const Geometry& geometry, cudaStream_t stream, const Options& options,
-               MemoryMeter& meter, Cancellation& cancellation, Input& input)
+               MemoryMeter& meter, Cancellation& cancellation, Flights& flights)
     : options_(options),
       meter_(meter),
       cancellation_(cancellation),
       geometry_(geometry),
       stream_(stream),
-      input_(input),
+      flights_(flights),
       watch_(device),
       beside_(device),
-      counters_(device),
       graphs_(device, stream),
+      capture_(device, stream, beside_),
       guides_(meter),
       work_(meter),
-      answer_(geometry, stream, meter),
+      slots_{Slot(device, geometry, stream, meter), Slot(device, geometry, stream, meter)},
       pass_(geometry, stream, options) {
     pass_.beside = &beside_;
 }
 
-void Search::adopt(const Query& query) {
-    query_ = query;
-    input_.want(query);
-    pass_.scene = input_.scene();
-    pass_.box = input_.box();
-    pass_.worlds = input_.worlds().triangles();
-    pass_.wanted = input_.wanted();
-    pass_.policy = policy_of(query.neighbours, query.intersections);
-    statistics_ = {};
+// Of the caller's addresses stays what kernels are chosen by: whether there is an array, and how it is aligned.
+Search::Key Search::Key::shape() const {
+    Key shape = *this;
+    const auto forget = [](auto*& place) {
+        constexpr std::uintptr_t alignment = 16;
+        if (place)
+            place = reinterpret_cast<std::remove_reference_t<decltype(place)>>(
+                alignment + reinterpret_cast<std::uintptr_t>(place) % alignment);
+    };
+    for (VertexReader& reader : shape.scene.reader) forget(reader.data);
+    for (TriangleView& view : shape.input.triangles) forget(view.data);
+    for (const void*& of : shape.input.groups) forget(of);
+    forget(shape.scene.corners);
+    forget(shape.scene.groups);
+    forget(shape.wanted.groups.excluded);
+    forget(shape.wanted.bodies.excluded);
+    forget(shape.wanted.classes);
+    shape.input.block = shape.work = shape.result = shape.guides = shape.counters = nullptr;
+    shape.plan = {};
+    shape.plan.worlds = plan.worlds;
+    std::ranges::copy(plan.fan_out, shape.plan.fan_out);
+    return shape;
 }
 
-void Search::drop_lists() {
-    laid_out_.reset();
-    answer_.release();
-    work_.release();
-}
+Slot::Slot(const Device& device, const Geometry& geometry, cudaStream_t stream, MemoryMeter& meter)
+    : input(device.index(), stream, meter), counters(device), answer(geometry, stream, meter) {}
 
-void Search::release() {
-    drop_lists();
-    guides_.release();
-    graphs_.clear();
-    planned_for_ = {};
-    too_many_ = std::numeric_limits<std::int64_t>::max();
-}
-
-void Search::plan() {
-    const Scene& scene = pass_.scene;
-    const SceneKind kind{scene.triangle_count(), scene.between, scene.worlds};
-    if (planned_for_ != kind && scene.worlds == 1) pass_.plan.choose(kind.triangles, kind.between, options_);
-    if (planned_for_ != kind && scene.worlds > 1)
-        pass_.plan.choose_worlds(kind.triangles, kind.worlds, scene.largest_world(), options_);
-    planned_for_ = kind;
-}
-
-void Search::lay_out_lists(bool answer) {
-    const Layout wanted{pass_.scene.vertices, pass_.scene.triangles, pass_.scene.float32, pass_.plan, answer};
-    if (laid_out_ == wanted) return;
-    laid_out_.reset();
-    lay_out(guides_, [&](Cutter& c) { pass_.guides.cut(c, pass_.plan); });
-    lay_out(work_, [&](Cutter& c) { pass_.cut(c); });
-    if (answer) answer_.make_room(pass_.scene, pass_.plan.hits);
-    laid_out_ = wanted;
+void Slot::release() {
+    input.release();
+    answer.release();
 }
 
 // Whether there was memory for the work.
@@ -82,11 +73,120 @@ bool Search::fits(Work work) {
     return false;
 }
 
-// The same for a pass over the whole scene, which is not tried again for scenes of that size.
+// What a call is given comes first: all that earlier ones have left may go for it.
+template <class Work>
+void Search::bring_with_room(Work work) {
+    if (fits(work)) return;
+    free_others();
+    work();
+}
+
+void Search::view(std::size_t slot, const MeshView& a, const MeshView* b, bool weld, Room room) {
+    now_ = slot;
+    this->slot().lost = true;
+    bring_with_room([&] { input().view(a, b, weld, room); });
+}
+
+void Search::bring(const Scene& scene) {
+    bring_with_room([&] { input().bring(scene); });
+}
+
+void Search::adopt(const Query& query, Room room) {
+    captured_ = false;
+    slot().query = query;
+    slot().query.excluded_groups = {};
+    input().want(query, room);
+    look();
+}
+
+void Search::resume(std::size_t slot) {
+    now_ = slot;
+    look();
+}
+
+// Has the pass see what the slot holds.
+void Search::look() {
+    pass_.scene = input().scene();
+    pass_.box = input().box();
+    pass_.worlds = input().worlds().triangles();
+    pass_.wanted = input().wanted();
+    pass_.policy = policy_of(query().neighbours, query().intersections);
+    statistics_ = {};
+}
+
+// What earlier launches have left goes where there is no memory for this one. Those in flight are done again in their
+// wait(), by what they were given.
+bool Search::free_others() {
+    flights_.settle();
+    const std::int64_t before = meter_.used;
+    for (std::size_t i = 0; i < slots_.size(); ++i) {
+        if (i == now_) continue;
+        slots_[i].lost = true;
+        slots_[i].answer.release();
+        if (!flights_.holds(i)) slots_[i].input.release();
+    }
+    const bool freed = meter_.used < before;
+    alone_ = alone_ || freed;
+    return freed;
+}
+
+void Search::drop_lists() {
+    free_others();
+    lists_of_ = nobody;
+    laid_out_.reset();
+    answer().release();
+    work_.release();
+}
+
+void Search::release() {
+    drop_lists();
+    for (Slot& slot : slots_) slot.release();
+    guides_.release();
+    graphs_.clear();
+    planned_for_ = {};
+    grown_.reset();
+    too_many_ = std::numeric_limits<std::int64_t>::max();
+    alone_ = false;
+}
+
+void Search::plan() {
+    if (grown_) pass_.plan = *std::exchange(grown_, std::nullopt);
+    const Scene& scene = pass_.scene;
+    const SceneKind kind{scene.triangle_count(), scene.between, scene.worlds};
+    if (planned_for_ != kind && scene.worlds == 1) pass_.plan.choose(kind.triangles, kind.between, options_);
+    if (planned_for_ != kind && scene.worlds > 1)
+        pass_.plan.choose_worlds(kind.triangles, kind.worlds, scene.largest_world(), options_);
+    planned_for_ = kind;
+}
+
+Search::Layout Search::layout() const {
+    return {pass_.scene.vertices, pass_.scene.triangles, pass_.scene.float32, pass_.plan};
+}
+
+void Search::lay_out_lists() {
+    if (laid_out_ == layout()) return;
+    flights_.settle();  // passes work on what may move now
+    laid_out_.reset();
+    lists_of_ = nobody;
+    lay_out(guides_, [&](Cutter& c) { pass_.guides.cut(c, pass_.plan); });
+    lay_out(work_, [&](Cutter& c) { pass_.cut(c); });
+    laid_out_ = layout();
+}
+
+// Lists, and room for the answer, for a pass that this slot will tell of.
+void Search::prepare_pass() {
+    plan();
+    lay_out_lists();
+    answer().make_room(pass_.scene, pass_.plan.hits);
+    slot().plan = pass_.plan;
+    lists_of_ = now_;
+}
+
+// Whether there was memory for a pass over the whole scene, which is not tried again for scenes of that size.
 template <class Work>
 bool Search::fits_at_once(Work work) {
     if (pass_.scene.triangle_count() >= too_many_) return false;
-    if (fits(work)) return true;
+    if (fits(work) || (free_others() && fits(work))) return true;
     too_many_ = pass_.scene.triangle_count();
     return false;
 }
@@ -95,10 +195,13 @@ bool Search::fits_at_once(Work work) {
 // again in chunks, for one that was found at once has room to spare. `undo` releases what was made.
 template <class Make, class Undo>
 void Search::with_room_for(Make make, Undo undo) {
+    if (captured_) return make();  // nothing may go
     if (fits(make)) return;
     const auto clear = [&] {
         undo();
-        answer_.release_contacts();
+        free_others();
+        lists_of_ = nobody;
+        answer().release_contacts();
         laid_out_.reset();
         work_.release();
     };
@@ -121,6 +224,7 @@ void Search::in_chunks(Work work) {
 
 void Search::find() {
     statistics_ = {};
+    flights_.settle();  // passes work on the same lists
     if (fits_at_once([&] { find_at_once(); })) return;
     refuse_several_worlds();
     in_chunks([&](Lists lists) { find_in_chunks(lists); });
@@ -132,29 +236,58 @@ void Search::refuse_several_worlds() const {
 }
 
 void Search::find_at_once() {
-    plan();
     do {
         cancellation_.check();
-        lay_out_lists(true);
+        prepare_pass();
         enqueue(&watch_);
         CRUMPLE_CUDA(cudaStreamSynchronize(stream_));
-    } while (!accept(*counters_));
+    } while (!accept(*slot().counters));
     watch_.read(statistics_);
 }
 
 bool Search::launch(cudaStream_t stream) {
-    return fits_at_once([&] {
-        plan();
-        lay_out_lists(true);
-        graphs_.run({pass_.scene, pass_.wanted, pass_.policy, pass_.plan, input_.work(), work_.data(), answer_.place(),
-                     guides_.data()},
-                    stream, [&] { enqueue(nullptr); });
+    const bool launched = fits_at_once([&] {
+        prepare_pass();
+        const auto pass = [&] { enqueue(nullptr); };
+        if (pass_.plan.guided)
+            graphs_.run({pass_.scene, pass_.wanted, pass_.policy, pass_.plan, input().work(), work_.data(),
+                         answer().place(), guides_.data(), slot().counters.get()},
+                        stream, pass);
+        else
+            graphs_.run_once(stream, pass);
     });
+    slot().lost = !launched;
+    return launched;
 }
 
 bool Search::accept_launched() {
+    if (slot().lost) return false;
     bool complete = false;
-    return fits_at_once([&] { complete = accept(*counters_); }) && complete;
+    return fits_at_once([&] { complete = accept(*slot().counters); }) && complete;
+}
+
+void Search::capture(cudaStream_t stream) {
+    plan();
+    if (!pass_.plan.guided || laid_out_ != layout()) throw NoRoom{};
+    answer().make_room(pass_.scene, pass_.plan.hits, Room::fixed);
+    slot().plan = pass_.plan;
+    lists_of_ = now_;
+    has_replayed();
+    capture_.add(stream, [&] { enqueue(nullptr); });
+    captured_ = true;
+}
+
+// A pass ends by writing all counters, and none has so many units.
+bool Search::has_replayed() {
+    constexpr unsigned long long never = ~0ull;
+    return std::exchange(slot().counters->next_unit, never) != never;
+}
+
+bool Search::accept_replay() {
+    statistics_ = {};
+    if (accept(*slot().counters)) return true;
+    grown_ = std::exchange(pass_.plan, slot().plan);
+    return false;
 }
 
 bool Search::any() {
@@ -178,7 +311,8 @@ bool Search::any_at_once() {
     plan();
     for (;;) {
         cancellation_.check();
-        lay_out_lists(false);
+        lay_out_lists();
+        lists_of_ = nobody;
         Clearing clearing;
         enqueue_until_sorted(clearing, nullptr);
         unsigned long long* const found = &pass_.counters->hits;
@@ -189,7 +323,7 @@ bool Search::any_at_once() {
         }
         if (pass_.plan.guided) beside_.join(stream_);
         const Counters counters = read_counters();
-        input_.throw_error(counters);
+        input().throw_error(counters);
         const bool complete = pass_.plan.accepts(counters, pass_.scene.triangle_count(), options_, false);
         if (complete) {
             pass_.plan.cold = false;
@@ -206,14 +340,14 @@ void Search::enqueue(StageEvents* watch) {
         if (watch) watch->begin(stage, stream_);
     };
     Clearing clearing;
-    answer_.clear(clearing, pass_.scene);
+    answer().clear(clearing, pass_.scene);
     enqueue_until_sorted(clearing, watch);
     begin(Stage::sweep);
     pass_.sweep({});
     begin(Stage::narrow);
-    pass_.narrow({Hits::Mode::list, pass_.hits(), answer_.output.offsets, answer_.output.by_tile, nullptr});
+    pass_.narrow({Hits::Mode::list, pass_.hits(), answer().output.offsets, answer().output.by_tile, nullptr});
     begin(Stage::output);
-    answer_.write(pass_.scene, pass_.hits(), pass_.counters, counters_.get());
+    answer().write(pass_.scene, pass_.hits(), pass_.counters, slot().counters.get());
     if (pass_.plan.guided) beside_.join(stream_);
     if (watch) watch->end(stream_);
 }
@@ -224,10 +358,10 @@ void Search::enqueue_until_sorted(Clearing& clearing, StageEvents* watch) {
         if (watch) watch->begin(stage, stream_);
     };
     pass_.clear(clearing);
-    input_.clear(clearing);
+    input().clear(clearing);
     clearing.launch(geometry_, stream_);
     begin(Stage::bounds);
-    input_.enqueue(geometry_, stream_, pass_.counters);
+    input().enqueue(geometry_, stream_, pass_.counters);
     pass_.bounds();
     begin(Stage::subdivide);
     pass_.subdivide_scene();
@@ -238,30 +372,36 @@ void Search::enqueue_until_sorted(Clearing& clearing, StageEvents* watch) {
     pass_.sort();
 }
 
-// Whether the pass that these counters tell of was complete. If not, the plan is another one.
+// Whether the slot's pass, which these counters tell of, was complete. If not, the plan is another one, unless it has
+// become one since, for another launch.
 bool Search::accept(const Counters& counters) {
-    input_.throw_error(counters);
-    const std::int64_t n = pass_.scene.triangle_count();
-    if (!pass_.plan.accepts(counters, n, options_)) return false;
-    answer_.total = counters.hits;
+    input().throw_error(counters);
+    Plan plan = slot().plan;
+    const bool latest = pass_.plan == plan, complete = plan.accepts(counters, pass_.scene.triangle_count(), options_);
+    if (latest) pass_.plan = plan;
+    if (!complete) return false;
+    answer().total = counters.hits;
     if (counters.beyond > 0) {
+        if (lists_of_ != now_) return false;  // a later pass has written there
         const std::size_t found = decide_beyond(static_cast<std::size_t>(counters.beyond));
-        answer_.total += found;
-        if (!pass_.plan.accepts_hits(answer_.total)) return false;
+        answer().total += found;
+        if (!pass_.plan.accepts_hits(answer().total)) return false;
         if (found > 0) {
             append_hits(geometry_, stream_, pass_.beyond(), found, counters.hits, pass_.hits());
             Clearing clearing;
-            answer_.clear(clearing, pass_.scene);
+            answer().clear(clearing, pass_.scene);
             clearing.add(&pass_.counters->parts, sizeof pass_.counters->parts);
             clearing.launch(geometry_, stream_);
-            rank_hits(geometry_, stream_, pass_.hits(), answer_.output.offsets, answer_.output.by_tile);
-            answer_.write(pass_.scene, pass_.hits(), pass_.counters, nullptr);
+            rank_hits(geometry_, stream_, pass_.hits(), answer().output.offsets, answer().output.by_tile);
+            answer().write(pass_.scene, pass_.hits(), pass_.counters, nullptr);
             CRUMPLE_CUDA(cudaStreamSynchronize(stream_));
         }
     }
-    count(counters);
-    pass_.plan.cold = false;
-    pass_.plan.guided = true;
+    count(counters, plan);
+    if (latest) {
+        pass_.plan.cold = false;
+        pass_.plan.guided = true;
+    }
     return true;
 }
 
@@ -274,23 +414,23 @@ std::size_t Search::decide_beyond(std::size_t n) {
     gathered.each(pass_.beyond(), n, 0, [&](std::size_t i, const Triangle& a, const Triangle& b) {
         cancellation_.check();
         DecisionCounts counts;
-        if (collide(a, b, query_.neighbours, query_.intersections, counts)) hits.push_back(pairs[i]);
+        if (collide(a, b, query().neighbours, query().intersections, counts)) hits.push_back(pairs[i]);
     });
     copy(pass_.beyond(), hits.data(), hits.size(), cudaMemcpyHostToDevice);
     return hits.size();
 }
 
 Counters Search::read_counters() {
-    copy(counters_.get(), pass_.counters, 1, cudaMemcpyDeviceToHost);
-    return *counters_;
+    copy(slot().counters.get(), pass_.counters, 1, cudaMemcpyDeviceToHost);
+    return *slot().counters;
 }
 
-void Search::count(const Counters& c) {
+void Search::count(const Counters& c, const Plan& plan) {
     Statistics& s = statistics_;
     s.backend = "cuda";
-    s.clusters = pass_.plan.children(0);
-    s.leaves = pass_.plan.leaves();
-    s.members += static_cast<std::int64_t>(c.members[pass_.plan.levels() - 1]);
+    s.clusters = plan.children(0);
+    s.leaves = plan.leaves();
+    s.members += static_cast<std::int64_t>(c.members[plan.levels() - 1]);
     s.interval_tests += static_cast<std::int64_t>(c.interval_tests);
     s.box_overlaps += static_cast<std::int64_t>(c.box_overlaps);
     s.edge_tests += static_cast<std::int64_t>(c.survivors);
@@ -302,7 +442,7 @@ void Search::count(const Counters& c) {
 void Search::make_contacts() {
     with_room_for(
         [&] {
-            if (query_.contacts) statistics_.rational_contacts = answer_.make_contacts(pass_.scene, cancellation_);
+            if (query().contacts) statistics_.rational_contacts = answer().make_contacts(pass_.scene, cancellation_);
         },
         [] {});
 }
@@ -310,8 +450,8 @@ void Search::make_contacts() {
 void Search::copy_to(Collisions& result) {
     with_room_for(
         [&] {
-            if (query_.contacts) statistics_.rational_contacts = answer_.make_contacts(pass_.scene, cancellation_);
-            answer_.copy_to(pass_.scene, query_.contacts, result);
+            if (query().contacts) statistics_.rational_contacts = answer().make_contacts(pass_.scene, cancellation_);
+            answer().copy_to(pass_.scene, query().contacts, result);
         },
         [&] {
             result.pairs.release();
@@ -320,10 +460,19 @@ void Search::copy_to(Collisions& result) {
 }
 
 DeviceCollisions Search::show() const {
-    DeviceCollisions shown = answer_.show(pass_.scene, query_.contacts);
+    DeviceCollisions shown = answer().show(pass_.scene, query().contacts);
     shown.statistics = statistics_;
     shown.statistics.triangles = pass_.scene.triangle_count();
-    shown.statistics.pairs = static_cast<std::int64_t>(answer_.total);
+    shown.statistics.pairs = static_cast<std::int64_t>(answer().total);
+    return shown;
+}
+
+DeviceCollisions Search::show_incomplete() const {
+    DeviceCollisions shown;
+    shown.complete = false;
+    shown.pairs_needed = static_cast<std::int64_t>(slot().counters->hits);
+    shown.statistics.backend = "cuda";
+    shown.statistics.triangles = pass_.scene.triangle_count();
     return shown;
 }
 

@@ -11,19 +11,48 @@
 #include <span>
 
 #include "engine/cuda/answer.h"
+#include "engine/cuda/captures.h"
+#include "engine/cuda/flights.h"
 #include "engine/cuda/graph_cache.h"
 #include "engine/cuda/input.h"
 #include "questions/intersect/cuda/pass.h"
 
 namespace crumple::cuda {
 
+/// What a launch has for itself, since another one may be in flight.
+struct Slot {
+    Slot(const Device& device, const Geometry& geometry, cudaStream_t stream, MemoryMeter& meter);
+    void release();
+
+    Input input;
+    Query query;  ///< without its list of groups, which is the caller's
+    Plan plan;    ///< of its pass
+    Pinned<Counters> counters;
+    Answer answer;
+    bool lost = true;  ///< there is no pass, or its answer had to go
+};
+
 class Search {
    public:
     Search(const Device& device, const Geometry& geometry, cudaStream_t stream, const Options& options,
-           MemoryMeter& meter, Cancellation& cancellation, Input& input);
+           MemoryMeter& meter, Cancellation& cancellation, Flights& flights);
+
+    /// Of the slot that is worked on.
+    Input& input() { return slot().input; }
+    /// For searches of other questions, while no launch is in flight; each call here that follows brings its own.
+    Input& lent_input() { return slots_[0].input; }
+    /// Works on a slot, whose last answer goes, and has its input view the meshes.
+    void view(std::size_t slot, const MeshView& a, const MeshView* b, bool weld, Room room = Room::grows);
+    /// Has its input bring a scene.
+    void bring(const Scene& scene);
+    std::size_t current() const { return now_; }
+    /// Works on a slot again, as adopt() has left it.
+    void resume(std::size_t slot);
+    /// Whether two slots were more than memory holds: one is then used as long as one will do.
+    bool alone() const { return alone_; }
 
     /// What is asked of the input, whichever way it came.
-    void adopt(const Query& query);
+    void adopt(const Query& query, Room room = Room::grows);
 
     /// Leaves the answer on the device. Worlds side by side are not searched in chunks: where they do not fit, this and
     /// what follows throw MemoryMeter::Exceeded.
@@ -37,6 +66,17 @@ class Search {
     /// After it is done: whether that pass has left the whole answer.
     bool accept_launched();
 
+    /// Puts a whole pass into the capture of `stream`: each replay is a pass. Its memory stays where it is until the
+    /// next adopt(). Throws NoRoom unless two calls before were of the same kind: the first makes the lists, the second
+    /// loads the kernels of a pass that has a guide.
+    void capture(cudaStream_t stream);
+    /// Whether the caller has not ended that capture yet.
+    bool capture_is_open() const { return capture_.open(); }
+    /// Whether a replay was done since the capture, or since this was last asked.
+    bool has_replayed();
+    /// After that: whether the last replay has left the whole answer. If not, adopt() will make its lists longer.
+    bool accept_replay();
+
     /// Counts pairs without storing them, in as little memory as may be.
     unsigned long long count_in_chunks() { return count_in_chunks(Lists::shortest); }
 
@@ -45,11 +85,12 @@ class Search {
     void copy_to(Collisions& result);
     /// What make_contacts() and find() have left.
     DeviceCollisions show() const;
-    void download(Collisions& result) { answer_.copy_to(scene(), query_.contacts, result); }
+    /// After a replay that has not left the whole answer.
+    DeviceCollisions show_incomplete() const;
+    void download(Collisions& result) { answer().copy_to(scene(), query().contacts, result); }
 
     const Scene& scene() const { return pass_.scene; }
-    const Query& query() const { return query_; }
-    unsigned long long pairs() const { return answer_.total; }
+    const Query& query() const { return slot().query; }
     const Statistics& statistics() const { return statistics_; }
     void forget_statistics() { statistics_ = {}; }
 
@@ -59,15 +100,17 @@ class Search {
     void release();
 
    private:
-    // Everything that the commands of a pass were made of. While it stays the same, they are the same.
+    // Everything that the commands of a guided pass were made of. While it stays the same, they are the same.
     struct Key {
         Scene scene;
         WantedPairs wanted;
         NarrowPolicy policy;
         Plan plan;
         Input::Work input;
-        const void *work, *result, *guides;
+        const void *work, *result, *guides, *counters;
         friend bool operator==(const Key&, const Key&) = default;
+        /// The same without places and lengths of lists. Which kernels there are follows from it.
+        Key shape() const;
     };
     struct SceneKind {
         std::int64_t triangles = -1;
@@ -80,21 +123,28 @@ class Search {
         std::array<std::int64_t, 2> vertices, triangles;
         bool float32;
         Plan plan;
-        bool answer;
         friend bool operator==(const Layout&, const Layout&) = default;
     };
 
     enum class Lists : std::uint8_t { shortest, roomy };  ///< of chunks
 
     void plan();
-    void lay_out_lists(bool answer);
+    Slot& slot() { return slots_[now_]; }
+    const Slot& slot() const { return slots_[now_]; }
+    Answer& answer() { return slot().answer; }
+    const Answer& answer() const { return slot().answer; }
+    void look();
+    bool free_others();
+    Layout layout() const;
+    void lay_out_lists();
+    void prepare_pass();
     void find_at_once();
     void enqueue(StageEvents* watch);
     void enqueue_until_sorted(Clearing& clearing, StageEvents* watch);
     bool any_at_once();
     bool any_in_chunks(Lists lists);
     bool accept(const Counters& counters);
-    void count(const Counters& counters);
+    void count(const Counters& counters, const Plan& plan);
     Counters read_counters();
     std::size_t decide_beyond(std::size_t n);
 
@@ -119,6 +169,8 @@ class Search {
     template <class Work>
     static bool fits(Work work);
     template <class Work>
+    void bring_with_room(Work work);
+    template <class Work>
     bool fits_at_once(Work work);
     template <class Make, class Undo>
     void with_room_for(Make make, Undo undo);
@@ -132,18 +184,23 @@ class Search {
     Cancellation& cancellation_;
     const Geometry& geometry_;
     cudaStream_t stream_;
-    Input& input_;
+    Flights& flights_;
     StageEvents watch_;
     Branch beside_;
-    Pinned<Counters> counters_;
     GraphCache<Key> graphs_;
+    CallersCapture capture_;
     Block guides_, work_;
-    Answer answer_;
+    std::array<Slot, Flights::slots> slots_;
     IntersectionPass pass_;
-    Query query_;
     Statistics statistics_;
-    std::optional<Layout> laid_out_;                                    ///< what the lists are laid out for
-    SceneKind planned_for_;                                             ///< what the plan was made for
+    std::optional<Layout> laid_out_;  ///< what the lists are laid out for
+    SceneKind planned_for_;           ///< what the plan was made for
+    static constexpr std::size_t nobody = Flights::slots;
+    std::size_t now_ = 0;            ///< slot that is worked on
+    std::size_t lists_of_ = nobody;  ///< slot whose pass the lists are of
+    bool alone_ = false;
+    bool captured_ = false;      ///< a caller's graph works on the lists, which must not move
+    std::optional<Plan> grown_;  ///< what its last incomplete replay asks for
     std::int64_t too_many_ = std::numeric_limits<std::int64_t>::max();  ///< triangles that did not fit at once
 };
 

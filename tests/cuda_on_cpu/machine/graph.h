@@ -49,6 +49,7 @@ struct Capture {
     cudaStreamCaptureMode mode = cudaStreamCaptureModeGlobal;
     std::thread::id thread;
     bool invalid = false;
+    unsigned long long id = 0;
     std::set<CUstream_st*> members;
 };
 

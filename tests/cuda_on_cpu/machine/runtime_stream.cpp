@@ -162,14 +162,18 @@ cudaError_t cudaThreadExchangeStreamCaptureMode(cudaStreamCaptureMode* mode) {
         return cudaSuccess;
     });
 }
-cudaError_t cudaStreamIsCapturing(cudaStream_t handle, cudaStreamCaptureStatus* status) {
+cudaError_t cudaStreamGetCaptureInfo(cudaStream_t handle, cudaStreamCaptureStatus* status, unsigned long long* id) {
     return with_stream(handle, [&](CUstream_st& stream) {
         if (!status) return cudaErrorInvalidValue;
         *status = !stream.capture           ? cudaStreamCaptureStatusNone
                   : stream.capture->invalid ? cudaStreamCaptureStatusInvalidated
                                             : cudaStreamCaptureStatusActive;
+        if (id && *status == cudaStreamCaptureStatusActive) *id = stream.capture->id;
         return cudaSuccess;
     });
+}
+cudaError_t cudaStreamIsCapturing(cudaStream_t handle, cudaStreamCaptureStatus* status) {
+    return cudaStreamGetCaptureInfo(handle, status, nullptr);
 }
 
 cudaError_t cudaGraphGetNodes(cudaGraph_t graph, cudaGraphNode_t* nodes, std::size_t* count) {

@@ -17,6 +17,7 @@ struct State {
     std::set<CUevent_st*> events;
     std::vector<std::weak_ptr<Capture>> captures;
     std::uint64_t number = 0;
+    unsigned long long captured = 0;  // captures so far
     State() { legacy.legacy = true; }
     ~State() {
         for (CUevent_st* event : events) delete event;
@@ -277,6 +278,7 @@ cudaError_t begin_capture(cudaStream_t handle, cudaStreamCaptureMode mode) {
     capture->origin = stream;
     capture->mode = mode;
     capture->thread = std::this_thread::get_id();
+    capture->id = ++state().captured;
     capture->members = {stream};
     stream->tails.clear();
     auto& captures = state().captures;

@@ -67,6 +67,35 @@ TEST_F(Planted, host_that_does_not_wait_for_a_copy) {
     check(cudaFreeHost(pinned));
 }
 
+// Found by eager streams.
+
+// What a launch leaves for the host lies in one of two slots, for the next launch comes before the host looks. Planted:
+// both have the same.
+TEST_F(Planted, launch_that_writes_a_slot_still_in_use) {
+    int* slots = nullptr;
+    check(cudaMallocHost(&slots, 8));
+    const auto first_answer = [&](bool bug) {
+        const TwoStreams s;
+        cudaEvent_t second = nullptr;
+        check(cudaEventCreate(&second));
+        check(try_launch(s.first, set, 1, 1, 0, &slots[0], 1));
+        check(cudaEventRecord(s.event, s.first));
+        check(try_launch(s.first, set, 1, 1, 0, &slots[bug ? 0 : 1], 2));
+        check(cudaEventRecord(second, s.first));
+        check(cudaEventSynchronize(s.event));
+        const int answer = slots[0];
+        check(cudaEventSynchronize(second));
+        check(cudaEventDestroy(second));
+        return answer;
+    };
+    EXPECT_EQ(first_answer(false), 1);
+    EXPECT_EQ(first_answer(true), 1) << "hidden by lazy streams";
+    settings().progress = Progress::eager;
+    EXPECT_EQ(first_answer(false), 1);
+    EXPECT_EQ(first_answer(true), 2);
+    check(cudaFreeHost(slots));
+}
+
 // Found by the order of a graph's nodes.
 
 TEST_F(Planted, missing_dependency_in_a_graph) {
@@ -126,6 +155,39 @@ TEST_F(Planted, branch_that_writes_what_the_rest_reads) {
     EXPECT_EQ(body(false), 1);
     EXPECT_EQ(body(true), 2);
 }
+// A graph is given the address of the frame's array. Planted: it keeps that of the frame before, or is given the new
+// one after it was launched.
+TEST_F(Planted, graph_that_reads_where_an_array_was) {
+    enum { updates, never, too_late };
+    const auto body = [](int when) {
+        const TwoStreams s;
+        const Array<int> before(std::vector<int>{1}), now(std::vector<int>{2}), to(std::vector<int>{0});
+        const auto capture = [&](const int* from) {
+            check(cudaStreamBeginCapture(s.first, cudaStreamCaptureModeThreadLocal));
+            check(try_launch(s.first, copy, 1, 1, 0, to.data(), from));
+            cudaGraph_t graph;
+            check(cudaStreamEndCapture(s.first, &graph));
+            return graph;
+        };
+        const cudaGraph_t first = capture(before.data()), second = capture(now.data());
+        cudaGraphExec_t executable;
+        check(cudaGraphInstantiate(&executable, first, 0));
+        const auto update = [&] {
+            cudaGraphExecUpdateResultInfo result;
+            check(cudaGraphExecUpdate(executable, second, &result));
+        };
+        if (when == updates) update();
+        check(cudaGraphLaunch(executable, s.first));
+        if (when == too_late) update();  // what was launched stays as it was
+        check(cudaStreamSynchronize(s.first));
+        check(cudaGraphExecDestroy(executable));
+        for (const cudaGraph_t graph : {first, second}) check(cudaGraphDestroy(graph));
+        return to.values()[0];
+    };
+    EXPECT_EQ(body(updates), 2);
+    EXPECT_EQ(body(never), 1);
+    EXPECT_EQ(body(too_late), 1);
+}
 TEST_F(Planted, host_round_trip_in_a_capture) {
     const TwoStreams s;
     check(cudaStreamBeginCapture(s.first, cudaStreamCaptureModeThreadLocal));
@@ -137,6 +199,29 @@ TEST_F(Planted, host_round_trip_in_a_capture) {
     EXPECT_THROW(never = new Array<int>(4), std::runtime_error) << "cudaMalloc";
     EXPECT_EQ(never, nullptr);
     EXPECT_EQ(cudaStreamEndCapture(s.first, &graph), cudaErrorStreamCaptureInvalidated);
+}
+// A library's thread is relaxed while it is called, so that it may allocate. Planted: it stays so while it puts
+// commands into a caller's capture, where what it allocates by mistake goes unseen.
+TEST_F(Planted, allocation_in_a_callers_capture) {
+    const TwoStreams s;
+    const auto allocates_in_capture = [&](bool bug) {
+        check(cudaStreamBeginCapture(s.first, cudaStreamCaptureModeThreadLocal));
+        cudaStreamCaptureMode called = cudaStreamCaptureModeRelaxed, within = cudaStreamCaptureModeThreadLocal;
+        check(cudaThreadExchangeStreamCaptureMode(&called));
+        if (!bug) check(cudaThreadExchangeStreamCaptureMode(&within));
+        void* memory = nullptr;
+        const bool allocated = cudaMalloc(&memory, 4) == cudaSuccess;
+        if (!bug) check(cudaThreadExchangeStreamCaptureMode(&within));
+        check(cudaThreadExchangeStreamCaptureMode(&called));
+        cudaGraph_t graph = nullptr;
+        const bool sound = cudaStreamEndCapture(s.first, &graph) == cudaSuccess;
+        if (graph) check(cudaGraphDestroy(graph));
+        cudaFree(memory);
+        cudaGetLastError();
+        return std::pair(allocated, sound);
+    };
+    EXPECT_EQ(allocates_in_capture(false), std::pair(false, false));
+    EXPECT_EQ(allocates_in_capture(true), std::pair(true, true)) << "hidden";
 }
 TEST_F(Planted, empty_array_in_a_capture) {
     const TwoStreams s;

@@ -87,6 +87,30 @@ TEST_F(Graph, capture_does_nothing_and_each_launch_does_it_all) {
     check(cudaGraphExecDestroy(executable));
 }
 
+TEST_F(Graph, a_capture_has_a_number_that_its_streams_share) {
+    const auto number = [](cudaStream_t of) {
+        cudaStreamCaptureStatus status;
+        unsigned long long id = 0;
+        check(cudaStreamGetCaptureInfo(of, &status, &id));
+        return status == cudaStreamCaptureStatusActive ? id : 0;
+    };
+    EXPECT_EQ(number(stream), 0u);
+    begin();
+    const unsigned long long first = number(stream);
+    EXPECT_NE(first, 0u);
+    EXPECT_EQ(number(other), 0u);
+    check(cudaEventRecord(fork, stream));
+    check(cudaStreamWaitEvent(other, fork, 0));
+    EXPECT_EQ(number(other), first);
+    check(cudaEventRecord(join, other));
+    check(cudaStreamWaitEvent(stream, join, 0));
+    check(cudaGraphDestroy(end()));
+    EXPECT_EQ(number(other), 0u);
+    begin();
+    EXPECT_NE(number(stream), first);
+    check(cudaGraphDestroy(end()));
+}
+
 TEST_F(Graph, copies_fills_and_scans_are_nodes) {
     const int n = 1000;
     const Array<int> ones(n), sums(n);
