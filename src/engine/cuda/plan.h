@@ -140,8 +140,10 @@ struct Plan {
         fits = grow(survivors, c.survivors) && fits;
         fits = grow(undecided, c.undecided) && fits;
         fits = grow(beyond, c.beyond) && fits;
-        for (std::size_t k = 0; k < feature_kinds; ++k)
-            fits = grow(tests[k], c.tests[k]) & grow(open[k], c.open[k]) & fits;
+        for (std::size_t k = 0; k < feature_kinds; ++k) {
+            fits = grow(tests[k], c.tests[k]) && fits;
+            fits = grow(open[k], c.open[k]) && fits;
+        }
         return (!listed || grow(hits, c.hits)) && fits;
     }
 
