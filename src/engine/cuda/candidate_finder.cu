@@ -39,8 +39,7 @@ void CandidateFinder::find(const Scene& scene, const CandidateQuery& query, Cand
 }
 
 void CandidateFinder::adopt(const Scene& scene, const CandidateQuery& query) {
-    input_.bring(scene);
-    input_.want(query.rule);
+    bring(scene, query.rule);
     firsts_ = firsts_of(query);
     lay_out(values_, [&](Cutter& c) {
         widening_ = c.take<Inflation>(1);
@@ -51,14 +50,9 @@ void CandidateFinder::adopt(const Scene& scene, const CandidateQuery& query) {
     asked.inflation = query.inflation;
     asked.features = features_.bring(query.features, scene.vertex_count());
     asked.normaliser = normaliser_;
-    pass_.scene = input_.scene();
     asked.points = {pass_.scene, is_aligned(pass_.scene)};
-    pass_.box = input_.box();
-    pass_.wanted = input_.wanted();
     pass_.asked = asked;
-    pass_.primitives = {true, scene.moving, scene.moving ? static_cast<std::int32_t>(scene.vertex_count()) : 0,
-                        widening_, true};
-    statistics_ = {};
+    pass_.primitives = primitives(scene, widening_, true);
 }
 
 void CandidateFinder::lay_out_lists() {
@@ -130,8 +124,8 @@ void CandidateFinder::find_in_chunks(CandidateAnswer& answer, Lists lists) {
     planned_for_ = -1;
     clear(answer);
     statistics_ = {};
-    pass_.plan.choose_candidate_chunks(pass_.scene.triangle_count(), options_, lists == Lists::roomy ? bytes_left() : 0,
-                                       sizeof(RankedCandidate));
+    pass_.plan.choose_candidate_chunks(pass_.scene.triangle_count(), options_,
+                                       lists == Lists::roomy ? bytes_for_lists(meter_) : 0, sizeof(RankedCandidate));
     Array<RankedCandidate> found(&meter_);
     bool first = true;
     over_chunks([&](Cutter& c) { output_.cut(c, firsts_, 0); }, [&] { make_ready(); },

@@ -6,20 +6,12 @@
 
 namespace crumple::cuda {
 
-// A quarter of what memory is left, for members and an answer grow, too.
-std::int64_t Search::bytes_left() const {
-    std::size_t free = 0, total = 0;
-    CRUMPLE_CUDA(cudaMemGetInfo(&free, &total));
-    const auto left = static_cast<std::int64_t>(free);
-    return (meter_.limit > 0 ? std::clamp<std::int64_t>(meter_.limit - meter_.used, 0, left) : left) / 4;
-}
-
 void Search::plan_chunks(Lists lists) {
     planned_for_ = {};
     laid_out_.reset();
     lists_of_ = nobody;
     pass_.plan.choose_chunks(pass_.scene.triangle_count(), pass_.scene.between, options_,
-                             lists == Lists::roomy ? bytes_left() : 0);
+                             lists == Lists::roomy ? bytes_for_lists(meter_) : 0);
 }
 
 void Search::find_in_chunks(Lists lists) {

@@ -32,21 +32,15 @@ void FeatureFinder::find(const Scene& scene, const FeatureQuery& query, FeatureA
 
 void FeatureFinder::adopt(const Scene& scene, const FeatureQuery& query) {
     query_ = &query;
-    input_.bring(scene);
-    input_.want(query.rule);
+    bring(scene, query.rule);
     features_.bring(scene, query);
-    pass_.scene = input_.scene();
-    pass_.box = input_.box();
-    pass_.wanted = input_.wanted();
     pass_.asked = features_.asked();
     pass_.all_kinds = features_.all_kinds();
-    pass_.primitives = {true, scene.moving, scene.moving ? static_cast<std::int32_t>(scene.vertex_count()) : 0,
-                        pass_.asked.inflation, false};
-    statistics_ = {};
+    pass_.primitives = primitives(scene, pass_.asked.inflation, false);
 }
 
 void FeatureFinder::plan() {
-    const SceneKind kind{pass_.scene.triangle_count(), query_->motion, pass_.all_kinds};
+    const SceneKind kind{pass_.scene.triangle_count(), pass_.all_kinds};
     if (planned_for_ != kind) pass_.plan.choose_features(kind.triangles, kind.all_kinds, options_);
     planned_for_ = kind;
 }
@@ -213,7 +207,7 @@ void FeatureFinder::find_in_chunks(FeatureAnswer& answer, Lists lists) {
     statistics_ = {};
     constexpr std::size_t of_test = 2 * sizeof(FeatureTest) + sizeof(OpenTest) + sizeof(RankedHit);
     pass_.plan.choose_feature_chunks(pass_.scene.triangle_count(), pass_.all_kinds, options_,
-                                     lists == Lists::roomy ? bytes_left() : 0, of_test);
+                                     lists == Lists::roomy ? bytes_for_lists(meter_) : 0, of_test);
     Array<RankedHit> found(&meter_);
     const auto cut = [&](Cutter& c) { output_.cut(c, features_.firsts(), 0); };
     const auto make_ready = [&] { features_.enqueue(geometry_, stream_, pass_.scene, pass_.box); };

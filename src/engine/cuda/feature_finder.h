@@ -26,10 +26,10 @@ class FeatureFinder : Finder<FeaturePass> {
     void release();
 
    private:
-    /// What the plan was made for.
+    /// What the plan was made for. Questions that take turns keep it, and lists suit the longest.
     struct SceneKind {
         std::int64_t triangles = -1;
-        bool motion = false, all_kinds = false;
+        bool all_kinds = false;
         friend bool operator==(const SceneKind&, const SceneKind&) = default;
     };
     /// What sizes and places of all arrays follow from.

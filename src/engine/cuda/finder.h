@@ -52,6 +52,20 @@ class Finder {
         too_many_ = std::numeric_limits<std::int64_t>::max();
     }
 
+    /// Brings a scene of the host and the rule about its pairs.
+    void bring(const Scene& scene, const GroupRule& rule) {
+        input_.bring(scene);
+        input_.want(rule);
+        pass_.scene = input_.scene();
+        pass_.box = input_.box();
+        pass_.wanted = input_.wanted();
+        statistics_ = {};
+    }
+    static Primitives primitives(const Scene& scene, const Inflation* inflation, bool along_axes) {
+        return {true, scene.moving, scene.moving ? static_cast<std::int32_t>(scene.vertex_count()) : 0, inflation,
+                along_axes};
+    }
+
     /// Calls at_once(), or in_chunks(lists) with as long lists as memory seems to allow, or with the shortest.
     /// `frugal`: with these from the beginning.
     template <class AtOnce, class InChunks>
@@ -136,27 +150,7 @@ class Finder {
         s.rational_tests += static_cast<std::int64_t>(c.beyond);
     }
 
-    /// A quarter of what memory is left, for members and what is found grow, too.
-    std::int64_t bytes_left() const {
-        std::size_t free = 0, total = 0;
-        CRUMPLE_CUDA(cudaMemGetInfo(&free, &total));
-        const auto left = static_cast<std::int64_t>(free);
-        return (meter_.limit > 0 ? std::clamp<std::int64_t>(meter_.limit - meter_.used, 0, left) : left) / 4;
-    }
-
    private:
-    // Whether there was memory for the work.
-    template <class Work>
-    static bool fits(Work work) {
-        try {
-            work();
-            return true;
-        } catch (const MemoryMeter::Exceeded&) {
-        } catch (const OutOfDeviceMemory&) {
-        }
-        return false;
-    }
-
     template <class CutAnswer, class MakeReady>
     void lay_out_chunks(CutAnswer cut_answer, MakeReady make_ready) {
         lay_out(guides_, [&](Cutter& c) { pass_.guides.cut(c, pass_.plan); });

@@ -2,6 +2,7 @@
 
 // Memory of the device, and pinned memory of the host, counted by the detector's meter.
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <type_traits>
@@ -57,6 +58,26 @@ class Block {
     std::byte* data_ = nullptr;
     std::size_t capacity_ = 0;
 };
+
+/// Whether there was memory for the work.
+template <class Work>
+bool fits(Work work) {
+    try {
+        work();
+        return true;
+    } catch (const MemoryMeter::Exceeded&) {
+    } catch (const OutOfDeviceMemory&) {
+    }
+    return false;
+}
+
+/// Bytes that lists of chunks may take: a quarter of what is left, for members and what is found grow, too.
+inline std::int64_t bytes_for_lists(const MemoryMeter& meter) {
+    std::size_t free = 0, total = 0;
+    CRUMPLE_CUDA(cudaMemGetInfo(&free, &total));
+    const auto left = static_cast<std::int64_t>(free);
+    return (meter.limit > 0 ? std::clamp<std::int64_t>(meter.limit - meter.used, 0, left) : left) / 4;
+}
 
 /// Copies n elements; done when it returns, whichever side the memory is on.
 template <class T>

@@ -61,18 +61,6 @@ void Slot::release() {
     answer.release();
 }
 
-// Whether there was memory for the work.
-template <class Work>
-bool Search::fits(Work work) {
-    try {
-        work();
-        return true;
-    } catch (const MemoryMeter::Exceeded&) {
-    } catch (const OutOfDeviceMemory&) {
-    }
-    return false;
-}
-
 // What a call is given comes first: all that earlier ones have left may go for it.
 template <class Work>
 void Search::bring_with_room(Work work) {

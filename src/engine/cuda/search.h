@@ -160,14 +160,11 @@ class Search {
     void find_in_chunks(Lists lists);
     unsigned long long count_in_chunks(Lists lists);
     void plan_chunks(Lists lists);
-    std::int64_t bytes_left() const;
     void lay_out_chunks();
     std::size_t pass_over_chunks(Hits hits);
     void pass_over_slices(Hits hits, std::size_t& counted);
     void require_room(std::size_t pairs) const;
 
-    template <class Work>
-    static bool fits(Work work);
     template <class Work>
     void bring_with_room(Work work);
     template <class Work>

@@ -176,76 +176,61 @@ __device__ void add(const FeatureHits& hits, bool is_hit, FeatureKind kind, cons
     if (is_hit && place < hits.list.capacity) hits.list.data[place] = {first, pair.b, rank, found.flag, found.value};
 }
 
-template <FeatureKind kind, class Question>
-__device__ void decide_kind(const Question& question, const List<FeatureTest>& tests, const List<FeatureTest>& open,
-                            const List<OpenTest>& beyond, const FeatureHits& hits) {
+// Decides tests of one kind, a thread a test; what is left open becomes left_open(test) in a list of its own.
+template <FeatureKind kind, class Decide, class Open, class LeftOpen>
+__device__ void decide_each(const List<FeatureTest>& tests, const FeatureHits& hits, Decide decide,
+                            const List<Open>& open, LeftOpen left_open) {
     const unsigned long long n = tests.filled(), warps_end = (n + 31) / 32 * 32;
     for (unsigned long long i = grid_thread(); i < warps_end && !has_ended(hits.end()); i += grid_stride()) {
         FeatureTest test{};
         Decided found{Outcome::apart};
         if (i < n) {
             test = tests.data[i];
-            found = question.template quick<kind>(test);
+            found = decide(test);
         }
         add(hits, found.outcome == Outcome::hit, kind, test.pair, found);
         const bool is_open = found.outcome == Outcome::open;
-        if constexpr (Question::closely) {
-            const unsigned long long place = append(is_open, open.count);
-            if (is_open && place < open.capacity) open.data[place] = test;
-        } else {
-            const unsigned long long place = append(is_open, beyond.count);
-            if (is_open && place < beyond.capacity) beyond.data[place] = {test, kind};
-        }
+        const unsigned long long place = append(is_open, open.count);
+        if (is_open && place < open.capacity) open.data[place] = left_open(test);
     }
 }
 
-template <FeatureKind kind, class Question>
-__device__ void close_kind(const Question& question, const List<FeatureTest>& open, const List<OpenTest>& beyond,
-                           const FeatureHits& hits) {
-    const unsigned long long n = open.filled(), warps_end = (n + 31) / 32 * 32;
-    for (unsigned long long i = grid_thread(); i < warps_end && !has_ended(hits.end()); i += grid_stride()) {
-        FeatureTest test{};
-        Decided found{Outcome::apart};
-        if (i < n) {
-            test = open.data[i];
-            found = question.template close<kind>(test);
-        }
-        add(hits, found.outcome == Outcome::hit, kind, test.pair, found);
-        const bool is_open = found.outcome == Outcome::open;
-        const unsigned long long place = append(is_open, beyond.count);
-        if (is_open && place < beyond.capacity) beyond.data[place] = {test, kind};
+// Calls work<kind>() for the kinds of triangles' features, or for those that only lists have.
+template <bool of_lists, class Work>
+__device__ void for_each_kind(Work work) {
+    if constexpr (of_lists) {
+        work.template operator()<FeatureKind::vertex_edge>();
+        work.template operator()<FeatureKind::vertex_vertex>();
+    } else {
+        work.template operator()<FeatureKind::vertex_face>();
+        work.template operator()<FeatureKind::edge_edge>();
     }
 }
 
-template <class Question, bool all_kinds>
+template <class Question, bool of_lists>
 __global__ void __launch_bounds__(256)
     decide_kernel(Question question, TestLists tests, TestLists open, List<OpenTest> beyond, FeatureHits hits) {
-    const auto decide = [&]<FeatureKind kind>() {
+    for_each_kind<of_lists>([&]<FeatureKind kind>() {
         constexpr auto k = static_cast<std::size_t>(kind);
-        decide_kind<kind>(question, tests.of[k], open.of[k], beyond, hits);
-    };
-    if constexpr (all_kinds) {
-        decide.template operator()<FeatureKind::vertex_edge>();
-        decide.template operator()<FeatureKind::vertex_vertex>();
-    } else {
-        decide.template operator()<FeatureKind::vertex_face>();
-        decide.template operator()<FeatureKind::edge_edge>();
-    }
+        const auto quick = [&](const FeatureTest& test) { return question.template quick<kind>(test); };
+        if constexpr (Question::closely)
+            decide_each<kind>(tests.of[k], hits, quick, open.of[k], [](const FeatureTest& test) { return test; });
+        else
+            decide_each<kind>(tests.of[k], hits, quick, beyond, [](const FeatureTest& test) {
+                return OpenTest{test, kind};
+            });
+    });
 }
 
-template <class Question, bool all_kinds>
+template <class Question, bool of_lists>
 __global__ void __launch_bounds__(256)
     close_kernel(Question question, TestLists open, List<OpenTest> beyond, FeatureHits hits) {
-    const auto decide = [&]<FeatureKind kind>() {
-        close_kind<kind>(question, open.of[static_cast<std::size_t>(kind)], beyond, hits);
-    };
-    if constexpr (all_kinds) {
-        decide.template operator()<FeatureKind::vertex_edge>();
-        decide.template operator()<FeatureKind::vertex_vertex>();
-    } else {
-        decide.template operator()<FeatureKind::vertex_face>();
-        decide.template operator()<FeatureKind::edge_edge>();
-    }
+    for_each_kind<of_lists>([&]<FeatureKind kind>() {
+        const auto close = [&](const FeatureTest& test) { return question.template close<kind>(test); };
+        decide_each<kind>(open.of[static_cast<std::size_t>(kind)], hits, close, beyond, [](const FeatureTest& test) {
+            return OpenTest{test, kind};
+        });
+    });
 }
 
 __global__ void pack_kernel(ExactPoints points, AskedOfFeatures asked, const OpenTest* tests, std::size_t count,

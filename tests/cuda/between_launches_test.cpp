@@ -1,0 +1,78 @@
+// Questions about features while a launch is in flight, waited for, or in a caller's graph: they have the answers of
+// the cpu, and launches go on after them. Plain CUDA: the CPU plays the device, or a device is there.
+
+#include <gtest/gtest.h>
+
+#include "crumple/error.h"
+#include "cuda/cloth.h"
+#include "cuda/device_mesh.h"
+#include "cuda/shows.h"
+#include "error_of.h"
+#include "questions/candidates/compare_candidates.h"
+#include "questions/features/compare_features.h"
+
+namespace crumple::test {
+namespace {
+
+class CudaBetweenLaunches : public testing::Test {
+   protected:
+    const io::TriangleMesh start_ = cloth(600, 92), end_ = cloth(600, 93);
+    Detector cpu_{Options{.backend = Backend::cpu}}, cuda_{Options{.backend = Backend::cuda}};
+    const DeviceMesh device_{start_.view()};
+
+    void expect_features() {
+        const VertexView end = end_.view().vertices;
+        EXPECT_TRUE(same_features(cuda_.find_impacts(start_.view(), end), cpu_.find_impacts(start_.view(), end)));
+        const Near near{.radius = 0.01};
+        EXPECT_TRUE(same_features(cuda_.find_near(start_.view(), near), cpu_.find_near(start_.view(), near)));
+        EXPECT_TRUE(
+            same_candidates(cuda_.find_candidates(start_.view(), end), cpu_.find_candidates(start_.view(), end)));
+    }
+    void expect_answer() { EXPECT_TRUE(shows(cuda_.wait(), device_.view(), nullptr, cpu_.find_self(start_.view()))); }
+};
+
+TEST_F(CudaBetweenLaunches, features_end_what_is_in_flight) {
+    for (int round = 0; round < 3; ++round) {
+        cuda_.launch_self(device_.view());
+        if (round > 0) cuda_.launch_self(device_.view());
+        expect_features();
+        EXPECT_STREQ(error_of([&] { cuda_.wait(); }).what(), "wait() needs a launch before it");
+    }
+    cuda_.launch_self(device_.view());
+    expect_answer();
+}
+
+TEST_F(CudaBetweenLaunches, features_come_after_an_answer) {
+    for (int round = 0; round < 3; ++round) {
+        cuda_.launch_self(device_.view());
+        expect_answer();
+        expect_features();
+        EXPECT_STREQ(error_of([&] { cuda_.download(); }).what(), "download() needs a wait() before it");
+    }
+}
+
+TEST_F(CudaBetweenLaunches, features_end_a_captured_launch) {
+    cudaStream_t stream = nullptr;
+    check(cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking));
+    MeshView view = device_.view();
+    view.stream = stream;
+    for (int call = 0; call < 2; ++call) {
+        cuda_.launch_self(view);
+        cuda_.wait();
+    }
+    check(cudaStreamBeginCapture(stream, cudaStreamCaptureModeThreadLocal));
+    cuda_.launch_self(view);
+    EXPECT_EQ(error_of([&] { cuda_.find_near(start_.view(), {}); }).code, ErrorCode::invalid_argument)
+        << "the capture has not ended";
+    cudaGraph_t graph = nullptr;
+    check(cudaStreamEndCapture(stream, &graph));
+    check(cudaGraphDestroy(graph));
+    expect_features();
+    EXPECT_STREQ(error_of([&] { cuda_.wait(); }).what(), "wait() needs a launch before it");
+    cuda_.launch_self(view);
+    expect_answer();
+    check(cudaStreamDestroy(stream));
+}
+
+}  // namespace
+}  // namespace crumple::test
