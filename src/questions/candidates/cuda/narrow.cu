@@ -69,7 +69,7 @@ __global__ void pair_kernel(AskedOfCandidates asked, const CandidateRecord* reco
                          (between == 0 &&
                           grown_boxes_overlap(asked.box(a.vertex, of_a), asked.box(b.vertex, of_b), asked.inflation));
             }
-            add(hits, is_hit, kind, listed(of_a, a.id[of_a], of_b, b.id[of_b]));
+            add(hits, is_hit, kind, is_hit ? listed(of_a, a.id[of_a], of_b, b.id[of_b]) : Pair{});
         }
     }
     for (int lanes = 16; lanes > 0; lanes /= 2) tests += __shfl_xor_sync(whole_warp, tests, lanes);
