@@ -49,6 +49,7 @@ struct FeatureTable {
     }
     /// Whether an edge of the vertex is a pair with a lone edge that it is not on: then that pair covers the vertex.
     CRUMPLE_HD bool has_edge_apart(std::int32_t vertex, const Edge& lone) const {
+        if (!neighbours) return false;  // there is no lone edge
         const NamedNeighbours& of = neighbours[vertex];
         const auto apart = [&](std::int32_t other) {
             return other >= 0 && other != name(lone.a) && other != name(lone.b);
