@@ -179,25 +179,6 @@ struct Detector::Implementation : WorldCalls {
         const Lifted lifted(meter);
         return backend->bytes_needed_for_launched();
     }
-    // A detector that throws holds an empty result and no kept memory, unless a caller's graph works on that.
-    template <class Work, class Count>
-    void on_the_device(Work work, Count count) {
-        const FloatEnvironment environment;
-        try {
-            try {
-                work();
-            } catch (const MemoryMeter::Exceeded& exceeded) {
-                throw_limit_error(exceeded.bytes - kept_before_launch, count);
-            }
-        } catch (const Error& error) {
-            if (!backend->keeps_after(error)) forget();
-            throw;
-        } catch (...) {
-            forget();
-            throw;
-        }
-    }
-
     std::vector<Part> partition(const MeshView& a, const MeshView* b, int count, std::stop_token stop) {
         if (count < 1 || count > max_parts) {
             forget();
@@ -339,6 +320,23 @@ std::vector<Part> Detector::partition(const MeshView& mesh, const VertexView& en
 }
 std::vector<Part> Detector::partition(const MeshView& mesh, const Near& question, int count, std::stop_token stop) {
     return implementation_->partition(mesh, question, count, std::move(stop));
+}
+void Detector::launch_impacts(const MeshView& mesh, const VertexView& end, const Motion& question) {
+    implementation_->launch_impacts(mesh, end, question);
+}
+void Detector::launch_near(const MeshView& mesh, const Near& question) { implementation_->launch_near(mesh, question); }
+void Detector::launch_candidates(const MeshView& mesh, const CandidateQuestion& question) {
+    implementation_->launch_candidates(mesh, nullptr, question);
+}
+void Detector::launch_candidates(const MeshView& mesh, const VertexView& end, const CandidateQuestion& question) {
+    implementation_->launch_candidates(mesh, &end, question);
+}
+const DeviceImpacts& Detector::wait_impacts(std::stop_token stop) {
+    return implementation_->wait_impacts(std::move(stop));
+}
+const DeviceNearby& Detector::wait_near(std::stop_token stop) { return implementation_->wait_near(std::move(stop)); }
+const DeviceCandidates& Detector::wait_candidates(std::stop_token stop) {
+    return implementation_->wait_candidates(std::move(stop));
 }
 void Detector::launch_self(const MeshView& mesh, const Query& query) { implementation_->launch(mesh, nullptr, query); }
 void Detector::launch_between(const MeshView& a, const MeshView& b, const Query& query) {

@@ -134,6 +134,25 @@ struct DetectorState {
         }
     }
 
+    // A detector that throws holds an empty result and no kept memory, unless a caller's graph works on that.
+    template <class Work, class Count>
+    void on_the_device(Work work, Count count) {
+        const FloatEnvironment environment;
+        try {
+            try {
+                work();
+            } catch (const MemoryMeter::Exceeded& exceeded) {
+                throw_limit_error(exceeded.bytes - kept_before_launch, count);
+            }
+        } catch (const Error& error) {
+            if (!backend->keeps_after(error)) forget();
+            throw;
+        } catch (...) {
+            forget();
+            throw;
+        }
+    }
+
     // The peak of attempt() without a limit, with which it will succeed.
     template <class Attempt>
     std::int64_t peak_of(Attempt attempt) {

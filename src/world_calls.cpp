@@ -177,20 +177,15 @@ const CandidateLists& WorldCalls::find_candidates(const World& world, const Cand
 // One mesh is a world of one body.
 const Impacts& WorldCalls::find_impacts(const MeshView& mesh, const VertexView& end, const Motion& question,
                                         std::stop_token stop) {
-    const Shape shape = moving_shape(mesh, end);
-    const Body body;
-    return find_features({{&shape, 1}, {&body, 1}, {}, {}}, question, false, impacts, std::move(stop));
+    return find_of_mesh(mesh, with_end(Shape(mesh), end), question, impacts, std::move(stop));
 }
 const Nearby& WorldCalls::find_near(const MeshView& mesh, const Near& question, std::stop_token stop) {
-    const Shape shape = with_radii_and_rest(host_shape(mesh), question);
-    const Body body;
-    return find_features({{&shape, 1}, {&body, 1}, {}, {}}, question, false, nearby, std::move(stop));
+    return find_of_mesh(mesh, with_radii_and_rest(Shape(mesh), question), question, nearby, std::move(stop));
 }
 const CandidateLists& WorldCalls::find_candidates(const MeshView& mesh, const VertexView* end,
                                                   const CandidateQuestion& question, std::stop_token stop) {
-    const Shape shape = end ? moving_shape(mesh, *end) : host_shape(mesh);
-    const Body body;
-    return find_features({{&shape, 1}, {&body, 1}, {}, {}}, question, false, candidates, std::move(stop));
+    const Shape shape = end ? with_end(Shape(mesh), *end) : Shape(mesh);
+    return find_of_mesh(mesh, shape, question, candidates, std::move(stop));
 }
 const Impacts& WorldCalls::find_impacts(const Part& part, const Motion& question, std::stop_token stop) {
     return find_features(part, question, impacts, std::move(stop));
@@ -211,14 +206,14 @@ Shape WorldCalls::with_radii_and_rest(Shape shape, const Near& question) {
     return shape;
 }
 Shape WorldCalls::host_shape(const MeshView& mesh) {
-    if (mesh.memory != MemorySpace::host) refuse("motion, nearness and candidates take meshes in host memory");
+    if (mesh.memory != MemorySpace::host) refuse("blocks and parts of features are made of meshes in host memory");
     return Shape(mesh);
 }
-Shape WorldCalls::moving_shape(const MeshView& mesh, const VertexView& end) {
-    Shape shape = host_shape(mesh);
+Shape WorldCalls::moving_shape(const MeshView& mesh, const VertexView& end) { return with_end(host_shape(mesh), end); }
+Shape WorldCalls::with_end(Shape shape, const VertexView& end) {
     shape.end = end;
-    if (!end.data && end.rows == 0 && mesh.vertices.rows > 0) refuse("the vertices at the end are missing");
-    if (mesh.vertices.rows > most_moving_vertices) refuse(too_many_moving_vertices);
+    if (!end.data && end.rows == 0 && shape.vertices.rows > 0) refuse("the vertices at the end are missing");
+    if (shape.vertices.rows > most_moving_vertices) refuse(too_many_moving_vertices);
     return shape;
 }
 void WorldCalls::refuse(const char* message) {
@@ -248,5 +243,10 @@ std::int64_t WorldCalls::bytes_needed(const World& world, const Intersect& quest
     const WorldBlocks ignored{blocks ? blocks->how : Streaming(), ignore};
     return peak_of([&] { search(world, question, blocks ? &ignored : nullptr); });
 }
+
+template const Impacts& WorldCalls::find_features(const World&, const Motion&, bool, Impacts&, std::stop_token);
+template const Nearby& WorldCalls::find_features(const World&, const Near&, bool, Nearby&, std::stop_token);
+template const CandidateLists& WorldCalls::find_features(const World&, const CandidateQuestion&, bool, CandidateLists&,
+                                                         std::stop_token);
 
 }  // namespace crumple

@@ -37,6 +37,15 @@ struct WorldCalls : DetectorState {
     const CandidateLists& find_candidates(const MeshView& mesh, const VertexView* end,
                                           const CandidateQuestion& question, std::stop_token stop);
 
+    // On a mesh in device memory:
+    void launch_impacts(const MeshView& mesh, const VertexView& end, const Motion& question);
+    void launch_near(const MeshView& mesh, const Near& question);
+    /// `end`: null at rest.
+    void launch_candidates(const MeshView& mesh, const VertexView* end, const CandidateQuestion& question);
+    const DeviceImpacts& wait_impacts(std::stop_token stop);
+    const DeviceNearby& wait_near(std::stop_token stop);
+    const DeviceCandidates& wait_candidates(std::stop_token stop);
+
     Statistics stream_impacts(const World& world, TakeImpacts take, const Motion& question, const Streaming& how,
                               std::stop_token stop);
     Statistics stream_impacts(const MeshView& mesh, const VertexView& end, TakeImpacts take, const Motion& question,
@@ -65,10 +74,25 @@ struct WorldCalls : DetectorState {
     template <class Question, class Answer>
     Statistics stream_features(const World& world, const Question& question, bool bodies,
                                const FeatureBlocks<Answer>& blocks, Answer& answer, std::stop_token stop);
+    /// Of one mesh, wherever it lies.
+    template <class Question, class Answer>
+    const Answer& find_of_mesh(const MeshView& mesh, const Shape& shape, const Question& question, Answer& answer,
+                               std::stop_token stop);
+    template <class Question, class Answer>
+    const Answer& find_there(const DeviceShape& mesh, const Question& question, Answer& answer, std::stop_token stop);
+    template <class Question>
+    void launch(const MeshView& mesh, const Shape& shape, const Question& question);
+    DeviceAnswer wait_for(Asked asked, std::stop_token stop);
     static Shape with_radii_and_rest(Shape shape, const Near& question);
     Shape host_shape(const MeshView& mesh);
     Shape moving_shape(const MeshView& mesh, const VertexView& end);
+    /// An Error, unless there is an end and it can be numbered.
+    Shape with_end(Shape shape, const VertexView& end);
     [[noreturn]] void refuse(const char* message);
+
+    DeviceImpacts impacts_there_;
+    DeviceNearby nearby_there_;
+    DeviceCandidates candidates_there_;
 };
 
 }  // namespace crumple

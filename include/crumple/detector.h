@@ -11,6 +11,7 @@
 
 #include "crumple/candidates.h"
 #include "crumple/collisions.h"
+#include "crumple/device_features.h"
 #include "crumple/function_ref.h"
 #include "crumple/mesh.h"
 #include "crumple/motion.h"
@@ -80,9 +81,12 @@ class Detector {
                       const Streaming& how = {}, std::stop_token stop = {});
 
     /// What touches what on the way from the start of a step to its end, and when: all impacts of vertices with faces
-    /// and of edges with edges, exactly (docs/motion.md). Arrays lie in host memory.
+    /// and of edges with edges, exactly (docs/motion.md). Arrays of a world lie in host memory.
     const Impacts& find_impacts(const World& world, const Motion& question = {}, std::stop_token stop = {});
-    /// The same for one mesh, whose vertices are at `end` at the end.
+    /// The same for one mesh, whose vertices are at `end` at the end. All arrays, also those of the question, lie where
+    /// the mesh does. In device memory its triangles, and listed edges and points, are copied to the host once, and
+    /// again where they are others than in the call before; all arrays are in each call that welds, asks for triangle
+    /// pairs, or has rules about groups beside lists of edges or points.
     const Impacts& find_impacts(const MeshView& mesh, const VertexView& end, const Motion& question = {},
                                 std::stop_token stop = {});
     /// The first impact, if there is one; Motion::wants does not matter.
@@ -100,9 +104,9 @@ class Detector {
                             std::stop_token stop = {});
 
     /// What is near what: all pairs of vertices and faces, and of edges and edges, within a distance, exactly
-    /// (docs/nearness.md). Arrays lie in host memory.
+    /// (docs/nearness.md). Arrays of a world lie in host memory.
     const Nearby& find_near(const World& world, const Near& question, std::stop_token stop = {});
-    /// The same for one mesh.
+    /// The same for one mesh. As find_impacts in device memory, where Near::closest and Near::least take a copy, too.
     const Nearby& find_near(const MeshView& mesh, const Near& question, std::stop_token stop = {});
 
     /// Which features have boxes that overlap, on the way from the start of a step to its end where the world has ends,
@@ -110,7 +114,7 @@ class Detector {
     /// ns a candidate on one thread, where there are millions.
     const CandidateLists& find_candidates(const World& world, const CandidateQuestion& question = {},
                                           std::stop_token stop = {});
-    /// The same for one mesh at rest.
+    /// The same for one mesh at rest. As find_impacts in device memory.
     const CandidateLists& find_candidates(const MeshView& mesh, const CandidateQuestion& question = {},
                                           std::stop_token stop = {});
     const CandidateLists& find_candidates(const MeshView& mesh, DefaultQuery, std::stop_token stop = {});
@@ -253,6 +257,22 @@ class Detector {
     /// Copies the answer of the last wait() to the host; an error once another call has come after that. Valid as any
     /// result.
     const Collisions& download();
+
+    /// The same for questions about the features of a mesh in device memory, with a wait for each: answers stay on the
+    /// device. Launches of all kinds share the two that may be in flight, and each wait is for the oldest, which has to
+    /// be of its kind. All arrays, also those of the question, lie on the device and are ready on the mesh's stream,
+    /// and stay as they are until the wait returns. The first launch for a mesh, and one whose mesh has other numbers
+    /// of vertices, triangles, listed edges or points than the one before, waits for the stream: the host has to see
+    /// which edges there are. So does a wait where triangles or lists turn out to be others. In a capture, where they
+    /// stay what they were, wait_impacts() and its like say that the answer is not complete. Throws Error
+    /// (invalid_argument) for what find_impacts and its like copy the mesh to the host for. `index` does not matter.
+    void launch_impacts(const MeshView& mesh, const VertexView& end, const Motion& question = {});
+    void launch_near(const MeshView& mesh, const Near& question);
+    void launch_candidates(const MeshView& mesh, const CandidateQuestion& question = {});
+    void launch_candidates(const MeshView& mesh, const VertexView& end, const CandidateQuestion& question = {});
+    const DeviceImpacts& wait_impacts(std::stop_token stop = {});
+    const DeviceNearby& wait_near(std::stop_token stop = {});
+    const DeviceCandidates& wait_candidates(std::stop_token stop = {});
 
     const Options& options() const;
 

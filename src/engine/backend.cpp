@@ -34,5 +34,6 @@ void BackendBase::launch(const MeshView&, const MeshView*, const Query&) { refus
 const DeviceCollisions& BackendBase::wait() { refuse(); }
 void BackendBase::download(Collisions&) { refuse(); }
 std::int64_t BackendBase::bytes_needed_for_launched() { refuse(); }
+DeviceFeatureCalls& BackendBase::features_there() { refuse(); }
 
 }  // namespace crumple

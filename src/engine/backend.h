@@ -14,6 +14,7 @@
 #include "crumple/function_ref.h"
 #include "crumple/options.h"
 #include "engine/candidate_query.h"
+#include "engine/device_feature_calls.h"
 #include "engine/feature_query.h"
 #include "model/scene.h"
 
@@ -79,6 +80,8 @@ class BackendBase : public ParallelFor {
     virtual const DeviceCollisions& wait();
     virtual void download(Collisions& result);
     virtual std::int64_t bytes_needed_for_launched();
+    /// The same for questions about features.
+    virtual DeviceFeatureCalls& features_there();
     /// Whether what is kept between calls outlives the error that one of these has thrown: a caller's graph needs it.
     virtual bool keeps_after(const Error&) const { return false; }
 

@@ -47,7 +47,7 @@ std::vector<Part> FeatureSearch::partition(BackendBase& backend, const World& wo
     bodies_ = false;
     read(world, question.rules);
     const Shape& shape = outline_.shape(0);
-    if constexpr (!is_motion<Question>) near_input_.begin(outline_, question, bodies_, backend, buffers_);
+    if constexpr (!is_motion<Question>) near_input_.begin(outline_, question, bodies_, true, backend, buffers_);
     const Scene scene = prepare_in_place(backend, is_motion<Question>, question.weld);
     FeatureQuery query = query_of(question, false, features_, rule_);
     if constexpr (!is_motion<Question>) {

@@ -85,9 +85,9 @@ void FeatureSearch::search(BackendBase& backend, const World& world, const Quest
         answer.first_edge.push_back(0);
         answer.first_point.push_back(0);
     }
-    if constexpr (!is_motion<Question>) near_input_.begin(outline_, question, bodies_, backend, buffers_);
+    if constexpr (!is_motion<Question>) near_input_.begin(outline_, question, bodies_, !there_, backend, buffers_);
 
-    if (in_place(question.rules)) {
+    if (there_ || in_place(question.rules)) {
         search_in_place(backend, question, answer);
     } else {
         for (std::int32_t pass = 0; pass <= outline_.worlds(); ++pass) {
@@ -159,9 +159,10 @@ std::optional<Scene> FeatureSearch::prepare_pass(BackendBase& backend, std::int3
 
 template <class Question, class Answer>
 void FeatureSearch::search_in_place(BackendBase& backend, const Question& question, Answer& answer) {
-    const Scene scene = prepare_in_place(backend, is_motion<Question>, question.weld);
+    Scene scene;
+    if (!there_) scene = prepare_in_place(backend, is_motion<Question>, question.weld);
     if constexpr (!is_motion<Question>) near_input_.place(outline_.shape(0));
-    ask(backend, scene, question);
+    there_ ? answer_there(backend, question) : ask(backend, scene, question);
     add_pass(found_.statistics, answer.statistics);
     answer.any = found_.any;
     if (!answer.world_hit.empty() && outline_.body(0).world >= 0) answer.world_hit[outline_.body(0).world] = found_.any;
@@ -299,13 +300,18 @@ void FeatureSearch::find(BackendBase& backend, const World& world, const Candida
                          bool frugal, CandidateLists& answer) {
     bodies_ = bodies;
     frugal_ = frugal;
+    search(backend, world, question, answer);
+}
+
+void FeatureSearch::search(BackendBase& backend, const World& world, const CandidateQuestion& question,
+                           CandidateLists& answer) {
     read(world, question.rules);
     clear(answer);
     for (const CandidateKind kind : question.kinds) answer.listed[static_cast<std::size_t>(kind)] = true;
     answer.statistics.triangles = outline_.triangles();
     answer.first_edge.push_back(0);
     answer.first_point.push_back(0);
-    if (in_place(question.rules)) {
+    if (there_ || in_place(question.rules)) {
         search_in_place(backend, question, answer);
     } else {
         for (std::int32_t pass = 0; pass <= outline_.worlds(); ++pass) {
@@ -318,8 +324,12 @@ void FeatureSearch::find(BackendBase& backend, const World& world, const Candida
 }
 
 void FeatureSearch::search_in_place(BackendBase& backend, const CandidateQuestion& question, CandidateLists& answer) {
-    const Scene scene = prepare_in_place(backend, true, question.weld);
-    backend.find_candidates(scene, query_of(question, frugal_, features_, rule_), found_candidates_);
+    if (there_) {
+        answer_there(backend, question);
+    } else {
+        const Scene scene = prepare_in_place(backend, true, question.weld);
+        backend.find_candidates(scene, query_of(question, frugal_, features_, rule_), found_candidates_);
+    }
     add_pass(found_candidates_.statistics, answer.statistics);
     answer.edges = features_.edges();
     answer.first_edge.push_back(static_cast<std::int64_t>(answer.edges.size()));
@@ -361,5 +371,8 @@ void FeatureSearch::add_first(std::int32_t pass, Impacts& answer) const {
     const auto key = [](const FirstImpact& f) { return std::pair(f.toi, f.kind); };
     if (!answer.first.found || key(first) < key(answer.first)) answer.first = first;
 }
+
+template void FeatureSearch::search(BackendBase&, const World&, const Motion&, Impacts&);
+template void FeatureSearch::search(BackendBase&, const World&, const Near&, Nearby&);
 
 }  // namespace crumple

@@ -4,7 +4,9 @@
 // are posed at the start and at the end, and the backend searches it. A single body in place is searched where the
 // caller has it.
 
+#include <array>
 #include <optional>
+#include <variant>
 
 #include "base/cancellation.h"
 #include "crumple/candidates.h"
@@ -55,14 +57,41 @@ class FeatureSearch {
     template <class Question, class Answer>
     void find(BackendBase& backend, const Part& part, const Question& question, bool frugal, Answer& answer);
 
+    // Of a mesh in device memory (features_there.cpp):
+
+    /// Whether the device answers by itself; else the mesh is copied to the host first.
+    static bool answers_there(const Shape& shape, const Motion& question);
+    static bool answers_there(const Shape& shape, const Near& question);
+    static bool answers_there(const Shape& shape, const CandidateQuestion& question);
+    template <class Question, class Answer>
+    void find_there(BackendBase& backend, const DeviceShape& mesh, const Question& question, bool frugal,
+                    Answer& answer);
+    template <class Question>
+    void launch(BackendBase& backend, const DeviceShape& mesh, const Question& question);
+    DeviceAnswer wait(BackendBase& backend, Asked asked);
+    /// Answers a launch, or the one that was waited for last, to the host, with as little memory as may be, and drops
+    /// the answer.
+    template <class Question>
+    void try_there(BackendBase& backend, const DeviceShape& mesh, const Question& question);
+    void try_landed(BackendBase& backend);
+
     /// Gives all memory back.
     void release();
 
    private:
+    template <class Question>
+    void look_there(BackendBase& backend, const DeviceShape& mesh, const Question& question);
+    void know(BackendBase& backend, const DeviceShape& mesh);
+    template <class Question, class Ask>
+    auto ask_there(BackendBase& backend, const DeviceShape& mesh, const Question& question, Ask ask);
+    template <class Question>
+    void answer_there(BackendBase& backend, const Question& question);
+
     Scene prepare_part(BackendBase& backend, const Part& part, const Rules& rules);
 
     template <class Question, class Answer>
     void search(BackendBase& backend, const World& world, const Question& question, Answer& answer);
+    void search(BackendBase& backend, const World& world, const CandidateQuestion& question, CandidateLists& answer);
     template <class Question, class Answer>
     void search_in_place(BackendBase& backend, const Question& question, Answer& answer);
     template <class Question, class Answer>
@@ -114,6 +143,7 @@ class FeatureSearch {
     MemoryMeter& meter_;
     Cancellation& cancellation_;
     bool bodies_ = false, frugal_ = false;  // of the call
+    const DeviceShape* there_ = nullptr;    // of the call: the only body's, and its arrays lie there
     WorldOutline outline_;
     BodyRules rules_;
     GroupRule rule_;
@@ -128,6 +158,14 @@ class FeatureSearch {
     CandidateAnswer found_candidates_;
     // Of each body that was added to the scene; and how many there are:
     Array<std::int64_t> first_edge_, first_point_;
+
+    /// What a launch was given, by its slot: it may have to be answered again.
+    struct Launched {
+        DeviceShape mesh;
+        std::variant<Motion, Near, CandidateQuestion> question;
+    };
+    std::array<Launched, 2> launched_;
+    std::size_t landed_ = 0;  ///< slot that was waited for last
 };
 
 // The first of the bodies that were added are those whose own world this is.
@@ -148,7 +186,9 @@ void FeatureSearch::append_features(std::int32_t pass, Answer& answer) {
 
 template <class Answer>
 void FeatureSearch::append_listed_points(std::int32_t body, Answer& answer) {
-    if (const auto& points = outline_.shape(body).points)
+    if (there_)
+        for (const std::int32_t v : features_.listed_points()) answer.points.push_back(v);
+    else if (const auto& points = outline_.shape(body).points)
         for (const std::int32_t v : *points) answer.points.push_back(v);
     answer.first_point.push_back(static_cast<std::int64_t>(answer.points.size()));
 }

@@ -59,7 +59,7 @@ void FeatureSearch::stream(BackendBase& backend, const World& world, const Quest
         for (const CandidateKind kind : question.kinds) answer.listed[static_cast<std::size_t>(kind)] = true;
     answer.first_edge.push_back(0);
     answer.first_point.push_back(0);
-    if constexpr (is_near<Question>) near_input_.begin(outline_, question, bodies_, backend, buffers_);
+    if constexpr (is_near<Question>) near_input_.begin(outline_, question, bodies_, true, backend, buffers_);
 
     auto filling = filling_of(blocks, meter_, answer);
     constexpr bool step = !is_near<Question>;

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "crumple/error.h"
+#include "model/outline.h"
 
 namespace crumple {
 namespace {
@@ -24,10 +25,7 @@ void check_radii(const std::string& which, std::span<const double> radii) {
     const auto wrong =
         std::find_if_not(radii.begin(), radii.end(), [](double r) { return r >= 0 && std::isfinite(r); });
     if (wrong == radii.end()) return;
-    const auto vertex = wrong - radii.begin();
-    throw Error(ErrorCode::invalid_argument,
-                which + "the radius of vertex " + std::to_string(vertex) + " must be finite and 0 or more",
-                Element::vertex, vertex);
+    fail_radius(which, wrong - radii.begin());
 }
 
 namespace {
@@ -39,11 +37,10 @@ VertexReader reader_at_rest(const Shape& shape) {
 
 bool has_rest(const Shape& shape) { return shape.rest.data || shape.rest.rows > 0; }
 
-void check_rest(const std::string& which, const Shape& shape, ParallelFor& workers, SceneBuffers& buffers) {
+void check_rest(const std::string& which, const Shape& shape) {
     check_count(which, " vertices at rest", shape.rest.rows, shape.vertices.rows);
     if (!shape.rest.data && shape.rest.rows > 0)
         throw Error(ErrorCode::invalid_argument, which + "the vertices at rest have no data");
-    check_finite(shape.rest, which + "at rest: ", workers, buffers);
 }
 
 }  // namespace
@@ -55,7 +52,7 @@ void NearInput::release() {
     rings_.release();
 }
 
-void NearInput::begin(const WorldOutline& outline, const Near& question, bool bodies, ParallelFor& workers,
+void NearInput::begin(const WorldOutline& outline, const Near& question, bool bodies, bool here, ParallelFor& workers,
                       SceneBuffers& buffers) {
     any_radii_ = any_rest_ = false;
     ring_count_ = question.rings;
@@ -67,9 +64,10 @@ void NearInput::begin(const WorldOutline& outline, const Near& question, bool bo
         if (!shape.radii.empty()) {
             check_count(name_of(s, bodies), " radii", static_cast<std::int64_t>(shape.radii.size()),
                         shape.vertices.rows);
-            check_radii(name_of(s, bodies), shape.radii);
+            if (here) check_radii(name_of(s, bodies), shape.radii);
         }
-        if (has_rest(shape)) check_rest(name_of(s, bodies), shape, workers, buffers);
+        if (has_rest(shape)) check_rest(name_of(s, bodies), shape);
+        if (has_rest(shape) && here) check_finite(shape.rest, name_of(s, bodies) + "at rest: ", workers, buffers);
         any_radii_ = any_radii_ || !shape.radii.empty();
         any_rest_ = any_rest_ || has_rest(shape);
         any_vertices = any_vertices || shape.vertices.rows > 0;

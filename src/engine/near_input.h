@@ -25,9 +25,10 @@ class NearInput {
    public:
     explicit NearInput(MemoryMeter* meter) : given_radii_(meter), points_(meter), body_(meter), rings_(meter) {}
 
-    /// Reads and checks what the question and its shapes say. `bodies`: see FeatureSearch. Throws Error
+    /// Reads and checks what the question and its shapes say. `bodies`: see FeatureSearch. `here`: arrays lie on the
+    /// host; else their contents are not looked at. Throws Error
     /// (invalid_argument, not_finite) that names shape and vertex.
-    void begin(const WorldOutline& outline, const Near& question, bool bodies, ParallelFor& workers,
+    void begin(const WorldOutline& outline, const Near& question, bool bodies, bool here, ParallelFor& workers,
                SceneBuffers& buffers);
 
     /// For a scene that is the only body, where the caller has it; or for one of several.

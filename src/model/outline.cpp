@@ -49,6 +49,18 @@ Scene outline_scene(const MeshView& a, const MeshView* b, MemorySpace memory) {
     return scene;
 }
 
+void outline_motion(const VertexView& end, Scene& scene) {
+    if (end.rows != scene.vertex_count())
+        throw Error(ErrorCode::invalid_argument, "there are " + std::to_string(end.rows) + " vertices at the end for " +
+                                                     std::to_string(scene.vertex_count()) + " at the start");
+    if (end.rows > most_moving_vertices) throw Error(ErrorCode::invalid_argument, too_many_moving_vertices);
+    if (end.rows > 0 && !end.data) throw Error(ErrorCode::invalid_argument, "the end has no vertex data");
+    scene.moving = true;
+    scene.end = {static_cast<const std::byte*>(end.data), end.row_stride, end.column_stride,
+                 end.type == ScalarType::float32};
+    scene.float32 = scene.float32 && scene.end.float32;
+}
+
 std::string mesh_name(const Scene& scene, std::size_t side) {
     if (!scene.between) return "";
     return side == 0 ? "first mesh: " : "second mesh: ";
@@ -57,6 +69,12 @@ std::string mesh_name(const Scene& scene, std::size_t side) {
 void fail_not_finite(const std::string& which, std::int64_t vertex) {
     throw Error(ErrorCode::not_finite, which + "vertex " + std::to_string(vertex) + " is not finite", Element::vertex,
                 vertex);
+}
+
+void fail_radius(const std::string& which, std::int64_t vertex) {
+    throw Error(ErrorCode::invalid_argument,
+                which + "the radius of vertex " + std::to_string(vertex) + " must be finite and 0 or more",
+                Element::vertex, vertex);
 }
 
 void fail_index(const std::string& which, std::int64_t triangle, std::int64_t index, std::int64_t vertex_count) {

@@ -18,6 +18,9 @@ void check_mesh_outline(const MeshView& mesh, const std::string& subject, Memory
 /// Counts and readers of one mesh (b null) or two that lie in `memory`. Throws Error (invalid_argument).
 Scene outline_scene(const MeshView& a, const MeshView* b, MemorySpace memory);
 
+/// Gives each vertex of a scene of one mesh an end, which is not read. Throws Error (invalid_argument).
+void outline_motion(const VertexView& end, Scene& scene);
+
 /// Of two meshes, which: what an element's place begins with. Of one, nothing.
 std::string mesh_name(const Scene& scene, std::size_t side);
 
@@ -38,6 +41,7 @@ void with_index_type(IndexType type, Function function) {
 }
 
 [[noreturn]] void fail_not_finite(const std::string& which, std::int64_t vertex);
+[[noreturn]] void fail_radius(const std::string& which, std::int64_t vertex);
 [[noreturn]] void fail_index(const std::string& which, std::int64_t triangle, std::int64_t index,
                              std::int64_t vertex_count);
 

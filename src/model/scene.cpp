@@ -190,15 +190,7 @@ void name_equal_positions(const Scene& scene, Array<std::int32_t>& table, Array<
 }
 
 void add_motion(const VertexView& end, ParallelFor& workers, SceneBuffers& buffers, Scene& scene) {
-    if (end.rows != scene.vertex_count())
-        throw Error(ErrorCode::invalid_argument, "there are " + std::to_string(end.rows) + " vertices at the end for " +
-                                                     std::to_string(scene.vertex_count()) + " at the start");
-    if (end.rows > most_moving_vertices) throw Error(ErrorCode::invalid_argument, too_many_moving_vertices);
-    if (end.rows > 0 && !end.data) throw Error(ErrorCode::invalid_argument, "the end has no vertex data");
-    scene.moving = true;
-    scene.end = {static_cast<const std::byte*>(end.data), end.row_stride, end.column_stride,
-                 end.type == ScalarType::float32};
-    scene.float32 = scene.float32 && scene.end.float32;
+    outline_motion(end, scene);
     Vec3d low = scene.low, high = scene.high;
     check_content(MeshView(end, {}), scene.end, "at the end: ", workers, buffers.checks, low, high);
     if (end.rows > 0) scene.low = low, scene.high = high;

@@ -23,6 +23,7 @@
 #include "crumple/array.h"
 #include "crumple/features.h"
 #include "crumple/part.h"
+#include "crumple/world.h"
 #include "model/feature_table.h"
 #include "model/scene.h"
 
@@ -42,6 +43,15 @@ class SceneFeatures {
     /// it costs a comparison; else O(triangles, edges, points), mostly on all threads. `weld`: vertices at equal
     /// positions, at the start and at the end, count as one for incident().
     void prepare(const Scene& scene, bool weld, ParallelFor& workers, const ListedFeatures& listed = {});
+
+    /// Whether prepare() has made this of as many vertices, triangles, and listed edges and points, without welding.
+    bool has_counts_of(const Shape& shape) const {
+        const auto listed = [](bool lists, const auto& mine, const auto& theirs) {
+            return lists == theirs.has_value() && (!lists || mine.size() == theirs->size());
+        };
+        return !adopted_ && !renames() && vertices_ == shape.vertices.rows && faces_ == shape.triangles.rows &&
+               listed(lists_edges_, edges_, shape.edges) && listed(lists_points_, points_, shape.points);
+    }
 
     /// What a part that was checked says of its triangles and carriers, in place of prepare().
     void adopt(const Part& part);

@@ -15,13 +15,12 @@
 #include <vector>
 
 #include "crumple/error.h"
-#include "engine/cuda/candidate_finder.h"
 #include "engine/cuda/device.h"
-#include "engine/cuda/feature_finder.h"
-#include "engine/cuda/flights.h"
-#include "engine/cuda/host_mesh.h"
+#include "engine/cuda/feature_calls.h"
+#include "engine/cuda/host_shape.h"
 #include "engine/cuda/input.h"
 #include "engine/cuda/search.h"
+#include "engine/cuda/turns.h"
 #include "engine/output.h"
 #include "model/levels.h"
 #include "model/part.h"
@@ -37,18 +36,14 @@ class CudaBackend final : public BackendBase {
           cancellation_(cancellation),
           device_(options.device),
           geometry_(device_.geometry()),
-          search_(device_, geometry_, stream_.get(), options, meter, cancellation, flights_),
-          features_there_(stream_.get(), meter),
-          features_(device_, geometry_, stream_.get(), options, meter, cancellation, search_.lent_input(),
-                    features_there_),
-          candidates_(device_, geometry_, stream_.get(), options, meter, cancellation, search_.lent_input(),
-                      features_there_) {
+          search_(device_, geometry_, stream_.get(), options, meter, cancellation, turns_.flights),
+          features_(device_, geometry_, stream_.get(), options, meter, cancellation, turns_, search_.inputs()) {
         reserve_stacks();
     }
     ~CudaBackend() override {
         try {
-            flights_.finish();  // they write to what is freed now
-        } catch (...) {         // the device has failed
+            turns_.flights.finish();  // they write to what is freed now
+        } catch (...) {               // the device has failed
         }
     }
 
@@ -81,18 +76,12 @@ class CudaBackend final : public BackendBase {
     }
 
     void find(const Scene& scene, const FeatureQuery& query, FeatureAnswer& answer) override {
-        on_device([&] {
-            finish();
-            features_.find(scene, query, answer);
-        });
+        features_.find(scene, query, answer);
     }
-
     void find_candidates(const Scene& scene, const CandidateQuery& query, CandidateAnswer& answer) override {
-        on_device([&] {
-            finish();
-            candidates_.find(scene, query, answer);
-        });
+        features_.find(scene, query, answer);
     }
+    DeviceFeatureCalls& features_there() override { return features_; }
 
     bool any(const Scene& scene, const Query& query) override {
         return on_device(
@@ -122,15 +111,16 @@ class CudaBackend final : public BackendBase {
     }
 
     std::vector<Part> partition(const MeshView& a, const MeshView* b, int count) override {
-        std::array<std::optional<HostMesh>, 2> host;
+        HostShape host[2];
         on_device([&] {
             view(a, b, {});
-            host[0].emplace(a, stream_.get());
-            if (b) host[1].emplace(*b, stream_.get());
+            copy_to_host(Shape(a), Copied::all, stream_.get(), host[0]);
+            if (b) copy_to_host(Shape(*b), Copied::all, stream_.get(), host[1]);
         });
+        const auto mesh = [](const Shape& shape) { return MeshView(shape.vertices, shape.triangles, shape.groups); };
+        const MeshView first = mesh(host[0].shape), second = mesh(host[1].shape);
         SceneBuffers buffers;
-        return make_parts(prepare_scene(host[0]->view(), b ? &host[1]->view() : nullptr, false, *this, buffers), count,
-                          *this);
+        return make_parts(prepare_scene(first, b ? &second : nullptr, false, *this, buffers), count, *this);
     }
 
     std::int64_t bytes_needed(const Scene& scene, const Query& query, const Part*) override {
@@ -147,41 +137,44 @@ class CudaBackend final : public BackendBase {
     }
 
     void launch(const MeshView& a, const MeshView* b, const Query& query) override {
-        if (flights_.full())
-            throw Error(ErrorCode::invalid_argument, "two launches are in flight: the next one comes after a wait()");
+        turns_.refuse_third();
+        const auto stream = static_cast<cudaStream_t>(a.stream);
         on_device([&] {
-            const auto first = capture_of(static_cast<cudaStream_t>(a.stream));
+            const auto first = capture_of(stream);
             const auto second = b ? capture_of(static_cast<cudaStream_t>(b->stream)) : first;
-            if (first || second) return launch_in_capture(a, b, query, first == second);
-            end_state();
-            const bool again = search_.alone() && flights_.count() == 0;
-            const std::size_t slot = again ? flights_.newest() : flights_.next();
-            search_.view(slot, a, b, query.weld);
-            search_.adopt(query);
-            const auto stream = static_cast<cudaStream_t>(a.stream);
-            if (b && b->stream != a.stream) order(before_, static_cast<cudaStream_t>(b->stream), stream);
-            flights_.queue(stream);
-            search_.launch(stream);
-            flights_.add(slot, stream);
+            const auto bring = [&](std::size_t slot, Room room) {
+                search_.view(slot, a, b, query.weld, room);
+                search_.adopt(query, room);
+                if (b && b->stream != a.stream) order(before_, static_cast<cudaStream_t>(b->stream), stream);
+            };
+            if (first || second)
+                turns_.launch_in_capture(Asked::intersections, first == second, [&] {
+                    bring(search_.current(), Room::fixed);
+                    search_.capture(stream);
+                });
+            else
+                turns_.launch(
+                    Asked::intersections, stream, search_.alone(), [&](std::size_t slot) { bring(slot, Room::grows); },
+                    [&] { search_.launch(stream); });
         });
     }
 
     const DeviceCollisions& wait() override {
-        if (state_ == State::captured) return wait_for_replay();
-        if (flights_.count() == 0) throw Error(ErrorCode::invalid_argument, "wait() needs a launch before it");
+        if (turns_.waits_for_replay(Asked::intersections)) return wait_for_replay();
+        turns_.refuse_other(Asked::intersections);
         on_device([&] {
-            end_state();
-            search_.resume(flights_.land());
+            turns_.end_state();
+            search_.resume(turns_.flights.land());
             if (!search_.accept_launched()) search_.find();
             search_.make_contacts();
             shown() = search_.show();
         });
-        state_ = State::answered;
+        turns_.answer(Asked::intersections);
         return shown();
     }
 
     void download(Collisions& result) override {
-        if (state_ != State::answered && !(state_ == State::captured && replayed_))
+        if (!turns_.has_answered(Asked::intersections))
             throw Error(ErrorCode::invalid_argument, "download() needs a wait() before it");
         if (!shown().complete) throw Error(ErrorCode::invalid_argument, "download() needs an answer that is complete");
         on_device([&] {
@@ -194,15 +187,13 @@ class CudaBackend final : public BackendBase {
         std::optional<Device::Current> current;
         try {
             current.emplace(device_);
-            finish();
+            turns_.finish();
         } catch (const Error&) {
-            state_ = State::idle;  // a device that has failed has nothing left to wait for
-            flights_.forget();
+            turns_.state = Turns::State::idle;  // a device that has failed has nothing left to wait for
+            turns_.flights.forget();
         }
         search_.release();
         features_.release();
-        candidates_.release();
-        features_there_.release();
     }
 
     std::int64_t bytes_needed_for_launched() override {
@@ -213,47 +204,20 @@ class CudaBackend final : public BackendBase {
     }
 
     bool keeps_after(const Error& error) const override {
-        if (state_ == State::refused) return true;
-        const bool needed = state_ == State::captured || flights_.count() > 0;
+        if (turns_.state == Turns::State::refused) return true;
+        const bool needed = turns_.state == Turns::State::captured || turns_.flights.count() > 0;
         return needed && error.code != ErrorCode::memory_limit && error.code != ErrorCode::device;
     }
 
    private:
-    // Nothing is allocated, freed, copied or waited for.
-    void launch_in_capture(const MeshView& a, const MeshView* b, const Query& query, bool same) {
-        if (flights_.count() > 0)
-            throw Error(ErrorCode::invalid_argument, "a launch in a capture comes after wait() for the one before");
-        if (search_.capture_is_open())
-            throw Error(ErrorCode::invalid_argument, "a detector's launches in a capture are one at most");
-        state_ = State::refused;
-        if (!same)
-            throw Error(ErrorCode::invalid_argument, "the streams of two meshes take part in one capture, or in none");
-        try {
-            search_.view(search_.current(), a, b, query.weld, Room::fixed);
-            search_.adopt(query, Room::fixed);
-            const auto stream = static_cast<cudaStream_t>(a.stream);
-            if (b && b->stream != a.stream) order(before_, static_cast<cudaStream_t>(b->stream), stream);
-            search_.capture(stream);
-        } catch (const NoRoom&) {
-            throw Error(ErrorCode::invalid_argument,
-                        "a launch in a capture needs two calls before it, outside of the capture, with meshes of the "
-                        "same shape and the same query: they make its lists");
-        }
-        replayed_ = false;
-        state_ = State::captured;
-    }
-
     // The stream that it was on is done, says the caller.
     const DeviceCollisions& wait_for_replay() {
         on_device([&] {
-            refuse_open_capture();
-            if (!search_.has_replayed())
-                throw Error(ErrorCode::invalid_argument, "wait() needs a replay of the captured launch before it");
-            replayed_ = false;
+            turns_.begin_replay(search_.has_replayed());
             const bool complete = search_.accept_replay();
             if (complete) search_.make_contacts();
             shown() = complete ? search_.show() : search_.show_incomplete();
-            replayed_ = true;
+            turns_.replayed = true;
         });
         return shown();
     }
@@ -327,12 +291,12 @@ class CudaBackend final : public BackendBase {
     }
 
     void bring(const Scene& scene) {
-        finish();
+        turns_.finish();
         search_.bring(scene);
     }
     // Work of ours begins after what the callers' streams were given.
     void view(const MeshView& a, const MeshView* b, const Query& query) {
-        finish();
+        turns_.finish();
         refuse_captured(a, b);
         order(before_, static_cast<cudaStream_t>(a.stream), stream_.get());
         if (b) order(before_, static_cast<cudaStream_t>(b->stream), stream_.get());
@@ -344,29 +308,7 @@ class CudaBackend final : public BackendBase {
             if (mesh && capture_of(static_cast<cudaStream_t>(mesh->stream)) != 0)
                 throw Error(ErrorCode::invalid_argument, "a mesh's stream is being captured, and cannot be waited for");
     }
-    // Streams of ours take part in it, and what they are given now would, too.
-    void refuse_open_capture() const {
-        if (search_.capture_is_open())
-            throw Error(ErrorCode::invalid_argument, "the capture that a launch was put into has not ended");
-    }
-    // A launch in a capture ends here, and so does download().
-    void end_state() {
-        if (state_ == State::captured) refuse_open_capture();
-        state_ = State::idle;
-    }
-    // Launches that nobody waited for are over before their memory is used again.
-    void finish() {
-        end_state();
-        flights_.finish();
-    }
     DeviceCollisions& shown() { return shown_[search_.current()]; }
-
-    enum class State : std::uint8_t {
-        idle,
-        answered,  ///< by wait(), and no call came after that
-        captured,  ///< a pass is in a caller's graph, and its memory stays
-        refused,   ///< a launch in a capture, which nothing may be freed in
-    };
 
     MemoryMeter& meter_;
     Cancellation& cancellation_;
@@ -374,13 +316,9 @@ class CudaBackend final : public BackendBase {
     Geometry geometry_;
     Stream stream_ = make_stream(device_);
     Event before_ = make_event(device_);
-    Flights flights_{device_};
+    Turns turns_{device_, stream_.get()};
     Search search_;
-    FeaturesOnDevice features_there_;
-    FeatureFinder features_;
-    CandidateFinder candidates_;
-    State state_ = State::idle;
-    bool replayed_ = false;                               ///< since the capture: wait() has told of it
+    FeatureCalls features_;
     std::array<DeviceCollisions, Flights::slots> shown_;  ///< by slot
 };
 

@@ -16,16 +16,21 @@ struct BoxShared {
     unsigned long long low[3][32], high[3][32];
 };
 
+constexpr double most = 1.7976931348623157e308;
+
+// Neither NaN nor an infinity is at most the largest number.
+__device__ bool is_finite(const Vec3d& p) {
+    return std::abs(p.x) <= most && std::abs(p.y) <= most && std::abs(p.z) <= most;
+}
+
 template <bool aligned>
 __global__ void check_kernel(Scene scene, SceneBox* box, Counters* counters) {
     auto& shared = dynamic_shared<BoxShared>();
-    constexpr double most = 1.7976931348623157e308;
     Vec3d low{most, most, most}, high{-most, -most, -most};
     const auto n = static_cast<std::size_t>(scene.vertex_count());
     for (std::size_t v = grid_thread(); v < n; v += grid_stride()) {
         const Vec3d p = position<aligned>(scene, v);
-        // Neither NaN nor an infinity is at most the largest number.
-        if (!(std::abs(p.x) <= most && std::abs(p.y) <= most && std::abs(p.z) <= most)) {
+        if (!is_finite(p)) {
             const auto first = static_cast<std::size_t>(scene.vertices[0]);
             const int side = v >= first;
             atomicMin(&counters->bad_vertex[side], static_cast<unsigned long long>(side ? v - first : v));
@@ -33,6 +38,14 @@ __global__ void check_kernel(Scene scene, SceneBox* box, Counters* counters) {
         }
         low = min(low, p);
         high = max(high, p);
+        if (!scene.moving) continue;
+        const Vec3d end = end_position<aligned>(scene, v);
+        if (!is_finite(end)) {
+            atomicMin(&counters->bad_end, static_cast<unsigned long long>(v));
+            continue;
+        }
+        low = min(low, end);
+        high = max(high, end);
     }
     for (int axis = 0; axis < 3; ++axis) {
         unsigned long long least = ordered(low[axis]), greatest = ordered(high[axis]);
@@ -121,8 +134,8 @@ __global__ void widened_bounds_kernel(Scene scene, Primitives primitives, const 
 
 void clear(Clearing& clearing, Counters* counters) {
     // Where the lowest wrong element is noted, nothing is all bits set.
-    constexpr std::size_t noted = sizeof counters->bad_vertex + sizeof counters->bad_triangle;
-    static_assert(offsetof(Counters, places) == noted);
+    constexpr std::size_t noted = offsetof(Counters, places);
+    static_assert(noted == 8 * sizeof(unsigned long long));
     clearing.add(counters, noted, ~0u);
     clearing.add(counters->places, sizeof *counters - noted);
 }

@@ -40,8 +40,8 @@ void clear(Clearing& clearing, Counters* counters);
 /// The empty box, for check_vertices().
 void clear(Clearing& clearing, SceneBox* box);
 
-/// Widens the box by the scene's vertices and notes the first that is not finite. For scenes that lie on the device;
-/// others were checked by the host.
+/// Widens the box by the scene's vertices, also at their ends, and notes the first that is not finite. For scenes that
+/// lie on the device; others were checked by the host.
 void check_vertices(const Geometry& geometry, cudaStream_t stream, const Scene& scene, SceneBox* box,
                     Counters* counters);
 

@@ -23,112 +23,234 @@ FirstOfCandidates firsts_of(const CandidateQuery& query) {
 
 void CandidateFinder::release() {
     Finder::release();
-    values_.release();
-    laid_out_.reset();
+    for (CandidateSlot& slot : slots_) {
+        slot.values.release();
+        slot.host = CandidateAnswer(&meter_);
+    }
     planned_for_ = -1;
 }
 
-void CandidateFinder::find(const Scene& scene, const CandidateQuery& query, CandidateAnswer& answer) {
-    clear(answer);
-    answer.statistics.backend = "cuda";
-    if (scene.triangle_count() == 0) return;  // lists have a least size, which no limit need hold for nothing
-    adopt(scene, query);
-    Finder::find(
-        query.frugal, [&] { find_at_once(answer); }, [&](Lists lists) { find_in_chunks(answer, lists); });
-    answer.statistics = statistics_;
+void CandidateFinder::bring(std::size_t to, const Scene& scene, const CandidateQuery& query) {
+    take_slot(to);
+    input().bring(scene);
+    input().want(query.rule);
+    features_.bring(query.features, scene.vertex_count());
+    adopt(query, Room::grows);
 }
 
-void CandidateFinder::adopt(const Scene& scene, const CandidateQuery& query) {
-    bring(scene, query.rule);
-    firsts_ = firsts_of(query);
-    lay_out(values_, [&](Cutter& c) {
-        widening_ = c.take<Inflation>(1);
-        normaliser_ = c.take<Normaliser>(1);
-    });
+void CandidateFinder::view(std::size_t to, const Shape& shape, const CandidateQuery& query, Room room) {
+    take_slot(to);
+    features_.bring(query.features, shape.vertices.rows, room);
+    input().view(shape, features_.known(), room);
+    input().want(query.rule, room);
+    adopt(query, room);
+}
+
+void CandidateFinder::adopt(const CandidateQuery& query, Room room) {
+    CandidateSlot& slot = this->slot();
+    const Scene& scene = input().scene();
+    slot.revision = query.features.revision();
+    slot.frugal = query.frugal;
+    slot.firsts = firsts_of(query);
+    lay_out(
+        slot.values,
+        [&](Cutter& c) {
+            slot.widening = c.take<Inflation>(1);
+            slot.normaliser = c.take<Normaliser>(1);
+        },
+        room);
     AskedOfCandidates asked;
     for (std::size_t k = 0; k < candidate_kinds; ++k) asked.wanted |= unsigned{query.wanted[k]} << k;
     asked.inflation = query.inflation;
-    asked.features = features_.bring(query.features, scene.vertex_count());
-    asked.normaliser = normaliser_;
-    asked.points = {pass_.scene, is_aligned(pass_.scene)};
-    pass_.asked = asked;
-    pass_.primitives = primitives(scene, widening_, true);
+    asked.features = features_.bring(query.features, scene.vertex_count(), room);
+    asked.normaliser = slot.normaliser;
+    asked.points = {scene, is_aligned(scene)};
+    slot.asked = asked;
+    look();
 }
 
-void CandidateFinder::lay_out_lists() {
-    const Layout wanted{pass_.scene.vertex_count(),
-                        pass_.scene.triangle_count(),
-                        pass_.scene.float32,
-                        pass_.scene.moving,
-                        pass_.plan,
-                        firsts_};
-    if (laid_out_ == wanted) return;
-    laid_out_.reset();
-    lay_out(guides_, [&](Cutter& c) { pass_.guides.cut(c, pass_.plan); });
-    lay_out(work_, [&](Cutter& c) { pass_.cut(c); });
-    lay_out(answer_, [&](Cutter& c) { output_.cut(c, firsts_, pass_.plan.hits); });
-    laid_out_ = wanted;
+void CandidateFinder::resume(std::size_t slot) {
+    Finder::resume(slot);
+    look();
 }
 
-CandidateHits CandidateFinder::hits() const { return {pass_.hits(), output_.offsets, output_.by_tile, firsts_}; }
-
-void CandidateFinder::make_ready() {
-    make_normaliser(stream_, pass_.box, pass_.asked.inflation, widening_, normaliser_);
+void CandidateFinder::look() {
+    Finder::look();
+    pass_.asked = slot().asked;
+    pass_.primitives = primitives(pass_.scene, slot().widening, true);
 }
 
-void CandidateFinder::find_at_once(CandidateAnswer& answer) {
+void CandidateFinder::find() {
+    slot().on_host = false;
+    flights_.settle();  // passes work on the same lists
+    Finder::find(
+        slot().frugal, [&] { find_at_once(); }, [&](Lists lists) { find_in_chunks(lists); });
+    slot().statistics = statistics_;
+    slot().lost = false;
+}
+
+void CandidateFinder::plan() {
     const std::int64_t n = pass_.scene.triangle_count();
     if (planned_for_ != n) pass_.plan.choose_candidates(n, options_);
     planned_for_ = n;
-    for (bool complete = false; !complete;) {
-        cancellation_.check();
-        lay_out_lists();
-        enqueue();
-        CRUMPLE_CUDA(cudaStreamSynchronize(stream_));
-        input_.throw_error(*counters_);
-        complete = pass_.plan.accepts(*counters_, n, options_);
-    }
-    count(*counters_);
-    accepted();
-    watch_.read(statistics_);
-    copy_to(answer);
 }
 
-void CandidateFinder::enqueue() {
+void CandidateFinder::cut_answer(Cutter& c) { slot().output.cut(c, slot().firsts, pass_.plan.hits); }
+
+void CandidateFinder::prepare() {
+    plan();
+    prepare_pass([&](Cutter& c) { cut_answer(c); });
+}
+
+CandidateHits CandidateFinder::hits() const {
+    return {pass_.hits(), slot().output.offsets, slot().output.by_tile, slot().firsts};
+}
+
+void CandidateFinder::make_ready() {
+    make_normaliser(stream_, pass_.box, pass_.asked.inflation, slot().widening, slot().normaliser);
+}
+
+void CandidateFinder::find_at_once() {
+    do {
+        cancellation_.check();
+        prepare();
+        enqueue(&watch_);
+        CRUMPLE_CUDA(cudaStreamSynchronize(stream_));
+    } while (!accept());
+    watch_.read(statistics_);
+}
+
+bool CandidateFinder::launch(cudaStream_t stream) {
+    slot().on_host = false;
+    return Finder::launch(
+        stream, [&] { prepare(); },
+        [&] {
+            return CandidateKeyOfGraph{pass_.scene,  pass_.wanted,       pass_.plan,     input().work(),
+                                       pass_.asked,  slot().firsts,      Extent::all,    false,
+                                       work_.data(), slot().room.data(), guides_.data(), slot().counters.get()};
+        },
+        [&] { enqueue(nullptr); });
+}
+
+bool CandidateFinder::accept_launched() {
+    if (slot().lost || slot().revision != features_.known().revision) return false;
+    bool complete = false;
+    if (!fits_at_once([&] { complete = accept(); }) || !complete) return false;
+    slot().statistics = statistics_;
+    return true;
+}
+
+void CandidateFinder::capture(cudaStream_t stream) {
+    plan();
+    slot().on_host = false;
+    Finder::capture(
+        stream, [&](Cutter& c) { cut_answer(c); }, [&] { enqueue(nullptr); });
+}
+
+bool CandidateFinder::accept_replay() {
+    statistics_ = {};
+    bool complete = false;
+    try {
+        complete = accept();
+    } catch (const MeshChanged&) {  // a graph cannot take other features
+    }
+    if (!complete) grow_later();
+    slot().statistics = statistics_;
+    return complete;
+}
+
+void CandidateFinder::enqueue(StageEvents* watch) {
     Clearing clearing;
-    output_.clear(clearing);
-    enqueue_until_sorted(clearing, [&] { make_ready(); });
-    watch_.begin(Stage::sweep, stream_);
+    slot().output.clear(clearing);
+    enqueue_until_sorted(clearing, watch, [&] { make_ready(); });
+    begin(watch, Stage::sweep);
     pass_.sweep({});
-    watch_.begin(Stage::narrow, stream_);
+    begin(watch, Stage::narrow);
     pass_.narrow(hits());
     pass_.search_within(hits());
-    watch_.begin(Stage::output, stream_);
-    write_answer(geometry_, stream_, hits(), output_, pass_.counters);
-    enqueue_end();
+    begin(watch, Stage::output);
+    write_answer(geometry_, stream_, hits(), slot().output, pass_.counters, slot().counters.get());
+    enqueue_end(watch, true);
+}
+
+bool CandidateFinder::accept() {
+    CandidateSlot& slot = this->slot();
+    input().throw_error(*slot.counters);
+    if (!accepts(*slot.counters, true)) return false;
+    count(*slot.counters);
+    accepted();
+    for (std::size_t k = 0; k <= candidate_kinds; ++k)
+        CRUMPLE_CUDA(cudaMemcpyAsync(&slot.ends[k], slot.output.offsets + slot.firsts.base[k], sizeof slot.ends[k],
+                                     cudaMemcpyDeviceToHost, stream_));
+    CRUMPLE_CUDA(cudaStreamSynchronize(stream_));
+    return true;
 }
 
 void CandidateFinder::copy_to(CandidateAnswer& answer) {
-    for (std::size_t k = 0; k < candidate_kinds; ++k) {
-        unsigned long long begin = 0, end = 0;
-        copy_now(stream_, &begin, output_.offsets + firsts_.base[k], 1, cudaMemcpyDeviceToHost);
-        copy_now(stream_, &end, output_.offsets + firsts_.base[k + 1], 1, cudaMemcpyDeviceToHost);
-        const auto count = static_cast<std::size_t>(end - begin);
-        copy_now(stream_, answer.pairs[k].resize_discard(count), output_.pairs + begin, count, cudaMemcpyDeviceToHost);
+    CandidateSlot& slot = this->slot();
+    if (slot.on_host) {
+        answer = std::move(slot.host);
+        slot.host = CandidateAnswer(&meter_);
+        slot.lost = true;
+    } else {
+        for (std::size_t k = 0; k < candidate_kinds; ++k) {
+            const auto count = static_cast<std::size_t>(slot.ends[k + 1] - slot.ends[k]);
+            copy_now(stream_, answer.pairs[k].resize_discard(count), slot.output.pairs + slot.ends[k], count,
+                     cudaMemcpyDeviceToHost);
+        }
     }
+    answer.statistics = slot.statistics;
 }
 
-void CandidateFinder::find_in_chunks(CandidateAnswer& answer, Lists lists) {
+// Lists that were found in chunks, where they would be if they had been found at once.
+void CandidateFinder::upload() {
+    CandidateSlot& slot = this->slot();
+    slot.ends = {};
+    for (std::size_t k = 0; k < candidate_kinds; ++k) slot.ends[k + 1] = slot.ends[k] + slot.host.pairs[k].size();
+    lay_out(slot.room,
+            [&](Cutter& c) { slot.output.pairs = c.take<Pair>(static_cast<std::size_t>(slot.ends[candidate_kinds])); });
+    for (std::size_t k = 0; k < candidate_kinds; ++k)
+        copy_now(stream_, slot.output.pairs + slot.ends[k], slot.host.pairs[k].data(), slot.host.pairs[k].size(),
+                 cudaMemcpyHostToDevice);
+    slot.host = CandidateAnswer(&meter_);
+    slot.on_host = false;
+}
+
+DeviceAnswer CandidateFinder::show() {
+    if (slot().on_host) upload();
+    const CandidateSlot& slot = this->slot();
+    DeviceAnswer shown;
+    for (std::size_t k = 0; k < candidate_kinds; ++k) {
+        const auto count = static_cast<std::int64_t>(slot.ends[k + 1] - slot.ends[k]);
+        if (count > 0) shown.rows[k] = {count, slot.output.pairs + slot.ends[k], nullptr, nullptr};
+    }
+    shown.rows_needed = shown.count = static_cast<std::int64_t>(slot.ends[candidate_kinds]);
+    shown.any = shown.count > 0;
+    shown.edges = features_.known().edges;
+    shown.edge_count = features_.known().edge_count;
+    shown.statistics = slot.statistics;
+    return shown;
+}
+
+DeviceAnswer CandidateFinder::show_incomplete() const {
+    DeviceAnswer shown;
+    shown.complete = false;
+    shown.rows_needed = static_cast<std::int64_t>(slot().counters->hits);
+    shown.statistics.backend = "cuda";
+    return shown;
+}
+
+void CandidateFinder::find_in_chunks(Lists lists) {
     drop_lists();
-    laid_out_.reset();
     planned_for_ = -1;
-    clear(answer);
+    clear(slot().host);
+    slot().on_host = true;
     statistics_ = {};
     pass_.plan.choose_candidate_chunks(pass_.scene.triangle_count(), options_,
                                        lists == Lists::roomy ? bytes_for_lists(meter_) : 0, sizeof(RankedCandidate));
     Array<RankedCandidate> found(&meter_);
     bool first = true;
-    over_chunks([&](Cutter& c) { output_.cut(c, firsts_, 0); }, [&] { make_ready(); },
+    over_chunks([&](Cutter& c) { slot().output.cut(c, slot().firsts, 0); }, [&] { make_ready(); },
                 [&] {
                     pass_.narrow(hits());
                     take_hits(found);
@@ -141,7 +263,7 @@ void CandidateFinder::find_in_chunks(CandidateAnswer& answer, Lists lists) {
                     return true;
                 });
     drop_lists();
-    write_sorted(found, answer);
+    write_sorted(found);
 }
 
 void CandidateFinder::take_hits(Array<RankedCandidate>& found) {
@@ -152,13 +274,14 @@ void CandidateFinder::take_hits(Array<RankedCandidate>& found) {
     copy_now(stream_, found.data() + before, pass_.hits().data, listed, cudaMemcpyDeviceToHost);
 }
 
-void CandidateFinder::write_sorted(Array<RankedCandidate>& found, CandidateAnswer& answer) const {
+void CandidateFinder::write_sorted(Array<RankedCandidate>& found) {
     const auto pair = [](const RankedCandidate& hit) { return std::pair(hit.first, hit.second); };
     std::sort(found.begin(), found.end(), [&](const auto& a, const auto& b) { return pair(a) < pair(b); });
     const RankedCandidate* hit = found.begin();
     for (std::size_t k = 0; k < candidate_kinds; ++k)
-        for (; hit != found.end() && hit->first < firsts_.base[k + 1]; ++hit)
-            answer.pairs[k].push_back({static_cast<std::int32_t>(hit->first - firsts_.base[k]), hit->second});
+        for (; hit != found.end() && hit->first < slot().firsts.base[k + 1]; ++hit)
+            slot().host.pairs[k].push_back(
+                {static_cast<std::int32_t>(hit->first - slot().firsts.base[k]), hit->second});
 }
 
 }  // namespace crumple::cuda

@@ -6,51 +6,72 @@
 
 #include "engine/candidate_query.h"
 #include "engine/cuda/finder.h"
+#include "engine/device_answer.h"
 #include "questions/candidates/cuda/pass.h"
 #include "questions/features/cuda/input.h"
 
 namespace crumple::cuda {
 
-class CandidateFinder : Finder<CandidatePass> {
+struct CandidateSlot : FinderSlot {
+    CandidateSlot(const Device& device, cudaStream_t stream, MemoryMeter& meter, Input& input)
+        : FinderSlot(device, stream, meter, input), values(meter), host(&meter) {}
+
+    Block values;
+    Inflation* widening = nullptr;
+    Normaliser* normaliser = nullptr;
+    AskedOfCandidates asked;
+    FirstOfCandidates firsts;
+    CandidateOutput output{};
+    bool frugal = false;
+    // What accepting has found:
+    std::array<unsigned long long, candidate_kinds + 1> ends{};  ///< of the lists, among all rows
+    bool on_host = false;                                        ///< the lists are `host`: they were found in chunks
+    CandidateAnswer host;
+};
+
+using CandidateKeyOfGraph = FinderKey<AskedOfCandidates, FirstOfCandidates>;
+
+/// Its calls are those of FeatureFinder.
+class CandidateFinder : public Finder<CandidatePass, CandidateSlot, CandidateKeyOfGraph> {
    public:
     CandidateFinder(const Device& device, const Geometry& geometry, cudaStream_t stream, const Options& options,
-                    MemoryMeter& meter, Cancellation& cancellation, Input& input, FeaturesOnDevice& features)
-        : Finder(device, geometry, stream, options, meter, cancellation, input), features_(features), values_(meter) {}
+                    MemoryMeter& meter, Cancellation& cancellation, Flights& flights,
+                    const std::array<Input*, Flights::slots>& inputs, FeaturesOnDevice& features)
+        : Finder(device, geometry, stream, options, meter, cancellation, flights, inputs), features_(features) {}
 
-    /// Of a scene in host memory.
-    void find(const Scene& scene, const CandidateQuery& query, CandidateAnswer& answer);
+    void bring(std::size_t slot, const Scene& scene, const CandidateQuery& query);
+    void view(std::size_t slot, const Shape& shape, const CandidateQuery& query, Room room = Room::grows);
+    void resume(std::size_t slot);
 
-    /// Gives back all that is kept between calls.
+    void find();
+    bool launch(cudaStream_t stream);
+    bool accept_launched();
+    void capture(cudaStream_t stream);
+    bool accept_replay();
+
+    void copy_to(CandidateAnswer& answer);
+    DeviceAnswer show();
+    DeviceAnswer show_incomplete() const;
+
     void release();
 
    private:
-    /// What sizes and places of all arrays follow from.
-    struct Layout {
-        std::int64_t vertices, triangles;
-        bool float32, moving;
-        Plan plan;
-        FirstOfCandidates firsts;
-        friend bool operator==(const Layout&, const Layout&) = default;
-    };
-
-    void adopt(const Scene& scene, const CandidateQuery& query);
-    void find_at_once(CandidateAnswer& answer);
-    void find_in_chunks(CandidateAnswer& answer, Lists lists);
-    void lay_out_lists();
+    void adopt(const CandidateQuery& query, Room room);
+    void look();
+    void plan();
+    void prepare();
+    void cut_answer(Cutter& cutter);
+    void find_at_once();
+    void find_in_chunks(Lists lists);
     void make_ready();
-    void enqueue();
+    void enqueue(StageEvents* watch);
+    bool accept();
     CandidateHits hits() const;
     void take_hits(Array<RankedCandidate>& found);
-    void write_sorted(Array<RankedCandidate>& found, CandidateAnswer& answer) const;
-    void copy_to(CandidateAnswer& answer);
+    void write_sorted(Array<RankedCandidate>& found);
+    void upload();
 
     FeaturesOnDevice& features_;
-    Block values_;
-    Inflation* widening_ = nullptr;
-    Normaliser* normaliser_ = nullptr;
-    FirstOfCandidates firsts_;
-    CandidateOutput output_{};
-    std::optional<Layout> laid_out_;
     std::int64_t planned_for_ = -1;  ///< triangles
 };
 

@@ -14,12 +14,6 @@ unsigned long long capture_of(cudaStream_t stream) {
     return status == cudaStreamCaptureStatusActive ? id : 0;
 }
 
-bool CallersCapture::open() const {
-    cudaStreamCaptureStatus status = cudaStreamCaptureStatusNone;
-    CRUMPLE_CUDA(cudaStreamIsCapturing(own_, &status));
-    return status != cudaStreamCaptureStatusNone;
-}
-
 // A fork that is not joined would fail the capture when its caller ends it.
 void CallersCapture::lead_back(cudaStream_t stream) const noexcept {
     try {

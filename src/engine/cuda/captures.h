@@ -37,9 +37,6 @@ class CallersCapture {
         order(turn_, own_, stream);
     }
 
-    /// Whether a capture that add() was given has not ended.
-    bool open() const;
-
    private:
     void lead_back(cudaStream_t stream) const noexcept;
 

@@ -2,7 +2,10 @@
 
 // The device that a backend works on, and the handles that live there.
 
+#include <type_traits>
+
 #include "crumple/collisions.h"
+#include "crumple/error.h"
 #include "engine/cuda/runtime.h"
 
 namespace crumple::cuda {
@@ -37,6 +40,17 @@ class Device {
 
 /// Threads of a block, for devices made from now on; for tests: 64 or 256.
 extern unsigned block_threads;
+
+/// Runs work() with the device as this thread's. A device that has no memory left is an Error (device).
+template <class Work>
+std::invoke_result_t<Work> with_device(const Device& device, Work work) {
+    const Device::Current current(device);
+    try {
+        return work();
+    } catch (const OutOfDeviceMemory& error) {
+        throw Error(ErrorCode::device, error.message());
+    }
+}
 
 Stream make_stream(const Device& device);
 /// Without times.

@@ -13,30 +13,64 @@ constexpr std::size_t batch = 4096;  // cases that the host decides at once
 
 }  // namespace
 
+void FeatureSlot::ask(const FeatureQuery& asked) {
+    query.emplace(asked);
+    if (!asked.rest) return;
+    rest = *asked.rest;
+    query->rest = &rest;
+}
+
 void FeatureFinder::release() {
     Finder::release();
-    features_.release();
-    laid_out_.reset();
+    for (FeatureSlot& slot : slots_) {
+        slot.features.release();
+        slot.host = FeatureAnswer(&meter_);
+    }
     planned_for_ = {};
 }
 
-void FeatureFinder::find(const Scene& scene, const FeatureQuery& query, FeatureAnswer& answer) {
-    clear(answer);
-    answer.statistics.backend = "cuda";
-    if (scene.triangle_count() == 0) return;  // lists have a least size, which no limit need hold for nothing
-    adopt(scene, query);
-    Finder::find(
-        query.frugal, [&] { find_at_once(answer); }, [&](Lists lists) { find_in_chunks(answer, lists); });
-    answer.statistics = statistics_;
+void FeatureFinder::bring(std::size_t to, const Scene& scene, const FeatureQuery& query) {
+    take_slot(to);
+    input().bring(scene);
+    input().want(query.rule);
+    slot().features.bring(scene, query, features_);
+    adopt(query);
 }
 
-void FeatureFinder::adopt(const Scene& scene, const FeatureQuery& query) {
-    query_ = &query;
-    bring(scene, query.rule);
-    features_.bring(scene, query);
-    pass_.asked = features_.asked();
-    pass_.all_kinds = features_.all_kinds();
-    pass_.primitives = primitives(scene, pass_.asked.inflation, false);
+void FeatureFinder::view(std::size_t to, const Shape& shape, const FeatureQuery& query, Room room) {
+    take_slot(to);
+    features_.bring(query.features, shape.vertices.rows, room);
+    input().view(shape, features_.known(), room);
+    input().want(query.rule, room);
+    slot().features.view(input().scene(), query, features_, room);
+    adopt(query);
+}
+
+void FeatureFinder::adopt(const FeatureQuery& query) {
+    slot().ask(query);
+    slot().revision = query.features.revision();
+    look();
+}
+
+void FeatureFinder::resume(std::size_t slot) {
+    Finder::resume(slot);
+    look();
+}
+
+void FeatureFinder::look() {
+    Finder::look();
+    pass_.asked = slot().features.asked();
+    pass_.all_kinds = slot().features.all_kinds();
+    pass_.primitives = primitives(pass_.scene, pass_.asked.inflation, false);
+}
+
+void FeatureFinder::find() {
+    slot().on_host = false;
+    flights_.settle();  // passes work on the same lists
+    Finder::find(
+        query().frugal, [&] { find_at_once(); }, [&](Lists lists) { find_in_chunks(lists); });
+    slot().statistics = statistics_;
+    slot().lost = false;
 }
 
 void FeatureFinder::plan() {
@@ -45,80 +79,111 @@ void FeatureFinder::plan() {
     planned_for_ = kind;
 }
 
-void FeatureFinder::lay_out_lists() {
-    const Layout wanted{pass_.scene.vertex_count(),
-                        pass_.scene.triangle_count(),
-                        pass_.scene.float32,
-                        pass_.scene.moving,
-                        pass_.plan,
-                        features_.firsts(),
-                        query_->extent};
-    if (laid_out_ == wanted) return;
-    laid_out_.reset();
-    lay_out(guides_, [&](Cutter& c) { pass_.guides.cut(c, pass_.plan); });
-    lay_out(work_, [&](Cutter& c) { pass_.cut(c); });
-    lay_out(answer_, [&](Cutter& c) {
-        earliest_ = c.take<Earliest>(1);
-        output_.cut(c, features_.firsts(), query_->extent == Extent::all ? pass_.plan.hits : 0);
-    });
-    laid_out_ = wanted;
+void FeatureFinder::cut_answer(Cutter& c) {
+    slot().earliest = c.take<Earliest>(1);
+    slot().output.cut(c, firsts(), query().extent == Extent::all ? pass_.plan.hits : 0);
+}
+
+void FeatureFinder::prepare() {
+    plan();
+    prepare_pass([&](Cutter& c) { cut_answer(c); });
 }
 
 FeatureHits FeatureFinder::hits() const {
-    return {query_->extent == Extent::any, pass_.hits(), output_.offsets, output_.by_tile, features_.firsts()};
+    const FeatureOutput& output = slot().output;
+    return {query().extent == Extent::any, pass_.hits(), output.offsets, output.by_tile, firsts()};
 }
 
-void FeatureFinder::find_at_once(FeatureAnswer& answer) {
-    plan();
+void FeatureFinder::find_at_once() {
     do {
         cancellation_.check();
-        lay_out_lists();
-        enqueue();
+        prepare();
+        enqueue(&watch_);
         CRUMPLE_CUDA(cudaStreamSynchronize(stream_));
     } while (!accept());
     watch_.read(statistics_);
-    answer.any = counters_->hits > 0;
-    if (query_->extent != Extent::any && query_->motion) tell_earliest(answer);
-    if (query_->extent == Extent::all) copy_to(answer);
 }
 
-void FeatureFinder::enqueue() {
+bool FeatureFinder::launch(cudaStream_t stream) {
+    slot().on_host = false;
+    return Finder::launch(
+        stream, [&] { prepare(); },
+        [&] {
+            return FeatureKeyOfGraph{pass_.scene,  pass_.wanted,       pass_.plan,     input().work(),
+                                     pass_.asked,  firsts(),           query().extent, pass_.all_kinds,
+                                     work_.data(), slot().room.data(), guides_.data(), slot().counters.get()};
+        },
+        [&] { enqueue(nullptr); });
+}
+
+bool FeatureFinder::accept_launched() {
+    if (slot().lost || slot().revision != features_.known().revision) return false;
+    bool complete = false;
+    if (!fits_at_once([&] { complete = accept(); }) || !complete) return false;
+    slot().statistics = statistics_;
+    return true;
+}
+
+void FeatureFinder::capture(cudaStream_t stream) {
+    plan();
+    slot().on_host = false;
+    Finder::capture(
+        stream, [&](Cutter& c) { cut_answer(c); }, [&] { enqueue(nullptr); });
+}
+
+bool FeatureFinder::accept_replay() {
+    statistics_ = {};
+    bool complete = false;
+    try {
+        complete = accept();
+    } catch (const MeshChanged&) {  // a graph cannot take other features
+    }
+    if (!complete) grow_later();
+    slot().statistics = statistics_;
+    return complete;
+}
+
+void FeatureFinder::enqueue(StageEvents* watch) {
+    const bool all = query().extent == Extent::all, earliest = query().extent != Extent::any && query().motion;
+    FeatureOutput& output = slot().output;
+    Counters* const told = slot().counters.get();
     Clearing clearing;
-    output_.clear(clearing);
-    cuda::clear(clearing, earliest_);
-    enqueue_until_sorted(clearing, [&] { features_.enqueue(geometry_, stream_, pass_.scene, pass_.box); });
-    watch_.begin(Stage::sweep, stream_);
+    output.clear(clearing);
+    cuda::clear(clearing, slot().earliest);
+    enqueue_until_sorted(clearing, watch,
+                         [&] { slot().features.enqueue(geometry_, stream_, pass_.scene, pass_.box, pass_.counters); });
+    begin(watch, Stage::sweep);
     pass_.sweep({0, 1, 1, hits().end()});
-    watch_.begin(Stage::narrow, stream_);
-    output_.hits = pass_.hits().data;
+    begin(watch, Stage::narrow);
+    output.hits = pass_.hits().data;
     pass_.narrow(hits());
-    watch_.begin(Stage::output, stream_);
-    if (query_->extent == Extent::all) write_answer(geometry_, stream_, hits(), output_, pass_.counters, nullptr);
-    if (query_->extent != Extent::any && query_->motion)
-        find_earliest(geometry_, stream_, hits(), earliest_, pass_.counters, nullptr);
-    enqueue_end();
+    begin(watch, Stage::output);
+    if (all) write_answer(geometry_, stream_, hits(), output, pass_.counters, earliest ? nullptr : told);
+    if (earliest) find_earliest(geometry_, stream_, hits(), slot().earliest, pass_.counters, told);
+    enqueue_end(watch, all || earliest);
 }
 
 // Whether the pass was complete. If not, the plan is another one. Where nothing but a hit is asked for and there is
 // one, lists may be short: each hit is a proof of its own.
 bool FeatureFinder::accept() {
-    Counters& counters = *counters_;
-    input_.throw_error(counters);
-    const std::int64_t n = pass_.scene.triangle_count();
-    const bool proven = query_->extent == Extent::any && counters.hits > 0;
-    const bool complete = pass_.plan.accepts(counters, n, options_, query_->extent != Extent::any);
+    Counters& counters = *slot().counters;
+    input().throw_error(counters);
+    const bool any = query().extent == Extent::any, proven = any && counters.hits > 0;
+    const bool complete = accepts(counters, !any);
     if (!complete && !proven) return false;
     if (complete && !proven && counters.beyond > 0) {
+        if (lists_of_ != current()) return false;  // a later pass has written there
         const std::vector<RankedHit> found = decide_beyond(static_cast<std::size_t>(counters.beyond));
         const unsigned long long before = counters.hits;
         counters.hits += found.size();
-        if (query_->extent != Extent::any && !found.empty()) {
+        if (!any && !found.empty()) {
             if (!pass_.plan.accepts_hits(counters.hits)) return false;
             write_again(found, before);
         }
     }
     count(counters);
     if (complete) accepted();
+    read_answer();
     return true;
 }
 
@@ -129,14 +194,14 @@ void FeatureFinder::write_again(const std::vector<RankedHit>& found, unsigned lo
     lay_out(block, [&](Cutter& c) { device = c.take<RankedHit>(found.size()); });
     copy_now(stream_, device, found.data(), found.size(), cudaMemcpyHostToDevice);
     Clearing clearing;
-    output_.clear(clearing);
-    cuda::clear(clearing, earliest_);
+    slot().output.clear(clearing);
+    cuda::clear(clearing, slot().earliest);
     clearing.add(&pass_.counters->parts, sizeof pass_.counters->parts);
     clearing.launch(geometry_, stream_);
     append_hits(geometry_, stream_, device, found.size(), before, hits());
     rank_hits(geometry_, stream_, hits());
-    if (query_->extent == Extent::all) write_answer(geometry_, stream_, hits(), output_, pass_.counters, nullptr);
-    if (query_->motion) find_earliest(geometry_, stream_, hits(), earliest_, pass_.counters, nullptr);
+    if (query().extent == Extent::all) write_answer(geometry_, stream_, hits(), slot().output, pass_.counters, nullptr);
+    if (query().motion) find_earliest(geometry_, stream_, hits(), slot().earliest, pass_.counters, nullptr);
     CRUMPLE_CUDA(cudaStreamSynchronize(stream_));
 }
 
@@ -155,75 +220,150 @@ std::vector<RankedHit> FeatureFinder::decide_beyond(std::size_t count) {
         for (std::size_t i = 0; i < some; ++i) {
             cancellation_.check();
             FeatureCounts counts;
-            const FeatureDecision decision = decide(cases[i], *query_, counts);
+            const FeatureDecision decision = decide(cases[i], query(), counts);
             if (!decision.hit) continue;
-            const std::uint32_t base = features_.firsts().base[static_cast<std::size_t>(cases[i].kind)];
+            const std::uint32_t base = firsts().base[static_cast<std::size_t>(cases[i].kind)];
             found.push_back({base + static_cast<std::uint32_t>(cases[i].pair.a), cases[i].pair.b, 0, decision.flag,
                              decision.value});
-            if (query_->extent == Extent::any) return found;
+            if (query().extent == Extent::any) return found;
         }
     }
     return found;
 }
 
-void FeatureFinder::tell_earliest(FeatureAnswer& answer) {
+void FeatureFinder::read_answer() {
+    FeatureSlot& slot = this->slot();
+    slot.any = slot.counters->hits > 0;
+    slot.first = {};
+    slot.ends = {};
+    if (query().extent == Extent::any) return;
+    if (query().motion && slot.any) read_earliest();
+    if (query().extent != Extent::all) return;
+    for (std::size_t k = 0; k <= feature_kinds; ++k)
+        CRUMPLE_CUDA(cudaMemcpyAsync(&slot.ends[k], slot.output.offsets + firsts().base[k], sizeof slot.ends[k],
+                                     cudaMemcpyDeviceToHost, stream_));
+    CRUMPLE_CUDA(cudaStreamSynchronize(stream_));
+}
+
+void FeatureFinder::read_earliest() {
     Earliest first{};
-    copy_now(stream_, &first, earliest_, 1, cudaMemcpyDeviceToHost);
-    if (counters_->hits == 0) return;
+    copy_now(stream_, &first, slot().earliest, 1, cudaMemcpyDeviceToHost);
     const auto joint = static_cast<std::uint32_t>(first.pair >> 32);
-    const FirstOfKind& firsts = features_.firsts();
     std::size_t kind = 0;
-    while (joint >= firsts.base[kind + 1]) ++kind;
-    answer.first = {true,
+    while (joint >= firsts().base[kind + 1]) ++kind;
+    slot().first = {true,
                     static_cast<FeatureKind>(kind),
-                    {static_cast<std::int32_t>(joint - firsts.base[kind]), static_cast<std::int32_t>(first.pair)},
+                    {static_cast<std::int32_t>(joint - firsts().base[kind]), static_cast<std::int32_t>(first.pair)},
                     {},
                     std::bit_cast<double>(first.value),
                     first.flag != 0};
 }
 
 void FeatureFinder::copy_to(FeatureAnswer& answer) {
-    const FirstOfKind& firsts = features_.firsts();
-    for (std::size_t k = 0; k < feature_kinds; ++k) {
-        unsigned long long ends[2] = {};
-        copy_now(stream_, &ends[0], output_.offsets + firsts.base[k], 1, cudaMemcpyDeviceToHost);
-        copy_now(stream_, &ends[1], output_.offsets + firsts.base[k + 1], 1, cudaMemcpyDeviceToHost);
-        const auto begin = static_cast<std::size_t>(ends[0]), count = static_cast<std::size_t>(ends[1] - ends[0]);
-        FeatureRows& rows = answer.rows[k];
-        const auto copy = [&](auto& array, const auto* device) {
-            copy_now(stream_, array.resize_discard(count), device + begin, count, cudaMemcpyDeviceToHost);
-        };
-        copy(rows.pairs, output_.pairs);
-        copy(rows.value, output_.value);
-        copy(rows.flag, output_.flag);
+    FeatureSlot& slot = this->slot();
+    if (slot.on_host) {
+        answer = std::move(slot.host);
+        slot.host = FeatureAnswer(&meter_);
+        slot.lost = true;
+    } else {
+        for (std::size_t k = 0; k < feature_kinds; ++k) {
+            const auto begin = static_cast<std::size_t>(slot.ends[k]);
+            const auto count = static_cast<std::size_t>(slot.ends[k + 1]) - begin;
+            FeatureRows& rows = answer.rows[k];
+            const auto copy = [&](auto& array, const auto* device) {
+                copy_now(stream_, array.resize_discard(count), device + begin, count, cudaMemcpyDeviceToHost);
+            };
+            copy(rows.pairs, slot.output.pairs);
+            copy(rows.value, slot.output.value);
+            copy(rows.flag, slot.output.flag);
+        }
     }
+    answer.any = slot.any;
+    answer.first = slot.first;
+    answer.statistics = slot.statistics;
 }
 
-void FeatureFinder::find_in_chunks(FeatureAnswer& answer, Lists lists) {
+// Lists that were found in chunks, where they would be if they had been found at once.
+void FeatureFinder::upload() {
+    FeatureSlot& slot = this->slot();
+    slot.ends = {};
+    for (std::size_t k = 0; k < feature_kinds; ++k) slot.ends[k + 1] = slot.ends[k] + slot.host.rows[k].pairs.size();
+    const auto all = static_cast<std::size_t>(slot.ends[feature_kinds]);
+    FeatureOutput& output = slot.output;
+    lay_out(slot.room, [&](Cutter& c) {
+        output.pairs = c.take<Pair>(all);
+        output.value = c.take<double>(all);
+        output.flag = c.take<std::uint8_t>(all);
+    });
+    for (std::size_t k = 0; k < feature_kinds; ++k) {
+        const FeatureRows& rows = slot.host.rows[k];
+        const auto copy = [&](auto* device, const auto& array) {
+            copy_now(stream_, device + slot.ends[k], array.data(), array.size(), cudaMemcpyHostToDevice);
+        };
+        copy(output.pairs, rows.pairs);
+        copy(output.value, rows.value);
+        copy(output.flag, rows.flag);
+    }
+    slot.host = FeatureAnswer(&meter_);
+    slot.on_host = false;
+}
+
+DeviceAnswer FeatureFinder::show() {
+    if (slot().on_host) upload();
+    const FeatureSlot& slot = this->slot();
+    DeviceAnswer shown;
+    shown.any = slot.any;
+    shown.first = slot.first;
+    for (std::size_t k = 0; k < feature_kinds; ++k) {
+        const unsigned long long begin = slot.ends[k];
+        const auto count = static_cast<std::int64_t>(slot.ends[k + 1] - begin);
+        if (count > 0)
+            shown.rows[k] = {count, slot.output.pairs + begin, slot.output.value + begin, slot.output.flag + begin};
+    }
+    shown.rows_needed = shown.count = static_cast<std::int64_t>(slot.ends[feature_kinds]);
+    shown.edges = features_.known().edges;
+    shown.edge_count = features_.known().edge_count;
+    shown.statistics = slot.statistics;
+    return shown;
+}
+
+DeviceAnswer FeatureFinder::show_incomplete() const {
+    DeviceAnswer shown;
+    shown.complete = false;
+    shown.rows_needed = static_cast<std::int64_t>(slot().counters->hits);
+    shown.statistics.backend = "cuda";
+    return shown;
+}
+
+void FeatureFinder::find_in_chunks(Lists lists) {
     drop_lists();
-    laid_out_.reset();
     planned_for_ = {};
-    clear(answer);
+    clear(slot().host);
+    slot().on_host = true;
+    slot().any = false;
+    slot().first = {};
     statistics_ = {};
     constexpr std::size_t of_test = 2 * sizeof(FeatureTest) + sizeof(OpenTest) + sizeof(RankedHit);
     pass_.plan.choose_feature_chunks(pass_.scene.triangle_count(), pass_.all_kinds, options_,
                                      lists == Lists::roomy ? bytes_for_lists(meter_) : 0, of_test);
     Array<RankedHit> found(&meter_);
-    const auto cut = [&](Cutter& c) { output_.cut(c, features_.firsts(), 0); };
-    const auto make_ready = [&] { features_.enqueue(geometry_, stream_, pass_.scene, pass_.box); };
-    over_chunks(cut, make_ready, [&] { return take_slice(found, answer); });
+    const auto cut = [&](Cutter& c) { slot().output.cut(c, firsts(), 0); };
+    const auto make_ready = [&] {
+        slot().features.enqueue(geometry_, stream_, pass_.scene, pass_.box, pass_.counters);
+    };
+    over_chunks(cut, make_ready, [&] { return take_slice(found); });
     drop_lists();
-    write_sorted(found, answer);
+    write_sorted(found);
 }
 
 // False once nothing more is wanted.
-bool FeatureFinder::take_slice(Array<RankedHit>& found, FeatureAnswer& answer) {
-    const bool any = query_->extent == Extent::any;
+bool FeatureFinder::take_slice(Array<RankedHit>& found) {
+    const bool any = query().extent == Extent::any;
     pass_.narrow(hits());
     const Counters counters = read_counters();
     count(counters);
-    answer.any = answer.any || counters.hits > 0;
-    if (any && answer.any) return false;
+    slot().any = slot().any || counters.hits > 0;
+    if (any && slot().any) return false;
     const auto listed = static_cast<std::size_t>(counters.hits), before = found.size();
     if (!any) {
         found.resize(before + listed);
@@ -231,25 +371,25 @@ bool FeatureFinder::take_slice(Array<RankedHit>& found, FeatureAnswer& answer) {
     }
     if (counters.beyond == 0) return true;
     for (const RankedHit& hit : decide_beyond(static_cast<std::size_t>(counters.beyond))) {
-        answer.any = true;
+        slot().any = true;
         if (!any) found.push_back(hit);
     }
-    return !(any && answer.any);
+    return !(any && slot().any);
 }
 
-void FeatureFinder::write_sorted(Array<RankedHit>& found, FeatureAnswer& answer) const {
+void FeatureFinder::write_sorted(Array<RankedHit>& found) {
     const auto pair = [](const RankedHit& hit) { return std::pair(hit.first, hit.second); };
-    if (query_->extent == Extent::any) return;
+    if (query().extent == Extent::any) return;
     std::sort(found.begin(), found.end(), [&](const RankedHit& a, const RankedHit& b) { return pair(a) < pair(b); });
     const RankedHit* hit = found.begin();
     for (std::size_t k = 0; k < feature_kinds; ++k) {
-        const std::uint32_t base = features_.firsts().base[k];
-        FeatureRows& rows = answer.rows[k];
-        for (; hit != found.end() && hit->first < features_.firsts().base[k + 1]; ++hit) {
+        const std::uint32_t base = firsts().base[k];
+        FeatureRows& rows = slot().host.rows[k];
+        for (; hit != found.end() && hit->first < firsts().base[k + 1]; ++hit) {
             const Pair features{static_cast<std::int32_t>(hit->first - base), hit->second};
             const FirstImpact impact{true, static_cast<FeatureKind>(k), features, {}, hit->value, hit->flag != 0};
-            if (query_->motion && (!answer.first.found || impact.toi < answer.first.toi)) answer.first = impact;
-            if (query_->extent != Extent::all) continue;
+            if (query().motion && (!slot().first.found || impact.toi < slot().first.toi)) slot().first = impact;
+            if (query().extent != Extent::all) continue;
             rows.pairs.push_back(features);
             rows.value.push_back(hit->value);
             rows.flag.push_back(static_cast<std::uint8_t>(hit->flag));

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "engine/cuda/finder.h"
+#include "engine/device_answer.h"
 #include "engine/feature_query.h"
 #include "questions/features/cuda/input.h"
 #include "questions/features/cuda/output.h"
@@ -13,14 +14,56 @@
 
 namespace crumple::cuda {
 
-class FeatureFinder : Finder<FeaturePass> {
+struct FeatureSlot : FinderSlot {
+    FeatureSlot(const Device& device, cudaStream_t stream, MemoryMeter& meter, Input& input)
+        : FinderSlot(device, stream, meter, input), features(stream, meter), host(&meter) {}
+
+    /// Keeps what accepting an answer takes; scene, features and rule are the caller's.
+    void ask(const FeatureQuery& asked);
+
+    FeatureInput features;
+    std::optional<FeatureQuery> query;
+    RestShape rest;  ///< the query's
+    FeatureOutput output{};
+    Earliest* earliest = nullptr;
+    // What accepting has found:
+    std::array<unsigned long long, feature_kinds + 1> ends{};  ///< of the lists, among all rows
+    bool any = false;
+    FirstImpact first;
+    bool on_host = false;  ///< the lists are `host`: they were found in chunks
+    FeatureAnswer host;
+};
+
+using FeatureKeyOfGraph = FinderKey<AskedOfFeatures, FirstOfKind>;
+
+class FeatureFinder : public Finder<FeaturePass, FeatureSlot, FeatureKeyOfGraph> {
    public:
     FeatureFinder(const Device& device, const Geometry& geometry, cudaStream_t stream, const Options& options,
-                  MemoryMeter& meter, Cancellation& cancellation, Input& input, FeaturesOnDevice& features)
-        : Finder(device, geometry, stream, options, meter, cancellation, input), features_(stream, meter, features) {}
+                  MemoryMeter& meter, Cancellation& cancellation, Flights& flights,
+                  const std::array<Input*, Flights::slots>& inputs, FeaturesOnDevice& features)
+        : Finder(device, geometry, stream, options, meter, cancellation, flights, inputs), features_(features) {}
 
-    /// Of a scene in host memory.
-    void find(const Scene& scene, const FeatureQuery& query, FeatureAnswer& answer);
+    /// Works on a slot, whose last answer goes, and brings what is asked: of a scene on the host, or of a mesh on the
+    /// device whose counts are those of the features.
+    void bring(std::size_t slot, const Scene& scene, const FeatureQuery& query);
+    void view(std::size_t slot, const Shape& shape, const FeatureQuery& query, Room room = Room::grows);
+    /// Works on a slot again, as it was left.
+    void resume(std::size_t slot);
+
+    /// Leaves the answer. Throws MeshChanged, and so do all that accept one.
+    void find();
+    bool launch(cudaStream_t stream);
+    /// After it is done: whether that pass has left the whole answer.
+    bool accept_launched();
+    void capture(cudaStream_t stream);
+    /// After a replay: whether it has left the whole answer. If not, the next pass will have longer lists.
+    bool accept_replay();
+
+    void copy_to(FeatureAnswer& answer);
+    /// Where the answer lies on the device; brings it there if it does not.
+    DeviceAnswer show();
+    /// After a replay that has not left the whole answer.
+    DeviceAnswer show_incomplete() const;
 
     /// Gives back all that is kept between calls.
     void release();
@@ -32,37 +75,29 @@ class FeatureFinder : Finder<FeaturePass> {
         bool all_kinds = false;
         friend bool operator==(const SceneKind&, const SceneKind&) = default;
     };
-    /// What sizes and places of all arrays follow from.
-    struct Layout {
-        std::int64_t vertices, triangles;
-        bool float32, moving;
-        Plan plan;
-        FirstOfKind firsts;
-        Extent extent;
-        friend bool operator==(const Layout&, const Layout&) = default;
-    };
 
-    void adopt(const Scene& scene, const FeatureQuery& query);
+    const FeatureQuery& query() const { return *slot().query; }
+    const FirstOfKind& firsts() const { return slot().features.firsts(); }
+    void adopt(const FeatureQuery& query);
+    void look();
     void plan();
-    void lay_out_lists();
-    void find_at_once(FeatureAnswer& answer);
-    void enqueue();
+    void prepare();
+    void cut_answer(Cutter& cutter);
+    void find_at_once();
+    void enqueue(StageEvents* watch);
     FeatureHits hits() const;
     bool accept();
     std::vector<RankedHit> decide_beyond(std::size_t count);
     void write_again(const std::vector<RankedHit>& found, unsigned long long before);
-    void copy_to(FeatureAnswer& answer);
-    void tell_earliest(FeatureAnswer& answer);
+    void read_answer();
+    void read_earliest();
+    void upload();
 
-    void find_in_chunks(FeatureAnswer& answer, Lists lists);
-    bool take_slice(Array<RankedHit>& found, FeatureAnswer& answer);
-    void write_sorted(Array<RankedHit>& found, FeatureAnswer& answer) const;
+    void find_in_chunks(Lists lists);
+    bool take_slice(Array<RankedHit>& found);
+    void write_sorted(Array<RankedHit>& found);
 
-    FeatureInput features_;
-    FeatureOutput output_{};
-    Earliest* earliest_ = nullptr;
-    const FeatureQuery* query_ = nullptr;  // of the call
-    std::optional<Layout> laid_out_;
+    FeaturesOnDevice& features_;
     SceneKind planned_for_;
 };
 

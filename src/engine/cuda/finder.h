@@ -1,64 +1,116 @@
 #pragma once
 
-// What searches of one scene have in common whose answers go to the host: planned, passed over, and passed over again
-// where a list was too short, as search.h has it for triangles. Where that does not fit the memory limit or the device,
-// clusters are done one after another, in slices, and what each finds is brought to the host.
+// What searches for pairs of features have in common: planned, passed over, and passed over again where a list was too
+// short, as search.h has it for triangles. Where that does not fit the memory limit or the device, clusters are done
+// one after another, in slices, and what each finds is brought to the host.
+//
+// Scenes lie on the host, or on the device as meshes whose features are known (known_mesh.h). Of the latter a pass can
+// be launched, or put into a caller's capture, with a slot for what its wait looks at (flights.h).
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <limits>
+#include <optional>
+#include <utility>
 
 #include "base/cancellation.h"
 #include "crumple/options.h"
+#include "engine/cuda/captures.h"
 #include "engine/cuda/device.h"
+#include "engine/cuda/flights.h"
+#include "engine/cuda/graph_cache.h"
 #include "engine/cuda/input.h"
 #include "engine/cuda/memory.h"
 #include "engine/cuda/pass.h"
+#include "engine/feature_query.h"
 
 namespace crumple::cuda {
 
-/// `QuestionPass`: a Pass with cut(), sort() and sweep(slice).
-template <class QuestionPass>
+/// What a launch about features has for itself, since another one may be in flight.
+struct FinderSlot {
+    FinderSlot(const Device& device, cudaStream_t, MemoryMeter& meter, Input& given)
+        : input(given), counters(device), room(meter) {}
+
+    Input& input;
+    Pinned<Counters> counters;
+    Block room;                  ///< of the answer
+    Plan plan;                   ///< of its pass
+    std::uint64_t revision = 0;  ///< of the features it was given
+    bool lost = true;            ///< there is no pass, or its answer had to go
+    Statistics statistics;
+};
+
+/// `QuestionPass`: a Pass with cut(), sort(), sweep(slice), and `asked`. `Slot`: a FinderSlot with what else there is
+/// to remember. `Key`: for GraphCache.
+template <class QuestionPass, class Slot, class Key>
 class Finder {
    public:
     Finder(const Device& device, const Geometry& geometry, cudaStream_t stream, const Options& options,
-           MemoryMeter& meter, Cancellation& cancellation, Input& input)
+           MemoryMeter& meter, Cancellation& cancellation, Flights& flights,
+           const std::array<Input*, Flights::slots>& inputs)
         : options_(options),
           meter_(meter),
           cancellation_(cancellation),
           geometry_(geometry),
           stream_(stream),
-          input_(input),
+          flights_(flights),
           watch_(device),
           beside_(device),
-          counters_(device),
+          graphs_(device, stream),
+          capture_(device, stream, beside_),
           guides_(meter),
           work_(meter),
-          answer_(meter),
+          slots_{Slot(device, stream, meter, *inputs[0]), Slot(device, stream, meter, *inputs[1])},
           pass_(geometry, stream, options) {
         pass_.beside = &beside_;
+    }
+
+    /// Whether two slots were more than memory holds: one is then used as long as one will do.
+    bool alone() const { return alone_; }
+    std::size_t current() const { return now_; }
+    /// Whether a replay was done since the capture, or since this was last asked. A pass ends by writing all counters,
+    /// and none has so many units.
+    bool has_replayed() {
+        constexpr unsigned long long never = ~0ull;
+        return std::exchange(slot().counters->next_unit, never) != never;
     }
 
    protected:
     enum class Lists : std::uint8_t { shortest, roomy };  ///< of chunks
 
+    Slot& slot() { return slots_[now_]; }
+    const Slot& slot() const { return slots_[now_]; }
+    Input& input() { return slot().input; }
+
     void drop_lists() {
+        free_others();
+        laid_out_.reset();
+        lists_of_ = nobody;
         work_.release();
-        answer_.release();
+        slot().room.release();
     }
     void release() {
         drop_lists();
         guides_.release();
+        graphs_.clear();
         too_many_ = std::numeric_limits<std::int64_t>::max();
+        alone_ = false;
+        grown_.reset();
     }
 
-    /// Brings a scene of the host and the rule about its pairs.
-    void bring(const Scene& scene, const GroupRule& rule) {
-        input_.bring(scene);
-        input_.want(rule);
-        pass_.scene = input_.scene();
-        pass_.box = input_.box();
-        pass_.wanted = input_.wanted();
+    /// Works on a slot, whose last answer goes.
+    void take_slot(std::size_t slot) {
+        now_ = slot;
+        this->slot().lost = true;
+    }
+    /// Works on a slot again, as it was left.
+    void resume(std::size_t slot) { now_ = slot; }
+    /// Has the pass see what the slot's input has brought.
+    void look() {
+        pass_.scene = input().scene();
+        pass_.box = input().box();
+        pass_.wanted = input().wanted();
         statistics_ = {};
     }
     static Primitives primitives(const Scene& scene, const Inflation* inflation, bool along_axes) {
@@ -70,40 +122,108 @@ class Finder {
     /// `frugal`: with these from the beginning.
     template <class AtOnce, class InChunks>
     void find(bool frugal, AtOnce at_once, InChunks in_chunks) {
-        const std::int64_t n = pass_.scene.triangle_count();
-        if (!frugal && n < too_many_ && fits(at_once)) return;
-        if (!frugal) too_many_ = std::min(too_many_, n);
+        if (!frugal && fits_at_once(at_once)) return;
         if (frugal || !fits([&] { in_chunks(Lists::roomy); })) in_chunks(Lists::shortest);
     }
-
-    /// `make_ready`: work between that of the input and `bounds`.
-    template <class MakeReady>
-    void enqueue_until_sorted(Clearing& clearing, MakeReady make_ready) {
-        pass_.clear(clearing);
-        input_.clear(clearing);
-        clearing.launch(geometry_, stream_);
-        watch_.begin(Stage::bounds, stream_);
-        input_.enqueue(geometry_, stream_, pass_.counters);
-        make_ready();
-        pass_.bounds();
-        watch_.begin(Stage::subdivide, stream_);
-        pass_.subdivide_scene();
-        pass_.subdivide_clusters(~std::uint64_t{0});
-        watch_.begin(Stage::align, stream_);
-        pass_.align();
-        watch_.begin(Stage::sort, stream_);
-        pass_.sort();
+    /// Whether there was memory for a pass over the whole scene, which is not tried again for scenes of that size.
+    template <class Work>
+    bool fits_at_once(Work work) {
+        const std::int64_t n = pass_.scene.triangle_count();
+        if (n >= too_many_) return false;
+        if (fits(work) || (free_others() && fits(work))) return true;
+        too_many_ = n;
+        return false;
     }
-    /// Ends a pass: what was done beside is joined, and the host is told the counters.
-    void enqueue_end() {
-        if (pass_.plan.guided) beside_.join(stream_);
-        watch_.end(stream_);
-        CRUMPLE_CUDA(
-            cudaMemcpyAsync(counters_.get(), pass_.counters, sizeof(Counters), cudaMemcpyDeviceToHost, stream_));
+
+    /// Lists, and room for the answer, for a pass that this slot will tell of. `kind`: what sizes and places of all
+    /// lists follow from beside the plan.
+    template <class Cut>
+    void prepare_pass(Cut cut_answer) {
+        if (grown_) pass_.plan = *std::exchange(grown_, std::nullopt);
+        if (laid_out_ != layout()) {
+            flights_.settle();  // passes work on what may move now
+            laid_out_.reset();
+            lists_of_ = nobody;
+            lay_out(guides_, [&](Cutter& c) { pass_.guides.cut(c, pass_.plan); });
+            lay_out(work_, [&](Cutter& c) { pass_.cut(c); });
+            laid_out_ = layout();
+        }
+        lay_out(slot().room, cut_answer);
+        slot().plan = pass_.plan;
+        lists_of_ = now_;
+    }
+
+    /// Gives a whole pass to `stream`; false if there is no room for it. prepare(): plan, lists, answer; key(): for the
+    /// graph; enqueue(): to our stream.
+    template <class Prepare, class MakeKey, class Enqueue>
+    bool launch(cudaStream_t stream, Prepare prepare, MakeKey key, Enqueue enqueue) {
+        const bool launched = fits_at_once([&] {
+            prepare();
+            if (pass_.plan.guided)
+                graphs_.run(key(), stream, enqueue);
+            else
+                graphs_.run_once(stream, enqueue);
+        });
+        slot().lost = !launched;
+        return launched;
+    }
+    /// Puts a whole pass into the capture of `stream`, or throws NoRoom.
+    template <class Cut, class Enqueue>
+    void capture(cudaStream_t stream, Cut cut_answer, Enqueue enqueue) {
+        if (grown_) pass_.plan = *std::exchange(grown_, std::nullopt);
+        if (!pass_.plan.guided || laid_out_ != layout()) throw NoRoom{};
+        lay_out(slot().room, cut_answer, Room::fixed);
+        slot().plan = pass_.plan;
+        lists_of_ = now_;
+        has_replayed();
+        capture_.add(stream, enqueue);
+    }
+    /// After a replay that has not left the whole answer: the next pass has longer lists.
+    void grow_later() { grown_ = std::exchange(pass_.plan, slot().plan); }
+
+    /// Of the slot's pass: whether it was complete. If not, the plan is another one, unless it has become one since,
+    /// for another launch. `listed`: whether the hits were.
+    bool accepts(const Counters& counters, bool listed) {
+        Plan plan = slot().plan;
+        const bool latest = pass_.plan == plan;
+        const bool complete = plan.accepts(counters, pass_.scene.triangle_count(), options_, listed);
+        if (latest) pass_.plan = plan;
+        return complete;
     }
     void accepted() {
+        if (pass_.plan != slot().plan) return;
         pass_.plan.cold = false;
         pass_.plan.guided = true;
+    }
+
+    /// `make_ready`: work between that of the input and `bounds`. `watch`: null where nobody times the stages.
+    template <class MakeReady>
+    void enqueue_until_sorted(Clearing& clearing, StageEvents* watch, MakeReady make_ready) {
+        pass_.clear(clearing);
+        input().clear(clearing);
+        clearing.launch(geometry_, stream_);
+        begin(watch, Stage::bounds);
+        input().enqueue(geometry_, stream_, pass_.counters);
+        make_ready();
+        pass_.bounds();
+        begin(watch, Stage::subdivide);
+        pass_.subdivide_scene();
+        pass_.subdivide_clusters(~std::uint64_t{0});
+        begin(watch, Stage::align);
+        pass_.align();
+        begin(watch, Stage::sort);
+        pass_.sort();
+    }
+    void begin(StageEvents* watch, Stage stage) {
+        if (watch) watch->begin(stage, stream_);
+    }
+    /// Ends a pass: what was done beside is joined, and the host is told the counters, unless a kernel has.
+    void enqueue_end(StageEvents* watch, bool told) {
+        if (pass_.plan.guided) beside_.join(stream_);
+        if (watch) watch->end(stream_);
+        if (!told)
+            CRUMPLE_CUDA(cudaMemcpyAsync(slot().counters.get(), pass_.counters, sizeof(Counters),
+                                         cudaMemcpyDeviceToHost, stream_));
     }
 
     /// Cluster by cluster: calls slice(counters) for each slice whose pairs of triangles fit their list, which ends the
@@ -131,8 +251,8 @@ class Finder {
     }
 
     Counters read_counters() {
-        copy_now(stream_, counters_.get(), pass_.counters, 1, cudaMemcpyDeviceToHost);
-        return *counters_;
+        copy_now(stream_, slot().counters.get(), pass_.counters, 1, cudaMemcpyDeviceToHost);
+        return *slot().counters;
     }
     void count(const Counters& c) {
         Statistics& s = statistics_;
@@ -151,19 +271,46 @@ class Finder {
     }
 
    private:
+    /// What sizes and places of all lists follow from.
+    struct Layout {
+        std::int64_t vertices, triangles;
+        bool float32, moving;
+        Plan plan;
+        friend bool operator==(const Layout&, const Layout&) = default;
+    };
+    Layout layout() const {
+        return {pass_.scene.vertex_count(), pass_.scene.triangle_count(), pass_.scene.float32, pass_.scene.moving,
+                pass_.plan};
+    }
+
+    // What earlier launches have left goes where there is no memory for this one. Those in flight are done again in
+    // their wait, by what they were given.
+    bool free_others() {
+        flights_.settle();
+        const std::int64_t before = meter_.used;
+        for (std::size_t i = 0; i < slots_.size(); ++i) {
+            if (i == now_) continue;
+            slots_[i].lost = true;
+            slots_[i].room.release();
+        }
+        const bool freed = meter_.used < before;
+        alone_ = alone_ || freed;
+        return freed;
+    }
+
     template <class CutAnswer, class MakeReady>
     void lay_out_chunks(CutAnswer cut_answer, MakeReady make_ready) {
         lay_out(guides_, [&](Cutter& c) { pass_.guides.cut(c, pass_.plan); });
         lay_out(work_, [&](Cutter& c) { pass_.cut(c); });
-        lay_out(answer_, cut_answer);
+        lay_out(slot().room, cut_answer);
         Clearing clearing;
         pass_.clear(clearing);
-        input_.clear(clearing);
+        input().clear(clearing);
         clearing.launch(geometry_, stream_);
-        input_.enqueue(geometry_, stream_, pass_.counters);
+        input().enqueue(geometry_, stream_, pass_.counters);
         make_ready();
         pass_.bounds();
-        input_.throw_error(read_counters());
+        input().throw_error(read_counters());
         pass_.subdivide_scene();
     }
 
@@ -185,19 +332,65 @@ class Finder {
     }
 
    protected:
+    static constexpr std::size_t nobody = Flights::slots;
+
     const Options& options_;
     MemoryMeter& meter_;
     Cancellation& cancellation_;
     const Geometry& geometry_;
     cudaStream_t stream_;
-    Input& input_;
+    Flights& flights_;
     StageEvents watch_;
     Branch beside_;
-    Pinned<Counters> counters_;
-    Block guides_, work_, answer_;
+    GraphCache<Key> graphs_;
+    CallersCapture capture_;
+    Block guides_, work_;
+    std::array<Slot, Flights::slots> slots_;
     QuestionPass pass_;
     Statistics statistics_;
+    std::size_t lists_of_ = nobody;  ///< slot whose pass the lists are of
+
+   private:
+    std::size_t now_ = 0;             ///< slot that is worked on
+    std::optional<Layout> laid_out_;  ///< what the lists are laid out for
+    std::optional<Plan> grown_;       ///< what the last incomplete replay asks for
+    bool alone_ = false;
     std::int64_t too_many_ = std::numeric_limits<std::int64_t>::max();  ///< triangles that did not fit at once
+};
+
+/// What the keys of the graphs have in common: everything that the commands of a guided pass were made of. `Asked`:
+/// what the kernels of the question are told.
+template <class Asked, class Firsts>
+struct FinderKey {
+    Scene scene;
+    WantedPairs wanted;
+    Plan plan;
+    Input::Work input;
+    Asked asked;
+    Firsts firsts;
+    Extent extent;
+    bool all_kinds;
+    const void *work, *room, *guides, *counters;
+    friend bool operator==(const FinderKey&, const FinderKey&) = default;
+
+    /// The same without places and lengths of lists. Which kernels there are follows from it.
+    FinderKey shape() const {
+        FinderKey shape = *this;
+        forget_place(shape.scene.reader[0].data);
+        forget_place(shape.scene.end.data);
+        forget_place(shape.scene.corners);
+        forget_place(shape.scene.groups);
+        forget_place(shape.input.triangles[0].data);
+        for (const void*& of : shape.input.lists) forget_place(of);
+        forget_place(shape.wanted.groups.excluded);
+        shape.asked.forget_places();
+        shape.input.known = {};
+        shape.input.block = shape.work = shape.room = shape.guides = shape.counters = nullptr;
+        shape.firsts = {};
+        shape.plan = {};
+        std::ranges::copy(plan.fan_out, shape.plan.fan_out);
+        return shape;
+    }
 };
 
 }  // namespace crumple::cuda

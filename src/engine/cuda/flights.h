@@ -25,6 +25,8 @@ class Flights {
     bool full() const { return count_ == slots; }
     bool holds(std::size_t slot) const { return count_ == slots || (count_ == 1 && slot == newest_); }
     std::size_t newest() const { return newest_; }
+    /// Of those in flight.
+    std::size_t oldest() const { return count_ == slots ? next() : newest_; }
     /// The slot that was used longest ago; it is free unless all are in flight.
     std::size_t next() const { return (newest_ + 1) % slots; }
 
@@ -40,10 +42,10 @@ class Flights {
     }
     /// Takes the oldest out, of one at least, waits for it, and returns its slot.
     std::size_t land() {
-        const std::size_t oldest = count_ == slots ? next() : newest_;
+        const std::size_t landed = oldest();
         --count_;
-        CRUMPLE_CUDA(cudaEventSynchronize(done_[oldest].get()));
-        return oldest;
+        CRUMPLE_CUDA(cudaEventSynchronize(done_[landed].get()));
+        return landed;
     }
     /// Waits for all passes; they stay in flight.
     void settle() const {

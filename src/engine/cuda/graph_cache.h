@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <iterator>
 
 #include "engine/cuda/device.h"
@@ -49,6 +50,14 @@ inline bool update(const GraphExec& executable, const Graph& graph) {
     if (error != cudaErrorGraphExecUpdateFailure) CRUMPLE_CUDA(error);
     if (error != cudaSuccess) cudaGetLastError();  // or the next check would meet it
     return error == cudaSuccess;
+}
+
+/// Makes of a caller's address what kernels are chosen by: whether there is an array, and how it is aligned. For
+/// Key::shape().
+template <class T>
+void forget_place(T*& place) {
+    constexpr std::uintptr_t alignment = 16;
+    if (place) place = reinterpret_cast<T*>(alignment + reinterpret_cast<std::uintptr_t>(place) % alignment);
 }
 
 /// `Key`: all that the work depends on. `Key::shape()`: what its kernels depend on, as a key.

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <vector>
 
+#include "engine/cuda/index_reader.h"
 #include "model/outline.h"
 
 namespace crumple::cuda {
@@ -13,31 +14,12 @@ namespace {
 constexpr std::int32_t no_vertex = -1;
 constexpr unsigned empty_slot = ~0u;
 
-/// A mesh's indices, wherever the caller has them; a device copies single bytes where they are not aligned.
-template <class Index, bool aligned>
-struct IndexReader {
-    const std::byte* data;
-    std::int64_t row_stride, column_stride;
-
-    explicit IndexReader(const TriangleView& view)
-        : data(static_cast<const std::byte*>(view.data)),
-          row_stride(view.row_stride),
-          column_stride(view.column_stride) {}
-    __device__ Index operator()(std::size_t t, int corner) const {
-        const std::byte* place = data + static_cast<std::int64_t>(t) * row_stride + corner * column_stride;
-        if constexpr (aligned) return *reinterpret_cast<const Index*>(place);
-        Index value;
-        std::memcpy(&value, place, sizeof value);
-        return value;
-    }
-};
-
 // One mesh's corners in joint numbering; those that name no vertex become no_vertex, which `bounds` reports.
-template <class Index, bool aligned>
-__global__ void join_kernel(IndexReader<Index, aligned> read, std::size_t triangles, std::int64_t vertices,
-                            std::int64_t offset, std::int32_t* corners) {
+template <class Reader>
+__global__ void join_kernel(Reader read, std::size_t triangles, std::int64_t vertices, std::int64_t offset,
+                            std::int32_t* corners) {
     for (std::size_t i = grid_thread(); i < 3 * triangles; i += grid_stride()) {
-        const auto index = static_cast<std::int64_t>(read(i / 3, static_cast<int>(i % 3)));
+        const std::int64_t index = read(i / 3, static_cast<int>(i % 3));
         corners[i] = index >= 0 && index < vertices ? static_cast<std::int32_t>(index + offset) : no_vertex;
     }
 }
@@ -106,6 +88,7 @@ bool is_int32_rows(const TriangleView& view) {
 void Input::bring(const Scene& host) {
     scene_ = host;
     mesh_[0] = mesh_[1] = {};
+    known_shape_ = {};
     weld_ = false;
     // The vertices of both meshes, and where those of the first one end.
     struct Vertices {
@@ -140,8 +123,27 @@ void Input::bring(const Scene& host) {
     worlds_.bring(stream_, host);
 }
 
+void Input::view(const Shape& shape, const KnownMesh& known, Room room) {
+    MeshView mesh(shape.vertices, shape.triangles, shape.groups);
+    mesh.memory = MemorySpace::cuda;
+    scene_ = outline_scene(mesh, nullptr, MemorySpace::cuda);
+    if (shape.end.data) outline_motion(shape.end, scene_);
+    worlds_.forget();
+    places_.check(shape);
+    mesh_[0] = mesh_[1] = {};
+    known_shape_ = shape;
+    known_ = known;
+    weld_ = false;
+    lay_out(
+        block_, [&](Cutter& c) { box_ = c.take<SceneBox>(1); }, room);
+    scene_.triangles[0] += known.carriers;
+    scene_.corners = known.corners;
+    scene_.groups = shape.groups.empty() ? nullptr : shape.groups.data();
+}
+
 void Input::view(const MeshView& a, const MeshView* b, bool weld, Room room) {
     scene_ = outline_scene(a, b, MemorySpace::cuda);
+    known_shape_ = {};
     worlds_.forget();
     places_.check(a, b);
     mesh_[0] = a;
@@ -180,6 +182,7 @@ void Input::want(const GroupRule& rule, Room room) {
 }
 
 void Input::clear(Clearing& clearing) const {
+    if (known_shape_) cuda::clear(clearing, box_);
     if (mesh_[0]) {
         cuda::clear(clearing, box_);
         for (std::size_t side = 0; scene_.between && scene_.groups && side < 2; ++side)
@@ -195,17 +198,10 @@ void Input::join(const Geometry& geometry, cudaStream_t stream, Counters* counte
     if (scene_.corners == corners_) {
         for (std::size_t side = 0; side < (scene_.between ? 2u : 1u); ++side) {
             const auto n = static_cast<std::size_t>(scene_.triangles[side]);
-            with_index_type(mesh_[side]->triangles.type, [&](auto index) {
-                using Index = decltype(index);
-                const TriangleView& view = mesh_[side]->triangles;
-                const auto join = [&]<bool aligned>() {
-                    Launch{stream, geometry.blocks(3 * n), geometry.threads}(
-                        join_kernel<Index, aligned>, IndexReader<Index, aligned>(view), n, scene_.vertices[side],
-                        side ? scene_.vertices[0] : 0, corners_ + (side ? 3 * scene_.triangles[0] : 0));
-                };
-                const auto places = reinterpret_cast<std::uintptr_t>(view.data) |
-                                    static_cast<std::uintptr_t>(view.row_stride | view.column_stride);
-                places % alignof(Index) == 0 ? join.template operator()<true>() : join.template operator()<false>();
+            with_reader(mesh_[side]->triangles, [&](auto reader) {
+                Launch{stream, geometry.blocks(3 * n), geometry.threads}(
+                    join_kernel<decltype(reader)>, reader, n, scene_.vertices[side], side ? scene_.vertices[0] : 0,
+                    corners_ + (side ? 3 * scene_.triangles[0] : 0));
             });
         }
     }
@@ -224,14 +220,21 @@ void Input::join(const Geometry& geometry, cudaStream_t stream, Counters* counte
 
 void Input::enqueue(const Geometry& geometry, cudaStream_t stream, Counters* counters) {
     if (mesh_[0]) join(geometry, stream, counters);
+    if (!known_shape_) return;
+    check_vertices(geometry, stream, scene_, box_, counters);
+    compare(geometry, stream, *known_shape_, known_, counters);
 }
 
+// In the order in which the host looks.
 void Input::throw_error(const Counters& counters) const {
+    constexpr unsigned long long none = ~0ull;
+    if (counters.bad_radius != none) fail_radius("", static_cast<std::int64_t>(counters.bad_radius));
+    if (counters.bad_rest != none) fail_not_finite("at rest: ", static_cast<std::int64_t>(counters.bad_rest));
     for (std::size_t side = 0; side < 2; ++side) {
         const std::string which = mesh_name(scene_, side);
         const unsigned long long vertex = counters.bad_vertex[side], t = counters.bad_triangle[side];
-        if (vertex != ~0ull) fail_not_finite(which, static_cast<std::int64_t>(vertex));
-        if (t == ~0ull) continue;
+        if (vertex != none) fail_not_finite(which, static_cast<std::int64_t>(vertex));
+        if (t == none) continue;
         const TriangleView& view = mesh_[side]->triangles;
         with_index_type(view.type, [&](auto index) {
             std::int64_t wrong = 0;
@@ -247,10 +250,18 @@ void Input::throw_error(const Counters& counters) const {
             fail_index(which, static_cast<std::int64_t>(t), wrong, scene_.vertices[side]);
         });
     }
+    if (counters.changed != none) throw MeshChanged{};
+    if (counters.bad_end != none) fail_not_finite("at the end: ", static_cast<std::int64_t>(counters.bad_end));
 }
 
 Input::Work Input::work() const {
     Work work;
+    if (known_shape_) {
+        work.triangles[0] = known_shape_->triangles;
+        work.known = known_;
+        if (known_shape_->edges) work.lists[0] = known_shape_->edges->data();
+        if (known_shape_->points) work.lists[1] = known_shape_->points->data();
+    }
     for (std::size_t side = 0; side < 2; ++side) {
         if (!mesh_[side]) continue;
         work.triangles[side] = mesh_[side]->triangles;

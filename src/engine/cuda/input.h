@@ -7,6 +7,7 @@
 
 #include "crumple/mesh.h"
 #include "engine/cuda/bounds.h"
+#include "engine/cuda/known_mesh.h"
 #include "engine/cuda/memory.h"
 #include "engine/cuda/mirror.h"
 #include "engine/cuda/places.h"
@@ -35,6 +36,9 @@ class Input {
     /// One mesh or two in device memory. Throws Error (invalid_argument) for shapes that make no sense and for arrays
     /// that lie elsewhere; contents are checked by the work that enqueue() gives to the stream.
     void view(const MeshView& a, const MeshView* b, bool weld, Room room = Room::grows);
+    /// One mesh in device memory whose features are asked about. Counts are as they are known; else Error, or what was
+    /// seen of it is no use.
+    void view(const Shape& shape, const KnownMesh& known, Room room = Room::grows);
     /// The query's rules, or those of the world that the scene is made of.
     void want(const Query& query, Room room = Room::grows);
     void want(const GroupRule& rule, Room room = Room::grows);
@@ -45,7 +49,7 @@ class Input {
     /// the counters.
     void enqueue(const Geometry& geometry, cudaStream_t stream, Counters* counters);
 
-    /// Throws the Error that the counters tell of, if any.
+    /// Throws the Error that the counters tell of, if any, or MeshChanged.
     void throw_error(const Counters& counters) const;
 
     void release();
@@ -53,7 +57,8 @@ class Input {
     /// What enqueue()'s work depends on beside the scene: while it is equal, so is the work.
     struct Work {
         TriangleView triangles[2];
-        const void *groups[2] = {}, *block = nullptr;
+        const void *groups[2] = {}, *lists[2] = {}, *block = nullptr;
+        KnownMesh known;
         bool weld = false;
         friend bool operator==(const Work&, const Work&) = default;
     };
@@ -76,7 +81,9 @@ class Input {
     Mirror<BodyClass> classes_;
     Array<std::byte> packed_;
     Scene scene_;
-    std::optional<MeshView> mesh_[2];  ///< on the device; none: the host has checked and joined
+    std::optional<MeshView> mesh_[2];   ///< on the device; none: the host has checked and joined
+    std::optional<Shape> known_shape_;  ///< on the device, whose features are known
+    KnownMesh known_;
     bool weld_ = false;
     PositionHash hash_;
     SceneBox* box_ = nullptr;

@@ -51,6 +51,8 @@ struct Points {
 /// What the device counts for the host. Numbers of elements are those wanted, whether or not they fitted.
 struct Counters {
     unsigned long long bad_vertex[2], bad_triangle[2];  ///< lowest of each mesh, or all bits set
+    unsigned long long bad_end, bad_radius, bad_rest;   ///< the same of one mesh's vertices
+    unsigned long long changed;                         ///< lowest corner that is not the known one (known_mesh.h)
     unsigned long long places[2];                       ///< that the members of each level ask for
     unsigned long long units;                           ///< of the sweep
     unsigned long long members[2];                      ///< of each level of subdivision

@@ -36,27 +36,36 @@ std::string wrong_place(const void* array, int device) {
 
 }  // namespace
 
+void Places::look(Known& known, const char* name, const char* which, const void* array, bool empty) const {
+    if (empty || array == known.array) return;
+    known = {};
+    if (const std::string where = wrong_place(array, device_); !where.empty()) {
+        std::string text = name;
+        text.append(which).append(" lie ").append(where).append(", which CUDA device ");
+        text.append(std::to_string(device_)).append(" cannot read");
+        throw Error(ErrorCode::invalid_argument, text);
+    }
+    known = {array};
+}
+
 void Places::check(const MeshView& a, const MeshView* b) {
     const std::array<const MeshView*, 2> meshes{&a, b};
     for (std::size_t side = 0; side < (b ? 2u : 1u); ++side) {
         const MeshView& mesh = *meshes[side];
-        const std::string which = !b ? "" : side == 0 ? " of the first mesh" : " of the second mesh";
-        const auto look = [&](std::size_t place, const char* name, const void* array, bool empty) {
-            const void*& known = known_[3 * side + place];
-            if (empty || array == known) return;
-            known = nullptr;
-            if (const std::string where = wrong_place(array, device_); !where.empty()) {
-                std::string text = name;
-                text.append(which).append(" lie ").append(where).append(", which CUDA device ");
-                text.append(std::to_string(device_)).append(" cannot read");
-                throw Error(ErrorCode::invalid_argument, text);
-            }
-            known = array;
-        };
-        look(0, "vertices", mesh.vertices.data, mesh.vertices.rows == 0);
-        look(1, "triangles", mesh.triangles.data, mesh.triangles.rows == 0);
-        look(2, "groups", mesh.groups.data(), mesh.groups.empty());
+        const char* which = !b ? "" : side == 0 ? " of the first mesh" : " of the second mesh";
+        look(known_[3 * side], "vertices", which, mesh.vertices.data, mesh.vertices.rows == 0);
+        look(known_[3 * side + 1], "triangles", which, mesh.triangles.data, mesh.triangles.rows == 0);
+        look(known_[3 * side + 2], "groups", which, mesh.groups.data(), mesh.groups.empty());
     }
+}
+
+void Places::check(const Shape& shape) {
+    check(MeshView(shape.vertices, shape.triangles, shape.groups), nullptr);
+    look(known_[3], "vertices at the end", "", shape.end.data, shape.end.rows == 0);
+    look(known_[4], "vertices at rest", "", shape.rest.data, shape.rest.rows == 0);
+    look(known_[5], "radii", "", shape.radii.data(), shape.radii.empty());
+    if (shape.edges) look(known_[6], "edges", "", shape.edges->data(), shape.edges->empty());
+    if (shape.points) look(known_[7], "points", "", shape.points->data(), shape.points->empty());
 }
 
 }  // namespace crumple::cuda

@@ -6,6 +6,7 @@
 #include <array>
 
 #include "crumple/mesh.h"
+#include "crumple/world.h"
 
 namespace crumple::cuda {
 
@@ -16,10 +17,17 @@ class Places {
     /// Throws Error (invalid_argument) that names the first array that the device cannot read. Arrays of the call
     /// before are known, so that frames of a simulation ask for nothing.
     void check(const MeshView& a, const MeshView* b);
+    /// Of all that a shape has.
+    void check(const Shape& shape);
 
    private:
+    struct Known {
+        const void* array = nullptr;
+    };
+    void look(Known& known, const char* name, const char* which, const void* array, bool empty) const;
+
     int device_;
-    std::array<const void*, 6> known_{};
+    std::array<Known, 8> known_{};
 };
 
 }  // namespace crumple::cuda

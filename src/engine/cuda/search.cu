@@ -1,8 +1,6 @@
 #include "engine/cuda/search.h"
 
 #include <algorithm>
-#include <cstdint>
-#include <type_traits>
 #include <vector>
 
 #include "engine/cuda/gather.h"
@@ -29,23 +27,16 @@ Search::Search(const Device& device, const Geometry& geometry, cudaStream_t stre
     pass_.beside = &beside_;
 }
 
-// Of the caller's addresses stays what kernels are chosen by: whether there is an array, and how it is aligned.
 Search::Key Search::Key::shape() const {
     Key shape = *this;
-    const auto forget = [](auto*& place) {
-        constexpr std::uintptr_t alignment = 16;
-        if (place)
-            place = reinterpret_cast<std::remove_reference_t<decltype(place)>>(
-                alignment + reinterpret_cast<std::uintptr_t>(place) % alignment);
-    };
-    for (VertexReader& reader : shape.scene.reader) forget(reader.data);
-    for (TriangleView& view : shape.input.triangles) forget(view.data);
-    for (const void*& of : shape.input.groups) forget(of);
-    forget(shape.scene.corners);
-    forget(shape.scene.groups);
-    forget(shape.wanted.groups.excluded);
-    forget(shape.wanted.bodies.excluded);
-    forget(shape.wanted.classes);
+    for (VertexReader& reader : shape.scene.reader) forget_place(reader.data);
+    for (TriangleView& view : shape.input.triangles) forget_place(view.data);
+    for (const void*& of : shape.input.groups) forget_place(of);
+    forget_place(shape.scene.corners);
+    forget_place(shape.scene.groups);
+    forget_place(shape.wanted.groups.excluded);
+    forget_place(shape.wanted.bodies.excluded);
+    forget_place(shape.wanted.classes);
     shape.input.block = shape.work = shape.result = shape.guides = shape.counters = nullptr;
     shape.plan = {};
     shape.plan.worlds = plan.worlds;

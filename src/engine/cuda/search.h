@@ -39,8 +39,8 @@ class Search {
 
     /// Of the slot that is worked on.
     Input& input() { return slot().input; }
-    /// For searches of other questions, while no launch is in flight; each call here that follows brings its own.
-    Input& lent_input() { return slots_[0].input; }
+    /// Of each slot, for searches of other questions: a slot is of one launch at a time.
+    std::array<Input*, Flights::slots> inputs() { return {&slots_[0].input, &slots_[1].input}; }
     /// Works on a slot, whose last answer goes, and has its input view the meshes.
     void view(std::size_t slot, const MeshView& a, const MeshView* b, bool weld, Room room = Room::grows);
     /// Has its input bring a scene.
@@ -70,8 +70,6 @@ class Search {
     /// next adopt(). Throws NoRoom unless two calls before were of the same kind: the first makes the lists, the second
     /// loads the kernels of a pass that has a guide.
     void capture(cudaStream_t stream);
-    /// Whether the caller has not ended that capture yet.
-    bool capture_is_open() const { return capture_.open(); }
     /// Whether a replay was done since the capture, or since this was last asked.
     bool has_replayed();
     /// After that: whether the last replay has left the whole answer. If not, adopt() will make its lists longer.

@@ -152,10 +152,10 @@ void CandidateOutput::clear(Clearing& clearing) const {
 }
 
 void write_answer(const Geometry& geometry, cudaStream_t stream, const CandidateHits& hits,
-                  const CandidateOutput& output, Counters* counters) {
+                  const CandidateOutput& output, Counters* counters, Counters* told) {
     make_offsets(geometry, stream, output.firsts.all(), output, counters);
     Launch{stream, geometry.blocks(hits.list.capacity), geometry.threads}(bucket_kernel, hits, output);
-    order_buckets(geometry, stream, output.firsts.all(), output, counters, nullptr);
+    order_buckets(geometry, stream, output.firsts.all(), output, counters, told);
 }
 
 void make_normaliser(cudaStream_t stream, const SceneBox* box, double inflation, Inflation* widening,

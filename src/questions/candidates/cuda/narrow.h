@@ -57,9 +57,9 @@ struct CandidateOutput : RowsOfOutput {
     }
 };
 
-/// Turns listed hits, which are counted by first feature, into the answer.
+/// Turns listed hits, which are counted by first feature, into the answer. `told` as order_buckets() has it.
 void write_answer(const Geometry& geometry, cudaStream_t stream, const CandidateHits& hits,
-                  const CandidateOutput& output, Counters* counters);
+                  const CandidateOutput& output, Counters* counters, Counters* told);
 
 /// Of the scene's box.
 void make_normaliser(cudaStream_t stream, const SceneBox* box, double inflation, Inflation* widening,

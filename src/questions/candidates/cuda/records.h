@@ -18,6 +18,14 @@ struct AskedOfCandidates {
     ExactPoints points;
     const Normaliser* normaliser = nullptr;
 
+    friend bool operator==(const AskedOfCandidates&, const AskedOfCandidates&) = default;
+    /// See FinderKey::shape().
+    void forget_places() {
+        features = {};
+        points.scene = {};
+        normaliser = nullptr;
+        inflation = 0;
+    }
     CRUMPLE_HD bool wants(CandidateKind kind) const { return wanted >> static_cast<unsigned>(kind) & 1; }
     __device__ unsigned owned_lanes(std::int32_t triangle) const {
         return crumple::owned_lanes(features.owned[triangle], triangle < features.faces);

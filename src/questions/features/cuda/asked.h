@@ -45,6 +45,12 @@ struct RestTable {
     }
 };
 
+/// An address that stands for any.
+template <class T>
+const T* unknown() {
+    return reinterpret_cast<const T*>(alignof(T));
+}
+
 struct AskedOfFeatures {
     bool motion = false, strict = false;
     double distance = 0, share = 0;
@@ -57,6 +63,19 @@ struct AskedOfFeatures {
     const float *vertex_radius = nullptr, *triangle_radius = nullptr;
 
     friend bool operator==(const AskedOfFeatures&, const AskedOfFeatures&) = default;
+
+    /// See FinderKey::shape().
+    void forget_places() {
+        radii = radii ? unknown<double>() : nullptr;
+        rest.position = rest.position ? unknown<double>() : nullptr;
+        rest.body = rest.body ? unknown<std::int32_t>() : nullptr;
+        rings = rings.of ? RingTable{unknown<std::int32_t>(), nullptr} : RingTable{};
+        features = {};
+        inflation = nullptr;
+        vertex_radius = triangle_radius = radii ? unknown<float>() : nullptr;
+        distance = distance > 0;
+        share = share > 0;
+    }
 
     bool separated() const { return motion && (distance > 0 || share > 0); }
 };

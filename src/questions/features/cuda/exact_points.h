@@ -12,6 +12,7 @@ namespace crumple::cuda {
 struct ExactPoints {
     Scene scene;
     bool aligned;
+    friend bool operator==(const ExactPoints&, const ExactPoints&) = default;
 
     __device__ Vec3d start(std::int32_t v) const {
         return aligned ? position<true>(scene, static_cast<std::size_t>(v))

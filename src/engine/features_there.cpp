@@ -1,0 +1,169 @@
+// Questions about the features of a mesh in device memory. What edges there are, and who owns what, the host makes of
+// the mesh's triangles, which it sees once; the device compares them with those of each call, and where they are others
+// the host looks again. All else stays on the device.
+
+#include <type_traits>
+
+#include "crumple/error.h"
+#include "engine/feature_output.h"
+#include "engine/feature_questions.h"
+#include "engine/feature_search.h"
+
+namespace crumple {
+namespace {
+
+bool rules_there(const Shape& shape, const Rules& rules) {
+    // Of what no triangle names, only a scene of bodies knows the group.
+    const bool by_groups = rules.groups != Wanted::both || !rules.excluded_groups.empty();
+    return rules.bodies == Wanted::both && rules.excluded_bodies.empty() &&
+           !(by_groups && (shape.edges || shape.points));
+}
+
+Impacts metered_answer(MemoryMeter* meter, const Motion&) { return metered_impacts(meter); }
+Nearby metered_answer(MemoryMeter* meter, const Near&) { return metered_nearby(meter); }
+CandidateLists metered_answer(MemoryMeter* meter, const CandidateQuestion&) { return metered_candidates(meter); }
+
+/// What find does by way of the host, launches do not.
+template <class Question>
+void refuse_what_is_not_there(const Shape& shape, const Question& question) {
+    if (FeatureSearch::answers_there(shape, question)) return;
+    throw Error(ErrorCode::invalid_argument,
+                std::is_same_v<Question, Motion>
+                    ? "launches make no triangle pairs, weld nothing, and know no rules about groups where edges or "
+                      "points are listed: find_impacts does, with a copy on the host"
+                : std::is_same_v<Question, Near>
+                    ? "launches tell no closest points and no least distances, weld nothing, and know no rules about "
+                      "groups where edges or points are listed: find_near does, with a copy on the host"
+                    : "launches weld nothing, and know no rules about groups where edges or points are listed: "
+                      "find_candidates does, with a copy on the host",
+                Element::option);
+}
+
+}  // namespace
+
+bool FeatureSearch::answers_there(const Shape& shape, const Motion& question) {
+    return !question.weld && !question.triangle_pairs && rules_there(shape, question.rules);
+}
+bool FeatureSearch::answers_there(const Shape& shape, const Near& question) {
+    return !question.weld && !question.closest && !question.least && rules_there(shape, question.rules);
+}
+bool FeatureSearch::answers_there(const Shape& shape, const CandidateQuestion& question) {
+    return !question.weld && rules_there(shape, question.rules);
+}
+
+// Makes features of what the mesh has now.
+void FeatureSearch::know(BackendBase& backend, const DeviceShape& mesh) {
+    HostShape host;
+    backend.features_there().copy_to_host(mesh, Copied::topology, host);
+    const Shape& shape = host.shape;
+    const Scene scene = prepare_scene(MeshView(shape.vertices, shape.triangles), nullptr, false, backend, buffers_);
+    features_.prepare(scene, false, backend, checked_lists(shape, ""));
+}
+
+// Calls ask(query) until it meets the features that it was given.
+template <class Question, class Ask>
+auto FeatureSearch::ask_there(BackendBase& backend, const DeviceShape& mesh, const Question& question, Ask ask) {
+    rule_.prepare(Query{.wanted = question.rules.groups, .excluded_groups = question.rules.excluded_groups});
+    if (!features_.has_counts_of(mesh.shape)) know(backend, mesh);
+    for (;; know(backend, mesh)) {
+        cancellation_.check();
+        auto query = query_of(question, frugal_, features_, rule_);
+        if constexpr (std::is_same_v<Question, Near>)
+            near_input_.tell(mesh.shape.vertices.rows, backend, cancellation_, query);
+        if (auto answer = ask(query)) return answer;
+    }
+}
+
+template <class Question>
+void FeatureSearch::answer_there(BackendBase& backend, const Question& question) {
+    ask_there(backend, *there_, question, [&](const auto& query) {
+        if constexpr (std::is_same_v<Question, CandidateQuestion>)
+            return backend.features_there().find(*there_, query, found_candidates_);
+        else
+            return backend.features_there().find(*there_, query, found_);
+    });
+}
+
+template <class Question, class Answer>
+void FeatureSearch::find_there(BackendBase& backend, const DeviceShape& mesh, const Question& question, bool frugal,
+                               Answer& answer) {
+    bodies_ = false;
+    frugal_ = frugal;
+    const Body body;
+    struct There {
+        const DeviceShape*& there;
+        ~There() { there = nullptr; }
+    } const there{there_ = &mesh};
+    search(backend, {{&mesh.shape, 1}, {&body, 1}, {}, {}}, question, answer);
+}
+
+// Reads what a launch, or one that is answered again, is given.
+template <class Question>
+void FeatureSearch::look_there(BackendBase& backend, const DeviceShape& mesh, const Question& question) {
+    frugal_ = false;
+    const Body body;
+    read({{&mesh.shape, 1}, {&body, 1}, {}, {}}, question.rules);
+    if constexpr (std::is_same_v<Question, Near>) {
+        near_input_.begin(outline_, question, false, false, backend, buffers_);
+        near_input_.place(mesh.shape);
+    }
+}
+
+template <class Question>
+void FeatureSearch::launch(BackendBase& backend, const DeviceShape& mesh, const Question& question) {
+    DeviceFeatureCalls& there = backend.features_there();
+    refuse_what_is_not_there(mesh.shape, question);
+    look_there(backend, mesh, question);
+    if (there.is_captured(mesh) && !features_.has_counts_of(mesh.shape))
+        throw Error(ErrorCode::invalid_argument,
+                    "a launch in a capture needs two calls before it, outside of the capture, with meshes of the same "
+                    "shape and the same query: they make its lists");
+    const auto slot =
+        ask_there(backend, mesh, question, [&](const auto& query) { return std::optional(there.launch(mesh, query)); });
+    launched_[*slot] = {mesh, question};
+}
+
+DeviceAnswer FeatureSearch::wait(BackendBase& backend, Asked asked) {
+    DeviceFeatureCalls& there = backend.features_there();
+    DeviceFeatureCalls::Landed landed = there.wait(asked);
+    const Launched& launched = launched_[landed.slot];
+    landed_ = landed.slot;
+    if (!landed.answer)
+        landed.answer = std::visit(
+            [&](const auto& question) {
+                look_there(backend, launched.mesh, question);
+                return ask_there(backend, launched.mesh, question, [&](const auto& query) {
+                    return there.find_again(landed.slot, launched.mesh, query);
+                });
+            },
+            launched.question);
+    landed.answer->statistics.triangles = launched.mesh.shape.triangles.rows;
+    landed.answer->statistics.pairs = landed.answer->count;
+    return *landed.answer;
+}
+
+template <class Question>
+void FeatureSearch::try_there(BackendBase& backend, const DeviceShape& mesh, const Question& question) {
+    auto answer = metered_answer(&meter_, question);
+    find_there(backend, mesh, question, true, answer);
+}
+void FeatureSearch::try_landed(BackendBase& backend) {
+    const Launched launched = launched_[landed_];
+    std::visit([&](const auto& question) { try_there(backend, launched.mesh, question); }, launched.question);
+}
+
+template void FeatureSearch::find_there(BackendBase&, const DeviceShape&, const Motion&, bool, Impacts&);
+template void FeatureSearch::find_there(BackendBase&, const DeviceShape&, const Near&, bool, Nearby&);
+template void FeatureSearch::find_there(BackendBase&, const DeviceShape&, const CandidateQuestion&, bool,
+                                        CandidateLists&);
+template void FeatureSearch::answer_there(BackendBase&, const Motion&);
+template void FeatureSearch::answer_there(BackendBase&, const Near&);
+template void FeatureSearch::answer_there(BackendBase&, const CandidateQuestion&);
+template void FeatureSearch::try_there(BackendBase&, const DeviceShape&, const Motion&);
+template void FeatureSearch::try_there(BackendBase&, const DeviceShape&, const Near&);
+template void FeatureSearch::try_there(BackendBase&, const DeviceShape&, const CandidateQuestion&);
+template void FeatureSearch::launch(BackendBase&, const DeviceShape&, const Motion&);
+template void FeatureSearch::launch(BackendBase&, const DeviceShape&, const Near&);
+template void FeatureSearch::launch(BackendBase&, const DeviceShape&, const CandidateQuestion&);
+
+}  // namespace crumple

@@ -1,0 +1,377 @@
+// Questions about the features of meshes in device memory. Plain CUDA: the CPU plays the device, or a device is there.
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <limits>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "crumple/error.h"
+#include "cuda/device_step.h"
+#include "cuda/falling.h"
+#include "cuda/shows.h"
+#include "error_of.h"
+#include "questions/features/listed_soups.h"
+#include "rounds.h"
+
+namespace crumple::test {
+namespace {
+
+/// A few of each kind, some with lists.
+template <class Scalar>
+std::vector<NamedMove<Scalar>> some_moves() {
+    std::vector<NamedMove<Scalar>> all = moving_soups<Scalar>(0.2);
+    std::size_t i = 0;
+    std::erase_if(all, [&](const auto&) { return i++ % (sanitized ? 21 : 7) != 0; });
+    const std::size_t plain = all.size();
+    for (std::size_t k = 0; k < plain; k += 2)
+        all.push_back({all[k].name + ", with lists", with_lists(all[k].soup, static_cast<unsigned>(k)), all[k].unit});
+    return all;
+}
+
+template <class Scalar>
+class CudaDeviceFeatures : public testing::Test {
+   protected:
+    Detector cpu_{Options{.backend = Backend::cpu}}, cuda_{Options{.backend = Backend::cuda, .leaf_size = 20}};
+};
+using Precisions = testing::Types<float, double>;
+TYPED_TEST_SUITE(CudaDeviceFeatures, Precisions);
+
+TYPED_TEST(CudaDeviceFeatures, are_found_where_they_lie) {
+    for (const auto& [name, soup, unit] : some_moves<TypeParam>()) {
+        SCOPED_TRACE(name);
+        const DeviceStep<TypeParam> there(soup);
+        for (const Motion& asked : {Motion{.index = true}, Motion{.separation = unit > 1e300 ? 0 : unit / 2},
+                                    Motion{.wants = MotionWants::earliest}, Motion{.wants = MotionWants::any},
+                                    Motion{.weld = true}, Motion{.triangle_pairs = true}})
+            EXPECT_TRUE(same_features(this->cuda_.find_impacts(there.view(), there.end(), asked),
+                                      this->cpu_.find_impacts(soup.view(), soup.end_view(), asked)));
+        if (unit <= 1e300) {
+            for (const Near& asked :
+                 {Near{.radius = unit / 2, .index = true}, Near{.radius = unit / 2, .rings = 2},
+                  Near{.radius = unit / 4, .closest = true}, Near{.radius = unit / 4, .least = true},
+                  Near{.radius = unit / 4, .weld = true}, Near{.wants = NearWants::any}})
+                EXPECT_TRUE(same_features(this->cuda_.find_near(there.view(), asked),
+                                          this->cpu_.find_near(soup.view(), asked)));
+        }
+        for (const bool weld : {false, true}) {
+            const CandidateQuestion asked{.kinds = all_candidate_kinds(), .weld = weld};
+            EXPECT_TRUE(same_candidates(this->cuda_.find_candidates(there.view(), there.end(), asked),
+                                        this->cpu_.find_candidates(soup.view(), soup.end_view(), asked)));
+            EXPECT_TRUE(same_candidates(this->cuda_.find_candidates(there.view(), asked),
+                                        this->cpu_.find_candidates(soup.view(), asked)));
+        }
+        if (this->HasFailure()) return;
+    }
+}
+
+TYPED_TEST(CudaDeviceFeatures, stay_on_the_device) {
+    cudaStream_t stream;
+    check(cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking));
+    for (const auto& [name, soup, unit] : some_moves<TypeParam>()) {
+        SCOPED_TRACE(name);
+        const DeviceStep<TypeParam> there(soup);
+        const MeshView view = there.view(stream);
+        for (const MotionWants wants : {MotionWants::impacts, MotionWants::earliest, MotionWants::any}) {
+            const Motion asked{.wants = wants};
+            this->cuda_.launch_impacts(view, there.end(), asked);
+            EXPECT_TRUE(
+                shows(this->cuda_.wait_impacts(), this->cpu_.find_impacts(soup.view(), soup.end_view(), asked)));
+        }
+        if (unit <= 1e300) {
+            const Near asked{.radius = unit / 2};
+            this->cuda_.launch_near(view, asked);
+            EXPECT_TRUE(shows(this->cuda_.wait_near(), this->cpu_.find_near(soup.view(), asked)));
+        }
+        const CandidateQuestion asked{.kinds = all_candidate_kinds()};
+        this->cuda_.launch_candidates(view, there.end(), asked);
+        EXPECT_TRUE(
+            shows(this->cuda_.wait_candidates(), this->cpu_.find_candidates(soup.view(), soup.end_view(), asked)));
+        if (this->HasFailure()) return;
+    }
+    check(cudaStreamDestroy(stream));
+}
+
+TEST(CudaDeviceFeatures, have_radii_and_a_shape_at_rest) {
+    const MovingSoup<float> soup = falling(400, 80);
+    const DeviceStep<float> there(soup);
+    std::vector<double> radii;
+    for (std::size_t v = 0; v < soup.start.size(); ++v) radii.push_back(0.01 * static_cast<double>(v % 5));
+    const DeviceArray<double> radii_there{std::span<const double>(radii)};
+    const DeviceArray<PointOf<float>> rest_there{std::span<const PointOf<float>>(soup.end)};
+    Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
+    Near asked{.radii = radii, .rest = soup.end_view(), .rest_radius = 0.02}, asked_there = asked;
+    asked_there.radii = radii_there.span();
+    asked_there.rest.data = rest_there.span().data();
+    const Nearby& expected = cpu.find_near(soup.view(), asked);
+    ASSERT_GT(expected.count, 0);
+    EXPECT_TRUE(same_features(cuda.find_near(there.view(), asked_there), expected));
+    for (int frame = 0; frame < 4; ++frame) {
+        cuda.launch_near(there.view(), asked_there);
+        EXPECT_TRUE(shows(cuda.wait_near(), expected)) << "frame " << frame;
+    }
+    asked.closest = asked_there.closest = true;
+    EXPECT_TRUE(same_features(cuda.find_near(there.view(), asked_there), cpu.find_near(soup.view(), asked)));
+}
+
+TEST(CudaDeviceFeatures, are_read_as_they_lie) {
+    const MovingSoup<float> soup = falling(200, 80);
+    // Rows of 13 and 25 bytes, which nothing is aligned to, and backwards; 64-bit indices.
+    const auto spread = [](const auto& rows, std::int64_t stride, std::int64_t size, std::size_t begin) {
+        std::vector<std::byte> out(begin + static_cast<std::size_t>(stride) * rows.size());
+        for (std::size_t i = 0; i < rows.size(); ++i)
+            for (std::size_t k = 0; k < 3; ++k)
+                std::memcpy(out.data() + begin + i * static_cast<std::size_t>(stride) +
+                                (2 - k) * static_cast<std::size_t>(size),
+                            &rows[i][k], static_cast<std::size_t>(size));
+        return out;
+    };
+    std::vector<std::array<std::int64_t, 3>> wide;
+    for (const auto& t : soup.triangles) wide.push_back({t[0], t[1], t[2]});
+    const DeviceBytes start(spread(soup.start, 13, 4, 1)), end(spread(soup.end, 13, 4, 3)),
+        triangles(spread(wide, 25, 8, 1));
+    const auto place = [](const DeviceBytes& bytes, std::size_t begin) {
+        return static_cast<const std::byte*>(bytes.data()) + begin;
+    };
+    const auto n = static_cast<std::int64_t>(soup.start.size()), m = static_cast<std::int64_t>(wide.size());
+    MeshView view(VertexView{place(start, 1) + 8, n, 13, -4, ScalarType::float32},
+                  TriangleView{place(triangles, 1) + 16, m, 25, -8, IndexType::int64});
+    view.memory = MemorySpace::cuda;
+    const VertexView to{place(end, 3) + 8, n, 13, -4, ScalarType::float32};
+    Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
+    const Impacts& expected = cpu.find_impacts(soup.view(), soup.end_view());
+    EXPECT_TRUE(same_features(cuda.find_impacts(view, to), expected));
+    cuda.launch_impacts(view, to);
+    EXPECT_TRUE(shows(cuda.wait_impacts(), expected));
+    EXPECT_TRUE(same_features(cuda.find_impacts(view, to, {.weld = true}),
+                              cpu.find_impacts(soup.view(), soup.end_view(), {.weld = true})));
+}
+
+TEST(CudaDeviceFeatures, know_groups) {
+    MovingSoup<float> soup = falling(400, 85);
+    for (std::size_t t = 0; t < soup.triangles.size(); ++t) soup.groups.push_back(static_cast<std::int32_t>(t % 3));
+    const DeviceStep<float> there(soup);
+    Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
+    Near asked{.radius = 0.05};
+    for (const Wanted groups : {Wanted::between, Wanted::within, Wanted::both}) {
+        asked.rules.groups = groups;
+        asked.rules.excluded_groups = {{0, 1}};
+        const Nearby& expected = cpu.find_near(soup.view(), asked);
+        ASSERT_GT(expected.count, 0);
+        EXPECT_TRUE(same_features(cuda.find_near(there.view(), asked), expected));
+        cuda.launch_near(there.view(), asked);
+        EXPECT_TRUE(shows(cuda.wait_near(), expected));
+    }
+}
+
+// Two in flight, of any kinds; each wait is for the oldest.
+TEST(CudaDeviceFeatures, take_turns_with_other_launches) {
+    Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
+    const MovingSoup<float> first = falling(300, 85), second = falling(500, 88);
+    const DeviceStep<float> a(first), b(second);
+    const Near near{.radius = 0.03};
+    for (int round = 0; round < 3; ++round) {
+        cuda.launch_impacts(a.view(), a.end());
+        cuda.launch_near(b.view(), near);
+        EXPECT_STREQ(error_of([&] { cuda.launch_self(a.view()); }).what(),
+                     "two launches are in flight: the next one comes after a wait()");
+        EXPECT_STREQ(error_of([&] { cuda.wait_near(); }).what(), "the oldest launch is answered by wait_impacts()");
+        EXPECT_TRUE(shows(cuda.wait_impacts(), cpu.find_impacts(first.view(), first.end_view())));
+        cuda.launch_self(b.view());
+        EXPECT_TRUE(shows(cuda.wait_near(), cpu.find_near(second.view(), near)));
+        cuda.launch_candidates(b.view(), b.end());
+        EXPECT_STREQ(error_of([&] { cuda.wait_impacts(); }).what(), "the oldest launch is answered by wait()");
+        EXPECT_TRUE(shows(cuda.wait(), b.view(), nullptr, cpu.find_self(second.view())));
+        EXPECT_TRUE(same_answer(cuda.download(), cpu.find_self(second.view())));
+        EXPECT_TRUE(shows(cuda.wait_candidates(), cpu.find_candidates(second.view(), second.end_view())));
+        EXPECT_STREQ(error_of([&] { cuda.download(); }).what(), "download() needs a wait() before it");
+        EXPECT_STREQ(error_of([&] { cuda.wait_candidates(); }).what(), "wait() needs a launch before it");
+    }
+}
+
+TEST(CudaDeviceFeatures, of_two_launches_are_both_right) {
+    Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda, .leaf_size = 60});
+    std::vector<MovingSoup<float>> frames;
+    std::vector<DeviceStep<float>> there;
+    for (int frame = 80; frame < 94; frame += 2) there.emplace_back(frames.emplace_back(falling(600, frame)));
+    cuda.launch_impacts(there[0].view(), there[0].end());
+    std::int64_t impacts = 0;
+    for (std::size_t i = 1; i < there.size(); ++i) {
+        cuda.launch_impacts(there[i].view(), there[i].end());
+        const DeviceImpacts found = cuda.wait_impacts();
+        impacts += found.count;
+        EXPECT_TRUE(shows(found, cpu.find_impacts(frames[i - 1].view(), frames[i - 1].end_view()))) << i;
+    }
+    EXPECT_TRUE(shows(cuda.wait_impacts(), cpu.find_impacts(frames.back().view(), frames.back().end_view())));
+    EXPECT_GT(impacts, 0);
+}
+
+TEST(CudaDeviceFeatures, follow_a_mesh_that_tears) {
+    Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
+    MovingSoup<float> soup = falling(300, 88), torn = soup;
+    std::swap(torn.triangles[7], torn.triangles[100]);
+    torn.triangles[50] = torn.triangles[51];
+    const DeviceStep<float> whole(soup), there(torn);
+    const Near near{.radius = 0.5};
+    const Nearby before = cpu.find_near(soup.view(), near);
+    const Nearby after = cpu.find_near(torn.view(), near);
+    ASSERT_FALSE(same_features(before, after)) << before.count;
+    for (int round = 0; round < 2; ++round) {
+        EXPECT_TRUE(same_features(cuda.find_near(whole.view(), near), before));
+        EXPECT_TRUE(same_features(cuda.find_near(there.view(), near), after));
+        cuda.launch_near(whole.view(), near);
+        cuda.launch_near(there.view(), near);
+        EXPECT_TRUE(shows(cuda.wait_near(), before));
+        EXPECT_TRUE(shows(cuda.wait_near(), after));
+        // Other numbers of triangles, and lists.
+        MovingSoup<float> fewer = soup;
+        fewer.triangles.resize(200);
+        fewer.edges = edges_of(MovingSoup<>{{}, {}, soup.triangles, {}});
+        const DeviceStep<float> few(fewer);
+        cuda.launch_near(few.view(), near);
+        EXPECT_TRUE(shows(cuda.wait_near(), cpu.find_near(fewer.view(), near)));
+        std::swap(fewer.edges->front(), fewer.edges->back());
+        const DeviceStep<float> swapped(fewer);
+        cuda.launch_near(swapped.view(), near);
+        EXPECT_TRUE(shows(cuda.wait_near(), cpu.find_near(fewer.view(), near)));
+    }
+}
+
+TEST(CudaDeviceFeatures, report_bad_input_as_the_host_does) {
+    constexpr float inf = std::numeric_limits<float>::infinity();
+    const MovingSoup<float> good = falling(200, 80);
+    std::vector<double> radii(good.start.size(), 0.01);
+    struct Case {
+        std::string name;
+        std::function<void(MovingSoup<float>&, std::vector<double>&)> spoil;
+        bool moving = true;
+    };
+    const std::vector<Case> cases{
+        {"start", [&](auto& soup, auto&) { soup.start[9][1] = inf; }},
+        {"end", [&](auto& soup, auto&) { soup.end[11][2] = -inf; }},
+        {"both", [&](auto& soup, auto&) { soup.end[3][2] = inf, soup.start[70][0] = std::nanf(""); }},
+        {"triangle", [&](auto& soup, auto&) { soup.triangles[5][1] = 100000; }},
+        {"triangle and end", [&](auto& soup, auto&) { soup.triangles[8][0] = -3, soup.end[3][2] = inf; }},
+        {"radius", [&](auto&, auto& r) { r[12] = -1; }, false},
+        {"no radius", [&](auto&, auto& r) { r[13] = std::nan(""); }, false},
+        {"rest", [&](auto& soup, auto&) { soup.end[20][0] = inf; }, false},
+        {"fewer radii", [&](auto&, auto& r) { r.pop_back(); }, false},
+        {"fewer ends", [&](auto& soup, auto&) { soup.end.pop_back(); }},
+        {"fewer at rest", [&](auto& soup, auto&) { soup.end.pop_back(); }, false},
+        {"edge",
+         [&](auto& soup, auto&) {
+             soup.edges = std::vector<Edge>{{0, 1}, {2, 5000}};
+         }},
+        {"edge of one",
+         [&](auto& soup, auto&) {
+             soup.edges = std::vector<Edge>{{2, 2}};
+         }},
+        {"point", [&](auto& soup, auto&) { soup.points = std::vector<std::int32_t>{-1}; }},
+    };
+    Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
+    const DeviceStep<float> fine(good);
+    const Impacts fine_impacts = cpu.find_impacts(good.view(), good.end_view());
+    for (const auto& [name, spoil, moving] : cases) {
+        SCOPED_TRACE(name);
+        MovingSoup<float> soup = good;
+        std::vector<double> r = radii;
+        spoil(soup, r);
+        const DeviceStep<float> there(soup);
+        const DeviceArray<double> radii_there{std::span<const double>(r)};
+        Near near{.radii = r, .rest = soup.end_view(), .rest_radius = 0.001}, near_there = near;
+        near_there.radii = radii_there.span();
+        near_there.rest = there.end();
+        const Error expected = error_of([&] {
+            moving ? (void)cpu.find_impacts(soup.view(), soup.end_view()) : (void)cpu.find_near(soup.view(), near);
+        });
+        const auto same = [&](const Error& error) {
+            EXPECT_STREQ(error.what(), expected.what());
+            EXPECT_EQ(error.code, expected.code);
+            EXPECT_EQ(error.element, expected.element);
+            EXPECT_EQ(error.index, expected.index);
+        };
+        same(error_of([&] {
+            moving ? (void)cuda.find_impacts(there.view(), there.end())
+                   : (void)cuda.find_near(there.view(), near_there);
+        }));
+        // After a launch that was fine, which is answered.
+        cuda.launch_impacts(fine.view(), fine.end());
+        same(error_of([&] {
+            moving ? cuda.launch_impacts(there.view(), there.end()) : cuda.launch_near(there.view(), near_there);
+            EXPECT_TRUE(shows(cuda.wait_impacts(), fine_impacts));
+            moving ? (void)cuda.wait_impacts() : (void)cuda.wait_near();
+        }));
+        cuda.launch_impacts(fine.view(), fine.end());
+        EXPECT_TRUE(shows(cuda.wait_impacts(), fine_impacts));
+    }
+}
+
+TEST(CudaDeviceFeatures, refuse_what_launches_do_not) {
+    const MovingSoup<float> soup = falling(100, 80);
+    const DeviceStep<float> there(soup);
+    Detector cuda({.backend = Backend::cuda}), cpu({.backend = Backend::cpu});
+    const auto refused = [](auto call) { return error_of(call).code == ErrorCode::invalid_argument; };
+    EXPECT_TRUE(refused([&] { cuda.launch_impacts(there.view(), there.end(), {.weld = true}); }));
+    EXPECT_TRUE(refused([&] { cuda.launch_impacts(there.view(), there.end(), {.triangle_pairs = true}); }));
+    EXPECT_TRUE(refused([&] { cuda.launch_near(there.view(), {.closest = true}); }));
+    EXPECT_TRUE(refused([&] { cuda.launch_near(there.view(), {.least = true}); }));
+    EXPECT_TRUE(refused([&] { cuda.launch_near(there.view(), {.radius = -1}); }));
+    EXPECT_TRUE(refused([&] { cuda.launch_candidates(there.view(), {.weld = true}); }));
+    EXPECT_TRUE(refused([&] { cuda.launch_impacts(soup.view(), soup.end_view()); }));
+    EXPECT_TRUE(refused([&] { cuda.launch_impacts(there.view(), soup.end_view()); })) << "the end on the host";
+    EXPECT_TRUE(refused([&] { cpu.launch_impacts(there.view(), there.end()); }));
+    EXPECT_TRUE(refused([&] { cpu.find_impacts(there.view(), there.end()); }));
+    EXPECT_TRUE(refused([&] { cpu.wait_near(); }));
+    EXPECT_TRUE(refused([&] { cuda.wait_near(); }));
+}
+
+// What does not fit is found in chunks, on the host, and brought back.
+TEST(CudaDeviceFeatures, fit_a_memory_limit) {
+    const MovingSoup<float> soup = falling(1500, 90);
+    const DeviceStep<float> there(soup);
+    Detector cpu({.backend = Backend::cpu});
+    const Motion asked{.separation = 0.02};
+    const Impacts& impacts = cpu.find_impacts(soup.view(), soup.end_view(), asked);
+    const CandidateLists& candidates = cpu.find_candidates(soup.view(), soup.end_view());
+    ASSERT_GT(impacts.count, 100);
+    for (const std::int64_t limit : {40'000'000, 17'000'000}) {
+        Detector cuda({.backend = Backend::cuda, .memory_limit = limit});
+        for (int call = 0; call < 2; ++call) {
+            cuda.launch_impacts(there.view(), there.end(), asked);
+            cuda.launch_impacts(there.view(), there.end(), asked);
+            EXPECT_TRUE(shows(cuda.wait_impacts(), impacts)) << limit;
+            EXPECT_TRUE(shows(cuda.wait_impacts(), impacts)) << limit;
+            EXPECT_TRUE(same_features(cuda.find_impacts(there.view(), there.end(), asked), impacts));
+        }
+        cuda.launch_candidates(there.view(), there.end());
+        EXPECT_TRUE(shows(cuda.wait_candidates(), candidates)) << limit;
+    }
+    Detector cuda({.backend = Backend::cuda, .memory_limit = 100'000, .count_bytes_needed = true});
+    const Error error = error_of([&] {
+        cuda.launch_impacts(there.view(), there.end(), asked);
+        cuda.wait_impacts();
+    });
+    EXPECT_EQ(error.code, ErrorCode::memory_limit);
+    EXPECT_GT(error.bytes_needed, 100'000);
+}
+
+TEST(CudaDeviceFeatures, work_on_several_threads_at_once) {
+    std::vector<std::thread> threads;
+    for (int i = 0; i < 3; ++i)
+        threads.emplace_back([i] {
+            const MovingSoup<float> soup = falling(200 + 100 * i, 85);
+            const DeviceStep<float> there(soup);
+            Detector cpu({.backend = Backend::cpu, .threads = 1}), cuda({.backend = Backend::cuda});
+            const Impacts& expected = cpu.find_impacts(soup.view(), soup.end_view());
+            for (int frame = 0; frame < 3; ++frame) {
+                cuda.launch_impacts(there.view(), there.end());
+                EXPECT_TRUE(shows(cuda.wait_impacts(), expected));
+            }
+        });
+    for (std::thread& thread : threads) thread.join();
+}
+
+}  // namespace
+}  // namespace crumple::test
