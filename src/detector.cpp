@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/stopwatch.h"
+#include "free_step.h"
 #include "model/part.h"
 #include "model/part_centres.h"
 #include "world_calls.h"
@@ -239,6 +240,16 @@ bool Detector::is_free(const MeshView& mesh, const VertexView& end, const Motion
     Motion asked = question;
     asked.wants = MotionWants::any;
     return !find_impacts(mesh, end, asked, std::move(stop)).any;
+}
+FreeStep Detector::find_free_step(const MeshView& mesh, const VertexView& end, const Motion& question,
+                                  std::stop_token stop) {
+    if (mesh.memory == MemorySpace::host) return free_step(*this, mesh, end, question, stop);
+    HostShape copy;
+    implementation_->copy_to_host(mesh, end, copy);
+    MeshView here(copy.shape.vertices, copy.shape.triangles, copy.shape.groups);
+    here.edges = copy.shape.edges;
+    here.points = copy.shape.points;
+    return free_step(*this, here, copy.shape.end, question, stop);
 }
 const Nearby& Detector::find_near(const World& world, const Near& question, std::stop_token stop) {
     return implementation_->find_near(world, question, std::move(stop));

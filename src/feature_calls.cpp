@@ -48,10 +48,17 @@ const Answer& WorldCalls::find_of_mesh(const MeshView& mesh, const Shape& shape,
     const DeviceShape there{shape, mesh.stream};
     if (FeatureSearch::answers_there(shape, question)) return find_there(there, question, answer, std::move(stop));
     HostShape copy;
-    within_limit(
-        {}, [&] { backend->features_there().copy_to_host(there, Copied::all, copy); }, [] { return false; },
-        [] { return 0; });
+    copy_to_host(there, copy);
     return find_here(copy.shape);
+}
+
+void WorldCalls::copy_to_host(const DeviceShape& mesh, HostShape& copy) {
+    within_limit(
+        {}, [&] { backend->features_there().copy_to_host(mesh, Copied::all, copy); }, [] { return false; },
+        [] { return 0; });
+}
+void WorldCalls::copy_to_host(const MeshView& mesh, const VertexView& end, HostShape& copy) {
+    copy_to_host({with_end(Shape(mesh), end), mesh.stream}, copy);
 }
 
 template <class Question>

@@ -1,12 +1,12 @@
 // A step that is cut short before the first contact: tried, and verified as it is rounded.
 
+#include "free_step.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <utility>
 
 #include "base/float_environment.h"
-#include "crumple/detector.h"
 #include "model/scene.h"
 
 namespace crumple {
@@ -26,11 +26,10 @@ double shortened(double toi, int attempt) {
 
 }  // namespace
 
-FreeStep Detector::find_free_step(const MeshView& mesh, const VertexView& end, const Motion& question,
-                                  std::stop_token given) {
-    const std::stop_token stop = std::move(given);
+FreeStep free_step(Detector& detector, const MeshView& mesh, const VertexView& end, const Motion& question,
+                   const std::stop_token& stop) {
     constexpr double least_share = 0x1p-40;
-    const FirstImpact first = time_of_first_impact(mesh, end, question, stop);
+    const FirstImpact first = detector.time_of_first_impact(mesh, end, question, stop);
     const FloatEnvironment environment;
     const bool float32 = mesh.vertices.type == ScalarType::float32 && end.type == ScalarType::float32;
     const VertexReader from = reader_of(mesh.vertices), to = reader_of(end);
@@ -48,13 +47,13 @@ FreeStep Detector::find_free_step(const MeshView& mesh, const VertexView& end, c
         }
     };
     // What intersects at the start does so at every share of the step.
-    const bool stuck = question.triangle_pairs && !is_free(mesh, mesh.vertices, question, stop);
+    const bool stuck = question.triangle_pairs && !detector.is_free(mesh, mesh.vertices, question, stop);
     go(first.found || stuck ? 0 : 1);
     if (!first.found || stuck) return step;
     const VertexView there{step.positions.data(), mesh.vertices.rows, 24, 8, ScalarType::float64};
     for (int attempt = 0; shortened(first.toi, attempt) >= least_share; ++attempt) {
         go(shortened(first.toi, attempt));
-        if (is_free(mesh, there, question, stop)) return step;
+        if (detector.is_free(mesh, there, question, stop)) return step;
     }
     go(0);
     return step;

@@ -38,6 +38,7 @@ struct WorldCalls : DetectorState {
                                           const CandidateQuestion& question, std::stop_token stop);
 
     // On a mesh in device memory:
+    void copy_to_host(const MeshView& mesh, const VertexView& end, HostShape& copy);
     void launch_impacts(const MeshView& mesh, const VertexView& end, const Motion& question);
     void launch_near(const MeshView& mesh, const Near& question);
     /// `end`: null at rest.
@@ -82,6 +83,7 @@ struct WorldCalls : DetectorState {
     const Answer& find_there(const DeviceShape& mesh, const Question& question, Answer& answer, std::stop_token stop);
     template <class Question>
     void launch(const MeshView& mesh, const Shape& shape, const Question& question);
+    void copy_to_host(const DeviceShape& mesh, HostShape& copy);
     DeviceAnswer wait_for(Asked asked, std::stop_token stop);
     static Shape with_radii_and_rest(Shape shape, const Near& question);
     Shape host_shape(const MeshView& mesh);

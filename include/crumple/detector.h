@@ -99,7 +99,7 @@ class Detector {
     /// computed in floating point, is another motion than the one whose toi that is. The share is somewhat less than
     /// the first time of contact, by 2^-16 of it if that does and by more if rounding needs it; 0, and the start, where
     /// contact is there, or too near for any share above 2^-40. With Motion::separation features keep that distance.
-    /// Cost: two or three questions.
+    /// Cost: two or three questions. A mesh in device memory is copied to the host, where the positions are.
     FreeStep find_free_step(const MeshView& mesh, const VertexView& end, const Motion& question = {},
                             std::stop_token stop = {});
 

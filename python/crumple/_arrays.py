@@ -183,19 +183,19 @@ def vertices(array: Any, which: str) -> np.ndarray:
 
 
 def end_vertices(array: Any, which: str) -> np.ndarray:
-    """The same, and on the host."""
-    return _positions(array, which + "end vertices")
+    """The same."""
+    return _positions(array, which + "end vertices", "(n, 3) of float32 or float64")
 
 
 def rest_vertices(array: Any, which: str) -> np.ndarray:
-    """The same, and on the host."""
-    return _positions(array, which + "rest vertices")
+    """The same."""
+    return _positions(array, which + "rest vertices", "(n, 3) of float32 or float64")
 
 
 def radii(array: Any, which: str) -> np.ndarray:
     """(n) of float64 without gaps."""
     name = which + "radii"
-    result = host_array(array, name)
+    result = host_array(array, name, "(n) of float64 without gaps")
     if result.ndim != 1:
         raise InvalidInput(f"{name} must have shape (vertices,), not {result.shape}")
     if _is_sequence(array) and result.dtype.kind in "iu":
@@ -245,13 +245,13 @@ def groups(array: Any, which: str) -> np.ndarray:
 def edges(array: Any, which: str) -> np.ndarray:
     """(k, 2) of int32, without gaps."""
     name = which + "edges"
-    return _int32(_rows(_integers(array, name), 2, name), name, "vertex", "edge")
+    return _int32(_rows(_integers(array, name, "(k, 2) of int32 without gaps"), 2, name), name, "vertex", "edge")
 
 
 def points(array: Any, which: str) -> np.ndarray:
     """(k) of int32, without gaps."""
     name = which + "points"
-    result = _integers(array, name)
+    result = _integers(array, name, "(k) of int32 without gaps")
     if result.ndim != 1:
         raise InvalidInput(f"{name} must have shape (n,), indices of vertices, not {result.shape}")
     return _int32(result, name, "vertex", "point")

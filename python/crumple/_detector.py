@@ -11,6 +11,17 @@ from ._candidates import find_candidates
 from ._core import Statistics
 from ._errors import InvalidInput, InvalidType
 from ._feature_streams import stream_candidates, stream_impacts, stream_near
+from ._launches import (
+    launch_between,
+    launch_candidates,
+    launch_impacts,
+    launch_near,
+    launch_self,
+    wait,
+    wait_candidates,
+    wait_impacts,
+    wait_near,
+)
 from ._mesh import Mesh, as_mesh, soup_of
 from ._motion import find_free_step, find_impacts, is_free, time_of_first_impact
 from ._names import suggesting
@@ -400,6 +411,15 @@ class Detector(_core.Detector):
     stream_near = stream_near
     stream_candidates = stream_candidates
     find_nearest = find_nearest
+    launch_self = launch_self
+    launch_between = launch_between
+    launch_impacts = launch_impacts
+    launch_near = launch_near
+    launch_candidates = launch_candidates
+    wait = wait
+    wait_impacts = wait_impacts
+    wait_near = wait_near
+    wait_candidates = wait_candidates
 
 
 def _find_in_part(

@@ -62,8 +62,6 @@ bool are_vertices(const BorrowedArray& a) {
     return has_rows_of(3, a) && (a.number == Number::float32 || a.number == Number::float64);
 }
 
-bool are_host_vertices(const BorrowedArray& a) { return are_vertices(a) && a.device == BorrowedArray::on_host; }
-
 // Flat cells with their sizes before them: (3, a, b, c, 3, d, e, f, ...). In host memory alone one can look.
 bool may_be_cells(const BorrowedArray& a) {
     if (a.device != BorrowedArray::on_host || a.shape[0] == 0 || a.shape[0] % 4 != 0) return false;
@@ -90,8 +88,7 @@ bool are_groups(const BorrowedArray& a) {
 
 bool are_radii(const BorrowedArray& a) {
     constexpr std::int64_t size = sizeof(double);
-    return a.dimensions == 1 && a.device == BorrowedArray::on_host && a.number == Number::float64 &&
-           (a.shape[0] < 2 || a.strides[0] == size) && reinterpret_cast<std::uintptr_t>(a.data) % size == 0;
+    return a.dimensions == 1 && a.number == Number::float64 && (a.shape[0] < 2 || a.strides[0] == size) && reinterpret_cast<std::uintptr_t>(a.data) % size == 0;
 }
 
 bool are_group_pairs(const BorrowedArray& a) {
@@ -102,12 +99,12 @@ bool are_group_pairs(const BorrowedArray& a) {
 
 // One behind the other, as the library has them.
 bool are_edges(const BorrowedArray& a) {
-    return has_rows_of(2, a) && a.device == BorrowedArray::on_host && a.number == Number::int32 && is_contiguous(a) &&
+    return has_rows_of(2, a) && a.number == Number::int32 && is_contiguous(a) &&
            reinterpret_cast<std::uintptr_t>(a.data) % alignof(Edge) == 0;
 }
 
 bool are_points(const BorrowedArray& a) {
-    return a.dimensions == 1 && a.device == BorrowedArray::on_host && a.number == Number::int32 && is_contiguous(a) &&
+    return a.dimensions == 1 && a.number == Number::int32 && is_contiguous(a) &&
            reinterpret_cast<std::uintptr_t>(a.data) % alignof(std::int32_t) == 0;
 }
 
@@ -131,11 +128,24 @@ bool borrow_numpy(nb::handle object, BorrowedArray& result) {
     return true;
 }
 
+int ready_on_stream = 0;  // ReadyOnStreams that live; guarded by the GIL
+
+// __dlpack__(stream=-1); null where it refuses, as those of the host may.
+nb::object capsule_without_waiting(const nb::object& method) {
+    const nb::tuple none;
+    nb::dict named;
+    named["stream"] = -1;
+    nb::object capsule = nb::steal(in_python([&] { return PyObject_Call(method.ptr(), none.ptr(), named.ptr()); }));
+    if (!capsule) PyErr_Clear();
+    return capsule;
+}
+
 // What __dlpack__ gives; null where there is none, or it refuses. nanobind would call it, too, but not in_python.
 nb::object capsule_of(nb::handle object) {
     const nb::object method = nb::steal(in_python([&] { return PyObject_GetAttrString(object.ptr(), "__dlpack__"); }));
     nb::object capsule;
-    if (method) capsule = nb::steal(in_python([&] { return PyObject_CallNoArgs(method.ptr()); }));
+    if (method && ready_on_stream > 0) capsule = capsule_without_waiting(method);
+    if (method && !capsule) capsule = nb::steal(in_python([&] { return PyObject_CallNoArgs(method.ptr()); }));
     if (method && !capsule && PyErr_ExceptionMatches(PyExc_BufferError)) {  // read-only, which it can say since 1.0
         PyErr_Clear();
         const nb::tuple none;
@@ -197,6 +207,10 @@ std::string place(int device) {
     return device == BorrowedArray::on_host ? "host memory" : "the memory of CUDA device " + std::to_string(device);
 }
 
+void check_place(const BorrowedArray& array, const std::string& name, int device) {
+    if (array.device != device) refuse(name + " lie in " + place(array.device) + ", but vertices in " + place(device));
+}
+
 // Rows of an (n, 3) array, or of a flat one.
 template <class Type>
 ArrayView<Type> rows_of_three(const BorrowedArray& array, Type type) {
@@ -219,21 +233,19 @@ void import_numpy() {
     if (in_python([] { return PyArray_ImportNumPyAPI(); }) != 0) throw nb::python_error();
 }
 
+ReadyOnStream::ReadyOnStream() { ++ready_on_stream; }
+ReadyOnStream::~ReadyOnStream() { --ready_on_stream; }
+
 BorrowedMesh::BorrowedMesh(const nb::tuple& mesh, const char* which)
     : kept_{mesh},
       vertices_(borrow_array(mesh[0], are_vertices, "vertices", which, kept_)),
       faces_(borrow_array(mesh[1], are_faces, "faces", which, kept_)),
       view_(rows_of_three(vertices_, scalar_type(vertices_)), rows_of_three(faces_, index_type(faces_))) {
-    const auto check_place = [&](const BorrowedArray& array, const char* name) {
-        if (array.device != device())
-            refuse(std::string(which) + name + " lie in " + place(array.device) + ", but vertices in " +
-                   place(device()));
-    };
-    check_place(faces_, "faces");
+    check_place(faces_, std::string(which) + "faces", device());
     if (device() != BorrowedArray::on_host) view_.memory = MemorySpace::cuda;
     if (mesh[2].is_none()) return;
     groups_ = borrow_array(mesh[2], are_groups, "groups", which, kept_);
-    check_place(groups_, "groups");
+    check_place(groups_, std::string(which) + "groups", device());
     // No groups at all are None. An empty array would be taken for that.
     if (groups_.shape[0] != view_.triangles.rows)
         refuse(std::string(which) + "groups must be one for each of the " + std::to_string(view_.triangles.rows) +
@@ -245,7 +257,8 @@ BorrowedEnd::BorrowedEnd(nb::handle end, const BorrowedMesh& mesh, const char* w
     : kept_{nb::borrow(end)} {
     const bool at_rest = when == When::rest;
     const BorrowedArray array =
-        borrow_array(end, are_host_vertices, at_rest ? "rest_vertices" : "end_vertices", which, kept_);
+        borrow_array(end, are_vertices, at_rest ? "rest_vertices" : "end_vertices", which, kept_);
+    check_place(array, std::string(which) + (at_rest ? "rest vertices" : "end vertices"), mesh.device());
     view_ = rows_of_three(array, scalar_type(array));
     const std::int64_t wanted = mesh.view().vertices.rows;
     if (view_.rows != wanted)
@@ -256,6 +269,7 @@ BorrowedEnd::BorrowedEnd(nb::handle end, const BorrowedMesh& mesh, const char* w
 
 BorrowedRadii::BorrowedRadii(nb::handle radii, const BorrowedMesh& mesh, const char* which) : kept_{nb::borrow(radii)} {
     const BorrowedArray array = borrow_array(radii, are_radii, "radii", which, kept_);
+    check_place(array, std::string(which) + "radii", mesh.device());
     const std::int64_t wanted = mesh.view().vertices.rows;
     if (array.shape[0] != wanted)
         refuse(std::string(which) + "radii must be one for each of the " + std::to_string(wanted) + " vertices, not " +
@@ -263,13 +277,15 @@ BorrowedRadii::BorrowedRadii(nb::handle radii, const BorrowedMesh& mesh, const c
     view_ = {static_cast<const double*>(array.data), static_cast<std::size_t>(wanted)};
 }
 
-BorrowedLists::BorrowedLists(const nb::tuple& lists, const char* which) : kept_{lists} {
+BorrowedLists::BorrowedLists(const nb::tuple& lists, int device, const char* which) : kept_{lists} {
     if (!lists[0].is_none()) {
         const BorrowedArray edges = borrow_array(lists[0], are_edges, "edges", which, kept_);
+        check_place(edges, std::string(which) + "edges", device);
         edges_ = std::span(static_cast<const Edge*>(edges.data), static_cast<std::size_t>(edges.shape[0]));
     }
     if (!lists[1].is_none()) {
         const BorrowedArray points = borrow_array(lists[1], are_points, "points", which, kept_);
+        check_place(points, std::string(which) + "points", device);
         points_ = std::span(static_cast<const std::int32_t*>(points.data), static_cast<std::size_t>(points.shape[0]));
     }
 }

@@ -62,7 +62,17 @@ class BorrowedMesh {
     MeshView view_;
 };
 
-/// Where a mesh's vertices are at the end of a step, or at rest, in place, in host memory.
+/// While it lives, arrays on a device are taken as ready on the caller's own stream, and nobody waits for them: DLPack's
+/// stream -1. Otherwise they are ready for what is given to the legacy default stream.
+class ReadyOnStream {
+   public:
+    ReadyOnStream();
+    ~ReadyOnStream();
+    ReadyOnStream(const ReadyOnStream&) = delete;
+    ReadyOnStream& operator=(const ReadyOnStream&) = delete;
+};
+
+/// Where a mesh's vertices are at the end of a step, or at rest, in place, where the mesh lies.
 class BorrowedEnd {
    public:
     enum class When : std::uint8_t { end, rest };
@@ -75,11 +85,12 @@ class BorrowedEnd {
     VertexView view_;
 };
 
-/// Edges and points that a caller lists (MeshView::edges, MeshView::points), in place, in host memory.
+/// Edges and points that a caller lists (MeshView::edges, MeshView::points), in place.
 class BorrowedLists {
    public:
-    /// `lists` is (edges or None, points or None). `which` leads every message.
-    explicit BorrowedLists(const nanobind::tuple& lists, const char* which = "");
+    /// `lists` is (edges or None, points or None). `device`: where they must lie, as the mesh does. `which` leads every
+    /// message.
+    explicit BorrowedLists(const nanobind::tuple& lists, int device = BorrowedArray::on_host, const char* which = "");
     /// Of a MeshView or a Shape.
     template <class Listing>
     void put_into(Listing& listing) const {
@@ -93,7 +104,7 @@ class BorrowedLists {
     std::optional<std::span<const std::int32_t>> points_;
 };
 
-/// One number of float64 for each vertex of a mesh, in place, in host memory.
+/// One number of float64 for each vertex of a mesh, in place, where the mesh lies.
 class BorrowedRadii {
    public:
     BorrowedRadii(nanobind::handle radii, const BorrowedMesh& mesh, const char* which = "");

@@ -36,7 +36,7 @@ void make_question(CandidateQuestion* place, const nb::tuple& kinds, nb::handle 
 CandidatesAnswer find_candidates(nb::handle self, const nb::tuple& mesh, nb::handle end,
                                  const CandidateQuestion& question, nb::handle copy, const nb::tuple& lists) {
     SharedDetector& detector = detector_of(self);
-    const AskedOfMesh start(mesh, lists);
+    const AskedOfMesh start(detector, mesh, lists);
     std::optional<BorrowedEnd> at_end;
     if (!end.is_none()) at_end.emplace(end, start.mesh);
     const bool copied = flag("copy", copy);

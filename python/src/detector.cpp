@@ -20,9 +20,11 @@
 #include "feature_search.h"
 #include "feature_streams.h"
 #include "gil.h"
+#include "launches.h"
 #include "names.h"
 #include "nearest.h"
 #include "part.h"
+#include "query.h"
 #include "world_search.h"
 
 namespace nb = nanobind;
@@ -39,6 +41,18 @@ void handle_signals() {
     if (PyThread_get_thread_ident() != main_thread) return;
     const nb::gil_scoped_acquire acquired;
     if (PyErr_CheckSignals() != 0) throw nb::python_error();
+}
+
+void check_device(const SharedDetector& detector, int device) {
+    if (device == BorrowedArray::on_host) return;
+    if (detector.backend() != Backend::cuda) {
+        const std::string reason = list_devices().reason;
+        refuse("the arrays lie in CUDA memory, which needs the cuda backend" + (reason.empty() ? "" : "; " + reason) +
+               ": " + copy_to_host);
+    }
+    if (device != detector.options().device)
+        refuse("the arrays lie in the memory of CUDA device " + std::to_string(device) +
+               ", but the detector works on device " + std::to_string(detector.options().device));
 }
 
 SharedDetector::SharedDetector(const Options& options) : detector_(options) { detector_.set_poll(handle_signals); }
@@ -174,41 +188,10 @@ SharedDetector& detector_of(nb::handle self) {
 
 namespace {
 
-// Arrays on a device must lie on the one that the detector works on.
-void check_device(const SharedDetector& detector, int device) {
-    if (device == BorrowedArray::on_host) return;
-    if (detector.backend() != Backend::cuda) {
-        const std::string reason = list_devices().reason;
-        refuse("the arrays lie in CUDA memory, which needs the cuda backend" + (reason.empty() ? "" : "; " + reason) +
-               ": " + copy_to_host);
-    }
-    if (device != detector.options().device)
-        refuse("the arrays lie in the memory of CUDA device " + std::to_string(device) +
-               ", but the detector works on device " + std::to_string(detector.options().device));
-}
-
 void check_devices(const SharedDetector& detector, const BorrowedMeshes& meshes) {
     check_device(detector, meshes.first.device());
     if (meshes.second) check_device(detector, meshes.second->device());
 }
-
-// A query as Python gives it, and the pairs that it refers to.
-struct OwningQuery {
-    OwningQuery(nb::handle neighbours, nb::handle intersections, nb::handle weld, nb::handle contacts,
-                nb::handle wanted, nb::handle excluded_groups)
-        : excluded(group_pairs(excluded_groups)),
-          query{.neighbours = named(neighbours_names, "neighbours", neighbours),
-                .intersections = named(intersections_names, "intersections", intersections),
-                .weld = flag("weld", weld),
-                .contacts = flag("contacts", contacts),
-                .wanted = named(wanted_names, "wanted", wanted),
-                .excluded_groups = excluded} {}
-    OwningQuery(const OwningQuery&) = delete;
-    OwningQuery& operator=(const OwningQuery&) = delete;
-
-    const std::vector<GroupPair> excluded;
-    const Query query;
-};
 
 Options options_of(const nb::dict& given) {
     return {
@@ -316,8 +299,9 @@ void bind_detector(nb::module_& module) {
              "excluded_groups"_a.none());
     bind_question(module);
     bind_feature_questions(module);
-    nb::class_<SharedDetector>(module, "Detector", "The library's detector; crumple.Detector is one.")
-        .def("__init__", make, "options"_a)
+    nb::class_<SharedDetector> detector(module, "Detector", "The library's detector; crumple.Detector is one.");
+    bind_launches(detector);
+    detector.def("__init__", make, "options"_a)
         .def_prop_ro("backend", [](nb::handle self) { return name_of(backend_names, detector_of(self).backend()); })
         .def_prop_ro("fallback", [](nb::handle self) { return detector_of(self).fallback(); })
         .def("cancel", [](nb::handle self) { detector_of(self).cancel(); })

@@ -76,6 +76,16 @@ class SharedDetector {
         };
         return stream(detector_, with_gil, stop_->get_token());
     }
+    /// Calls work(detector, stop), whose answers stay on a device.
+    template <class Work>
+    auto call(Work work) {
+        return work(detector_, stop_->get_token());
+    }
+    /// Keeps what a launch is given until the second launch after it. Call with the GIL.
+    void keep(std::shared_ptr<void> given) {
+        std::swap(launched_[0], launched_[1]);
+        launched_[0] = std::move(given);
+    }
     std::vector<Part> partition(const MeshView& first, const MeshView* second, int count);
     std::vector<Part> partition(const MeshView& mesh, const VertexView& end, const Motion& question, int count);
     std::vector<Part> partition(const MeshView& mesh, const Near& question, int count);
@@ -129,6 +139,7 @@ class SharedDetector {
                Two<NearestBodies>>
         answers_;
     std::vector<Pose> poses_, end_poses_;
+    std::shared_ptr<void> launched_[2];
     std::optional<std::stop_source> stop_;  ///< of the turn; each has its own
     std::thread::id caller_;                ///< whose turn it is; guarded by the GIL, as `stop_` and `waiting_` are
     int waiting_ = 0;
@@ -139,6 +150,9 @@ class SharedDetector {
 
 /// The detector that a method is called on. A class of Python may leave it without what __init__ makes.
 SharedDetector& detector_of(nanobind::handle self);
+
+/// Refuses arrays that do not lie on the host, or on the device that the detector works on.
+void check_device(const SharedDetector& detector, int device);
 
 void bind_detector(nanobind::module_& module);
 

@@ -69,17 +69,6 @@ void make_near(Near* place, nb::handle wants, nb::handle radius, nb::handle stri
     new (place) Near(std::move(question));
 }
 
-// What is asked, with the radii and the shape at rest of the vertices, each of which may be None.
-struct AskedOfVertices {
-    AskedOfVertices(const Near& asked, const BorrowedMesh& mesh, nb::handle radii, nb::handle rest) : question(asked) {
-        if (!radii.is_none()) question.radii = of_vertices.emplace(radii, mesh).view();
-        if (!rest.is_none()) question.rest = at_rest.emplace(rest, mesh, "", BorrowedEnd::When::rest).view();
-    }
-    Near question;
-    std::optional<BorrowedRadii> of_vertices;
-    std::optional<BorrowedEnd> at_rest;
-};
-
 bool lists_triangle_pairs(const Motion& question) {
     return question.triangle_pairs && question.wants == MotionWants::impacts;
 }
@@ -95,12 +84,15 @@ nb::object give_rows(const Array<double>& values) {
 
 }  // namespace
 
-AskedOfMesh::AskedOfMesh(const nb::tuple& given, const nb::tuple& listed)
-    : mesh(given), lists(listed), view(mesh.view()) {
-    if (mesh.device() != BorrowedArray::on_host)
-        refuse(std::string("vertices lie in CUDA memory, but those of motion, nearness and candidates are wanted in "
-                           "the host's: ") +
-               copy_to_host);
+AskedOfVertices::AskedOfVertices(const Near& asked, const BorrowedMesh& mesh, nb::handle radii, nb::handle rest)
+    : question(asked) {
+    if (!radii.is_none()) question.radii = of_vertices.emplace(radii, mesh).view();
+    if (!rest.is_none()) question.rest = at_rest.emplace(rest, mesh, "", BorrowedEnd::When::rest).view();
+}
+
+AskedOfMesh::AskedOfMesh(const SharedDetector& detector, const nb::tuple& given, const nb::tuple& listed)
+    : mesh(given), lists(listed, mesh.device()), view(mesh.view()) {
+    check_device(detector, mesh.device());
     lists.put_into(view);
 }
 
@@ -114,7 +106,7 @@ World moving_world(const Bodies& bodies, const BorrowedPoses& start, const Borro
 ImpactsAnswer find_impacts(nb::handle self, const nb::tuple& mesh, nb::handle end, const Motion& question,
                            nb::handle copy, const nb::tuple& lists) {
     SharedDetector& detector = detector_of(self);
-    const AskedOfMesh start(mesh, lists);
+    const AskedOfMesh start(detector, mesh, lists);
     const BorrowedEnd at_end(end, start.mesh);
     const bool copied = flag("copy", copy), index = question.index && question.wants == MotionWants::impacts;
     const SharedDetector::Turn turn(detector);
@@ -142,7 +134,7 @@ ImpactsAnswer find_impacts_in_world(nb::handle self, nb::handle world, nb::handl
 nb::tuple find_free_step(nb::handle self, const nb::tuple& mesh, nb::handle end, const Motion& question,
                          const nb::tuple& lists) {
     SharedDetector& detector = detector_of(self);
-    const AskedOfMesh start(mesh, lists);
+    const AskedOfMesh start(detector, mesh, lists);
     const BorrowedEnd at_end(end, start.mesh);
     const SharedDetector::Turn turn(detector);
     const FreeStep step =
@@ -154,7 +146,7 @@ nb::tuple find_free_step(nb::handle self, const nb::tuple& mesh, nb::handle end,
 NearbyAnswer find_near(nb::handle self, const nb::tuple& mesh, const Near& asked, nb::handle radii, nb::handle rest,
                        nb::handle copy, const nb::tuple& lists) {
     SharedDetector& detector = detector_of(self);
-    const AskedOfMesh given(mesh, lists);
+    const AskedOfMesh given(detector, mesh, lists);
     const AskedOfVertices vertices(asked, given.mesh, radii, rest);
     const Near& question = vertices.question;
     const bool copied = flag("copy", copy), index = question.index && question.wants == NearWants::pairs;
@@ -207,7 +199,7 @@ NearbyAnswer find_near_in_part(nb::handle self, nb::handle part, const Near& que
 std::vector<Part> partition_motion(nb::handle self, const nb::tuple& mesh, nb::handle end, const Motion& question,
                                    nb::handle count, const nb::tuple& lists) {
     SharedDetector& detector = detector_of(self);
-    const AskedOfMesh start(mesh, lists);
+    const AskedOfMesh start(detector, mesh, lists);
     const BorrowedEnd at_end(end, start.mesh);
     const int parts = integer<int>("count", count);
     const SharedDetector::Turn turn(detector);
@@ -217,7 +209,7 @@ std::vector<Part> partition_motion(nb::handle self, const nb::tuple& mesh, nb::h
 std::vector<Part> partition_near(nb::handle self, const nb::tuple& mesh, const Near& asked, nb::handle radii,
                                  nb::handle rest, nb::handle count, const nb::tuple& lists) {
     SharedDetector& detector = detector_of(self);
-    const AskedOfMesh given(mesh, lists);
+    const AskedOfMesh given(detector, mesh, lists);
     const AskedOfVertices vertices(asked, given.mesh, radii, rest);
     const int parts = integer<int>("count", count);
     const SharedDetector::Turn turn(detector);

@@ -2,6 +2,7 @@
 
 // What is asked about the features of a mesh or a world, on their way or near each other, and the calls that answer it.
 
+#include <optional>
 #include <vector>
 
 #include <nanobind/nanobind.h>
@@ -13,12 +14,21 @@
 
 namespace crumple::python {
 
-/// The mesh of one call, with the edges and points that are listed. Refuses meshes in device memory.
+/// The mesh of one call, with the edges and points that are listed. Refuses those of other devices than the
+/// detector's.
 struct AskedOfMesh {
-    AskedOfMesh(const nanobind::tuple& mesh, const nanobind::tuple& listed);
+    AskedOfMesh(const SharedDetector& detector, const nanobind::tuple& mesh, const nanobind::tuple& listed);
     BorrowedMesh mesh;
     BorrowedLists lists;
     MeshView view;
+};
+
+/// What is asked, with the radii and the shape at rest of the vertices, each of which may be None.
+struct AskedOfVertices {
+    AskedOfVertices(const Near& asked, const BorrowedMesh& mesh, nanobind::handle radii, nanobind::handle rest);
+    Near question;
+    std::optional<BorrowedRadii> of_vertices;
+    std::optional<BorrowedEnd> at_rest;
 };
 
 /// The bodies and exclusions of one call on a world, which may get other poses while the call runs without the GIL.

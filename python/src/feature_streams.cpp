@@ -51,7 +51,7 @@ Statistics take_blocks(SharedDetector& detector, nb::handle take, const Question
 Statistics stream_impacts(nb::handle self, nb::handle take, const nb::tuple& mesh, nb::handle end,
                           const Motion& question, const nb::tuple& lists, nb::handle block_pairs, nb::handle ordered) {
     SharedDetector& detector = detector_of(self);
-    const AskedOfMesh start(mesh, lists);
+    const AskedOfMesh start(detector, mesh, lists);
     const BorrowedEnd at_end(end, start.mesh);
     const Streaming how = streaming(block_pairs, ordered);
     const SharedDetector::Turn turn(detector);
@@ -78,7 +78,7 @@ Statistics stream_impacts_in_world(nb::handle self, nb::handle take, nb::handle 
 Statistics stream_near(nb::handle self, nb::handle take, const nb::tuple& mesh, const Near& asked, nb::handle radii,
                        nb::handle rest, const nb::tuple& lists, nb::handle block_pairs, nb::handle ordered) {
     SharedDetector& detector = detector_of(self);
-    const AskedOfMesh given(mesh, lists);
+    const AskedOfMesh given(detector, mesh, lists);
     Near question = asked;
     std::optional<BorrowedRadii> of_vertices;
     std::optional<BorrowedEnd> at_rest;
@@ -108,7 +108,7 @@ Statistics stream_candidates(nb::handle self, nb::handle take, const nb::tuple& 
                              const CandidateQuestion& question, const nb::tuple& lists, nb::handle block_pairs,
                              nb::handle ordered) {
     SharedDetector& detector = detector_of(self);
-    const AskedOfMesh start(mesh, lists);
+    const AskedOfMesh start(detector, mesh, lists);
     std::optional<BorrowedEnd> at_end;
     if (!end.is_none()) at_end.emplace(end, start.mesh);
     const Streaming how = streaming(block_pairs, ordered);

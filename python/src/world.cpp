@@ -119,7 +119,7 @@ double number(const std::byte* at, BorrowedArray::Number type) {
 
 BorrowedShape::BorrowedShape(const nb::tuple& given, const char* which, std::uint64_t name, nb::handle at_end,
                              const nb::tuple& listed, nb::handle given_radii, nb::handle at_rest)
-    : mesh(given, which), lists(listed, which), shape(mesh.view(), name) {
+    : mesh(given, which), lists(listed, BorrowedArray::on_host, which), shape(mesh.view(), name) {
     lists.put_into(shape);
     if (mesh.device() != BorrowedArray::on_host)
         refuse(std::string(which) +

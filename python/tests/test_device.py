@@ -5,6 +5,7 @@ whose device memory is the host's.
 """
 
 import ctypes
+import gc
 import os
 
 import numpy as np
@@ -158,3 +159,121 @@ def test_devices_are_listed(cuda):
 def test_arrays_in_host_memory_are_brought_there(cuda, cpu):
     assert cuda.backend == "cuda" and cpu.backend == "cpu"
     assert_same(cuda.find_self(MESH), cpu.find_self(MESH))
+
+
+STEP = crumple.make_scene("cloth", triangles=300, frame=88), crumple.make_scene("cloth", triangles=300, frame=89)
+START, END, FACES = STEP[0].vertices, STEP[1].vertices, np.asarray(STEP[0].faces, np.int32)
+
+
+def to_host(array):
+    """What a crumple.DeviceArray holds, by way of the interface that CuPy, Numba and Warp read."""
+    told = array.__cuda_array_interface__
+    assert array.__dlpack_device__()[0] == 2 and told["shape"] == array.shape and told["version"] == 3
+    if not ON_CPU:
+        torch = pytest.importorskip("torch")
+        return torch.from_dlpack(array).cpu().numpy()
+    size = int(np.prod(array.shape)) * np.dtype(told["typestr"]).itemsize
+    if size == 0:
+        return np.empty(array.shape, told["typestr"])
+    memory = (ctypes.c_byte * size).from_address(told["data"][0])
+    return np.frombuffer(memory, told["typestr"]).reshape(array.shape).copy()
+
+
+def assert_shows(there, expected, names):
+    assert there.complete
+    for name in names:
+        np.testing.assert_array_equal(to_host(getattr(there, name)), getattr(expected, name), name)
+
+
+IMPACTS = [f"{kind}{what}" for kind in ("vertex_face", "edge_edge") for what in ("s", "_toi", "_start")] + ["edges"]
+NEAR = [f"{kind}{what}" for kind in ("vertex_face", "edge_edge") for what in ("s", "_squared_distance", "_touching")]
+
+
+def test_features_of_arrays_there(cuda, cpu):
+    start, end, faces = map(on_device, (START, END, FACES))
+    radii = np.linspace(0, 0.1, len(START))
+    edges, points = np.array([[0, 5], [7, 3]], np.int32), np.array([1, 9, 9], np.int32)
+    for asked in ({"separation": 0.05}, {"weld": True}, {"triangle_pairs": True}):
+        found, expected = cuda.find_impacts(start, end, faces, **asked), cpu.find_impacts(START, END, FACES, **asked)
+        for name in IMPACTS:
+            np.testing.assert_array_equal(getattr(found, name), getattr(expected, name))
+    found = cuda.find_near(start, faces, radii=on_device(radii), rest=end, rest_radius=0.01)
+    expected = cpu.find_near(START, FACES, radii=radii, rest=END, rest_radius=0.01)
+    assert len(expected) > 0
+    for name in NEAR:
+        np.testing.assert_array_equal(getattr(found, name), getattr(expected, name))
+    found = cuda.find_candidates(start, faces, end=end, edges=on_device(edges), points=on_device(points), kinds="vertex_edge")
+    expected = cpu.find_candidates(START, FACES, end=END, edges=edges, points=points, kinds="vertex_edge")
+    np.testing.assert_array_equal(found.vertex_edges, expected.vertex_edges)
+    assert cuda.time_of_first_impact(start, end, faces) == cpu.time_of_first_impact(START, END, FACES)
+    assert cuda.find_free_step(start, end, faces).share == cpu.find_free_step(START, END, FACES).share
+
+
+def test_all_arrays_of_a_question_lie_together(cuda):
+    start, end, faces = map(on_device, (START, END, FACES))
+    with pytest.raises(crumple.InvalidInput, match="^end vertices lie in host memory, but vertices in the memory of CUDA"):
+        cuda.find_impacts(start, END, faces)
+    with pytest.raises(crumple.InvalidInput, match="^radii lie in host memory"):
+        cuda.find_near(start, faces, radii=np.zeros(len(START)))
+    with pytest.raises(crumple.InvalidInput, match="^points lie in host memory"):
+        cuda.find_near(start, faces, radius=1, points=[0])
+    with pytest.raises(crumple.InvalidInput, match=r"^edges in CUDA memory must be \(k, 2\) of int32 without gaps"):
+        cuda.find_near(start, faces, radius=1, edges=on_device(np.zeros((2, 2))))
+    with pytest.raises(crumple.InvalidInput, match="which needs the cuda backend"):
+        crumple.Detector(backend="cpu").find_impacts(start, end, faces)
+
+
+def test_launches(cuda, cpu):
+    start, end, faces = map(on_device, (START, END, FACES))
+    mesh = crumple.Mesh(start, faces)
+    for _ in range(3):
+        cuda.launch_impacts(mesh, end, separation=0.05)
+        cuda.launch_near(start, faces, radius=0.1)
+        impacts = cuda.wait_impacts()
+        expected = cpu.find_impacts(START, END, FACES, separation=0.05)
+        assert_shows(impacts, expected, IMPACTS)
+        assert impacts.any == expected.any and impacts.first == expected.first and impacts.count == len(expected) > 0
+        near = cuda.wait_near()
+        assert_shows(near, cpu.find_near(START, FACES, radius=0.1), NEAR)
+        cuda.launch_candidates(mesh, end=end, kinds=["vertex_face", "face_face"])
+        expected = cpu.find_candidates(START, FACES, end=END, kinds=["vertex_face", "face_face"])
+        assert_shows(cuda.wait_candidates(), expected, ["vertex_faces", "face_faces"])
+        cuda.launch_self(mesh, contacts=True)
+        found, expected = cuda.wait(), cpu.find_self(START, FACES, contacts=True)
+        assert_shows(found, expected, ["pairs", "offsets", "hit"])
+        np.testing.assert_array_equal(to_host(found.contact_points), expected.contacts.points)
+        cuda.launch_between(mesh_on_device(MESH), mesh_on_device(OTHER))
+        assert_shows(cuda.wait(), cpu.find_between(MESH, OTHER), ["pairs", "offsets", "hit", "hit_second"])
+    assert "rows" in repr(found) and "pairs" in dir(found) and found.statistics.backend == "cuda"
+    with pytest.raises(AttributeError, match="DeviceResult has no pear; it has complete"):
+        found.pear
+
+
+def test_arrays_outlive_a_launch(cuda, cpu):
+    """The detector keeps what a launch was given."""
+    cuda.launch_impacts(on_device(START), on_device(END), on_device(FACES))
+    gc.collect()
+    assert_shows(cuda.wait_impacts(), cpu.find_impacts(START, END, FACES), IMPACTS)
+
+
+def test_wrong_launches(cuda):
+    start, end, faces = map(on_device, (START, END, FACES))
+    with pytest.raises(crumple.InvalidInput, match="launch"):
+        cuda.wait()
+    with pytest.raises(crumple.InvalidType, match="stream must be None, an address, or a stream"):
+        cuda.launch_self(start, faces, stream="0")
+    with pytest.raises(crumple.InvalidInput, match="launches take meshes in device memory"):
+        cuda.launch_near(START, FACES, radius=1)
+    with pytest.raises(TypeError, match="Did you mean 'separation'"):
+        cuda.launch_impacts(start, end, faces, seperation=1)
+    broken = START.copy()
+    broken[7, 1] = np.nan
+    cuda.launch_impacts(on_device(broken), end, faces)
+    with pytest.raises(crumple.InvalidInput, match="vertex 7 is not finite"):
+        cuda.wait_impacts()
+    cuda.launch_impacts(start, end, faces, stream=0)
+    cuda.launch_self(start, faces)
+    with pytest.raises(crumple.InvalidInput, match=r"the oldest launch is answered by wait_impacts\(\)"):
+        cuda.wait()
+    cuda.wait_impacts()
+    cuda.wait()

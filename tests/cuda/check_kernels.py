@@ -30,7 +30,7 @@ WIDE_LOADS = {"OverlapAlone": 3, "sweep_kernel": 16, "filter_kernel": 20, "bin_k
 # Kernels that may load single bytes: those for arrays that are not aligned (a template's `false`), one that copies kinds
 # of contacts, rare ones that read coordinates wherever they are, those that decide about features, which ask at run time
 # whether these are aligned, and flags: which features a triangle owns.
-BYTES = re.compile(r"(check|bounds|join)_kernelI\w*Lb0E|(exact|contact|gather|part|weld|fill_table)_kernel|HostContact"
+BYTES = re.compile(r"(check|bounds|join|corners|rest)_kernelI\w*Lb0E|(exact|contact|gather|part|weld|fill_table)_kernel|HostContact"
                    r"|(decide|close|pack|listed|pair|within)_kernel|(Feature|Candidate)Rows")
 
 

@@ -116,6 +116,19 @@ TEST(CudaDeviceFeatures, have_radii_and_a_shape_at_rest) {
     EXPECT_TRUE(same_features(cuda.find_near(there.view(), asked_there), cpu.find_near(soup.view(), asked)));
 }
 
+TEST(CudaDeviceFeatures, have_a_free_step) {
+    const MovingSoup<float> soup = falling(400, 88);
+    const DeviceStep<float> there(soup);
+    Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
+    for (const double separation : {0.0, 0.01}) {
+        const Motion asked{.separation = separation};
+        const FreeStep expected = cpu.find_free_step(soup.view(), soup.end_view(), asked);
+        const FreeStep found = cuda.find_free_step(there.view(), there.end(), asked);
+        EXPECT_EQ(found.share, expected.share);
+        EXPECT_TRUE(std::ranges::equal(found.positions, expected.positions));
+    }
+}
+
 TEST(CudaDeviceFeatures, are_read_as_they_lie) {
     const MovingSoup<float> soup = falling(200, 80);
     // Rows of 13 and 25 bytes, which nothing is aligned to, and backwards; 64-bit indices.

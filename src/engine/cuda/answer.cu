@@ -103,6 +103,8 @@ DeviceCollisions Answer::show(const Scene& scene, bool contacts) const {
     shown.offsets = reinterpret_cast<const std::int64_t*>(output.offsets);
     shown.hit = output.hit;
     shown.hit_second = scene.between ? output.hit_second : nullptr;
+    shown.hit_count = scene.triangles[0];
+    shown.hit_second_count = scene.triangles[1];
     if (contacts) {
         shown.contact_kinds = contacts_.kinds;
         shown.contact_offsets = reinterpret_cast<const std::int64_t*>(contacts_.offsets);

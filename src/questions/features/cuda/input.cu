@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "crumple/error.h"
+#include "engine/cuda/positions.h"
 
 namespace crumple::cuda {
 namespace {
@@ -30,9 +31,10 @@ __global__ void check_radii_kernel(const double* radius, std::size_t n, Counters
         if (!(radius[v] >= 0 && is_finite(radius[v])))
             atomicMin(&counters->bad_radius, static_cast<unsigned long long>(v));
 }
+template <bool aligned>
 __global__ void rest_kernel(VertexReader read, std::size_t n, double* rest, Counters* counters) {
     for (std::size_t v = grid_thread(); v < n; v += grid_stride()) {
-        const Vec3d p = read(static_cast<std::int64_t>(v));
+        const Vec3d p = detail::read<aligned>(read, v);
         if (!(is_finite(p.x) && is_finite(p.y) && is_finite(p.z)))
             atomicMin(&counters->bad_rest, static_cast<unsigned long long>(v));
         for (int axis = 0; axis < 3; ++axis) rest[3 * v + static_cast<std::size_t>(axis)] = p[axis];
@@ -193,7 +195,9 @@ void FeatureInput::enqueue(const Geometry& geometry, cudaStream_t stream, const 
     const auto vertices = static_cast<std::size_t>(scene.vertex_count());
     const Launch over_vertices{stream, geometry.blocks(vertices), geometry.threads};
     if (viewed_ && asked_.radii) over_vertices(check_radii_kernel, asked_.radii, vertices, counters);
-    if (viewed_ && asked_.rest.position) over_vertices(rest_kernel, given_rest_, vertices, resting_, counters);
+    if (viewed_ && asked_.rest.position)
+        over_vertices(is_aligned(given_rest_) ? rest_kernel<true> : rest_kernel<false>, given_rest_, vertices, resting_,
+                      counters);
     if (asked_.radii) normalise_radii(geometry, stream, scene, box, asked_.radii, vertex_radius_, triangle_radius_);
     make_inflation(stream, box, asked_.distance, asked_.share, asked_.triangle_radius, inflation_);
 }

@@ -1,0 +1,261 @@
+#include "launches.h"
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/optional.h>
+
+#include "arguments.h"
+#include "arrays.h"
+#include "feature_search.h"
+#include "gil.h"
+#include "names.h"
+#include "query.h"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+
+namespace crumple::python {
+namespace {
+
+// What launches are given, which lives until the second launch after it: each is waited for by then.
+struct LaunchedMeshes {
+    LaunchedMeshes(const SharedDetector& detector, const nb::tuple& one, const std::optional<nb::tuple>& other)
+        : meshes(one, other), a(meshes.first.view()) {
+        check_device(detector, meshes.first.device());
+        if (!other) return;
+        check_device(detector, meshes.second->device());
+        b = meshes.second->view();
+    }
+    BorrowedMeshes meshes;
+    MeshView a, b;
+};
+
+struct LaunchedFeatures {
+    LaunchedFeatures(const SharedDetector& detector, const nb::tuple& mesh, const nb::tuple& lists, nb::handle at_end)
+        : start(detector, mesh, lists) {
+        if (!at_end.is_none()) end.emplace(at_end, start.mesh);
+    }
+    AskedOfMesh start;
+    std::optional<BorrowedEnd> end;
+    std::optional<AskedOfVertices> vertices;
+};
+
+// The stream that arrays are ready on: an address, or None, the legacy default stream.
+class Stream {
+   public:
+    explicit Stream(nb::handle given) {
+        if (given.is_none()) return;
+        stream_ = reinterpret_cast<void*>(integer<std::uintptr_t>("stream", given));
+        ready_.emplace();
+    }
+    void* get() const { return stream_; }
+
+   private:
+    void* stream_ = nullptr;
+    std::optional<ReadyOnStream> ready_;
+};
+
+// Has launch(detector) start work on what is given, and keeps that.
+template <class Given, class Launch>
+void launch(SharedDetector& detector, std::shared_ptr<Given> given, Launch launch) {
+    const SharedDetector::Turn turn(detector);
+    without_gil([&] { detector.call([&](Detector& by, std::stop_token) { launch(by); }); }, detector.stop());
+    detector.keep(std::move(given));
+}
+
+void launch_meshes(nb::handle self, const nb::tuple& first, const std::optional<nb::tuple>& second,
+                   const OwningQuery& query, nb::handle stream) {
+    SharedDetector& detector = detector_of(self);
+    const Stream on(stream);
+    const auto given = std::make_shared<LaunchedMeshes>(detector, first, second);
+    given->a.stream = given->b.stream = on.get();
+    launch(detector, given, [&](Detector& by) {
+        if (second)
+            by.launch_between(given->a, given->b, query.query);
+        else
+            by.launch_self(given->a, query.query);
+    });
+}
+
+void launch_impacts(nb::handle self, const nb::tuple& mesh, nb::handle end, const Motion& question,
+                    const nb::tuple& lists, nb::handle stream) {
+    SharedDetector& detector = detector_of(self);
+    const Stream on(stream);
+    if (end.is_none()) refuse("launch_impacts needs the vertices at the end");
+    const auto given = std::make_shared<LaunchedFeatures>(detector, mesh, lists, end);
+    given->start.view.stream = on.get();
+    launch(detector, given,
+           [&](Detector& by) { by.launch_impacts(given->start.view, given->end->view(), question); });
+}
+
+void launch_near(nb::handle self, const nb::tuple& mesh, const Near& question, nb::handle radii, nb::handle rest,
+                 const nb::tuple& lists, nb::handle stream) {
+    SharedDetector& detector = detector_of(self);
+    const Stream on(stream);
+    const auto given = std::make_shared<LaunchedFeatures>(detector, mesh, lists, nb::none());
+    given->start.view.stream = on.get();
+    given->vertices.emplace(question, given->start.mesh, radii, rest);
+    launch(detector, given, [&](Detector& by) { by.launch_near(given->start.view, given->vertices->question); });
+}
+
+void launch_candidates(nb::handle self, const nb::tuple& mesh, nb::handle end, const CandidateQuestion& question,
+                       const nb::tuple& lists, nb::handle stream) {
+    SharedDetector& detector = detector_of(self);
+    const Stream on(stream);
+    const auto given = std::make_shared<LaunchedFeatures>(detector, mesh, lists, end);
+    given->start.view.stream = on.get();
+    launch(detector, given, [&](Detector& by) {
+        if (given->end)
+            by.launch_candidates(given->start.view, given->end->view(), question);
+        else
+            by.launch_candidates(given->start.view, question);
+    });
+}
+
+// An array of the device: its address, shape, type as NumPy writes it, and what speaks DLPack for it.
+class ArraysThere {
+   public:
+    explicit ArraysThere(nb::handle detector) : owner_(detector), device_(detector_of(detector).options().device) {}
+
+    template <class Number, class Element>
+    void put(const std::string& name, const Element* data, std::int64_t rows, std::size_t columns = 0) {
+        static_assert(sizeof(Element) % sizeof(Number) == 0);
+        const auto n = static_cast<std::size_t>(rows);
+        const std::size_t shape[] = {n, columns};
+        const auto address = reinterpret_cast<std::uintptr_t>(data);
+        // DLPack has no read-only arrays everywhere; who writes to these spoils the answer alone.
+        nb::ndarray<nb::device::cuda, Number> array(reinterpret_cast<void*>(address), columns ? 2U : 1U, shape, owner_,
+                                                    nullptr, nb::dtype<Number>(), nb::device::cuda::value, device_);
+        arrays_[name.c_str()] = nb::make_tuple(address, columns ? nb::make_tuple(n, columns) : nb::make_tuple(n),
+                                               type<Number>(), nb::cast(array));
+    }
+    nb::dict arrays() const { return arrays_; }
+
+   private:
+    template <class Number>
+    static const char* type() {
+        if constexpr (std::is_same_v<Number, double>) return "<f8";
+        if constexpr (std::is_same_v<Number, std::int64_t>) return "<i8";
+        if constexpr (std::is_same_v<Number, std::int32_t>) return "<i4";
+        return "|u1";
+    }
+    nb::handle owner_;
+    int device_;
+    nb::dict arrays_;
+};
+
+// Waits, and gives what `tell` makes of the answer.
+template <class Wait, class Tell>
+nb::tuple wait_with(nb::handle self, Wait wait, Tell tell) {
+    SharedDetector& detector = detector_of(self);
+    const SharedDetector::Turn turn(detector);
+    const auto found = without_gil(
+        [&] {
+            return detector.call([&](Detector& by, std::stop_token stop) { return wait(by, std::move(stop)); });
+        },
+        detector.stop());
+    ArraysThere there(self);
+    const nb::tuple told = tell(found, there);
+    return nb::make_tuple(told, there.arrays(), Statistics(found.statistics));
+}
+
+nb::tuple wait(nb::handle self) {
+    return wait_with(
+        self, [](Detector& by, std::stop_token stop) { return DeviceCollisions(by.wait(std::move(stop))); },
+        [](const DeviceCollisions& found, ArraysThere& there) {
+            if (found.complete) {
+                const std::int64_t n = found.pair_count;
+                there.put<std::int32_t>("pairs", found.pairs, n, 2);
+                there.put<std::int64_t>("offsets", found.offsets, found.hit_count + 1);
+                there.put<std::uint8_t>("hit", found.hit, found.hit_count);
+                if (found.hit_second) there.put<std::uint8_t>("hit_second", found.hit_second, found.hit_second_count);
+                if (found.contact_kinds) {
+                    there.put<std::uint8_t>("contact_kinds", found.contact_kinds, n);
+                    there.put<std::int64_t>("contact_offsets", found.contact_offsets, n + 1);
+                    there.put<double>("contact_points", found.contact_points, found.contact_point_count, 3);
+                }
+            }
+            return nb::make_tuple(found.complete, found.pairs_needed, found.pair_count);
+        });
+}
+
+void put_edges(const DeviceFeatures& found, ArraysThere& there) {
+    if (found.complete) there.put<std::int32_t>("edges", found.edges, found.edge_count, 2);
+}
+
+// The members of crumple.FirstImpact.
+nb::object told(const FirstImpact& first) {
+    if (!first.found) return nb::none();
+    const std::string_view kind = feature_kind_name(first.kind);
+    return nb::make_tuple(nb::str(kind.data(), kind.size()), nb::make_tuple(first.pair.a, first.pair.b), nb::none(),
+                          first.toi, first.start);
+}
+
+nb::tuple wait_impacts(nb::handle self) {
+    return wait_with(
+        self, [](Detector& by, std::stop_token stop) { return DeviceImpacts(by.wait_impacts(std::move(stop))); },
+        [](const DeviceImpacts& found, ArraysThere& there) {
+            put_edges(found, there);
+            for (std::size_t k = 0; k < found.lists.size() && found.complete; ++k) {
+                const DeviceImpactList& list = found.lists[k];
+                const std::string name(feature_kind_name(static_cast<FeatureKind>(k)));
+                there.put<std::int32_t>(plural_of_kind(name), list.pairs, list.count, 2);
+                there.put<double>(name + "_toi", list.toi, list.count);
+                there.put<std::uint8_t>(name + "_start", list.start, list.count);
+            }
+            return nb::make_tuple(found.complete, found.rows_needed, found.count, found.any, told(found.first));
+        });
+}
+
+nb::tuple wait_near(nb::handle self) {
+    return wait_with(
+        self, [](Detector& by, std::stop_token stop) { return DeviceNearby(by.wait_near(std::move(stop))); },
+        [](const DeviceNearby& found, ArraysThere& there) {
+            put_edges(found, there);
+            for (std::size_t k = 0; k < found.lists.size() && found.complete; ++k) {
+                const DeviceNearList& list = found.lists[k];
+                const std::string name(feature_kind_name(static_cast<FeatureKind>(k)));
+                there.put<std::int32_t>(plural_of_kind(name), list.pairs, list.count, 2);
+                there.put<double>(name + "_squared_distance", list.squared_distance, list.count);
+                there.put<std::uint8_t>(name + "_touching", list.touching, list.count);
+            }
+            return nb::make_tuple(found.complete, found.rows_needed, found.count, found.any);
+        });
+}
+
+nb::tuple wait_candidates(nb::handle self) {
+    return wait_with(
+        self,
+        [](Detector& by, std::stop_token stop) { return DeviceCandidates(by.wait_candidates(std::move(stop))); },
+        [](const DeviceCandidates& found, ArraysThere& there) {
+            put_edges(found, there);
+            for (std::size_t k = 0; k < found.lists.size() && found.complete; ++k) {
+                const std::string name(candidate_kind_name(static_cast<CandidateKind>(k)));
+                there.put<std::int32_t>(plural_of_kind(name), found.lists[k].pairs, found.lists[k].count, 2);
+            }
+            return nb::make_tuple(found.complete, found.rows_needed, found.count);
+        });
+}
+
+}  // namespace
+
+void bind_launches(nb::class_<SharedDetector>& detector) {
+    detector
+        .def("_launch", launch_meshes, "first"_a, "second"_a.none(), "query"_a, "stream"_a.none())
+        .def("_launch_impacts", launch_impacts, "mesh"_a, "end"_a.none(), "question"_a, "lists"_a, "stream"_a.none())
+        .def("_launch_near", launch_near, "mesh"_a, "question"_a, "radii"_a.none(), "rest"_a.none(), "lists"_a,
+             "stream"_a.none())
+        .def("_launch_candidates", launch_candidates, "mesh"_a, "end"_a.none(), "question"_a, "lists"_a,
+             "stream"_a.none())
+        .def("_wait", wait)
+        .def("_wait_impacts", wait_impacts)
+        .def("_wait_near", wait_near)
+        .def("_wait_candidates", wait_candidates);
+}
+
+}  // namespace crumple::python
