@@ -172,9 +172,6 @@ SharedDetector& detector_of(nb::handle self) {
     return *nb::inst_ptr<SharedDetector>(self);
 }
 
-namespace {
-
-// Arrays on a device must lie on the one that the detector works on.
 void check_device(const SharedDetector& detector, int device) {
     if (device == BorrowedArray::on_host) return;
     if (detector.backend() != Backend::cuda) {
@@ -186,6 +183,8 @@ void check_device(const SharedDetector& detector, int device) {
         refuse("the arrays lie in the memory of CUDA device " + std::to_string(device) +
                ", but the detector works on device " + std::to_string(detector.options().device));
 }
+
+namespace {
 
 void check_devices(const SharedDetector& detector, const BorrowedMeshes& meshes) {
     check_device(detector, meshes.first.device());

@@ -140,6 +140,9 @@ class SharedDetector {
 /// The detector that a method is called on. A class of Python may leave it without what __init__ makes.
 SharedDetector& detector_of(nanobind::handle self);
 
+/// Refuses arrays on a device that is not the one that the detector works on.
+void check_device(const SharedDetector& detector, int device);
+
 void bind_detector(nanobind::module_& module);
 
 }  // namespace crumple::python

@@ -11,6 +11,7 @@
 #include "crumple/error.h"
 #include "cuda/cloth.h"
 #include "cuda/device_mesh.h"
+#include "cuda/recorder.h"
 #include "cuda/shows.h"
 #include "error_of.h"
 #include "halves.h"
@@ -18,41 +19,6 @@
 
 namespace crumple::test {
 namespace {
-
-/// A stream that captures, and replays what it has captured.
-class Recorder {
-   public:
-    Recorder() { check(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking)); }
-    ~Recorder() {
-        drop();
-        cudaStreamDestroy(stream_);
-    }
-    MeshView on(MeshView mesh) const {
-        mesh.stream = stream_;
-        return mesh;
-    }
-    cudaStream_t stream() const { return stream_; }
-    void begin() const { check(cudaStreamBeginCapture(stream_, cudaStreamCaptureModeThreadLocal)); }
-    void end() {
-        drop();
-        cudaGraph_t graph = nullptr;
-        check(cudaStreamEndCapture(stream_, &graph));
-        check(cudaGraphInstantiate(&executable_, graph, 0));
-        check(cudaGraphDestroy(graph));
-    }
-    void replay() const {
-        check(cudaGraphLaunch(executable_, stream_));
-        check(cudaStreamSynchronize(stream_));
-    }
-
-   private:
-    void drop() {
-        if (executable_) cudaGraphExecDestroy(executable_);
-        executable_ = nullptr;
-    }
-    cudaStream_t stream_ = nullptr;
-    cudaGraphExec_t executable_ = nullptr;
-};
 
 void warm_up(Detector& cuda, const MeshView& mesh, const Query& query = {}) {
     for (int call = 0; call < 2; ++call) {

@@ -22,6 +22,7 @@
 #include "engine/cuda/host_mesh.h"
 #include "engine/cuda/input.h"
 #include "engine/cuda/search.h"
+#include "engine/cuda/world_finder.h"
 #include "engine/output.h"
 #include "model/levels.h"
 #include "model/part.h"
@@ -38,6 +39,7 @@ class CudaBackend final : public BackendBase {
           device_(options.device),
           geometry_(device_.geometry()),
           search_(device_, geometry_, stream_.get(), options, meter, cancellation, flights_),
+          worlds_(search_, stream_.get(), meter),
           features_there_(stream_.get(), meter),
           features_(device_, geometry_, stream_.get(), options, meter, cancellation, search_.lent_input(),
                     features_there_),
@@ -147,41 +149,83 @@ class CudaBackend final : public BackendBase {
     }
 
     void launch(const MeshView& a, const MeshView* b, const Query& query) override {
-        if (flights_.full())
-            throw Error(ErrorCode::invalid_argument, "two launches are in flight: the next one comes after a wait()");
+        refuse_third();
         on_device([&] {
-            const auto first = capture_of(static_cast<cudaStream_t>(a.stream));
-            const auto second = b ? capture_of(static_cast<cudaStream_t>(b->stream)) : first;
-            if (first || second) return launch_in_capture(a, b, query, first == second);
-            end_state();
-            const bool again = search_.alone() && flights_.count() == 0;
-            const std::size_t slot = again ? flights_.newest() : flights_.next();
-            search_.view(slot, a, b, query.weld);
-            search_.adopt(query);
             const auto stream = static_cast<cudaStream_t>(a.stream);
-            if (b && b->stream != a.stream) order(before_, static_cast<cudaStream_t>(b->stream), stream);
-            flights_.queue(stream);
-            search_.launch(stream);
-            flights_.add(slot, stream);
+            const auto other = b ? static_cast<cudaStream_t>(b->stream) : stream;
+            launch(stream, other, query, "meshes of the same shape and the same query",
+                   [&](auto slot, Room room) { search_.view(slot, a, b, query.weld, room); });
         });
+    }
+
+    bool find(const World& world, const Intersect& question, WorldCollisions& result) override {
+        constexpr int several = 2;  // where they do not fit, fewer may
+        return on_device(
+            [&] {
+                finish();
+                wait_for_poses(world);
+                return worlds_.find(world, question, *this, result);
+            },
+            several);
+    }
+    std::vector<Pose> poses_of(const World& world) override {
+        return on_device([&] {
+            finish();
+            wait_for_poses(world);
+            return to_host(stream_.get(), world.device_poses);
+        });
+    }
+    void launch(const World& world, const Intersect& question) override {
+        refuse_third();
+        on_device([&] {
+            const auto stream = static_cast<cudaStream_t>(world.device_poses.stream);
+            launch(
+                stream, stream, query_of(question), "the same bodies and the same question", [&](auto slot, Room room) {
+                    const auto bodies = worlds_.bodies_of(world, question.rules, *this, room);
+                    if (!bodies)
+                        throw Error(ErrorCode::invalid_argument,
+                                    "a launch takes at most 65535 worlds, and 16777216 triangles together");
+                    search_.pose(slot, bodies, world.device_poses, question.weld, question.wants >= Wants::pairs, room);
+                });
+        });
+    }
+
+    const DeviceWorldCollisions& wait_worlds() override {
+        if (state_ == State::captured) {
+            if (!search_.input().posed())
+                throw Error(ErrorCode::invalid_argument, "what was captured is about meshes: wait() tells of it");
+            on_device([&] {
+                shown_worlds() =
+                    replay_is_complete("wait_worlds()") ? search_.show_worlds() : search_.show_incomplete_worlds();
+            });
+            return shown_worlds();
+        }
+        if (flights_.count() == 0) throw Error(ErrorCode::invalid_argument, "wait_worlds() needs a launch before it");
+        if (!search_.input_of(flights_.oldest()).posed())
+            throw Error(ErrorCode::invalid_argument, "the oldest launch is about meshes: wait() tells of it");
+        try {
+            constexpr int several = 2;
+            on_device([&] { land(), shown_worlds() = search_.show_worlds(); }, several);
+        } catch (const MemoryMeter::Exceeded&) {
+            if (meter_.limit > 0) throw;
+            throw Error(ErrorCode::device, "the device has no memory for all worlds at once");
+        }
+        return shown_worlds();
     }
 
     const DeviceCollisions& wait() override {
         if (state_ == State::captured) return wait_for_replay();
         if (flights_.count() == 0) throw Error(ErrorCode::invalid_argument, "wait() needs a launch before it");
-        on_device([&] {
-            end_state();
-            search_.resume(flights_.land());
-            if (!search_.accept_launched()) search_.find();
-            search_.make_contacts();
-            shown() = search_.show();
-        });
+        if (search_.input_of(flights_.oldest()).posed())
+            throw Error(ErrorCode::invalid_argument, "the oldest launch is about worlds: wait_worlds() tells of it");
+        on_device([&] { land(), shown() = search_.show(); });
         state_ = State::answered;
         return shown();
     }
 
     void download(Collisions& result) override {
-        if (state_ != State::answered && !(state_ == State::captured && replayed_))
+        const bool told = state_ == State::answered || (state_ == State::captured && replayed_);
+        if (!told || search_.input().posed())
             throw Error(ErrorCode::invalid_argument, "download() needs a wait() before it");
         if (!shown().complete) throw Error(ErrorCode::invalid_argument, "download() needs an answer that is complete");
         on_device([&] {
@@ -200,6 +244,7 @@ class CudaBackend final : public BackendBase {
             flights_.forget();
         }
         search_.release();
+        worlds_.release();
         features_.release();
         candidates_.release();
         features_there_.release();
@@ -208,7 +253,7 @@ class CudaBackend final : public BackendBase {
     std::int64_t bytes_needed_for_launched() override {
         return on_device([&] {
             search_.drop_lists();
-            return bytes_needed();
+            return search_.input().posed() ? bytes_needed_for_worlds() : bytes_needed();
         });
     }
 
@@ -219,25 +264,56 @@ class CudaBackend final : public BackendBase {
     }
 
    private:
+    void refuse_third() const {
+        if (flights_.full())
+            throw Error(ErrorCode::invalid_argument, "two launches are in flight: the next one comes after a wait()");
+    }
+
+    // view(slot, room) has a slot's input see what is asked about, which is ready on both streams; `same`: what has to
+    // come again if a capture is to find its lists.
+    template <class View>
+    void launch(cudaStream_t stream, cudaStream_t other, const Query& query, const char* same, View view) {
+        const auto first = capture_of(stream), second = other == stream ? first : capture_of(other);
+        if (first || second) return launch_in_capture(stream, other, query, first == second, same, view);
+        end_state();
+        const bool again = search_.alone() && flights_.count() == 0;
+        const std::size_t slot = again ? flights_.newest() : flights_.next();
+        view(slot, Room::grows);
+        search_.adopt(query);
+        if (other != stream) order(before_, other, stream);
+        flights_.queue(stream);
+        search_.launch(stream);
+        flights_.add(slot, stream);
+    }
+
+    // What the oldest launch has left, with all that only the host can do.
+    void land() {
+        end_state();
+        search_.resume(flights_.land());
+        if (!search_.accept_launched()) search_.find();
+        search_.make_contacts();
+    }
+
     // Nothing is allocated, freed, copied or waited for.
-    void launch_in_capture(const MeshView& a, const MeshView* b, const Query& query, bool same) {
+    template <class View>
+    void launch_in_capture(cudaStream_t stream, cudaStream_t other, const Query& query, bool one, const char* same,
+                           View view) {
         if (flights_.count() > 0)
             throw Error(ErrorCode::invalid_argument, "a launch in a capture comes after wait() for the one before");
         if (search_.capture_is_open())
             throw Error(ErrorCode::invalid_argument, "a detector's launches in a capture are one at most");
         state_ = State::refused;
-        if (!same)
+        if (!one)
             throw Error(ErrorCode::invalid_argument, "the streams of two meshes take part in one capture, or in none");
         try {
-            search_.view(search_.current(), a, b, query.weld, Room::fixed);
+            view(search_.current(), Room::fixed);
             search_.adopt(query, Room::fixed);
-            const auto stream = static_cast<cudaStream_t>(a.stream);
-            if (b && b->stream != a.stream) order(before_, static_cast<cudaStream_t>(b->stream), stream);
+            if (other != stream) order(before_, other, stream);
             search_.capture(stream);
         } catch (const NoRoom&) {
             throw Error(ErrorCode::invalid_argument,
-                        "a launch in a capture needs two calls before it, outside of the capture, with meshes of the "
-                        "same shape and the same query: they make its lists");
+                        "a launch in a capture needs two calls before it, outside of the capture, with " +
+                            std::string(same) + ": they make its lists");
         }
         replayed_ = false;
         state_ = State::captured;
@@ -245,17 +321,21 @@ class CudaBackend final : public BackendBase {
 
     // The stream that it was on is done, says the caller.
     const DeviceCollisions& wait_for_replay() {
-        on_device([&] {
-            refuse_open_capture();
-            if (!search_.has_replayed())
-                throw Error(ErrorCode::invalid_argument, "wait() needs a replay of the captured launch before it");
-            replayed_ = false;
-            const bool complete = search_.accept_replay();
-            if (complete) search_.make_contacts();
-            shown() = complete ? search_.show() : search_.show_incomplete();
-            replayed_ = true;
-        });
+        if (search_.input().posed())
+            throw Error(ErrorCode::invalid_argument, "what was captured is about worlds: wait_worlds() tells of it");
+        on_device([&] { shown() = replay_is_complete("wait()") ? search_.show() : search_.show_incomplete(); });
         return shown();
+    }
+    bool replay_is_complete(const char* call) {
+        refuse_open_capture();
+        if (!search_.has_replayed())
+            throw Error(ErrorCode::invalid_argument,
+                        std::string(call) + " needs a replay of the captured launch before it");
+        replayed_ = false;
+        const bool complete = search_.accept_replay();
+        if (complete) search_.make_contacts();
+        replayed_ = true;
+        return complete;
     }
 
     void find(const Query& query, Collisions& result) {
@@ -298,6 +378,15 @@ class CudaBackend final : public BackendBase {
         return meter_.peak + static_cast<std::int64_t>(room) + result_bytes(search_.scene(), search_.query(), pairs);
     }
 
+    // Worlds are found at once, or not at all.
+    std::int64_t bytes_needed_for_worlds() {
+        meter_.peak = meter_.used.load();
+        search_.hope_again();
+        search_.find();
+        search_.make_contacts();
+        return meter_.peak;
+    }
+
     // Launches without work the kernels that keep data on their stacks. The driver keeps a stack for every thread that
     // the device can hold from the first launch on (docs/cuda.md): now, and not when lists have taken what memory there
     // is.
@@ -338,6 +427,12 @@ class CudaBackend final : public BackendBase {
         if (b) order(before_, static_cast<cudaStream_t>(b->stream), stream_.get());
         search_.view(search_.current(), a, b, query.weld);
     }
+    void wait_for_poses(const World& world) {
+        const auto stream = static_cast<cudaStream_t>(world.device_poses.stream);
+        if (capture_of(stream) != 0)
+            throw Error(ErrorCode::invalid_argument, "the poses' stream is being captured, and cannot be waited for");
+        order(before_, stream, stream_.get());
+    }
     // We wait for the streams, which a capture forbids, and would spoil it.
     static void refuse_captured(const MeshView& a, const MeshView* b) {
         for (const MeshView* mesh : {&a, b})
@@ -360,6 +455,7 @@ class CudaBackend final : public BackendBase {
         flights_.finish();
     }
     DeviceCollisions& shown() { return shown_[search_.current()]; }
+    DeviceWorldCollisions& shown_worlds() { return shown_worlds_[search_.current()]; }
 
     enum class State : std::uint8_t {
         idle,
@@ -376,12 +472,14 @@ class CudaBackend final : public BackendBase {
     Event before_ = make_event(device_);
     Flights flights_{device_};
     Search search_;
+    WorldFinder worlds_;
     FeaturesOnDevice features_there_;
     FeatureFinder features_;
     CandidateFinder candidates_;
     State state_ = State::idle;
     bool replayed_ = false;                               ///< since the capture: wait() has told of it
     std::array<DeviceCollisions, Flights::slots> shown_;  ///< by slot
+    std::array<DeviceWorldCollisions, Flights::slots> shown_worlds_;
 };
 
 }  // namespace

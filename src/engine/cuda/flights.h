@@ -28,6 +28,9 @@ class Flights {
     /// The slot that was used longest ago; it is free unless all are in flight.
     std::size_t next() const { return (newest_ + 1) % slots; }
 
+    /// Of one at least in flight.
+    std::size_t oldest() const { return count_ == slots ? next() : newest_; }
+
     /// Makes what the stream is given from now on wait for all passes in flight.
     void queue(cudaStream_t stream) const {
         if (count_ > 0) CRUMPLE_CUDA(cudaStreamWaitEvent(stream, done_[newest_].get(), 0));
@@ -40,10 +43,10 @@ class Flights {
     }
     /// Takes the oldest out, of one at least, waits for it, and returns its slot.
     std::size_t land() {
-        const std::size_t oldest = count_ == slots ? next() : newest_;
+        const std::size_t slot = oldest();
         --count_;
-        CRUMPLE_CUDA(cudaEventSynchronize(done_[oldest].get()));
-        return oldest;
+        CRUMPLE_CUDA(cudaEventSynchronize(done_[slot].get()));
+        return slot;
     }
     /// Waits for all passes; they stay in flight.
     void settle() const {

@@ -36,22 +36,27 @@ std::string wrong_place(const void* array, int device) {
 
 }  // namespace
 
+void Places::check(const void*& known, const void* array, const char* name, const std::string& which) {
+    if (array == known) return;
+    known = nullptr;
+    if (const std::string where = wrong_place(array, device_); !where.empty()) {
+        std::string text = name;
+        text.append(which).append(" lie ").append(where).append(", which CUDA device ");
+        text.append(std::to_string(device_)).append(" cannot read");
+        throw Error(ErrorCode::invalid_argument, text);
+    }
+    known = array;
+}
+
+void Places::check(const char* name, const void* array) { check(known_[6], array, name, ""); }
+
 void Places::check(const MeshView& a, const MeshView* b) {
     const std::array<const MeshView*, 2> meshes{&a, b};
     for (std::size_t side = 0; side < (b ? 2u : 1u); ++side) {
         const MeshView& mesh = *meshes[side];
         const std::string which = !b ? "" : side == 0 ? " of the first mesh" : " of the second mesh";
         const auto look = [&](std::size_t place, const char* name, const void* array, bool empty) {
-            const void*& known = known_[3 * side + place];
-            if (empty || array == known) return;
-            known = nullptr;
-            if (const std::string where = wrong_place(array, device_); !where.empty()) {
-                std::string text = name;
-                text.append(which).append(" lie ").append(where).append(", which CUDA device ");
-                text.append(std::to_string(device_)).append(" cannot read");
-                throw Error(ErrorCode::invalid_argument, text);
-            }
-            known = array;
+            if (!empty) check(known_[3 * side + place], array, name, which);
         };
         look(0, "vertices", mesh.vertices.data, mesh.vertices.rows == 0);
         look(1, "triangles", mesh.triangles.data, mesh.triangles.rows == 0);

@@ -4,6 +4,7 @@
 // process, so each is asked for before.
 
 #include <array>
+#include <string>
 
 #include "crumple/mesh.h"
 
@@ -16,10 +17,14 @@ class Places {
     /// Throws Error (invalid_argument) that names the first array that the device cannot read. Arrays of the call
     /// before are known, so that frames of a simulation ask for nothing.
     void check(const MeshView& a, const MeshView* b);
+    /// The same for an array that is called `name`.
+    void check(const char* name, const void* array);
 
    private:
     int device_;
-    std::array<const void*, 6> known_{};
+    void check(const void*& known, const void* array, const char* name, const std::string& which);
+
+    std::array<const void*, 7> known_{};
 };
 
 }  // namespace crumple::cuda

@@ -1,0 +1,47 @@
+#pragma once
+
+// A caller's stream that captures what calls give to it.
+
+#include <cuda_runtime.h>
+
+#include "crumple/crumple.h"
+#include "cuda/device_mesh.h"
+
+namespace crumple::test {
+
+/// A stream that captures, and replays what it has captured.
+class Recorder {
+   public:
+    Recorder() { check(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking)); }
+    ~Recorder() {
+        drop();
+        cudaStreamDestroy(stream_);
+    }
+    MeshView on(MeshView mesh) const {
+        mesh.stream = stream_;
+        return mesh;
+    }
+    cudaStream_t stream() const { return stream_; }
+    void begin() const { check(cudaStreamBeginCapture(stream_, cudaStreamCaptureModeThreadLocal)); }
+    void end() {
+        drop();
+        cudaGraph_t graph = nullptr;
+        check(cudaStreamEndCapture(stream_, &graph));
+        check(cudaGraphInstantiate(&executable_, graph, 0));
+        check(cudaGraphDestroy(graph));
+    }
+    void replay() const {
+        check(cudaGraphLaunch(executable_, stream_));
+        check(cudaStreamSynchronize(stream_));
+    }
+
+   private:
+    void drop() {
+        if (executable_) cudaGraphExecDestroy(executable_);
+        executable_ = nullptr;
+    }
+    cudaStream_t stream_ = nullptr;
+    cudaGraphExec_t executable_ = nullptr;
+};
+
+}  // namespace crumple::test
