@@ -261,9 +261,9 @@ class Detector {
     /// backend.
     ///
     /// Bodies and shapes are read and brought to the device when they are not those of the call before (a named shape
-    /// by its name, another by its contents, which are compared in each call), as are the rules. Such a call takes what
-    /// a first one does; other calls are one CUDA graph. A capture needs two launches before it with the same bodies
-    /// and the same question, and replays read the poses that then lie there.
+    /// by its name and groups, another by its contents, which are compared in each call), as are the rules. Such a call
+    /// takes what a first one does; other calls are one CUDA graph. A capture needs two launches before it with the
+    /// same bodies and the same question, and replays read the poses that then lie there.
     ///
     /// All worlds are one scene: without those that have fewer than two triangles at most 65,535, and 2^24 triangles
     /// together where there are several, bodies that are in all worlds counted in each. Throws Error (invalid_argument)

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -33,21 +34,23 @@ bool same_body(const Body& a, const Body& b) {
 
 bool same_size(const Shape& a, const Shape& b) {
     return a.vertices.rows == b.vertices.rows && a.vertices.type == b.vertices.type &&
-           a.triangles.rows == b.triangles.rows && a.groups.size() == b.groups.size();
+           a.triangles.rows == b.triangles.rows;
 }
 
-// Everything that a shape without a name is made of, word by word, as long as take() returns true.
+// Everything that a name says nothing of, word by word, as long as take() returns true: of a shape without one all,
+// else groups.
 template <class Take>
 bool for_each_word(const Shape& shape, Take take) {
+    const bool named = shape.name != 0;
     const VertexReader position = reader_of(shape);
-    for (std::int64_t v = 0; v < shape.vertices.rows; ++v) {
+    for (std::int64_t v = 0; !named && v < shape.vertices.rows; ++v) {
         const Vec3d p = position(v);
         for (const double x : {p.x, p.y, p.z})
             if (!take(std::bit_cast<std::uint64_t>(x))) return false;
     }
     bool all = true;
     with_corner_reader(shape, [&](auto corner) {
-        for (std::int64_t t = 0; all && t < shape.triangles.rows; ++t)
+        for (std::int64_t t = 0; !named && all && t < shape.triangles.rows; ++t)
             for (int k = 0; all && k < 3; ++k) all = take(static_cast<std::uint64_t>(corner(t, k)));
     });
     for (std::size_t t = 0; all && t < shape.groups.size(); ++t)
@@ -67,7 +70,7 @@ struct RestingWorlds::Read {
 RestingWorlds::RestingWorlds(const World& world, const Rules& rules, MemoryMeter& meter)
     : meter_(meter),
       shapes_(world.shapes.begin(), world.shapes.end()),
-      all_(world.bodies.begin(), world.bodies.end()),
+      all_(&meter),
       given_(rules),
       rules_(&meter),
       read_(std::make_unique<Read>(&meter)),
@@ -76,8 +79,10 @@ RestingWorlds::RestingWorlds(const World& world, const Rules& rules, MemoryMeter
       first_of_added_(&meter),
       first_of_class_(&meter),
       first_of_world_(&meter),
-      first_of_joined_(&meter) {
-    read_->outline.read({shapes_, all_, {}}, rules);
+      first_of_joined_(&meter),
+      passes_(&meter) {
+    std::ranges::copy(world.bodies, all_.resize_discard(world.bodies.size()));
+    read_->outline.read({shapes_, all_.span(), {}}, rules);
     rules_.prepare(rules);
 }
 RestingWorlds::~RestingWorlds() = default;
@@ -97,12 +102,12 @@ std::int32_t RestingWorlds::worlds() const { return read_->outline.worlds(); }
 bool RestingWorlds::choose_passes(int worlds_at_once) {
     const WorldOutline& outline = read_->outline;
     const std::int32_t worlds = outline.worlds(), rest = outline.first_body(worlds);
-    std::vector<std::int64_t> vertices_before(all_.size() + 1, 0);
-    for (std::size_t b = 0; b < all_.size(); ++b)
-        vertices_before[b + 1] = vertices_before[b] + outline.shape(static_cast<std::int32_t>(b)).vertices.rows;
     const auto vertices_of = [&](std::int32_t begin, std::int32_t end) {
-        return vertices_before[static_cast<std::size_t>(end)] - vertices_before[static_cast<std::size_t>(begin)];
+        std::int64_t sum = 0;
+        for (std::int32_t b = begin; b < end; ++b) sum += outline.shape(b).vertices.rows;
+        return sum;
     };
+    const std::int64_t vertices_at_rest = vertices_of(rest, outline.bodies());
     std::int64_t triangles = 0, vertices = 0;
     for (std::int32_t pass = 0; pass <= worlds; ++pass) {
         const std::int32_t begin = outline.first_body(pass);
@@ -112,7 +117,7 @@ bool RestingWorlds::choose_passes(int worlds_at_once) {
         if (own == 0 || own + others < 2) continue;
         passes_.push_back(pass);
         triangles += own + others;
-        vertices += vertices_of(begin, end) + (pass < worlds ? vertices_of(rest, outline.bodies()) : 0);
+        vertices += vertices_of(begin, end) + (pass < worlds ? vertices_at_rest : 0);
         if (passes_.size() > 1 && triangles > most_triangles) return false;
         if (static_cast<std::int64_t>(passes_.size()) > worlds_at_once) return false;
         if (std::max(triangles, vertices) > std::numeric_limits<std::int32_t>::max()) return false;
@@ -142,10 +147,9 @@ void RestingWorlds::add_shapes() {
         }
     }
     for (RestingBody& added : bodies_)
-        added.shape_vertex = shape_first_[static_cast<std::size_t>(all_[static_cast<std::size_t>(added.body)].shape)];
+        added.shape_vertex = shape_first_[static_cast<std::size_t>(all_[added.body].shape)];
     for (const Shape& shape : shapes_) {
         Array<std::uint64_t>& words = contents_.emplace_back(&meter_);
-        if (shape.name != 0) continue;
         for_each_word(shape, [&](std::uint64_t word) {
             words.push_back(word);
             return true;
@@ -201,8 +205,8 @@ bool RestingWorlds::is_of(const World& world, const Rules& rules) const {
                         "shape " + std::to_string(s) + ": what is named " + std::to_string(given.name) +
                             " had another size or precision; a named shape stays as it is",
                         Element::shape, static_cast<std::int64_t>(s));
-        same = same && fits && given.name == known.name;
-        if (!same || given.name != 0) continue;
+        same = same && fits && given.name == known.name && given.groups.size() == known.groups.size();
+        if (!same) continue;
         const std::uint64_t* word = contents_[s].begin();
         same = for_each_word(given, [&](std::uint64_t value) { return value == *word++; });
     }

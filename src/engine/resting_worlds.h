@@ -38,7 +38,7 @@ class RestingWorlds {
     ~RestingWorlds();
 
     /// Whether these are the world's bodies, whatever their poses, under the same rules. Reads the contents of shapes
-    /// without a name. Throws Error (invalid_argument) for a known name with another size.
+    /// without a name, and groups. Throws Error (invalid_argument) for a known name with another size.
     bool is_of(const World& world, const Rules& rules) const;
 
     /// The scene, without vertices. Its corners and groups are there until drop_lists().
@@ -81,9 +81,9 @@ class RestingWorlds {
 
     MemoryMeter& meter_;
     std::vector<Shape> shapes_;  ///< their arrays may be gone
-    std::vector<Body> all_;
+    Array<Body> all_;
     Rules given_;
-    std::vector<Array<std::uint64_t>> contents_;  ///< of shapes without a name
+    std::vector<Array<std::uint64_t>> contents_;  ///< of shapes, what a name says nothing of
     BodyRules rules_;
     std::unique_ptr<Read> read_;
     Scene scene_;
@@ -94,7 +94,7 @@ class RestingWorlds {
     Array<std::int32_t> first_of_class_;
     Array<std::int64_t> first_of_world_;   ///< of the caller
     Array<std::int64_t> first_of_joined_;  ///< of the scene
-    std::vector<std::int32_t> passes_;     ///< by world of the scene
+    Array<std::int32_t> passes_;           ///< by world of the scene
 };
 
 }  // namespace crumple

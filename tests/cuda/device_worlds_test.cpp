@@ -192,6 +192,11 @@ TEST(CudaDeviceWorlds, may_change_between_calls) {
     compare();
     world->shapes.back().name = 4711;
     compare();
+    for (std::size_t t = 0; t < soup.triangles.size(); ++t) soup.groups.push_back(static_cast<int>(t) % 2);
+    world->shapes.back().groups = soup.groups;
+    compare(question);
+    soup.groups.assign(soup.groups.size(), 0);
+    compare(question);
     const auto other = random_soup<float>(41, 0.5, 6);
     world->shapes.back() = Shape(other.view(), 4711);
     const DeviceWorld device(world->view());
