@@ -1,6 +1,7 @@
 #include "checks.h"
 
 #include <cmath>
+#include <string>
 
 #include "crumple/error.h"
 #include "model/fuzzy_c_means.h"
@@ -29,6 +30,22 @@ void check_options(const Options& o) {
     check(o.fuzziness > 1 && std::isfinite(o.fuzziness), "fuzziness must be finite and above 1");
     check(o.max_iterations >= 0 && o.first_iterations >= 0, "iteration caps must be 0 or more");
     check(o.stop >= 0 && o.first_stop >= 0, "stop criteria must be 0 or more");
+}
+
+void check_device_poses(const World& world) {
+    const DevicePoses& poses = world.device_poses;
+    check(world.poses.empty() && world.end_poses.empty(), "poses lie in device memory or in host memory, not in both");
+    if (poses.count != static_cast<std::int64_t>(world.bodies.size()))
+        throw Error(ErrorCode::invalid_argument, "there are " + std::to_string(poses.count) + " poses for " +
+                                                     std::to_string(world.bodies.size()) + " bodies");
+    check(poses.data || poses.count == 0, "poses have no data");
+    const std::size_t size = poses.type == ScalarType::float32 ? sizeof(float) : sizeof(double);
+    check(reinterpret_cast<std::uintptr_t>(poses.data) % size == 0, "poses are not aligned to their numbers");
+}
+
+void check_on_device(const Intersect& question) {
+    check(question.wants != Wants::body_pairs, "which bodies collide is told by find(), not by a launch");
+    check(!question.index, "index must be false: of a launch there are offsets of worlds only");
 }
 
 void check_blocks(const Streaming& how) {

@@ -8,6 +8,7 @@
 #include "crumple/near.h"
 #include "crumple/nearest.h"
 #include "crumple/options.h"
+#include "crumple/world.h"
 
 namespace crumple {
 
@@ -24,6 +25,11 @@ void check_question(const CandidateQuestion& question, bool world);
 void check_question(const Nearest& question);
 /// Of a single mesh, with so many triangles.
 void check_groups(const Rules& rules, std::int64_t triangles, bool has_groups);
+/// Whether a world's poses do.
+inline bool lies_on_device(const World& world) { return world.device_poses.data || world.device_poses.count > 0; }
+void check_device_poses(const World& world);
+/// What cannot be answered there.
+void check_on_device(const Intersect& question);
 void check_blocks(const Streaming& how);
 /// What cannot be answered in blocks.
 void check_in_blocks(const Motion& question);

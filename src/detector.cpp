@@ -161,6 +161,37 @@ struct Detector::Implementation : WorldCalls {
             },
             [&] { return bytes_needed(a, b, nullptr, query); });
     }
+    void launch(const World& world, const Intersect& question) {
+        cancellation.begin({});
+        kept_before_launch = meter.used;
+        on_the_device(
+            [&] {
+                check(lies_on_device(world) || world.bodies.empty(),
+                      "launch takes worlds whose poses lie in device memory");
+                check_device_poses(world);
+                check_on_device(question);
+                backend->launch(world, question);
+            },
+            [&] {
+                forget();
+                const Lifted lifted(meter);
+                meter.peak = meter.used.load();
+                backend->launch(world, question);
+                backend->wait_worlds();
+                return meter.peak.load();
+            });
+    }
+    const DeviceWorldCollisions& wait_worlds(std::stop_token stop) {
+        const DeviceWorldCollisions* answer = nullptr;
+        cancellation.begin(std::move(stop));
+        on_the_device(
+            [&] {
+                cancellation.check();
+                answer = &backend->wait_worlds();
+            },
+            [&] { return bytes_needed_for_launched(); });
+        return *answer;
+    }
     const DeviceCollisions& wait(std::stop_token stop) {
         const DeviceCollisions* answer = nullptr;
         cancellation.begin(std::move(stop));
@@ -354,6 +385,10 @@ void Detector::launch_between(const MeshView& a, const MeshView& b, const Query&
     implementation_->launch(a, &b, query);
 }
 const DeviceCollisions& Detector::wait(std::stop_token stop) { return implementation_->wait(std::move(stop)); }
+void Detector::launch(const World& world, const Intersect& question) { implementation_->launch(world, question); }
+const DeviceWorldCollisions& Detector::wait_worlds(std::stop_token stop) {
+    return implementation_->wait_worlds(std::move(stop));
+}
 const Collisions& Detector::download() { return implementation_->download(); }
 void Detector::swap_result(Collisions& other) { implementation_->swap_result(other); }
 void Detector::swap_result(WorldCollisions& other) { implementation_->swap_result(other); }

@@ -224,8 +224,29 @@ void WorldCalls::refuse(const char* message) {
 void WorldCalls::search(const World& world, const Intersect& question, const WorldBlocks* blocks) {
     if (working == Backend::reference)
         find_by_brute_force(world, question, meter, cancellation, world_result, blocks);
+    else if (working == Backend::cuda && !blocks && lies_on_device(world))
+        search_on_device(world, question);
     else
         worlds.find(*backend, world, question, world_result, blocks);
+}
+
+// All worlds at once, or, where that is too much, by poses that the host has copied.
+void WorldCalls::search_on_device(const World& world, const Intersect& question) {
+    check_device_poses(world);
+    const bool found = [&] {
+        try {
+            return backend->find(world, question, world_result);
+        } catch (const MemoryMeter::Exceeded&) {
+            backend->release();
+            return false;
+        }
+    }();
+    if (found) return;
+    const std::vector<Pose> poses = backend->poses_of(world);
+    World there = world;
+    there.poses = poses;
+    there.device_poses = {};
+    worlds.find(*backend, there, question, world_result, nullptr);
 }
 
 Statistics WorldCalls::stream(const World& world, TakeWorldBlock take, const Intersect& question, const Streaming& how,

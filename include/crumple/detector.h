@@ -71,7 +71,8 @@ class Detector {
     /// All pairs of triangles of different bodies, and within bodies, that intersect; or less, as Intersect::wants
     /// says. One body in place gives the pairs of find_self, two that are wanted `between` those of find_between.
     /// Bodies whose shapes are named cost next to nothing while they are clear of others; flags for such bodies end at
-    /// the first hit. Errors name body or shape. The cuda backend searches copies on its device, many worlds at once.
+    /// the first hit. Errors name body or shape. The cuda backend searches copies on its device, many worlds at once;
+    /// where poses lie there (World::device_poses), only they are new in a call, and what the bodies are stays there.
     const WorldCollisions& find(const World& world, const Intersect& question = {}, std::stop_token stop = {});
 
     /// The same in blocks, as stream_self: of pairs, their bodies, and contacts. `count` and `world_counts` of a block
@@ -273,6 +274,25 @@ class Detector {
     const DeviceImpacts& wait_impacts(std::stop_token stop = {});
     const DeviceNearby& wait_near(std::stop_token stop = {});
     const DeviceCandidates& wait_candidates(std::stop_token stop = {});
+    /// Starts a question about worlds whose poses lie in device memory (World::device_poses) and returns at once: on
+    /// the stream of the poses. As launch_self, with which it shares the two launches in flight; the poses must stay as
+    /// they are until the wait_worlds() for it returns, shapes and bodies until this returns. Only with the cuda
+    /// backend.
+    ///
+    /// Bodies and shapes are read and brought to the device when they are not those of the call before (a named shape
+    /// by its name and groups, another by its contents, which are compared in each call), as are the rules. Such a call
+    /// takes what a first one does; other calls are one CUDA graph. A capture needs two launches before it with the
+    /// same bodies and the same question, and replays read the poses that then lie there.
+    ///
+    /// All worlds are one scene: without those that have fewer than two triangles at most 65,535, and 2^24 triangles
+    /// together where there are several, bodies that are in all worlds counted in each. Throws Error (invalid_argument)
+    /// for more, which find() takes; for Wants::body_pairs and for Intersect::index. Flags take what counts do.
+    void launch(const World& world, const Intersect& question = {});
+
+    /// Waits for the oldest launch, one of worlds, and tells where its answer lies on the device; all as wait() has it,
+    /// but for download(). Bad input names its body. Where memory does not hold all worlds at once: Error (memory_limit
+    /// or device).
+    const DeviceWorldCollisions& wait_worlds(std::stop_token stop = {});
 
     const Options& options() const;
 

@@ -22,6 +22,23 @@ struct Pose {
     friend bool operator==(const Pose&, const Pose&) = default;
 };
 
+/// Poses in the memory of a device, as a kernel has written them: the numbers of one Pose a body, row by row and
+/// without gaps, (n, 3, 4). A view, nothing is copied.
+struct DevicePoses {
+    const void* data = nullptr;  ///< aligned to its numbers; null: there are none
+    std::int64_t count = 0;
+    ScalarType type = ScalarType::float64;  ///< float32 numbers count as the float64 numbers that they are
+    void* stream = nullptr;                 ///< CUDA stream on which they become ready
+
+    DevicePoses() = default;
+    DevicePoses(const Pose* poses, std::int64_t count, void* stream = nullptr)
+        : data(poses), count(count), stream(stream) {}
+    DevicePoses(const double* numbers, std::int64_t count, void* stream = nullptr)
+        : data(numbers), count(count), stream(stream) {}
+    DevicePoses(const float* numbers, std::int64_t count, void* stream = nullptr)
+        : data(numbers), count(count), type(ScalarType::float32), stream(stream) {}
+};
+
 /// Triangles, and edges and points, that bodies are made of; a view, nothing is copied.
 struct Shape {
     VertexView vertices;                   ///< (n, 3) coordinates
@@ -78,6 +95,8 @@ struct World {
     /// The same at the end of a step, for Motion: posed vertices go straight from the one place to the other. Empty: as
     /// `poses`.
     std::span<const Pose> end_poses = {};
+    /// Instead of `poses`: one a body. For questions about intersections, with the cuda backend.
+    DevicePoses device_poses = {};
 };
 
 /// Two bodies by their index; the order does not matter.
@@ -135,6 +154,30 @@ struct WorldCollisions {
     Array<std::int64_t> first_triangle;  ///< of each body, in `hit`; the number of bodies + 1
     Array<std::uint8_t> hit;             ///< 1 for each triangle of each body that is in some pair
 
+    Statistics statistics;
+};
+
+/// An answer for a world that lies in the memory of a device: pointers of the device, in the order of WorldCollisions.
+/// How long it is valid, Detector::wait_worlds says.
+struct DeviceWorldCollisions {
+    /// False if lists of fixed length were too short for it (Detector::launch in a capture): there are no arrays.
+    bool complete = true;
+    /// Pairs that there are; where the answer is not complete, those that were found, and there may be more.
+    std::int64_t pairs_needed = 0;
+    bool any = false;        ///< whether anything collides
+    std::int64_t count = 0;  ///< pairs of triangles
+
+    std::int64_t worlds = 0;
+    const std::uint8_t* world_hit = nullptr;      ///< worlds: something collides
+    const std::int64_t* world_counts = nullptr;   ///< worlds: pairs of triangles
+    const std::int64_t* world_offsets = nullptr;  ///< worlds + 1: pairs of world w begin here; the rest follows
+
+    const BodyPair* bodies = nullptr;  ///< count: for each pair its bodies; null below Wants::pairs, as `pairs`
+    const Pair* pairs = nullptr;       ///< count: triangles, as they count within their bodies
+    const ContactKind* contact_kinds = nullptr;             ///< count; null unless asked for
+    const std::int64_t* contact_offsets = nullptr;          ///< count + 1
+    const std::array<double, 3>* contact_points = nullptr;  ///< contact_point_count
+    std::int64_t contact_point_count = 0;
     Statistics statistics;
 };
 

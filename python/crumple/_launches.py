@@ -37,10 +37,10 @@ class DeviceArray:
         address: of the first element, in device memory.
     """
 
-    __slots__ = ("_dlpack", "address", "dtype", "shape")
+    __slots__ = ("_detector", "address", "dtype", "shape")
 
-    def __init__(self, address: int, shape: tuple[int, ...], dtype: str, dlpack: Any) -> None:
-        self.address, self.shape, self.dtype, self._dlpack = address, shape, dtype, dlpack
+    def __init__(self, detector: Detector, address: int, shape: tuple[int, ...], dtype: str) -> None:
+        self._detector, self.address, self.shape, self.dtype = detector, address, shape, dtype
 
     def __len__(self) -> int:
         return self.shape[0]
@@ -56,11 +56,11 @@ class DeviceArray:
             "stream": None,
         }
 
-    def __dlpack__(self, **named: Any) -> Any:
-        return self._dlpack.__dlpack__(**{"stream": None, **{k: v for k, v in named.items() if k == "stream"}})
+    def __dlpack__(self, **_: Any) -> Any:
+        return self._detector._dlpack_capsule(self.address, self.shape, self.dtype)
 
     def __dlpack_device__(self) -> tuple[int, int]:
-        return self._dlpack.__dlpack_device__()
+        return 2, self._detector.options["device"]  # CUDA
 
     def __repr__(self) -> str:
         return f"<crumple.DeviceArray {self.shape} {self.dtype} at {self.address:#x}>"
@@ -81,10 +81,10 @@ class DeviceAnswer:
 
     _members: tuple[str, ...] = ()
 
-    def __init__(self, told: Any, arrays: dict[str, Any], statistics: Statistics) -> None:
+    def __init__(self, detector: Detector, told: Any, arrays: dict[str, Any], statistics: Statistics) -> None:
         self.complete, self.needed, self.count = told[:3]
         self.statistics = statistics
-        self._arrays = {name: DeviceArray(*array) for name, array in arrays.items()}
+        self._arrays = {name: DeviceArray(detector, *array) for name, array in arrays.items()}
 
     def __getattr__(self, name: str) -> DeviceArray:
         if name.startswith("_") or name not in self.__dict__.get("_arrays", {}):
@@ -119,8 +119,8 @@ class DeviceImpacts(DeviceAnswer):
 
     _members = ("any", "first")
 
-    def __init__(self, told: Any, arrays: dict[str, Any], statistics: Statistics) -> None:
-        super().__init__(told, arrays, statistics)
+    def __init__(self, detector: Detector, told: Any, arrays: dict[str, Any], statistics: Statistics) -> None:
+        super().__init__(detector, told, arrays, statistics)
         self.any: bool = told[3]
         self.first: FirstImpact | None = None if told[4] is None else FirstImpact(*told[4])
 
@@ -134,8 +134,8 @@ class DeviceNearby(DeviceAnswer):
 
     _members = ("any",)
 
-    def __init__(self, told: Any, arrays: dict[str, Any], statistics: Statistics) -> None:
-        super().__init__(told, arrays, statistics)
+    def __init__(self, detector: Detector, told: Any, arrays: dict[str, Any], statistics: Statistics) -> None:
+        super().__init__(detector, told, arrays, statistics)
         self.any: bool = told[3]
 
 
@@ -301,26 +301,26 @@ def wait(self: Detector) -> DeviceResult:
 
     Raises InvalidInput if the arrays are not what a mesh can be, or there is nothing to wait for; MemoryLimit.
     """
-    return DeviceResult(*self._wait())
+    return DeviceResult(self, *self._wait())
 
 
 @suggesting
 def wait_impacts(self: Detector) -> DeviceImpacts:
     """Waits for the oldest launch, of launch_impacts, as wait() does. Where faces, edges or points turn out to be others
     than in the launch before, the host looks at them and the work is done again."""
-    return DeviceImpacts(*self._wait_impacts())
+    return DeviceImpacts(self, *self._wait_impacts())
 
 
 @suggesting
 def wait_near(self: Detector) -> DeviceNearby:
     """Waits for the oldest launch, of launch_near, as wait_impacts() does."""
-    return DeviceNearby(*self._wait_near())
+    return DeviceNearby(self, *self._wait_near())
 
 
 @suggesting
 def wait_candidates(self: Detector) -> DeviceCandidates:
     """Waits for the oldest launch, of launch_candidates, as wait_impacts() does."""
-    return DeviceCandidates(*self._wait_candidates())
+    return DeviceCandidates(self, *self._wait_candidates())
 
 
 for _method in (

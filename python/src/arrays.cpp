@@ -108,11 +108,21 @@ bool are_points(const BorrowedArray& a) {
            reinterpret_cast<std::uintptr_t>(a.data) % alignof(std::int32_t) == 0;
 }
 
-bool are_poses(const BorrowedArray& a) {
-    if ((a.dimensions != 3 && a.dimensions != 4) || a.device != BorrowedArray::on_host) return false;
+bool are_host_poses(const BorrowedArray& a) {
+    if (a.dimensions != 3 && a.dimensions != 4) return false;
     const auto rows = static_cast<std::size_t>(a.dimensions) - 2;
-    return (a.shape[rows] == 3 || a.shape[rows] == 4) && a.shape[rows + 1] == 4 &&
+    return a.device == BorrowedArray::on_host && (a.shape[rows] == 3 || a.shape[rows] == 4) && a.shape[rows + 1] == 4 &&
            (a.number == Number::float32 || a.number == Number::float64);
+}
+
+// On a device nothing is converted.
+bool are_poses(const BorrowedArray& a) {
+    if (a.device == BorrowedArray::on_host) return are_host_poses(a);
+    BorrowedArray there = a;
+    there.device = BorrowedArray::on_host;
+    const std::size_t size = a.number == Number::float32 ? sizeof(float) : sizeof(double);
+    return are_host_poses(there) && a.shape[static_cast<std::size_t>(a.dimensions) - 2] == 3 && is_contiguous(a) &&
+           reinterpret_cast<std::uintptr_t>(a.data) % size == 0;
 }
 
 bool borrow_numpy(nb::handle object, BorrowedArray& result) {
@@ -297,7 +307,7 @@ BorrowedMeshes::BorrowedMeshes(const nb::tuple& one, const std::optional<nb::tup
 
 BorrowedArray borrow_poses(nb::handle poses, const char* which, Kept& kept) {
     kept.push_back(nb::borrow(poses));
-    return borrow_array(poses, are_poses, "poses", which, kept);
+    return borrow_array(poses, *which ? are_host_poses : are_poses, "poses", which, kept);
 }
 
 bool is_contiguous(const BorrowedArray& array) {

@@ -1,5 +1,7 @@
 #include "launches.h"
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -8,6 +10,7 @@
 
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
 
 #include "arguments.h"
 #include "arrays.h"
@@ -89,8 +92,7 @@ void launch_impacts(nb::handle self, const nb::tuple& mesh, nb::handle end, cons
     if (end.is_none()) refuse("launch_impacts needs the vertices at the end");
     const auto given = std::make_shared<LaunchedFeatures>(detector, mesh, lists, end);
     given->start.view.stream = on.get();
-    launch(detector, given,
-           [&](Detector& by) { by.launch_impacts(given->start.view, given->end->view(), question); });
+    launch(detector, given, [&](Detector& by) { by.launch_impacts(given->start.view, given->end->view(), question); });
 }
 
 void launch_near(nb::handle self, const nb::tuple& mesh, const Near& question, nb::handle radii, nb::handle rest,
@@ -117,22 +119,14 @@ void launch_candidates(nb::handle self, const nb::tuple& mesh, nb::handle end, c
     });
 }
 
-// An array of the device: its address, shape, type as NumPy writes it, and what speaks DLPack for it.
+// Arrays of the device: of each its address, shape, and type as NumPy writes it.
 class ArraysThere {
    public:
-    explicit ArraysThere(nb::handle detector) : owner_(detector), device_(detector_of(detector).options().device) {}
-
     template <class Number, class Element>
     void put(const std::string& name, const Element* data, std::int64_t rows, std::size_t columns = 0) {
         static_assert(sizeof(Element) % sizeof(Number) == 0);
-        const auto n = static_cast<std::size_t>(rows);
-        const std::size_t shape[] = {n, columns};
-        const auto address = reinterpret_cast<std::uintptr_t>(data);
-        // DLPack has no read-only arrays everywhere; who writes to these spoils the answer alone.
-        nb::ndarray<nb::device::cuda, Number> array(reinterpret_cast<void*>(address), columns ? 2U : 1U, shape, owner_,
-                                                    nullptr, nb::dtype<Number>(), nb::device::cuda::value, device_);
-        arrays_[name.c_str()] = nb::make_tuple(address, columns ? nb::make_tuple(n, columns) : nb::make_tuple(n),
-                                               type<Number>(), nb::cast(array));
+        const nb::tuple shape = columns ? nb::make_tuple(rows, columns) : nb::make_tuple(rows);
+        arrays_[name.c_str()] = nb::make_tuple(reinterpret_cast<std::uintptr_t>(data), shape, type<Number>());
     }
     nb::dict arrays() const { return arrays_; }
 
@@ -144,10 +138,23 @@ class ArraysThere {
         if constexpr (std::is_same_v<Number, std::int32_t>) return "<i4";
         return "|u1";
     }
-    nb::handle owner_;
-    int device_;
     nb::dict arrays_;
 };
+
+// One of these for DLPack, which keeps the detector. Not read-only, for not everybody knows such capsules: who writes
+// to it spoils the answer alone.
+nb::object dlpack_capsule(nb::handle detector, std::uintptr_t address, const nb::tuple& shape,
+                          const std::string& type) {
+    const std::size_t dimensions = shape.size();
+    std::array<std::size_t, 2> of{};
+    for (std::size_t i = 0; i < std::min<std::size_t>(dimensions, 2); ++i) of[i] = nb::cast<std::size_t>(shape[i]);
+    const nb::dlpack::dtype number = type == "<f8"   ? nb::dtype<double>()
+                                     : type == "<i8" ? nb::dtype<std::int64_t>()
+                                     : type == "<i4" ? nb::dtype<std::int32_t>()
+                                                     : nb::dtype<std::uint8_t>();
+    return nb::cast(nb::ndarray<>(reinterpret_cast<void*>(address), dimensions, of.data(), detector, nullptr, number,
+                                  nb::device::cuda::value, detector_of(detector).options().device));
+}
 
 // Waits, and gives what `tell` makes of the answer.
 template <class Wait, class Tell>
@@ -155,11 +162,9 @@ nb::tuple wait_with(nb::handle self, Wait wait, Tell tell) {
     SharedDetector& detector = detector_of(self);
     const SharedDetector::Turn turn(detector);
     const auto found = without_gil(
-        [&] {
-            return detector.call([&](Detector& by, std::stop_token stop) { return wait(by, std::move(stop)); });
-        },
+        [&] { return detector.call([&](Detector& by, std::stop_token stop) { return wait(by, std::move(stop)); }); },
         detector.stop());
-    ArraysThere there(self);
+    ArraysThere there;
     const nb::tuple told = tell(found, there);
     return nb::make_tuple(told, there.arrays(), Statistics(found.statistics));
 }
@@ -230,8 +235,7 @@ nb::tuple wait_near(nb::handle self) {
 
 nb::tuple wait_candidates(nb::handle self) {
     return wait_with(
-        self,
-        [](Detector& by, std::stop_token stop) { return DeviceCandidates(by.wait_candidates(std::move(stop))); },
+        self, [](Detector& by, std::stop_token stop) { return DeviceCandidates(by.wait_candidates(std::move(stop))); },
         [](const DeviceCandidates& found, ArraysThere& there) {
             put_edges(found, there);
             for (std::size_t k = 0; k < found.lists.size() && found.complete; ++k) {
@@ -245,13 +249,13 @@ nb::tuple wait_candidates(nb::handle self) {
 }  // namespace
 
 void bind_launches(nb::class_<SharedDetector>& detector) {
-    detector
-        .def("_launch", launch_meshes, "first"_a, "second"_a.none(), "query"_a, "stream"_a.none())
+    detector.def("_launch", launch_meshes, "first"_a, "second"_a.none(), "query"_a, "stream"_a.none())
         .def("_launch_impacts", launch_impacts, "mesh"_a, "end"_a.none(), "question"_a, "lists"_a, "stream"_a.none())
         .def("_launch_near", launch_near, "mesh"_a, "question"_a, "radii"_a.none(), "rest"_a.none(), "lists"_a,
              "stream"_a.none())
         .def("_launch_candidates", launch_candidates, "mesh"_a, "end"_a.none(), "question"_a, "lists"_a,
              "stream"_a.none())
+        .def("_dlpack_capsule", dlpack_capsule, "address"_a, "shape"_a, "type"_a)
         .def("_wait", wait)
         .def("_wait_impacts", wait_impacts)
         .def("_wait_near", wait_near)

@@ -154,6 +154,9 @@ BorrowedPoses::BorrowedPoses(nb::handle poses, const Bodies& bodies, When when) 
 
 std::span<const Pose> BorrowedPoses::read(const Bodies& bodies, std::vector<Pose>& buffer) const {
     buffer.clear();
+    if (device() != BorrowedArray::on_host)
+        refuse(std::string(when_ == When::end ? "end_" : "") +
+               "poses lie in CUDA memory, where Detector.find reads them, and nothing else: " + copy_to_host);
     if (!object_ && bodies.at_rest() == 0) return {};
     if (!object_) {
         buffer.resize(static_cast<std::size_t>(bodies.posed()));
@@ -173,6 +176,15 @@ std::span<const Pose> BorrowedPoses::read(const Bodies& bodies, std::vector<Pose
     }
     buffer.insert(buffer.end(), bodies.poses_at_rest.begin(), bodies.poses_at_rest.end());
     return buffer;
+}
+
+DevicePoses BorrowedPoses::on_device(const Bodies& bodies) const {
+    if (bodies.at_rest() > 0)
+        refuse(std::string("poses of configurations in CUDA memory are taken where no body is at rest (-1): ") +
+               copy_to_host);
+    return array_.number == BorrowedArray::Number::float32
+               ? DevicePoses(static_cast<const float*>(array_.data), bodies.posed())
+               : DevicePoses(static_cast<const double*>(array_.data), bodies.posed());
 }
 
 void BorrowedPoses::copy(std::int64_t count, std::vector<Pose>& buffer) const {

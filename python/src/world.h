@@ -56,6 +56,10 @@ class BorrowedPoses {
     /// One a body: in place where that can be, else in `buffer`. Reads the numbers as they are now; those of matrices
     /// of four rows must end in 0 0 0 1.
     std::span<const Pose> read(const Bodies& bodies, std::vector<Pose>& buffer) const;
+    /// The CUDA device that they lie on, which read() refuses, or BorrowedArray::on_host.
+    int device() const { return object_ ? array_.device : BorrowedArray::on_host; }
+    /// Those on a device, ready on the legacy default stream. Refuses those of configurations with bodies at rest.
+    DevicePoses on_device(const Bodies& bodies) const;
     bool given() const { return object_.is_valid(); }
     /// As they were given.
     nanobind::object object() const { return object_ ? object_ : nanobind::none(); }

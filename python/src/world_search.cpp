@@ -41,7 +41,13 @@ WorldAnswer find_world(nb::handle self, nb::handle world, nb::handle poses, cons
     Intersect asked = question;
     asked.rules.excluded_bodies = excluded_bodies(*bodies, excluded);
     const SharedDetector::Turn turn(detector);
-    const World view{bodies->shapes, bodies->bodies, at.read(*bodies, detector.poses())};
+    World view{bodies->shapes, bodies->bodies, {}};
+    if (at.device() == BorrowedArray::on_host) {
+        view.poses = at.read(*bodies, detector.poses());
+    } else {
+        check_device(detector, at.device());
+        view.device_poses = at.on_device(*bodies);
+    }
     WorldAnswer answer{detector.storage<WorldCollisions>(), asked.wants, asked.index && asked.wants >= Wants::pairs,
                        copied};
     without_gil([&] { detector.find(view, asked, *answer.storage); }, detector.stop());

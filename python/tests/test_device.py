@@ -277,3 +277,54 @@ def test_wrong_launches(cuda):
         cuda.wait()
     cuda.wait_impacts()
     cuda.wait()
+
+
+BALL = soup(60, size=0.5, seed=4)
+
+
+def worlds_of(count, scalar):
+    """Bodies of two shapes, two a world, and one that is in all."""
+    poses = np.tile(np.eye(3, 4), (2 * count + 1, 1, 1))
+    poses[:, :, 3] = np.random.default_rng(7).uniform(-0.5, 0.5, (2 * count + 1, 3))
+    worlds = np.append(np.repeat(np.arange(count), 2), -1)
+    shapes = [crumple.Shape(BALL.vertices, BALL.faces, name="ball of test_device"), crumple.Shape(*OTHER[:2])]
+    bodies = np.append(np.tile([0, 1], count), 0)
+    return crumple.World(shapes, bodies, worlds=worlds, self_collisions=False), poses.astype(scalar)
+
+
+@pytest.mark.parametrize("scalar", [np.float32, np.float64])
+@pytest.mark.parametrize(
+    ("wants", "told"),
+    [
+        ("any", ["any"]),
+        ("any_by_world", ["world_hit"]),
+        ("body_pairs", ["world_hit", "bodies"]),
+        ("count", ["count", "world_counts"]),
+        ("pairs", ["world_counts", "bodies", "pairs"]),
+        ("contacts", ["bodies", "pairs"]),
+    ],
+)
+def test_poses_of_worlds(cuda, cpu, scalar, wants, told):
+    world, poses = worlds_of(5, scalar)
+    expected = cpu.find(world, poses=poses, wants=wants)
+    for _ in range(2):
+        found = cuda.find(world, poses=on_device(poses), wants=wants)
+        for name in told:
+            np.testing.assert_array_equal(getattr(found, name), getattr(expected, name))
+    world.poses = on_device(poses)
+    assert cuda.find(world, wants="count").count == cpu.find(world, wants="count", poses=poses).count > 0
+
+
+def test_poses_that_are_refused(cuda, cpu):
+    world, poses = worlds_of(2, np.float64)
+    there = on_device(poses)
+    with pytest.raises(crumple.InvalidInput, match="lie in CUDA memory, which needs the cuda backend"):
+        cpu.find(world, poses=there)
+    with pytest.raises(crumple.InvalidInput, match=r"^poses lie in CUDA memory, where Detector\.find reads them"):
+        cuda.find_near(world, radius=0.1, poses=there)
+    four = np.tile(np.eye(4), (5, 1, 1))
+    with pytest.raises(crumple.InvalidInput, match=r"^poses in CUDA memory must be \(n, 3, 4\)"):
+        cuda.find(world, poses=on_device(four))
+    poses[3, 1, 2] = np.inf
+    with pytest.raises(crumple.InvalidInput, match="^body 3: its pose is not finite"):
+        cuda.find(world, poses=on_device(poses))

@@ -9,6 +9,10 @@ namespace {
     throw Error(ErrorCode::invalid_argument, "meshes in device memory need the cuda backend (Options::backend)",
                 Element::option);
 }
+[[noreturn]] void refuse_worlds() {
+    throw Error(ErrorCode::invalid_argument, "poses in device memory need the cuda backend (Options::backend)",
+                Element::option);
+}
 [[noreturn]] void refuse_blocks() {
     throw Error(ErrorCode::invalid_argument, "answers in blocks need the cpu backend (Options::backend)",
                 Element::option);
@@ -35,5 +39,9 @@ const DeviceCollisions& BackendBase::wait() { refuse(); }
 void BackendBase::download(Collisions&) { refuse(); }
 std::int64_t BackendBase::bytes_needed_for_launched() { refuse(); }
 DeviceFeatureCalls& BackendBase::features_there() { refuse(); }
+bool BackendBase::find(const World&, const Intersect&, WorldCollisions&) { refuse_worlds(); }
+std::vector<Pose> BackendBase::poses_of(const World&) { refuse_worlds(); }
+void BackendBase::launch(const World&, const Intersect&) { refuse_worlds(); }
+const DeviceWorldCollisions& BackendBase::wait_worlds() { refuse_worlds(); }
 
 }  // namespace crumple

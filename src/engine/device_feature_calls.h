@@ -18,7 +18,7 @@
 namespace crumple {
 
 /// What a launch asks; each has a wait of its own.
-enum class Asked : std::uint8_t { intersections, impacts, near, candidates };
+enum class Asked : std::uint8_t { intersections, worlds, impacts, near, candidates };
 
 class DeviceFeatureCalls {
    public:

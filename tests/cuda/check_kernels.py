@@ -23,10 +23,11 @@ REGISTERS = {"SeparationTest": 120, "FeatureRows": 96, "CandidateRows": 80, "wid
              "exact_kernel": 255, "contact_kernel": 255, "close_kernel": 255, "decide_kernel": 255, "listed_kernel": 80,
              "list_kernel": 80, "pack_kernel": 64, "pair_kernel": 80, "within_kernel": 64, "sweep_kernel": 48,
              "filter_kernel": 80, "frame_kernel": 128, "DeviceScanKernel": 128, "bin_kernel": 40, "place_kernel": 72,
-             "check_kernel": 40, "bounds_kernel": 64, "members_kernel": 48}
+             "check_kernel": 40, "pose_kernel": 48, "bounds_kernel": 64, "members_kernel": 48}
 OTHER_REGISTERS = 40
 # Loads of 16 bytes at least: two records of four, and what else comes by rows.
-WIDE_LOADS = {"OverlapAlone": 3, "sweep_kernel": 16, "filter_kernel": 20, "bin_kernel": 3, "place_kernel": 3}
+WIDE_LOADS = {"OverlapAlone": 3, "sweep_kernel": 16, "filter_kernel": 20, "bin_kernel": 3, "place_kernel": 3,
+              "pose_kernel": 1}
 # Kernels that may load single bytes: those for arrays that are not aligned (a template's `false`), one that copies kinds
 # of contacts, rare ones that read coordinates wherever they are, those that decide about features, which ask at run time
 # whether these are aligned, and flags: which features a triangle owns.

@@ -200,7 +200,7 @@ TEST(CudaDeviceFeatures, take_turns_with_other_launches) {
         EXPECT_TRUE(same_answer(cuda.download(), cpu.find_self(second.view())));
         EXPECT_TRUE(shows(cuda.wait_candidates(), cpu.find_candidates(second.view(), second.end_view())));
         EXPECT_STREQ(error_of([&] { cuda.download(); }).what(), "download() needs a wait() before it");
-        EXPECT_STREQ(error_of([&] { cuda.wait_candidates(); }).what(), "wait() needs a launch before it");
+        EXPECT_STREQ(error_of([&] { cuda.wait_candidates(); }).what(), "wait_candidates() needs a launch before it");
     }
 }
 

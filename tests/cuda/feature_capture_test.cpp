@@ -38,7 +38,7 @@ TEST(CudaFeatureCapture, answers_each_replay) {
     cuda.launch_impacts(view, there.end(), asked);
     recorder.end();
     EXPECT_STREQ(error_of([&] { cuda.wait_impacts(); }).what(),
-                 "wait() needs a replay of the captured launch before it");
+                 "wait_impacts() needs a replay of the captured launch before it");
     int complete = 0;
     for (int frame = 70; frame < 94; frame += 4) {
         const MovingSoup<float> soup = falling(500, frame);

@@ -1,7 +1,10 @@
 #pragma once
 
+// A caller's stream that captures what calls give to it.
+
 #include <cuda_runtime.h>
 
+#include "crumple/crumple.h"
 #include "cuda/device_mesh.h"
 
 namespace crumple::test {

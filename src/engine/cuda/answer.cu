@@ -25,6 +25,10 @@ void Answer::cut(Cutter& c, const Scene& scene, std::size_t pairs) {
     output.second = c.take<std::int32_t>(pairs);
     output.part_capacity = part_capacity(pairs);
     output.parts = c.take<RowPart>(output.part_capacity);
+    const auto worlds = static_cast<std::size_t>(names.any() ? names.worlds : 0);
+    const std::size_t named = names.pairs ? pairs : 0;
+    of_worlds_ = {c.take<BodyPair>(named), c.take<Pair>(named), c.take<std::int64_t>(names.any() ? worlds + 1 : 0),
+                  c.take<std::int64_t>(worlds), c.take<std::uint8_t>(worlds)};
 }
 
 void Answer::make_room(const Scene& scene, std::size_t pairs, Room room) {
@@ -57,6 +61,7 @@ void Answer::write(const Scene& scene, const List<Hit>& hits, Counters* counters
     make_offsets(geometry_, stream_, firsts, output, counters);
     fill_buckets(geometry_, stream_, scene, hits, output);
     order_buckets(geometry_, stream_, firsts, output, counters, told);
+    if (names.any()) name_pairs(geometry_, stream_, firsts, output, names, of_worlds_);
 }
 
 std::int64_t Answer::make_contacts(const Scene& scene, Cancellation& cancellation) {
@@ -105,6 +110,27 @@ DeviceCollisions Answer::show(const Scene& scene, bool contacts) const {
     shown.hit_second = scene.between ? output.hit_second : nullptr;
     shown.hit_count = scene.triangles[0];
     shown.hit_second_count = scene.triangles[1];
+    if (contacts) {
+        shown.contact_kinds = contacts_.kinds;
+        shown.contact_offsets = reinterpret_cast<const std::int64_t*>(contacts_.offsets);
+        shown.contact_points = contacts_.points;
+        shown.contact_point_count = static_cast<std::int64_t>(points_);
+    }
+    return shown;
+}
+
+DeviceWorldCollisions Answer::show_worlds(bool contacts) const {
+    DeviceWorldCollisions shown;
+    shown.any = total > 0;
+    shown.pairs_needed = shown.count = static_cast<std::int64_t>(total);
+    shown.worlds = names.worlds;
+    shown.world_hit = of_worlds_.hit;
+    shown.world_counts = of_worlds_.counts;
+    shown.world_offsets = of_worlds_.offsets;
+    if (names.pairs) {
+        shown.bodies = of_worlds_.bodies;
+        shown.pairs = of_worlds_.pairs;
+    }
     if (contacts) {
         shown.contact_kinds = contacts_.kinds;
         shown.contact_offsets = reinterpret_cast<const std::int64_t*>(contacts_.offsets);

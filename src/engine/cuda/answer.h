@@ -7,6 +7,7 @@
 #include "engine/cuda/contacts.h"
 #include "engine/cuda/memory.h"
 #include "engine/cuda/output.h"
+#include "engine/cuda/world_names.h"
 
 namespace crumple::cuda {
 
@@ -17,6 +18,7 @@ class Answer {
 
     Output output{};
     unsigned long long total = 0;  ///< pairs
+    WorldNames names;              ///< of a scene of worlds that are to be told of; set before make_room()
 
     /// Makes room for so many pairs.
     void make_room(const Scene& scene, std::size_t pairs, Room room = Room::grows);
@@ -33,6 +35,7 @@ class Answer {
     std::int64_t make_contacts(const Scene& scene, Cancellation& cancellation);
 
     DeviceCollisions show(const Scene& scene, bool contacts) const;
+    DeviceWorldCollisions show_worlds(bool contacts) const;
     void copy_to(const Scene& scene, bool contacts, Collisions& result);
 
     void release();
@@ -48,6 +51,7 @@ class Answer {
     cudaStream_t stream_;
     MemoryMeter& meter_;
     Block block_, contact_block_;
+    WorldArrays of_worlds_{};
     ContactArrays contacts_{};
     unsigned long long points_ = 0;  ///< of all contacts
 };

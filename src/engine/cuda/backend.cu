@@ -21,6 +21,7 @@
 #include "engine/cuda/input.h"
 #include "engine/cuda/search.h"
 #include "engine/cuda/turns.h"
+#include "engine/cuda/world_finder.h"
 #include "engine/output.h"
 #include "model/levels.h"
 #include "model/part.h"
@@ -37,6 +38,7 @@ class CudaBackend final : public BackendBase {
           device_(options.device),
           geometry_(device_.geometry()),
           search_(device_, geometry_, stream_.get(), options, meter, cancellation, turns_.flights),
+          worlds_(search_, stream_.get(), meter),
           features_(device_, geometry_, stream_.get(), options, meter, cancellation, turns_, search_.inputs()) {
         reserve_stacks();
     }
@@ -138,37 +140,74 @@ class CudaBackend final : public BackendBase {
 
     void launch(const MeshView& a, const MeshView* b, const Query& query) override {
         turns_.refuse_third();
-        const auto stream = static_cast<cudaStream_t>(a.stream);
         on_device([&] {
-            const auto first = capture_of(stream);
-            const auto second = b ? capture_of(static_cast<cudaStream_t>(b->stream)) : first;
-            const auto bring = [&](std::size_t slot, Room room) {
-                search_.view(slot, a, b, query.weld, room);
-                search_.adopt(query, room);
-                if (b && b->stream != a.stream) order(before_, static_cast<cudaStream_t>(b->stream), stream);
-            };
-            if (first || second)
-                turns_.launch_in_capture(Asked::intersections, first == second, [&] {
-                    bring(search_.current(), Room::fixed);
-                    search_.capture(stream);
-                });
-            else
-                turns_.launch(
-                    Asked::intersections, stream, search_.alone(), [&](std::size_t slot) { bring(slot, Room::grows); },
-                    [&] { search_.launch(stream); });
+            const auto stream = static_cast<cudaStream_t>(a.stream);
+            const auto other = b ? static_cast<cudaStream_t>(b->stream) : stream;
+            launch(Asked::intersections, stream, other, query,
+                   [&](auto slot, Room room) { search_.view(slot, a, b, query.weld, room); });
         });
     }
 
-    const DeviceCollisions& wait() override {
-        if (turns_.waits_for_replay(Asked::intersections)) return wait_for_replay();
-        turns_.refuse_other(Asked::intersections);
-        on_device([&] {
-            turns_.end_state();
-            search_.resume(turns_.flights.land());
-            if (!search_.accept_launched()) search_.find();
-            search_.make_contacts();
-            shown() = search_.show();
+    bool find(const World& world, const Intersect& question, WorldCollisions& result) override {
+        constexpr int several = 2;  // where they do not fit, fewer may
+        return on_device(
+            [&] {
+                turns_.finish();
+                wait_for_poses(world);
+                return worlds_.find(world, question, *this, result);
+            },
+            several);
+    }
+    std::vector<Pose> poses_of(const World& world) override {
+        return on_device([&] {
+            turns_.finish();
+            wait_for_poses(world);
+            return to_host(stream_.get(), world.device_poses);
         });
+    }
+    void launch(const World& world, const Intersect& question) override {
+        turns_.refuse_third();
+        on_device([&] {
+            const auto stream = static_cast<cudaStream_t>(world.device_poses.stream);
+            launch(Asked::worlds, stream, stream, query_of(question), [&](auto slot, Room room) {
+                const auto bodies = worlds_.bodies_of(world, question.rules, *this, room);
+                if (!bodies)
+                    throw Error(ErrorCode::invalid_argument,
+                                "a launch takes at most 65535 worlds, and 16777216 triangles together");
+                search_.pose(slot, bodies, world.device_poses, question.weld, question.wants >= Wants::pairs, room);
+            });
+        });
+    }
+
+    const DeviceWorldCollisions& wait_worlds() override {
+        if (turns_.waits_for_replay(Asked::worlds)) {
+            on_device([&] {
+                shown_worlds() =
+                    replay_is_complete(Asked::worlds) ? search_.show_worlds() : search_.show_incomplete_worlds();
+            });
+            return shown_worlds();
+        }
+        turns_.refuse_other(Asked::worlds);
+        try {
+            constexpr int several = 2;
+            on_device([&] { land(), shown_worlds() = search_.show_worlds(); }, several);
+        } catch (const MemoryMeter::Exceeded&) {
+            if (meter_.limit > 0) throw;
+            throw Error(ErrorCode::device, "the device has no memory for all worlds at once");
+        }
+        turns_.answer(Asked::worlds);
+        return shown_worlds();
+    }
+
+    const DeviceCollisions& wait() override {
+        if (turns_.waits_for_replay(Asked::intersections)) {
+            on_device([&] {
+                shown() = replay_is_complete(Asked::intersections) ? search_.show() : search_.show_incomplete();
+            });
+            return shown();
+        }
+        turns_.refuse_other(Asked::intersections);
+        on_device([&] { land(), shown() = search_.show(); });
         turns_.answer(Asked::intersections);
         return shown();
     }
@@ -193,13 +232,14 @@ class CudaBackend final : public BackendBase {
             turns_.flights.forget();
         }
         search_.release();
+        worlds_.release();
         features_.release();
     }
 
     std::int64_t bytes_needed_for_launched() override {
         return on_device([&] {
             search_.drop_lists();
-            return bytes_needed();
+            return search_.input().posed() ? bytes_needed_for_worlds() : bytes_needed();
         });
     }
 
@@ -210,16 +250,41 @@ class CudaBackend final : public BackendBase {
     }
 
    private:
+    // view(slot, room) has a slot's input see what is asked about, which is ready on both streams.
+    template <class View>
+    void launch(Asked asked, cudaStream_t stream, cudaStream_t other, const Query& query, View view) {
+        const auto first = capture_of(stream), second = other == stream ? first : capture_of(other);
+        const auto bring = [&](std::size_t slot, Room room) {
+            view(slot, room);
+            search_.adopt(query, room);
+            if (other != stream) order(before_, other, stream);
+        };
+        if (first || second)
+            turns_.launch_in_capture(asked, first == second, [&] {
+                bring(search_.current(), Room::fixed);
+                search_.capture(stream);
+            });
+        else
+            turns_.launch(
+                asked, stream, search_.alone(), [&](std::size_t slot) { bring(slot, Room::grows); },
+                [&] { search_.launch(stream); });
+    }
+
+    // What the oldest launch has left, with all that only the host can do.
+    void land() {
+        turns_.end_state();
+        search_.resume(turns_.flights.land());
+        if (!search_.accept_launched()) search_.find();
+        search_.make_contacts();
+    }
+
     // The stream that it was on is done, says the caller.
-    const DeviceCollisions& wait_for_replay() {
-        on_device([&] {
-            turns_.begin_replay(search_.has_replayed());
-            const bool complete = search_.accept_replay();
-            if (complete) search_.make_contacts();
-            shown() = complete ? search_.show() : search_.show_incomplete();
-            turns_.replayed = true;
-        });
-        return shown();
+    bool replay_is_complete(Asked asked) {
+        turns_.begin_replay(asked, search_.has_replayed());
+        const bool complete = search_.accept_replay();
+        if (complete) search_.make_contacts();
+        turns_.replayed = true;
+        return complete;
     }
 
     void find(const Query& query, Collisions& result) {
@@ -262,6 +327,15 @@ class CudaBackend final : public BackendBase {
         return meter_.peak + static_cast<std::int64_t>(room) + result_bytes(search_.scene(), search_.query(), pairs);
     }
 
+    // Worlds are found at once, or not at all.
+    std::int64_t bytes_needed_for_worlds() {
+        meter_.peak = meter_.used.load();
+        search_.hope_again();
+        search_.find();
+        search_.make_contacts();
+        return meter_.peak;
+    }
+
     // Launches without work the kernels that keep data on their stacks. The driver keeps a stack for every thread that
     // the device can hold from the first launch on (docs/cuda.md): now, and not when lists have taken what memory there
     // is.
@@ -302,6 +376,12 @@ class CudaBackend final : public BackendBase {
         if (b) order(before_, static_cast<cudaStream_t>(b->stream), stream_.get());
         search_.view(search_.current(), a, b, query.weld);
     }
+    void wait_for_poses(const World& world) {
+        const auto stream = static_cast<cudaStream_t>(world.device_poses.stream);
+        if (capture_of(stream) != 0)
+            throw Error(ErrorCode::invalid_argument, "the poses' stream is being captured, and cannot be waited for");
+        order(before_, stream, stream_.get());
+    }
     // We wait for the streams, which a capture forbids, and would spoil it.
     static void refuse_captured(const MeshView& a, const MeshView* b) {
         for (const MeshView* mesh : {&a, b})
@@ -309,6 +389,7 @@ class CudaBackend final : public BackendBase {
                 throw Error(ErrorCode::invalid_argument, "a mesh's stream is being captured, and cannot be waited for");
     }
     DeviceCollisions& shown() { return shown_[search_.current()]; }
+    DeviceWorldCollisions& shown_worlds() { return shown_worlds_[search_.current()]; }
 
     MemoryMeter& meter_;
     Cancellation& cancellation_;
@@ -318,8 +399,10 @@ class CudaBackend final : public BackendBase {
     Event before_ = make_event(device_);
     Turns turns_{device_, stream_.get()};
     Search search_;
+    WorldFinder worlds_;
     FeatureCalls features_;
     std::array<DeviceCollisions, Flights::slots> shown_;  ///< by slot
+    std::array<DeviceWorldCollisions, Flights::slots> shown_worlds_;
 };
 
 }  // namespace

@@ -7,14 +7,10 @@
 
 #include "engine/cuda/memory.h"
 #include "engine/cuda/positions.h"
+#include "engine/cuda/scene_box.h"
 
 namespace crumple::cuda {
 namespace {
-
-/// A box of each warp of a block, axis by axis.
-struct BoxShared {
-    unsigned long long low[3][32], high[3][32];
-};
 
 constexpr double most = 1.7976931348623157e308;
 
@@ -47,26 +43,7 @@ __global__ void check_kernel(Scene scene, SceneBox* box, Counters* counters) {
         low = min(low, end);
         high = max(high, end);
     }
-    for (int axis = 0; axis < 3; ++axis) {
-        unsigned long long least = ordered(low[axis]), greatest = ordered(high[axis]);
-        for (int lanes = 16; lanes > 0; lanes /= 2) {
-            least = min(least, __shfl_xor_sync(whole_warp, least, lanes));
-            greatest = max(greatest, __shfl_xor_sync(whole_warp, greatest, lanes));
-        }
-        if (threadIdx.x % 32 != 0) continue;
-        shared.low[axis][threadIdx.x / 32] = least;
-        shared.high[axis][threadIdx.x / 32] = greatest;
-    }
-    __syncthreads();
-    if (threadIdx.x >= 3) return;
-    const unsigned axis = threadIdx.x;
-    unsigned long long least = shared.low[axis][0], greatest = shared.high[axis][0];
-    for (unsigned warp = 1; warp < blockDim.x / 32; ++warp) {
-        least = min(least, shared.low[axis][warp]);
-        greatest = max(greatest, shared.high[axis][warp]);
-    }
-    atomicMin(&box->low[axis], least);
-    atomicMax(&box->high[axis], greatest);
+    widen(box, low, high, shared);
 }
 
 template <class T>

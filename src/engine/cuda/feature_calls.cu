@@ -118,7 +118,7 @@ template <class Finder>
 FeatureCalls::Landed FeatureCalls::wait_with(Finder& finder, Asked question) {
     return with_device(device_, [&]() -> Landed {
         if (turns_.waits_for_replay(question)) {
-            turns_.begin_replay(finder.has_replayed());
+            turns_.begin_replay(question, finder.has_replayed());
             const bool complete = finder.accept_replay();
             DeviceAnswer answer = complete ? finder.show() : finder.show_incomplete();
             turns_.replayed = true;

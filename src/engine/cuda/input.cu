@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
+#include <utility>
 #include <vector>
 
 #include "engine/cuda/index_reader.h"
@@ -85,11 +86,18 @@ bool is_int32_rows(const TriangleView& view) {
 
 }  // namespace
 
-void Input::bring(const Scene& host) {
-    scene_ = host;
+// What an earlier call was given.
+void Input::forget() {
     mesh_[0] = mesh_[1] = {};
     known_shape_ = {};
+    posed_.reset();
+    names_ = {};
     weld_ = false;
+}
+
+void Input::bring(const Scene& host) {
+    forget();
+    scene_ = host;
     // The vertices of both meshes, and where those of the first one end.
     struct Vertices {
         const VertexReader* from;
@@ -124,16 +132,15 @@ void Input::bring(const Scene& host) {
 }
 
 void Input::view(const Shape& shape, const KnownMesh& known, Room room) {
+    forget();
     MeshView mesh(shape.vertices, shape.triangles, shape.groups);
     mesh.memory = MemorySpace::cuda;
     scene_ = outline_scene(mesh, nullptr, MemorySpace::cuda);
     if (shape.end.data) outline_motion(shape.end, scene_);
     worlds_.forget();
     places_.check(shape);
-    mesh_[0] = mesh_[1] = {};
     known_shape_ = shape;
     known_ = known;
-    weld_ = false;
     lay_out(
         block_, [&](Cutter& c) { box_ = c.take<SceneBox>(1); }, room);
     scene_.triangles[0] += known.carriers;
@@ -142,8 +149,8 @@ void Input::view(const Shape& shape, const KnownMesh& known, Room room) {
 }
 
 void Input::view(const MeshView& a, const MeshView* b, bool weld, Room room) {
+    forget();
     scene_ = outline_scene(a, b, MemorySpace::cuda);
-    known_shape_ = {};
     worlds_.forget();
     places_.check(a, b);
     mesh_[0] = a;
@@ -165,7 +172,36 @@ void Input::view(const MeshView& a, const MeshView* b, bool weld, Room room) {
     scene_.groups = !any_groups ? nullptr : b ? groups_ : a.groups.data();
 }
 
+void Input::pose(std::shared_ptr<const PosedWorlds> worlds, const DevicePoses& poses, bool weld, bool pairs,
+                 Room room) {
+    forget();
+    scene_ = worlds->scene();
+    worlds_.share(worlds->worlds(), worlds->found());
+    if (poses.count > 0) places_.check("poses", poses.data);
+    const auto vertices = static_cast<std::size_t>(scene_.vertex_count());
+    slots_ = weld ? std::bit_ceil(2 * vertices + 1) : 0;
+    const auto cut = [&](Cutter& c) {
+        box_ = c.take<SceneBox>(1);
+        vertices_ = c.take<std::byte>(worlds->vertex_bytes());
+        corners_ = c.take<std::int32_t>(weld ? 3 * static_cast<std::size_t>(scene_.triangle_count()) : 0);
+        table_ = c.take<unsigned>(slots_);
+    };
+    lay_out(block_, cut, room);
+    const std::int64_t size = scene_.float32 ? sizeof(float) : sizeof(double);
+    scene_.reader[0] = {vertices_, 3 * size, size, scene_.float32};
+    if (weld) scene_.corners = corners_;
+    names_ = worlds->names();
+    names_.pairs = pairs;
+    weld_ = weld;
+    poses_ = poses;
+    posed_ = std::move(worlds);
+}
+
 void Input::want(const Query& query, Room room) {
+    if (posed_) {
+        wanted_ = posed_->wanted();
+        return;
+    }
     rule_.prepare(query, scene_.bodies);
     want(rule_, room);
 }
@@ -183,7 +219,7 @@ void Input::want(const GroupRule& rule, Room room) {
 
 void Input::clear(Clearing& clearing) const {
     if (known_shape_) cuda::clear(clearing, box_);
-    if (mesh_[0]) {
+    if (mesh_[0] || posed_) {
         cuda::clear(clearing, box_);
         for (std::size_t side = 0; scene_.between && scene_.groups && side < 2; ++side)
             if (mesh_[side]->groups.empty())
@@ -209,7 +245,20 @@ void Input::join(const Geometry& geometry, cudaStream_t stream, Counters* counte
         if (const auto& groups = mesh_[side]->groups; !groups.empty())
             CRUMPLE_CUDA(cudaMemcpyAsync(groups_ + (side ? scene_.triangles[0] : 0), groups.data(), groups.size_bytes(),
                                          cudaMemcpyDeviceToDevice, stream));
+    if (weld_) weld(geometry, stream);
+}
+
+void Input::pose(const Geometry& geometry, cudaStream_t stream, Counters* counters) {
+    posed_->pose(geometry, stream, poses_, vertices_, box_, counters);
     if (!weld_) return;
+    const auto corners = 3 * static_cast<std::size_t>(scene_.triangle_count());
+    if (corners > 0)
+        CRUMPLE_CUDA(cudaMemcpyAsync(corners_, posed_->scene().corners, corners * sizeof *corners_,
+                                     cudaMemcpyDeviceToDevice, stream));
+    weld(geometry, stream);
+}
+
+void Input::weld(const Geometry& geometry, cudaStream_t stream) {
     const Launch over_vertices{stream, geometry.blocks(static_cast<std::size_t>(scene_.vertex_count())),
                                geometry.threads};
     const Launch over_corners{stream, geometry.blocks(3 * static_cast<std::size_t>(scene_.triangle_count())),
@@ -220,6 +269,7 @@ void Input::join(const Geometry& geometry, cudaStream_t stream, Counters* counte
 
 void Input::enqueue(const Geometry& geometry, cudaStream_t stream, Counters* counters) {
     if (mesh_[0]) join(geometry, stream, counters);
+    if (posed_) pose(geometry, stream, counters);
     if (!known_shape_) return;
     check_vertices(geometry, stream, scene_, box_, counters);
     compare(geometry, stream, *known_shape_, known_, counters);
@@ -227,6 +277,7 @@ void Input::enqueue(const Geometry& geometry, cudaStream_t stream, Counters* cou
 
 // In the order in which the host looks.
 void Input::throw_error(const Counters& counters) const {
+    if (posed_) return posed_->throw_error(stream_, poses_, counters);
     constexpr unsigned long long none = ~0ull;
     if (counters.bad_radius != none) fail_radius("", static_cast<std::int64_t>(counters.bad_radius));
     if (counters.bad_rest != none) fail_not_finite("at rest: ", static_cast<std::int64_t>(counters.bad_rest));
@@ -267,12 +318,19 @@ Input::Work Input::work() const {
         work.triangles[side] = mesh_[side]->triangles;
         work.groups[side] = mesh_[side]->groups.data();
     }
+    if (posed_) {
+        work.poses = poses_.data;
+        work.type_of_poses = poses_.type;
+        work.bodies = posed_->number();
+        work.names = names_;
+    }
     work.block = block_.data();
     work.weld = weld_;
     return work;
 }
 
 void Input::release() {
+    posed_.reset();
     block_.release();
     worlds_.release();
     rule_.release();

@@ -1,8 +1,9 @@
 #pragma once
 
-// What a call is given, brought into the device's memory: a scene that the host has checked and joined, or meshes that
-// lie on the device already, which are checked, joined and welded there.
+// What a call is given, brought into the device's memory: a scene that the host has checked and joined, meshes that lie
+// on the device already, which are checked, joined and welded there, or poses of bodies that lie there.
 
+#include <memory>
 #include <optional>
 
 #include "crumple/mesh.h"
@@ -11,6 +12,7 @@
 #include "engine/cuda/memory.h"
 #include "engine/cuda/mirror.h"
 #include "engine/cuda/places.h"
+#include "engine/cuda/posed_worlds.h"
 #include "engine/cuda/worlds.h"
 #include "geometry/position_hash.h"
 #include "model/rules.h"
@@ -39,6 +41,10 @@ class Input {
     /// One mesh in device memory whose features are asked about. Counts are as they are known; else Error, or what was
     /// seen of it is no use.
     void view(const Shape& shape, const KnownMesh& known, Room room = Room::grows);
+    /// Bodies under poses in device memory, which enqueue()'s work reads. `pairs`: whether the answer on the device
+    /// names pairs by bodies. Throws Error (invalid_argument) for poses that lie elsewhere.
+    void pose(std::shared_ptr<const PosedWorlds> worlds, const DevicePoses& poses, bool weld, bool pairs,
+              Room room = Room::grows);
     /// The query's rules, or those of the world that the scene is made of.
     void want(const Query& query, Room room = Room::grows);
     void want(const GroupRule& rule, Room room = Room::grows);
@@ -57,9 +63,12 @@ class Input {
     /// What enqueue()'s work depends on beside the scene: while it is equal, so is the work.
     struct Work {
         TriangleView triangles[2];
-        const void *groups[2] = {}, *lists[2] = {}, *block = nullptr;
+        const void *groups[2] = {}, *lists[2] = {}, *block = nullptr, *poses = nullptr;
         KnownMesh known;
         bool weld = false;
+        ScalarType type_of_poses{};
+        std::uint64_t bodies = 0;  ///< PosedWorlds::number()
+        WorldNames names;
         friend bool operator==(const Work&, const Work&) = default;
     };
     Work work() const;
@@ -68,9 +77,15 @@ class Input {
     const SceneBox* box() const { return box_; }
     const Worlds& worlds() const { return worlds_; }
     const WantedPairs& wanted() const { return wanted_; }
+    /// Null where the scene is no worlds under poses.
+    const PosedWorlds* posed() const { return posed_.get(); }
+    const WorldNames& names() const { return names_; }
 
    private:
     void join(const Geometry& geometry, cudaStream_t stream, Counters* counters);
+    void pose(const Geometry& geometry, cudaStream_t stream, Counters* counters);
+    void weld(const Geometry& geometry, cudaStream_t stream);
+    void forget();
 
     Places places_;
     cudaStream_t stream_;
@@ -82,8 +97,12 @@ class Input {
     Array<std::byte> packed_;
     Scene scene_;
     std::optional<MeshView> mesh_[2];   ///< on the device; none: the host has checked and joined
-    std::optional<Shape> known_shape_;  ///< on the device, whose features are known
+    std::optional<Shape> known_shape_;  ///< or one whose features are known
     KnownMesh known_;
+    std::shared_ptr<const PosedWorlds> posed_;  ///< or bodies, under
+    DevicePoses poses_;
+    WorldNames names_;
+    std::byte* vertices_ = nullptr;  ///< of these
     bool weld_ = false;
     PositionHash hash_;
     SceneBox* box_ = nullptr;

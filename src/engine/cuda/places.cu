@@ -48,6 +48,8 @@ void Places::look(Known& known, const char* name, const char* which, const void*
     known = {array};
 }
 
+void Places::check(const char* name, const void* array) { look(known_[8], name, "", array, false); }
+
 void Places::check(const MeshView& a, const MeshView* b) {
     const std::array<const MeshView*, 2> meshes{&a, b};
     for (std::size_t side = 0; side < (b ? 2u : 1u); ++side) {

@@ -4,6 +4,7 @@
 // process, so each is asked for before.
 
 #include <array>
+#include <string>
 
 #include "crumple/mesh.h"
 #include "crumple/world.h"
@@ -19,6 +20,8 @@ class Places {
     void check(const MeshView& a, const MeshView* b);
     /// Of all that a shape has.
     void check(const Shape& shape);
+    /// The same for an array that is called `name`.
+    void check(const char* name, const void* array);
 
    private:
     struct Known {
@@ -27,7 +30,7 @@ class Places {
     void look(Known& known, const char* name, const char* which, const void* array, bool empty) const;
 
     int device_;
-    std::array<Known, 8> known_{};
+    std::array<Known, 9> known_{};
 };
 
 }  // namespace crumple::cuda

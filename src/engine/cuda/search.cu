@@ -32,6 +32,7 @@ Search::Key Search::Key::shape() const {
     for (VertexReader& reader : shape.scene.reader) forget_place(reader.data);
     for (TriangleView& view : shape.input.triangles) forget_place(view.data);
     for (const void*& of : shape.input.groups) forget_place(of);
+    forget_place(shape.input.poses);
     forget_place(shape.scene.corners);
     forget_place(shape.scene.groups);
     forget_place(shape.wanted.groups.excluded);
@@ -66,6 +67,13 @@ void Search::view(std::size_t slot, const MeshView& a, const MeshView* b, bool w
     bring_with_room([&] { input().view(a, b, weld, room); });
 }
 
+void Search::pose(std::size_t slot, const std::shared_ptr<const PosedWorlds>& worlds, const DevicePoses& poses,
+                  bool weld, bool pairs, Room room) {
+    now_ = slot;
+    this->slot().lost = true;
+    bring_with_room([&] { input().pose(worlds, poses, weld, pairs, room); });
+}
+
 void Search::bring(const Scene& scene) {
     bring_with_room([&] { input().bring(scene); });
 }
@@ -90,6 +98,7 @@ void Search::look() {
     pass_.worlds = input().worlds().triangles();
     pass_.wanted = input().wanted();
     pass_.policy = policy_of(query().neighbours, query().intersections);
+    answer().names = input().names();
     statistics_ = {};
 }
 
@@ -205,13 +214,13 @@ void Search::find() {
     statistics_ = {};
     flights_.settle();  // passes work on the same lists
     if (fits_at_once([&] { find_at_once(); })) return;
-    refuse_several_worlds();
+    refuse_worlds();
     in_chunks([&](Lists lists) { find_in_chunks(lists); });
 }
 
-// Fewer worlds at once need less than chunks of all of them.
-void Search::refuse_several_worlds() const {
-    if (pass_.scene.worlds > 1) throw MemoryMeter::Exceeded{};
+// Fewer worlds at once need less than chunks of all of them, and chunks name no pairs by bodies.
+void Search::refuse_worlds() {
+    if (pass_.scene.worlds > 1 || input().posed()) throw MemoryMeter::Exceeded{};
 }
 
 void Search::find_at_once() {
@@ -273,14 +282,14 @@ bool Search::any() {
     statistics_ = {};
     bool found = false;
     if (fits_at_once([&] { found = any_at_once(); })) return found;
-    refuse_several_worlds();
+    refuse_worlds();
     in_chunks([&](Lists lists) { found = any_in_chunks(lists); });
     return found;
 }
 
 void Search::flag_worlds(std::span<std::uint8_t> flags) {
     statistics_ = {};
-    if (!fits_at_once([&] { flag_worlds_at_once(flags); })) refuse_several_worlds();
+    if (!fits_at_once([&] { flag_worlds_at_once(flags); })) refuse_worlds();
 }
 
 // In two rounds, for a hit is known only after a sweep: where many collide, a sixteenth of the sweep tells, and kernels
@@ -438,11 +447,22 @@ void Search::copy_to(Collisions& result) {
         });
 }
 
+Statistics Search::shown_statistics() const {
+    Statistics shown = statistics_;
+    shown.triangles = pass_.scene.triangle_count();
+    shown.pairs = static_cast<std::int64_t>(answer().total);
+    return shown;
+}
+
 DeviceCollisions Search::show() const {
     DeviceCollisions shown = answer().show(pass_.scene, query().contacts);
-    shown.statistics = statistics_;
-    shown.statistics.triangles = pass_.scene.triangle_count();
-    shown.statistics.pairs = static_cast<std::int64_t>(answer().total);
+    shown.statistics = shown_statistics();
+    return shown;
+}
+
+DeviceWorldCollisions Search::show_worlds() const {
+    DeviceWorldCollisions shown = answer().show_worlds(query().contacts);
+    shown.statistics = shown_statistics();
     return shown;
 }
 
@@ -452,6 +472,16 @@ DeviceCollisions Search::show_incomplete() const {
     shown.pairs_needed = static_cast<std::int64_t>(slot().counters->hits);
     shown.statistics.backend = "cuda";
     shown.statistics.triangles = pass_.scene.triangle_count();
+    return shown;
+}
+
+DeviceWorldCollisions Search::show_incomplete_worlds() const {
+    const DeviceCollisions scene = show_incomplete();
+    DeviceWorldCollisions shown;
+    shown.complete = false;
+    shown.pairs_needed = scene.pairs_needed;
+    shown.worlds = answer().names.worlds;
+    shown.statistics = scene.statistics;
     return shown;
 }
 

@@ -43,6 +43,9 @@ class Search {
     std::array<Input*, Flights::slots> inputs() { return {&slots_[0].input, &slots_[1].input}; }
     /// Works on a slot, whose last answer goes, and has its input view the meshes.
     void view(std::size_t slot, const MeshView& a, const MeshView* b, bool weld, Room room = Room::grows);
+    /// The same for bodies under poses; `pairs`: see Input::pose.
+    void pose(std::size_t slot, const std::shared_ptr<const PosedWorlds>& worlds, const DevicePoses& poses, bool weld,
+              bool pairs, Room room = Room::grows);
     /// Has its input bring a scene.
     void bring(const Scene& scene);
     std::size_t current() const { return now_; }
@@ -83,8 +86,10 @@ class Search {
     void copy_to(Collisions& result);
     /// What make_contacts() and find() have left.
     DeviceCollisions show() const;
+    DeviceWorldCollisions show_worlds() const;
     /// After a replay that has not left the whole answer.
     DeviceCollisions show_incomplete() const;
+    DeviceWorldCollisions show_incomplete_worlds() const;
     void download(Collisions& result) { answer().copy_to(scene(), query().contacts, result); }
 
     const Scene& scene() const { return pass_.scene; }
@@ -94,6 +99,8 @@ class Search {
 
     /// Gives back the memory of lists and answer.
     void drop_lists();
+    /// There is more memory than before: what did not fit at once may.
+    void hope_again() { too_many_ = std::numeric_limits<std::int64_t>::max(); }
     /// The same, and all else that is kept between calls.
     void release();
 
@@ -146,7 +153,8 @@ class Search {
     Counters read_counters();
     std::size_t decide_beyond(std::size_t n);
 
-    void refuse_several_worlds() const;
+    void refuse_worlds();
+    Statistics shown_statistics() const;
 
     // flags.cu
     void flag_worlds_at_once(std::span<std::uint8_t> flags);

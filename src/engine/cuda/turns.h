@@ -17,7 +17,8 @@
 namespace crumple::cuda {
 
 inline const char* wait_for(Asked question) {
-    constexpr std::array<const char*, 4> names{"wait()", "wait_impacts()", "wait_near()", "wait_candidates()"};
+    constexpr std::array<const char*, 5> names{"wait()", "wait_worlds()", "wait_impacts()", "wait_near()",
+                                               "wait_candidates()"};
     return names[static_cast<std::size_t>(question)];
 }
 
@@ -66,8 +67,10 @@ class Turns {
             capture();
         } catch (const NoRoom&) {
             throw Error(ErrorCode::invalid_argument,
-                        "a launch in a capture needs two calls before it, outside of the capture, with meshes of the "
-                        "same shape and the same query: they make its lists");
+                        std::string("a launch in a capture needs two calls before it, outside of the capture, with ") +
+                            (question == Asked::worlds ? "the same bodies and the same question"
+                                                       : "meshes of the same shape and the same query") +
+                            ": they make its lists");
         }
         replayed = false;
         captured_ = question;
@@ -81,10 +84,9 @@ class Turns {
     }
     bool replayed = false;  ///< since the capture: a wait has told of it
     /// Before a wait looks at what a replay has left.
-    void begin_replay(bool has_replayed) {
+    void begin_replay(Asked question, bool has_replayed) {
         refuse_open_capture();
-        if (!has_replayed)
-            throw Error(ErrorCode::invalid_argument, "wait() needs a replay of the captured launch before it");
+        if (!has_replayed) refuse(question, " needs a replay of the captured launch before it");
         replayed = false;
     }
 
@@ -100,7 +102,7 @@ class Turns {
 
     /// Throws Error unless the oldest launch in flight asks that.
     void refuse_other(Asked question) const {
-        if (flights.count() == 0) throw Error(ErrorCode::invalid_argument, "wait() needs a launch before it");
+        if (flights.count() == 0) refuse(question, " needs a launch before it");
         check(asked_[flights.oldest()], question);
     }
 
@@ -125,6 +127,9 @@ class Turns {
         cudaStreamCaptureStatus status = cudaStreamCaptureStatusNone;
         CRUMPLE_CUDA(cudaStreamIsCapturing(own_, &status));
         return status != cudaStreamCaptureStatusNone;
+    }
+    [[noreturn]] static void refuse(Asked question, const char* why) {
+        throw Error(ErrorCode::invalid_argument, std::string(wait_for(question)) + why);
     }
     static void check(Asked launched, Asked question) {
         if (launched != question)

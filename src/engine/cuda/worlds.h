@@ -22,6 +22,8 @@ class Worlds {
 
     /// Those of a scene of the host, in none of which anything has been found. One takes no memory.
     void bring(cudaStream_t stream, const Scene& host);
+    /// Those that lie on the device already, and whose counters are whoever's has `found`; null: one has all.
+    void share(const Segments& triangles, unsigned long long* found) { triangles_ = triangles, found_ = found; }
     /// A scene of one world comes next.
     void forget() { triangles_ = {}, found_ = nullptr; }
     void release();

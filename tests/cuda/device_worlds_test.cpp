@@ -1,0 +1,329 @@
+// Worlds whose poses lie on the device. Plain CUDA: the CPU plays the device, or a device is there.
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <limits>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "crumple/error.h"
+#include "cuda/device_world.h"
+#include "cuda/recorder.h"
+#include "cuda/shows.h"
+#include "error_of.h"
+#include "soups.h"
+#include "worlds/compare_worlds.h"
+
+namespace crumple::test {
+namespace {
+
+constexpr std::array every_wants{Wants::any,   Wants::any_by_world, Wants::body_pairs,
+                                 Wants::count, Wants::pairs,        Wants::contacts};
+
+/// A random world with poses, whose named shapes have names of their own.
+std::unique_ptr<RandomWorld> posed_world(unsigned seed, const WorldKind& kind) {
+    auto world = random_world(seed, kind);
+    world->poses.resize(world->bodies.size());
+    for (Shape& shape : world->shapes)
+        if (shape.name != 0) shape.name += 1000 * (seed + 1);
+    return world;
+}
+
+std::vector<Pose> moved(const std::vector<Pose>& poses, unsigned seed, double reach = 0.6) {
+    Dice dice(seed);
+    std::vector<Pose> out = poses;
+    for (Pose& pose : out) pose = random_pose(dice, reach);
+    return out;
+}
+
+const std::vector<WorldKind> kinds{
+    {},
+    {.named = 1, .mixed_precision = false},
+    {.bodies = 0},
+    {.bodies = 1},
+    {.bodies = 14, .worlds = 5, .gaps = 0.3},
+    {.bodies = 30, .worlds = 12, .named = 0, .everywhere = 0.1},
+    {.shapes = 6, .bodies = 12, .worlds = 3, .everywhere = 0.7},
+};
+
+TEST(CudaDeviceWorlds, have_the_answers_of_brute_force) {
+    Detector cuda({.backend = Backend::cuda}), small({.backend = Backend::cuda, .leaf_size = 12});
+    Detector reference({.backend = Backend::reference});
+    for (unsigned seed = 0; seed < 2; ++seed)
+        for (std::size_t k = 0; k < kinds.size(); ++k) {
+            const unsigned number = 100 * seed + static_cast<unsigned>(k);
+            const auto world = posed_world(number, kinds[k]);
+            const DeviceWorld device(world->view());
+            for (const Wants wants : every_wants) {
+                SCOPED_TRACE(testing::Message() << "world " << number << ", wants " << static_cast<int>(wants));
+                Intersect question = random_question(7 * number + static_cast<unsigned>(wants), kinds[k].bodies);
+                question.wants = wants;
+                Detector& detector = number % 2 ? small : cuda;
+                ASSERT_TRUE(
+                    same_world_answer(detector.find(device.view(), question), reference.find(world->view(), question)));
+            }
+        }
+}
+
+TEST(CudaDeviceWorlds, may_have_poses_in_float32) {
+    const auto world = posed_world(3, {.bodies = 14, .worlds = 4, .mixed_precision = false});
+    for (Pose& pose : world->poses)
+        for (double& x : pose.rows) x = static_cast<double>(static_cast<float>(x));
+    const DeviceWorld device(world->view(), true);
+    Detector cuda({.backend = Backend::cuda}), cpu({.backend = Backend::cpu});
+    const WorldCollisions& expected = cpu.find(world->view());
+    ASSERT_GT(expected.count, 0);
+    EXPECT_TRUE(same_world_answer(cuda.find(device.view()), expected));
+    cuda.launch(device.view());
+    EXPECT_TRUE(shows_world(cuda.wait_worlds(), expected));
+}
+
+TEST(CudaDeviceWorlds, leave_their_answers_on_the_device) {
+    Detector cuda({.backend = Backend::cuda}), cpu({.backend = Backend::cpu});
+    cudaStream_t stream;
+    check(cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking));
+    for (std::size_t k = 0; k < kinds.size(); ++k) {
+        const auto world = posed_world(500 + static_cast<unsigned>(k), kinds[k]);
+        DeviceWorld device(world->view());
+        for (const Wants wants : every_wants) {
+            if (wants == Wants::body_pairs) continue;
+            Intersect question = random_question(11 * static_cast<unsigned>(k), kinds[k].bodies);
+            question.index = false;
+            for (int frame = 0; frame < 4; ++frame) {
+                SCOPED_TRACE(testing::Message()
+                             << "kind " << k << ", wants " << static_cast<int>(wants) << ", frame " << frame);
+                const auto poses = moved(world->poses, static_cast<unsigned>(frame / 2));
+                device.set_poses(poses);
+                question.wants = wants;
+                cuda.launch(device.view(stream), question);
+                const DeviceWorldCollisions& found = cuda.wait_worlds();
+                EXPECT_EQ(found.pairs != nullptr, wants >= Wants::pairs);
+                EXPECT_EQ(found.contact_kinds != nullptr, wants == Wants::contacts);
+                question.wants = std::max(wants, Wants::pairs);
+                ASSERT_TRUE(shows_world(found, cpu.find({world->shapes, world->bodies, poses}, question)));
+            }
+        }
+    }
+    check(cudaStreamDestroy(stream));
+}
+
+// The second launch may have other bodies than the first, which then is run again, for its lists were too short.
+TEST(CudaDeviceWorlds, may_be_launched_twice_before_a_wait) {
+    const auto one = posed_world(21, {.bodies = 20, .worlds = 6, .named = 1, .mixed_precision = false});
+    const auto two = posed_world(22, {.bodies = 12, .worlds = 3, .named = 0});
+    const auto many = random_soup<float>(260, 0.8, 3);
+    one->shapes[0] = Shape(many.view(), 77);
+    const DeviceWorld first(one->view()), second(two->view());
+    Detector cuda({.backend = Backend::cuda}), cpu({.backend = Backend::cpu});
+    const WorldCollisions of_one = cpu.find(one->view()), of_two = cpu.find(two->view());
+    ASSERT_GT(of_one.count, 3000);
+    const auto mesh = random_soup<float>(90, 0.4, 9);
+    const DeviceMesh device(mesh.view());
+    for (int turn = 0; turn < 4; ++turn) {
+        SCOPED_TRACE(turn);
+        cuda.launch(first.view());
+        cuda.launch(second.view());
+        EXPECT_STREQ(error_of([&] { cuda.launch(first.view()); }).what(),
+                     "two launches are in flight: the next one comes after a wait()");
+        EXPECT_TRUE(shows_world(cuda.wait_worlds(), of_one));
+        cuda.launch(first.view());
+        EXPECT_TRUE(shows_world(cuda.wait_worlds(), of_two));
+        if (turn == 2) cuda.launch_self(device.view());
+        EXPECT_TRUE(shows_world(cuda.wait_worlds(), of_one));
+        if (turn != 2) continue;
+        const Collisions& of_mesh = cpu.find_self(mesh.view());
+        EXPECT_TRUE(shows(cuda.wait(), mesh.view(), nullptr, of_mesh));
+    }
+}
+
+TEST(CudaDeviceWorlds, are_waited_for_by_their_own_call) {
+    const auto world = posed_world(31, {.bodies = 8, .worlds = 3});
+    const DeviceWorld device(world->view());
+    const auto mesh = random_soup<float>(90, 0.4, 9);
+    const DeviceMesh there(mesh.view());
+    Detector cuda({.backend = Backend::cuda});
+    const auto message_of = [](auto call) { return std::string(error_of(call).what()); };
+    EXPECT_EQ(message_of([&] { cuda.wait_worlds(); }), "wait_worlds() needs a launch before it");
+    cuda.launch(device.view());
+    cuda.launch_self(there.view());
+    EXPECT_EQ(message_of([&] { cuda.wait(); }), "the oldest launch is answered by wait_worlds()");
+    EXPECT_TRUE(cuda.wait_worlds().complete);
+    EXPECT_EQ(message_of([&] { cuda.download(); }), "download() needs a wait() before it");
+    cuda.launch_self(there.view());
+    EXPECT_EQ(message_of([&] { cuda.wait_worlds(); }), "the oldest launch is answered by wait()");
+    EXPECT_TRUE(cuda.wait().complete);
+    EXPECT_TRUE(cuda.wait().complete);
+}
+
+TEST(CudaDeviceWorlds, may_change_between_calls) {
+    const auto world = posed_world(41, {.bodies = 16, .worlds = 4, .named = 0.5});
+    Detector cuda({.backend = Backend::cuda}), cpu({.backend = Backend::cpu});
+    const auto compare = [&](const Intersect& question = {}) {
+        const DeviceWorld device(world->view());
+        const WorldCollisions& expected = cpu.find(world->view(), question);
+        EXPECT_TRUE(same_world_answer(cuda.find(device.view(), question), expected));
+        cuda.launch(device.view(), question);
+        EXPECT_TRUE(shows_world(cuda.wait_worlds(), expected));
+        return expected.count;
+    };
+    const std::int64_t before = compare();
+    ASSERT_GT(before, 0);
+    Intersect question;
+    question.rules.excluded_bodies = {{0, 1}, {2, 5}};
+    question.rules.bodies = Wanted::between;
+    compare(question);
+    question.rules.excluded_groups = {{0, 0}};
+    compare(question);
+    world->bodies[3].self = !world->bodies[3].self;
+    compare();
+    world->bodies[2].group += 7;
+    compare(question);
+    // A shape without a name moves its vertices where they lie.
+    auto soup = random_soup<float>(40, 0.5, 5);
+    world->shapes.push_back(Shape(soup.view()));
+    for (Body& body : world->bodies) body.shape = static_cast<std::int32_t>(world->shapes.size()) - 1;
+    const std::int64_t still = compare();
+    for (auto& vertex : soup.vertices) vertex[0] *= 3;
+    EXPECT_NE(compare(), still);
+    world->bodies.pop_back();
+    world->poses.pop_back();
+    compare();
+    world->shapes.back().name = 4711;
+    compare();
+    for (std::size_t t = 0; t < soup.triangles.size(); ++t) soup.groups.push_back(static_cast<int>(t) % 2);
+    world->shapes.back().groups = soup.groups;
+    compare(question);
+    soup.groups.assign(soup.groups.size(), 0);
+    compare(question);
+    const auto other = random_soup<float>(41, 0.5, 6);
+    world->shapes.back() = Shape(other.view(), 4711);
+    const DeviceWorld device(world->view());
+    const Error error = error_of([&] { cuda.find(device.view()); });
+    EXPECT_EQ(error.element, Element::shape);
+}
+
+TEST(CudaDeviceWorlds, name_the_body_of_a_bad_pose) {
+    const auto soup = random_soup<float>(30, 0.4, 5);
+    const std::vector<Shape> shapes{Shape(soup.view(), 1)};
+    std::vector<Body> bodies;
+    for (int b = 0; b < 6; ++b) bodies.push_back({.world = b / 2});
+    std::vector<Pose> good(6), nan = good, huge = good;
+    nan[3].rows[5] = std::numeric_limits<double>::quiet_NaN();
+    huge[4].rows[3] = 1e39;
+    DeviceWorld device({shapes, bodies, good});
+    Detector cuda({.backend = Backend::cuda}), cpu({.backend = Backend::cpu});
+    const WorldCollisions expected = cpu.find({shapes, bodies, good});
+    const auto expect_bad = [&](auto call) {
+        device.set_poses(nan);
+        Error error = error_of(call);
+        EXPECT_STREQ(error.what(), "body 3: its pose is not finite");
+        EXPECT_EQ(error.element, Element::body);
+        EXPECT_EQ(error.index, 3);
+        device.set_poses(huge);
+        error = error_of(call);
+        EXPECT_STREQ(error.what(), "body 4: vertex 0 is posed to infinity");
+        EXPECT_EQ(error.code, ErrorCode::not_finite);
+        device.set_poses(good);
+    };
+    for (const Wants wants : {Wants::any_by_world, Wants::pairs}) {
+        expect_bad([&] { cuda.find(device.view(), {.wants = wants}); });
+        EXPECT_EQ(cuda.find(device.view(), {.wants = wants}).any, expected.any);
+    }
+    expect_bad([&] { cuda.launch(device.view()), cuda.wait_worlds(); });
+    Recorder recorder;
+    for (int call = 0; call < 2; ++call) cuda.launch(device.view(recorder.stream())), cuda.wait_worlds();
+    recorder.begin();
+    cuda.launch(device.view(recorder.stream()));
+    recorder.end();
+    for (int turn = 0; turn < 2; ++turn) {
+        expect_bad([&] { recorder.replay(), cuda.wait_worlds(); });
+        recorder.replay();
+        EXPECT_TRUE(shows_world(cuda.wait_worlds(), expected));
+    }
+}
+
+TEST(CudaDeviceWorlds, are_part_of_a_callers_graph) {
+    const auto world = posed_world(51, {.bodies = 40, .worlds = 12, .named = 1});
+    DeviceWorld device(world->view());
+    Detector cuda({.backend = Backend::cuda}), cpu({.backend = Backend::cpu});
+    for (const Intersect& question : {Intersect{.wants = Wants::any_by_world}, Intersect{.wants = Wants::contacts},
+                                      Intersect{.wants = Wants::pairs, .weld = true}}) {
+        SCOPED_TRACE(testing::Message() << "wants " << static_cast<int>(question.wants));
+        Recorder recorder;
+        const World view = device.view(recorder.stream());
+        recorder.begin();
+        EXPECT_EQ(std::string(error_of([&] { cuda.launch(view, question); }).what()).substr(0, 97),
+                  "a launch in a capture needs two calls before it, outside of the capture, with the same bodies and");
+        recorder.end();
+        for (int call = 0; call < 3; ++call) cuda.launch(view, question), cuda.wait_worlds();
+        recorder.begin();
+        cuda.launch(view, question);
+        recorder.end();
+        int complete = 0;
+        for (unsigned frame = 0; frame < 6; ++frame) {
+            const auto poses = moved(world->poses, frame / 2, 1.5);
+            device.set_poses(poses);
+            recorder.replay();
+            const DeviceWorldCollisions& found = cuda.wait_worlds();
+            if (!found.complete) {
+                EXPECT_EQ(found.world_hit, nullptr);
+                continue;
+            }
+            ++complete;
+            Intersect all = question;
+            all.wants = std::max(question.wants, Wants::pairs);
+            EXPECT_TRUE(shows_world(found, cpu.find({world->shapes, world->bodies, poses}, all))) << frame;
+        }
+        EXPECT_GE(complete, 3);
+        device.set_poses(world->poses);
+        cuda.find(device.view());
+    }
+}
+
+TEST(CudaDeviceWorlds, refuse_what_they_cannot) {
+    const auto world = posed_world(61, {.bodies = 6, .worlds = 2});
+    const DeviceWorld device(world->view());
+    Detector cuda({.backend = Backend::cuda}), cpu({.backend = Backend::cpu});
+    const auto message_of = [](auto call) {
+        const Error error = error_of(call);
+        EXPECT_EQ(error.code, ErrorCode::invalid_argument);
+        return std::string(error.what());
+    };
+    EXPECT_EQ(message_of([&] { cuda.launch(device.view(), {.wants = Wants::body_pairs}); }),
+              "which bodies collide is told by find(), not by a launch");
+    EXPECT_EQ(message_of([&] { cuda.launch(device.view(), {.index = true}); }),
+              "index must be false: of a launch there are offsets of worlds only");
+    EXPECT_EQ(message_of([&] { cuda.launch(world->view()); }), "launch takes worlds whose poses lie in device memory");
+    EXPECT_EQ(message_of([&] { cpu.launch(device.view()); }),
+              "poses in device memory need the cuda backend (Options::backend)");
+    for (Detector* detector : {&cuda, &cpu})
+        EXPECT_EQ(message_of([&] { detector->find_near(device.view(), Near{.radius = 1}); }).substr(0, 24),
+                  "poses in device memory a");
+    EXPECT_EQ(message_of([&] { cpu.find(device.view()); }).substr(0, 24), "poses in device memory a");
+    const auto take = [](const WorldCollisions&) {};
+    EXPECT_EQ(message_of([&] { cuda.stream(device.view(), take); }).substr(0, 24), "poses in device memory a");
+    World wrong = device.view();
+    wrong.device_poses.count = 5;
+    EXPECT_EQ(message_of([&] { cuda.find(wrong); }), "there are 5 poses for 6 bodies");
+    wrong = device.view();
+    wrong.poses = world->poses;
+    EXPECT_EQ(message_of([&] { cuda.launch(wrong); }), "poses lie in device memory or in host memory, not in both");
+    wrong = device.view();
+    wrong.device_poses.data = static_cast<const std::byte*>(wrong.device_poses.data) + 4;
+    EXPECT_EQ(message_of([&] { cuda.find(wrong); }), "poses are not aligned to their numbers");
+    int pages = 0;
+    check(cudaDeviceGetAttribute(&pages, cudaDevAttrPageableMemoryAccess, 0));
+    if (!pages) {
+        wrong = device.view();
+        wrong.device_poses.data = world->poses.data();
+        for (const bool launched : {false, true})
+            EXPECT_EQ(message_of([&] { launched ? cuda.launch(wrong) : void(cuda.find(wrong)); }),
+                      "poses lie in host memory, which CUDA device 0 cannot read");
+    }
+    EXPECT_TRUE(same_world_answer(cuda.find(device.view()), cpu.find(world->view())));
+}
+
+}  // namespace
+}  // namespace crumple::test
