@@ -286,7 +286,8 @@ class Detector {
     ///
     /// All worlds are one scene: without those that have fewer than two triangles at most 65,535, and 2^24 triangles
     /// together where there are several, bodies that are in all worlds counted in each. Throws Error (invalid_argument)
-    /// for more, which find() takes; for Wants::body_pairs and for Intersect::index. Flags take what counts do.
+    /// for more, which find() takes; for Wants::body_pairs and for Intersect::index. Cost: that of launch_self for the
+    /// triangles of all worlds together, whatever is wanted of them; the host compares bodies, some nanoseconds each.
     void launch(const World& world, const Intersect& question = {});
 
     /// Waits for the oldest launch, one of worlds, and tells where its answer lies on the device; all as wait() has it,

@@ -9,6 +9,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "crumple/world.h"
 #include "engine/cuda/bounds.h"
@@ -27,7 +28,7 @@ class PosedWorlds {
 
     const RestingWorlds& resting() const { return *resting_; }
 
-    /// The scene, whose vertices are whoever's poses() fills.
+    /// The scene; its vertices are those that pose() has written for a launch.
     const Scene& scene() const { return scene_; }
     std::size_t vertex_bytes() const;
     /// Each world's triangles, and a counter each for hits, if there are several; else null.
