@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Tests that take an hour and more, which .ci/run leaves out. Prints a table of figures, for docs/fuzzing.md.
+# Tests that take an hour and more, which .ci/run leaves out: all others thoroughly, then fuzz targets. Prints a table of
+# figures, for docs/fuzzing.md.
 #   scripts/test_long.sh [READS [SEARCHES [WORLDS]]]   how many inputs of each fuzz target; ten, one and one million
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -18,6 +19,9 @@ row() {
         "$(sed -E 's/.*cov: ([0-9]+).*/\1/' <<<"$done")" "$counters" \
         "$(sed -E 's/.*corp: ([^ ]+).*/\1/' <<<"$done")" "$(stat peak_rss_mb)"
 }
+
+# More of what is random, and what the usual run leaves out.
+CRUMPLE_ROUNDS=5 scripts/test.sh
 
 scripts/fuzz.sh readers -runs="$reads"
 scripts/fuzz.sh search -runs="$searches"

@@ -15,6 +15,12 @@ inline constexpr bool sanitized = __has_feature(address_sanitizer) || __has_feat
 inline constexpr bool sanitized = false;
 #endif
 
+/// Whether tests should do all they can, as scripts/test_long.sh wants.
+inline bool thorough() {
+    static const bool asked = std::getenv("CRUMPLE_ROUNDS") != nullptr;
+    return asked;
+}
+
 /// Some times the usual number of rounds, by CRUMPLE_ROUNDS; a fifth under sanitizers, which are slow.
 inline int more_or_less(int usual) {
     static const char* const times = std::getenv("CRUMPLE_ROUNDS");

@@ -69,8 +69,8 @@ constexpr bool played = false;
 constexpr std::size_t cpu_options = sanitized ? 6 : 24;
 constexpr std::size_t query_step = played ? (sanitized ? 4 : 3) : (sanitized ? 2 : 1);
 const std::vector<int> part_counts = sanitized ? played ? std::vector{5} : std::vector{2, 70}
-                                     : played ? std::vector{1, 3, 13}
-                                               : std::vector{1, 2, 3, 8, 31, 64, 150};
+                                     : played ? thorough() ? std::vector{1, 3, 13} : std::vector{1, 3}
+                                              : std::vector{1, 2, 3, 8, 31, 64, 150};
 constexpr std::size_t option_count = on_cpu ? cpu_options : 4;
 constexpr std::int64_t limit_step = on_cpu ? 3 : 20;
 

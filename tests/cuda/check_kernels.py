@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Compiles one CUDA source for sm_90 and holds its kernels to what makes them fast: budgets of local memory and of
-registers, loads of 16 bytes where rows and records are read, and no loads of single bytes. Usage: check_kernels.py NVCC
-FLAGS... SOURCE. With CRUMPLE_LIST_KERNELS set, it lists what it found."""
+registers, loads of 16 bytes where rows and records are read, and no loads of single bytes. Usage: check_kernels.py
+[ccache] NVCC FLAGS... SOURCE. With CRUMPLE_LIST_KERNELS set, it lists what it found."""
 
 import os
 import re
@@ -37,17 +37,23 @@ BYTES = re.compile(r"(check|bounds|join|corners|rest)_kernelI\w*Lb0E|(exact|cont
 
 def kernels(nvcc, source, folder):
     """name -> (stack, registers, body in PTX)."""
-    run = subprocess.run([*nvcc, "-Xptxas=-v", "--keep", "--keep-dir", folder, "-cubin", "-o", f"{folder}/out.cubin", source],
-                         capture_output=True, text=True, check=False)
+    # Machine code and PTX in one file, the latter as plain text, so that ccache can answer: it remembers one file, and what
+    # is printed.
+    run = subprocess.run([*nvcc, "-gencode=arch=compute_90,code=[compute_90,sm_90]", "-Xptxas=-v", "-c", "-fatbin",
+                          "-no-compress", "-o", f"{folder}/out", source], capture_output=True, text=True, check=False)
     if run.returncode:
         sys.exit(run.stderr)
     used = {}
     for part in run.stderr.split("Compiling entry function '")[1:]:
         stack, registers = re.search(r"(\d+) bytes stack frame", part), re.search(r"Used (\d+) registers", part)
         used[part.split("'")[0]] = int(stack[1]), int(registers[1])
-    text = next(Path(folder).glob("*.ptx")).read_text(encoding="utf-8")
-    bodies = re.findall(r"\.entry (\w+)\(.*?\n\)(.*?)\n\}", text, re.S)
-    return {name: (*used[name], body) for name, body in bodies if name in used}
+    ptx = re.search(rb"\.version [0-9].*?(?=\0)", Path(folder, "out").read_bytes(), re.S)
+    if not ptx:
+        sys.exit("no PTX beside the machine code")
+    # Nothing is indented there, so that only the beginning of what follows ends a kernel.
+    parts = re.split(r"^(?:\.\w+ )*\.(?=entry |func )", ptx[0].decode(), flags=re.M)
+    bodies = (part.split("(", 1) for part in parts if part.startswith("entry "))
+    return {name: (*used[name], body) for name, body in ((head[6:], body) for head, body in bodies) if name in used}
 
 
 def value(table, name, otherwise):

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "error_of.h"
+#include "rounds.h"
 #include "soups.h"
 
 namespace crumple {
@@ -109,6 +110,9 @@ void compare(const Meshes& meshes, const Query& query, const Options& options, s
     }
 }
 
+/// Sanitizers are slow, and a block of one pair is a search.
+constexpr int part = sanitized ? 2 : 1;
+
 std::vector<Options> ways() {
     std::vector<Options> result(4);
     result[0].threads = 1;
@@ -122,16 +126,17 @@ std::vector<Options> ways() {
 }
 
 TEST(Stream, of_one_soup_is_the_whole_answer) {
-    const auto soup = test::random_soup(200, 0.8);
+    const auto soup = test::random_soup(200 / part, 0.8);
     for (const Options& options : ways())
-        compare({soup.view()}, {.contacts = true}, options, {1, 7, 300, 1 << 18}, 500);
+        compare({soup.view()}, {.contacts = true}, options, {1, 7, 300 / part, 1 << 18}, 500 / (part * part));
 }
 
 TEST(Stream, of_two_soups_is_the_whole_answer) {
-    const auto a = test::random_soup<float>(150, 0.8);
-    const auto b = test::random_soup<double>(120, 0.9, 2);
+    const auto a = test::random_soup<float>(150 / part, 0.8);
+    const auto b = test::random_soup<double>(120 / part, 0.9, 2);
     const MeshView second = b.view();
-    for (const Options& options : ways()) compare({a.view(), &second}, {.contacts = true}, options, {1, 50, 4000}, 400);
+    for (const Options& options : ways())
+        compare({a.view(), &second}, {.contacts = true}, options, {1, 50, 4000}, 400 / (part * part));
 }
 
 TEST(Stream, of_a_sheet_is_the_whole_answer) {

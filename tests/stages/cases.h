@@ -4,7 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
 #include <memory>
+#include <tuple>
 
 #include "geometry/exact.h"
 #include "questions/features/points.h"
@@ -140,10 +142,19 @@ class Stages : public testing::TestWithParam<StageBackend> {
             for (const auto& [clusters, leaf_size] : {std::pair{1, 3000}, {7, 3000}, {3, 10}, {20, 4}}) {
                 SCOPED_TRACE(the.name + ", " + std::to_string(clusters) + " clusters, leaves of " +
                              std::to_string(leaf_size));
-                check(the, GetParam().run(the.scene, {.clusters = clusters, .leaf_size = leaf_size}));
+                check(the, left_behind(the, {.clusters = clusters, .leaf_size = leaf_size}));
                 if (HasFatalFailure()) return;
             }
         }
+    }
+
+    /// What the backend leaves behind, which is the same for all tests: it runs once in a process.
+    static const StageState& left_behind(const StageCase& the, const Options& options) {
+        static std::map<std::tuple<std::string, std::string, int, int>, StageState> states;
+        const StageBackend& backend = GetParam();
+        const auto [state, fresh] = states.try_emplace({backend.name, the.name, options.clusters, options.leaf_size});
+        if (fresh) state->second = backend.run(the.scene, options);
+        return state->second;
     }
 };
 

@@ -111,6 +111,72 @@ __global__ void queue_of_bits(unsigned* out, bool planted) {
     out[threadIdx.x] = sum;
 }
 
+enum class QueueBug { lost_at_the_end, one_too_many, counted_by_those_that_add, read_while_written };
+
+struct QueuesOfTests {
+    unsigned waiting[2][63];  // up to 31 are left when 32 come
+};
+
+/// Which tests of a kind a lane's pair expands to, a bit a test. The second queue waits while the first one is filled
+/// to the brim, goes on where others have read, and both are left with some at the end.
+__host__ __device__ inline unsigned tests_of_a_pair(unsigned pair, unsigned kind, unsigned lane) {
+    if (kind == 0) return pair == 1 ? 3 : pair == 2 && lane < 7 ? 1 : 0;
+    return pair == 0 ? lane < 5 : pair == 2 ? 3 * (lane % 2) : pair == 3 ? lane >= 27 : 0;
+}
+__host__ __device__ inline unsigned worth(unsigned kind, unsigned lane) { return 100 * (kind + 1) + lane; }
+
+/// Pairs, one a lane, expand to tests of two kinds, which wait until a warp has 32 of a kind; out = what all tests are
+/// worth. Planted: those left at the end are forgotten; a queue is emptied when it is more than full; lanes that add
+/// nothing do not count what others add; or the next tests are written where lanes may still read.
+template <QueueBug bug>
+__global__ void queues_of_tests(unsigned* out, bool planted) {
+    QueuesOfTests& s = portable::dynamic_shared<QueuesOfTests>();
+    const unsigned lane = threadIdx.x % 32;
+    const auto has = [&](QueueBug what) { return planted && what == bug; };
+    unsigned queued[2] = {0, 0}, sum = 0;
+    const auto test = [&](unsigned kind) {
+        const unsigned n = min(queued[kind], 32u);
+        queued[kind] -= n;
+        if (lane < n) sum += s.waiting[kind][queued[kind] + lane];
+        __ballot_sync(full, lane < n);
+        if (!has(QueueBug::read_while_written)) __syncwarp();
+    };
+    for (unsigned pair = 0; pair < 4; ++pair)
+        for (unsigned kind = 0; kind < 2; ++kind) {
+            unsigned bits = tests_of_a_pair(pair, kind, lane);
+            while (const unsigned having = __ballot_sync(full, bits != 0)) {
+                const auto more = static_cast<unsigned>(__popc(having));
+                if (bits) {
+                    const auto before = static_cast<unsigned>(__popc(having & ((1u << lane) - 1)));
+                    s.waiting[kind][queued[kind] + before] = worth(kind, lane);
+                    bits &= bits - 1;
+                    if (has(QueueBug::counted_by_those_that_add)) queued[kind] += more;
+                }
+                if (!has(QueueBug::counted_by_those_that_add)) queued[kind] += more;
+                __syncwarp();
+                if (queued[kind] >= (has(QueueBug::one_too_many) ? 33 : 32)) test(kind);
+            }
+        }
+    for (unsigned kind = 0; kind < 2 && !has(QueueBug::lost_at_the_end); ++kind)
+        while (queued[kind]) test(kind);
+    for (int lanes = 16; lanes > 0; lanes /= 2) sum += __shfl_xor_sync(full, sum, lanes);
+    out[threadIdx.x] = sum;
+}
+
+struct Earliest {
+    unsigned long long time;
+    unsigned pair;
+};
+
+/// The earliest time of all hits, then the first pair at that time. Planted by the launch: both in one, where a barrier
+/// is the block's alone.
+__global__ void find_earliest(const Earliest* hits, Earliest* earliest, bool time, bool pair) {
+    const Earliest& hit = hits[blockIdx.x * blockDim.x + threadIdx.x];
+    if (time) atomicMin(&earliest->time, hit.time);
+    __syncthreads();
+    if (pair && hit.time == earliest->time) atomicMin(&earliest->pair, hit.pair);
+}
+
 /// Warps go on until their sixth lane has found something. Planted: each lane looks for itself, and they part.
 __global__ void stop_at_a_flag(unsigned* out, bool planted) {
     Items& s = portable::dynamic_shared<Items>();

@@ -95,6 +95,52 @@ TEST_F(Planted, queue_of_a_warp_read_without_a_fence) {
     expect_wrong(queue_of_bits, std::vector<unsigned>(32, 33), Racy::yes);
 }
 
+/// What all tests of a warp's pairs are worth, for each of its lanes.
+std::vector<unsigned> all_tests() {
+    unsigned sum = 0;
+    for (unsigned pair = 0; pair < 4; ++pair)
+        for (unsigned kind = 0; kind < 2; ++kind)
+            for (unsigned lane = 0; lane < 32; ++lane)
+                sum += static_cast<unsigned>(__popc(tests_of_a_pair(pair, kind, lane))) * worth(kind, lane);
+    return std::vector<unsigned>(32, sum);
+}
+TEST_F(Planted, tests_left_in_a_queue_at_the_end) {
+    expect_wrong(queues_of_tests<QueueBug::lost_at_the_end>, all_tests());
+}
+TEST_F(Planted, queue_that_takes_one_too_many) {
+    constexpr auto kernel = queues_of_tests<QueueBug::one_too_many>;
+    if (cuda_on_cpu::address_sanitizer)
+        expect_refused(kernel, "index 63 out of bounds", 32);
+    else
+        expect_wrong(kernel, all_tests());
+}
+TEST_F(Planted, earliest_pair_while_others_look_for_the_earliest_time) {
+    settings().workers = 1;  // even so: blocks are not ordered
+    std::vector<Earliest> all;
+    for (unsigned i = 0; i < 20 * threads; ++i) all.push_back({200 + i * 29 % 1000, i});
+    all[700] = {100, 5001};
+    all[900] = {100, 5000};
+    const Array<Earliest> hits(all);
+    const auto found = [&](bool bug) {
+        const Array<Earliest> earliest(std::vector<Earliest>{{~0ull, ~0u}});
+        const auto turn = [&](bool time, bool pair) {
+            launch(find_earliest, 20, threads, 0, static_cast<const Earliest*>(hits.data()), earliest.data(), time,
+                   pair);
+        };
+        turn(true, bug);
+        if (!bug) turn(false, true);
+        return earliest.values()[0].pair;
+    };
+    for (const Order order : all_orders) {
+        settings().order = order;
+        EXPECT_EQ(found(false), 5000u);
+        if (cuda_on_cpu::thread_sanitizer)
+            EXPECT_DEATH(found(true), "data race");
+        else
+            EXPECT_NE(found(true), 5000u) << "order " << static_cast<int>(order);
+    }
+}
+
 // Found by every order, because what is undefined is rubbish.
 
 TEST_F(Planted, uninitialised_shared_memory) { expect_wrong(count_threads, std::vector<int>(threads, threads)); }
@@ -122,6 +168,10 @@ TEST_F(Planted, lanes_that_each_look_for_a_flag) {
 TEST_F(Planted, lanes_of_a_decided_world_that_do_not_vote) {
     expect_refused(leave_out_a_world,
                    "exits while others wait for it in __ballot_sync|which do not exist or have exited");
+}
+TEST_F(Planted, queue_counted_by_the_lanes_that_add) {
+    expect_refused(queues_of_tests<QueueBug::counted_by_those_that_add>, "is in deadlock|while others wait|data race",
+                   32);
 }
 TEST_F(Planted, mask_lacks_the_caller) {
     expect_refused(a_lane_not_named_votes, "the mask lacks the caller, lane 3", 32);
@@ -306,6 +356,9 @@ TEST_F(Planted, misaligned_vector_load) {
 
 TEST_F(Planted, ballot_taken_for_a_fence) {
     expect_race([](bool bug) { EXPECT_EQ(run(neighbour, bug), each_thread([](int i) { return 10 * (i ^ 1); })); });
+}
+TEST_F(Planted, queue_of_a_warp_written_again_without_a_fence) {
+    expect_race([](bool bug) { EXPECT_EQ(run(queues_of_tests<QueueBug::read_while_written>, bug, 32), all_tests()); });
 }
 TEST_F(Planted, race_between_blocks) {
     settings().workers = 1;  // even so: blocks are not ordered

@@ -1,0 +1,33 @@
+# crumple_unity(TARGET SIZE): compiles the target's files SIZE at a time, for they share heavy headers; those marked
+# SKIP_UNITY_BUILD_INCLUSION alone. CMake's own UNITY_BUILD does the same, but names files by absolute paths, so that
+# ccache, which knows a file by its bytes, would compile everything anew in each checkout. Call it when the target has
+# its files.
+function(crumple_unity target size)
+    if(NOT CRUMPLE_UNITY)
+        return()
+    endif()
+    get_target_property(sources ${target} SOURCES)
+    set(compiled "")
+    set(together 0)
+    foreach(source IN LISTS sources)
+        get_source_file_property(alone ${source} SKIP_UNITY_BUILD_INCLUSION)
+        if(alone OR NOT source MATCHES "\\.cpp$")
+            list(APPEND compiled ${source})
+            continue()
+        endif()
+        get_filename_component(path ${source} ABSOLUTE)
+        file(RELATIVE_PATH path ${PROJECT_SOURCE_DIR} ${path})
+        math(EXPR batch "${together} / ${size}")
+        math(EXPR together "${together} + 1")
+        string(APPEND includes_${batch} "#include \"${path}\"\n")
+    endforeach()
+    if(together)
+        foreach(number RANGE ${batch})
+            set(file ${CMAKE_CURRENT_BINARY_DIR}/unity/${target}_${number}.cpp)
+            file(CONFIGURE OUTPUT ${file} CONTENT "${includes_${number}}")  # what has not changed keeps its time
+            list(APPEND compiled ${file})
+        endforeach()
+    endif()
+    set_target_properties(${target} PROPERTIES SOURCES "${compiled}")
+    target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR})
+endfunction()
