@@ -31,6 +31,8 @@
 #include <utility>
 
 #include "crumple/crumple.h"
+#include "cuda_features.h"
+#include "device_array.h"
 #include "device_limits.h"
 #include "least_work.h"
 #include "race.h"
@@ -44,28 +46,13 @@ namespace {
 struct Settings {
     std::vector<std::string> scenes;
     std::string json, commit = "unknown";
+    std::vector<std::string> steps;
     int frames = 200, device = 0, largest = 2'000'000, worlds = 10'000;
     bool profile = false, serving = false;
     DeviceLimits limits;
 
     Options options() const { return {.backend = Backend::cuda, .device = device}; }
     int host_frames() const { return std::max(1, frames / 10); }
-};
-
-class DeviceArray {
-   public:
-    DeviceArray(const void* host, std::size_t bytes) {
-        check(cudaMalloc(&data_, std::max<std::size_t>(bytes, 1)));
-        check(cudaMemcpy(data_, host, bytes, cudaMemcpyHostToDevice));
-        check(cudaDeviceSynchronize());  // the copy may return before its end, and not all streams wait for it
-    }
-    DeviceArray(const DeviceArray&) = delete;
-    DeviceArray& operator=(const DeviceArray&) = delete;
-    ~DeviceArray() { cudaFree(data_); }
-    const void* data() const { return data_; }
-
-   private:
-    void* data_ = nullptr;
 };
 
 /// A mesh's copy on the device, and the stream and events that its frames are timed with.
@@ -111,20 +98,6 @@ class Simulation {
     cudaStream_t stream_ = nullptr;
     cudaEvent_t begin_ = nullptr, end_ = nullptr;
 };
-
-template <class Work>
-double milliseconds_of(Work work) {
-    const auto begin = std::chrono::steady_clock::now();
-    work();
-    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
-}
-
-template <class Work>
-Summary repeated(int times, Work work) {
-    std::vector<double> values;
-    for (int i = 0; i < times; ++i) values.push_back(milliseconds_of(work));
-    return summarise(std::move(values));
-}
 
 void expect_same(const std::string& scene, const Collisions& cuda, const Collisions& cpu) {
     const auto same = [](const auto& a, const auto& b) { return std::equal(a.begin(), a.end(), b.begin(), b.end()); };
@@ -441,6 +414,14 @@ int run(Settings settings) {
     if (settings.worlds > 0) result["worlds"] = measure_worlds(settings, worlds);
     write(settings, result);
     table.print();
+    Table features = table_of_steps();
+    nlohmann::json& steps = result["steps"] = nlohmann::json::array();
+    for (const std::string& step : settings.steps) {
+        for (nlohmann::json& row : measure_step(step, settings.options(), settings.frames, features))
+            steps.push_back(std::move(row));
+        write(settings, result);
+    }
+    if (!settings.steps.empty()) features.print();
     if (settings.worlds > 0) worlds.print();
     if (result.contains("growth") && result["growth"].contains("exponent"))
         fmt::print("  time ~ triangles^{:.3f} on the device from 200,000 triangles on, ^{:.3f} over all sizes\n",
@@ -459,6 +440,10 @@ int main(int argc, char** argv) {
     app.add_option("--scene", settings.scenes,
                    "[any number of] scenes as of crumple_benchmark; without it cloth_ball92, 227 and balls16_18 where "
                    "their files are");
+    app.add_option(
+        "--step", settings.steps,
+        "[any number of] steps whose features are asked about: unc_cloth_ball, unc_funnel, unc_n_body, or "
+        "SCENE:TRIANGLES; without it the first three where their files are, else cloth:50000; none: no step");
     app.add_option("--frames", settings.frames, "Frames that a median is made of")->check(CLI::Range(1, 100'000));
     app.add_option("--largest", settings.largest, "Triangles of the largest cloth of the growth curve; 0: no curve");
     app.add_option("--worlds", settings.worlds, "Worlds of 1,000 triangles each in one call; 0: none")
@@ -472,6 +457,8 @@ int main(int argc, char** argv) {
     CLI11_PARSE(app, argc, argv);
     try {
         if (settings.scenes.empty() && !real_scenes().empty()) settings.scenes = {"cloth_ball92", "227", "balls16_18"};
+        if (settings.steps.empty()) settings.steps = steps();
+        std::erase(settings.steps, "none");
         return run(settings);
     } catch (const std::exception& error) {
         fmt::print(stderr, "crumple_cuda_benchmark: {}\n", error.what());

@@ -182,6 +182,7 @@ scene=cloth_ball92
 [[ -f $data/${frames[0]} ]] || scene=cloth:100000
 
 check device_test 60 "$bin/device_test" --gtest_brief=1
+check device_features_test 40 "$bin/device_features_test" --gtest_brief=1
 
 # Figures, with the machine to itself.
 check benchmark 150 "$bin/crumple_cuda_benchmark" --commit "$version" --json "$out/cuda.json"
@@ -290,6 +291,8 @@ if command -v compute-sanitizer >/dev/null; then
     for tool in memcheck racecheck synccheck initcheck; do
         check_if_allowed "$tool" 60 compute-sanitizer --tool "$tool" --error-exitcode 9 "$bin/device_test" --gtest_brief=1 \
             --gtest_filter="$few"
+        check_if_allowed "${tool}_features" 40 compute-sanitizer --tool "$tool" --error-exitcode 9 \
+            "$bin/device_features_test" --gtest_brief=1 --gtest_filter='*have_radii*:*are_read_as_they_lie*'
     done
 else
     note sanitizers "left out" 0 "compute-sanitizer is not here"

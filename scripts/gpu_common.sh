@@ -3,9 +3,10 @@ pack=$top/build-gpu/pack.tar.gz
 # Real scenes, and answers from outside.
 frames=(scalable-ccd/cloth-ball/frames/cloth_ball92.ply scalable-ccd/cloth-funnel/frames/227.ply
     scalable-ccd/n-body-simulation/frames/balls16_18.ply gt/cloth_ball92.txt gt/cloth_funnel227.txt gt/balls16_18.txt
-    gt/balls16_18_welded.pairs.txt)
+    gt/balls16_18_welded.pairs.txt scalable-ccd/cloth-ball/frames/cloth_ball93.ply scalable-ccd/cloth-funnel/frames/228.ply
+    scalable-ccd/n-body-simulation/frames/balls16_19.ply)
 # The check's programs, where a build folder has them.
-programs=(tests/device/device_test tests/device/device_truth_test tests/device/device_agreement_test
+programs=(tests/device/device_test tests/device/device_features_test tests/device/device_truth_test tests/device/device_agreement_test
     tests/device/device_stages_test tests/device/device_portable_test benchmarks/crumple_cuda_benchmark cli/crumple)
 
 commit_of() {

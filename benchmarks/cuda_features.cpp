@@ -1,0 +1,150 @@
+#include "cuda_features.h"
+
+#include <algorithm>
+#include <array>
+#include <stdexcept>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "crumple/crumple.h"
+#include "device_array.h"
+#include "step.h"
+
+namespace crumple::benchmark {
+namespace {
+
+DeviceArray copied(const io::TriangleMesh& mesh) {
+    return std::visit([](const auto& v) { return DeviceArray(v.data(), v.size() * sizeof(v[0])); }, mesh.vertices);
+}
+
+/// The step on the device, and the stream that its questions are given to.
+class StepThere {
+   public:
+    explicit StepThere(const Step& step)
+        : start_(copied(step.start)),
+          end_(copied(step.end)),
+          triangles_(step.start.triangles.data(), step.start.triangles.size() * sizeof(std::int32_t)),
+          view_(step.start.view()),
+          end_view_(step.end_view()) {
+        check(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking));
+        for (cudaEvent_t* event : {&begin_event_, &end_event_}) check(cudaEventCreate(event));
+        view_.vertices.data = start_.data();
+        view_.triangles.data = triangles_.data();
+        view_.memory = MemorySpace::cuda;
+        view_.stream = stream_;
+        end_view_.data = end_.data();
+    }
+    StepThere(const StepThere&) = delete;
+    StepThere& operator=(const StepThere&) = delete;
+    ~StepThere() {
+        for (cudaEvent_t event : {begin_event_, end_event_}) cudaEventDestroy(event);
+        cudaStreamDestroy(stream_);
+    }
+    const MeshView& view() const { return view_; }
+    const VertexView& end() const { return end_view_; }
+
+    /// Milliseconds of what launch() gives to the stream, which was busy until then; wait() ends it.
+    template <class Launch, class Wait>
+    double milliseconds(Launch launch, Wait wait) const {
+        keep_busy(stream_);
+        check(cudaEventRecord(begin_event_, stream_));
+        launch();
+        check(cudaEventRecord(end_event_, stream_));
+        wait();
+        check(cudaEventSynchronize(end_event_));
+        float milliseconds = 0;
+        check(cudaEventElapsedTime(&milliseconds, begin_event_, end_event_));
+        return static_cast<double>(milliseconds);
+    }
+
+   private:
+    DeviceArray start_, end_, triangles_;
+    MeshView view_;
+    VertexView end_view_;
+    cudaStream_t stream_ = nullptr;
+    cudaEvent_t begin_event_ = nullptr, end_event_ = nullptr;
+};
+
+template <class T>
+bool same(const T* device, const Array<T>& host) {
+    std::vector<T> copy(host.size());
+    if (!copy.empty()) check(cudaMemcpy(copy.data(), device, copy.size() * sizeof(T), cudaMemcpyDeviceToHost));
+    return std::equal(copy.begin(), copy.end(), host.begin(), host.end());
+}
+bool same_list(const DeviceImpactList& there, const ImpactList& here) {
+    return same(there.pairs, here.pairs) && same(there.toi, here.toi);
+}
+bool same_list(const DeviceNearList& there, const NearList& here) {
+    return same(there.pairs, here.pairs) && same(there.squared_distance, here.squared_distance);
+}
+bool same_list(const DeviceCandidateList& there, const CandidateList& here) { return same(there.pairs, here.pairs); }
+
+template <class There, class Here>
+void expect_same(const std::string& name, const There& there, const Here& here) {
+    bool equal = there.count == here.count;
+    if constexpr (std::is_same_v<There, DeviceImpacts>) equal = equal && there.first == here.first;
+    for (std::size_t k = 0; k < here.lists.size() && equal; ++k) equal = same_list(there.lists[k], here.lists[k]);
+    if (!equal) throw std::runtime_error(name + ": the answers of cuda and cpu differ");
+}
+
+}  // namespace
+
+Table table_of_steps() {
+    return {"features of steps on the device, milliseconds",
+            {"step", "question", "triangles", "rows", "device", "quartiles", "with wait", "cpu", "first"}};
+}
+
+nlohmann::json measure_step(const std::string& name, const Options& options, int frames, Table& table) {
+    const Step step = load_step(name);
+    const MeshView here = step.start.view();
+    const VertexView end_here = step.end_view();
+    const StepThere there(step);
+    Detector cpu({.backend = Backend::cpu});
+    nlohmann::json rows = nlohmann::json::array();
+    const auto measure = [&](const char* question, auto launch, auto wait, auto find) {
+        Detector detector(options);
+        const auto frame = [&] { return there.milliseconds([&] { launch(detector); }, [&] { wait(detector); }); };
+        const double first = milliseconds_of(frame);
+        for (int warm_up = 0; warm_up < 5; ++warm_up) frame();
+        std::vector<double> device;
+        for (int i = 0; i < frames; ++i) device.push_back(frame());
+        const Summary by_events = summarise(std::move(device));
+        const Summary clock = repeated(frames, [&] { launch(detector), wait(detector); });
+        const Summary on_cpu = repeated(std::max(1, frames / 20), [&] { find(); });
+        launch(detector);
+        const auto& found = wait(detector);
+        expect_same(name + ", " + question, found, find());
+        table.row({name, question, std::to_string(here.triangles.rows), std::to_string(found.count),
+                   number(by_events.median), range(by_events), number(clock.median), number(on_cpu.median),
+                   number(first)});
+        rows.push_back({{"step", name},
+                        {"question", question},
+                        {"triangles", here.triangles.rows},
+                        {"rows", found.count},
+                        {"device", to_json(by_events)},
+                        {"device_and_wait", to_json(clock)},
+                        {"cpu_all_threads", to_json(on_cpu)},
+                        {"first_milliseconds", first}});
+    };
+    const Motion earliest{.wants = MotionWants::earliest};
+    const Near near{.radius = step.radius};
+    const auto impacts = [](Detector& d) -> const DeviceImpacts& { return d.wait_impacts(); };
+    measure(
+        "impacts", [&](Detector& d) { d.launch_impacts(there.view(), there.end()); }, impacts,
+        [&]() -> const Impacts& { return cpu.find_impacts(here, end_here); });
+    measure(
+        "first impact", [&](Detector& d) { d.launch_impacts(there.view(), there.end(), earliest); }, impacts,
+        [&]() -> const Impacts& { return cpu.find_impacts(here, end_here, earliest); });
+    measure(
+        "near", [&](Detector& d) { d.launch_near(there.view(), near); },
+        [](Detector& d) -> const DeviceNearby& { return d.wait_near(); },
+        [&]() -> const Nearby& { return cpu.find_near(here, near); });
+    measure(
+        "candidates", [&](Detector& d) { d.launch_candidates(there.view(), there.end()); },
+        [](Detector& d) -> const DeviceCandidates& { return d.wait_candidates(); },
+        [&]() -> const CandidateLists& { return cpu.find_candidates(here, end_here); });
+    return rows;
+}
+
+}  // namespace crumple::benchmark

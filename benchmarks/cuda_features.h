@@ -1,0 +1,21 @@
+#pragma once
+
+// Questions about the features of a mesh that moves on the device (step.h): impacts, the first one, what is near,
+// candidates. Arrays and answers stay there.
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "crumple/options.h"
+#include "report.h"
+
+namespace crumple::benchmark {
+
+Table table_of_steps();
+
+/// Each question by `frames` launches after a warm-up: on the device by events, on a stream that was kept busy until
+/// the graph was there; by the host's clock, with the wait; and the cpu backend on all threads, whose answer is
+/// compared. Adds rows to the table. Throws std::runtime_error if answers differ.
+nlohmann::json measure_step(const std::string& name, const Options& options, int frames, Table& table);
+
+}  // namespace crumple::benchmark
