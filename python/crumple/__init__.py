@@ -38,7 +38,7 @@ from ._feature_pairs import (
 )
 from ._files import Scene, make_scene, read_mesh, read_pairs, scenes, write_mesh
 from ._impacts import FirstImpact, FreeStep, Impacts
-from ._launches import DeviceArray, DeviceCandidates, DeviceImpacts, DeviceNearby, DeviceResult
+from ._launches import DeviceArray, DeviceCandidates, DeviceImpacts, DeviceNearby, DeviceResult, DeviceWorldResult
 from ._mesh import FileMesh, Mesh, Polygons, as_mesh
 from ._near import EdgeEdgeType, Nearby, VertexEdgeType, VertexFaceType, VertexVertexType
 from ._nearest import NearestBodies
@@ -68,8 +68,14 @@ __all__ = [
     "ContactKind",
     "Contacts",
     "Detector",
+    "DeviceArray",
+    "DeviceCandidates",
+    "DeviceImpacts",
     "DeviceInfo",
     "DeviceList",
+    "DeviceNearby",
+    "DeviceResult",
+    "DeviceWorldResult",
     "EdgeEdgeType",
     "Error",
     "FileError",

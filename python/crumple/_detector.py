@@ -12,6 +12,7 @@ from ._core import Statistics
 from ._errors import InvalidInput, InvalidType
 from ._feature_streams import stream_candidates, stream_impacts, stream_near
 from ._launches import (
+    launch,
     launch_between,
     launch_candidates,
     launch_impacts,
@@ -21,6 +22,7 @@ from ._launches import (
     wait_candidates,
     wait_impacts,
     wait_near,
+    wait_worlds,
 )
 from ._mesh import Mesh, as_mesh, soup_of
 from ._motion import find_free_step, find_impacts, is_free, time_of_first_impact
@@ -411,12 +413,14 @@ class Detector(_core.Detector):
     stream_near = stream_near
     stream_candidates = stream_candidates
     find_nearest = find_nearest
+    launch = launch
     launch_self = launch_self
     launch_between = launch_between
     launch_impacts = launch_impacts
     launch_near = launch_near
     launch_candidates = launch_candidates
     wait = wait
+    wait_worlds = wait_worlds
     wait_impacts = wait_impacts
     wait_near = wait_near
     wait_candidates = wait_candidates

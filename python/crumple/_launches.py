@@ -13,12 +13,15 @@ from ._impacts import FirstImpact
 from ._mesh import as_mesh, listing_of, soup_of
 from ._names import suggesting
 from ._near import radius_of
+from ._world_search import excluded_in, with_names
 
 if TYPE_CHECKING:
     from ._candidates import CandidateKind
     from ._detector import Detector, GroupPairs, Intersections, Neighbours, Wanted
     from ._motion import MotionWants
     from ._near import NearWants
+    from ._world import World
+    from ._world_search import Wants
 
 _AGAIN = "a call outside of the capture makes longer lists, or other features; capture it again"
 
@@ -107,6 +110,22 @@ class DeviceAnswer:
 class DeviceResult(DeviceAnswer):
     """What Detector.launch_self and launch_between find: `pairs`, `offsets`, `hit`, between two meshes `hit_second`, and
     with contacts `contact_kinds`, `contact_offsets` (pairs + 1) and `contact_points` (k, 3)."""
+
+
+class DeviceWorldResult(DeviceAnswer):
+    """What Detector.launch finds: `world_hit` and `world_counts` (worlds,), `world_offsets` (worlds + 1); from
+    wants="pairs" on `pairs` and `bodies`, and with "contacts" `contact_kinds`, `contact_offsets` (pairs + 1) and
+    `contact_points` (k, 3), as crumple.WorldResult has them.
+
+    Attributes:
+        any: whether anything collides.
+    """
+
+    _members = ("any",)
+
+    def __init__(self, detector: Detector, told: Any, arrays: dict[str, Any], statistics: Statistics) -> None:
+        super().__init__(detector, told, arrays, statistics)
+        self.any: bool = told[3]
 
 
 class DeviceImpacts(DeviceAnswer):
@@ -203,6 +222,40 @@ def launch_between(
     """Starts find_between on meshes in device memory and returns at once; see launch_self, and wait()."""
     query = _core.Query(neighbours, intersections, weld, contacts, wanted, excluded_groups)
     self._launch(as_mesh(a), as_mesh(b), query, _stream(stream))
+
+
+@suggesting
+def launch(
+    self: Detector,
+    world: World,
+    *,
+    poses: Any = None,
+    wants: Wants = "pairs",
+    neighbours: Neighbours = "geometric",
+    intersections: Intersections = "all",
+    weld: bool = False,
+    bodies: Wanted = "both",
+    groups: Wanted = "both",
+    excluded: Any = None,
+    excluded_groups: GroupPairs | None = None,
+    stream: Any = None,
+) -> None:
+    """Starts find on a world whose poses lie in device memory and returns at once; wait_worlds() tells of the answer.
+
+    A step of thousands of worlds, say, whose poses a simulator has on the device: flags by world stay there.
+
+    Args:
+        world: shapes and bodies, on the host. They are brought to the device when they are not those of the call before.
+        poses: (n, 3, 4) float32 or float64 in CUDA memory, without gaps; None: those of the world, which must lie there.
+        wants: "any", "any_by_world" and "count" make flags and counts by world, "pairs" and "contacts" all.
+        stream: see launch_self.
+        neighbours, intersections, weld, bodies, groups, excluded, excluded_groups: as find has them.
+
+    At most 65,535 worlds, and 2^24 triangles together. Raises InvalidInput, which names the body; MemoryLimit.
+    """
+    question = _core.Question(wants, neighbours, intersections, weld, bodies, groups, excluded_groups, False)
+    poses = world.poses if poses is None else poses
+    with_names(world, self._launch_world, world, poses, question, excluded_in(world, excluded), _stream(stream))
 
 
 @suggesting
@@ -305,6 +358,12 @@ def wait(self: Detector) -> DeviceResult:
 
 
 @suggesting
+def wait_worlds(self: Detector) -> DeviceWorldResult:
+    """Waits for the oldest launch, of launch, as wait() does."""
+    return DeviceWorldResult(self, *self._wait_worlds())
+
+
+@suggesting
 def wait_impacts(self: Detector) -> DeviceImpacts:
     """Waits for the oldest launch, of launch_impacts, as wait() does. Where faces, edges or points turn out to be others
     than in the launch before, the host looks at them and the work is done again."""
@@ -324,12 +383,14 @@ def wait_candidates(self: Detector) -> DeviceCandidates:
 
 
 for _method in (
+    launch,
     launch_self,
     launch_between,
     launch_impacts,
     launch_near,
     launch_candidates,
     wait,
+    wait_worlds,
     wait_impacts,
     wait_near,
     wait_candidates,

@@ -88,7 +88,8 @@ bool are_groups(const BorrowedArray& a) {
 
 bool are_radii(const BorrowedArray& a) {
     constexpr std::int64_t size = sizeof(double);
-    return a.dimensions == 1 && a.number == Number::float64 && (a.shape[0] < 2 || a.strides[0] == size) && reinterpret_cast<std::uintptr_t>(a.data) % size == 0;
+    return a.dimensions == 1 && a.number == Number::float64 && (a.shape[0] < 2 || a.strides[0] == size) &&
+           reinterpret_cast<std::uintptr_t>(a.data) % size == 0;
 }
 
 bool are_group_pairs(const BorrowedArray& a) {

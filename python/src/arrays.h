@@ -62,8 +62,8 @@ class BorrowedMesh {
     MeshView view_;
 };
 
-/// While it lives, arrays on a device are taken as ready on the caller's own stream, and nobody waits for them: DLPack's
-/// stream -1. Otherwise they are ready for what is given to the legacy default stream.
+/// While it lives, arrays on a device are taken as ready on the caller's own stream, and nobody waits for them:
+/// DLPack's stream -1. Otherwise they are ready for what is given to the legacy default stream.
 class ReadyOnStream {
    public:
     ReadyOnStream();

@@ -18,6 +18,7 @@
 #include "gil.h"
 #include "names.h"
 #include "query.h"
+#include "world.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -119,6 +120,31 @@ void launch_candidates(nb::handle self, const nb::tuple& mesh, nb::handle end, c
     });
 }
 
+struct LaunchedWorld {
+    LaunchedWorld(const SharedDetector& detector, nb::handle world, nb::handle poses)
+        : bodies(given_world(world).bodies),
+          at(poses.is_none() ? given_world(world).poses : BorrowedPoses(poses, *bodies)) {
+        if (at.device() == BorrowedArray::on_host)
+            refuse("launch takes poses in CUDA memory: find takes those of the host");
+        check_device(detector, at.device());
+    }
+    std::shared_ptr<const Bodies> bodies;
+    BorrowedPoses at;
+};
+
+void launch_world(nb::handle self, nb::handle world, nb::handle poses, const Intersect& question, nb::handle excluded,
+                  nb::handle stream) {
+    SharedDetector& detector = detector_of(self);
+    const Stream on(stream);
+    const auto given = std::make_shared<LaunchedWorld>(detector, world, poses);
+    Intersect asked = question;
+    asked.rules.excluded_bodies = excluded_bodies(*given->bodies, excluded);
+    World view{given->bodies->shapes, given->bodies->bodies, {}};
+    view.device_poses = given->at.on_device(*given->bodies);
+    view.device_poses.stream = on.get();
+    launch(detector, given, [&](Detector& by) { by.launch(view, asked); });
+}
+
 // Arrays of the device: of each its address, shape, and type as NumPy writes it.
 class ArraysThere {
    public:
@@ -189,6 +215,28 @@ nb::tuple wait(nb::handle self) {
         });
 }
 
+nb::tuple wait_worlds(nb::handle self) {
+    return wait_with(
+        self, [](Detector& by, std::stop_token stop) { return DeviceWorldCollisions(by.wait_worlds(std::move(stop))); },
+        [](const DeviceWorldCollisions& found, ArraysThere& there) {
+            if (found.complete) {
+                there.put<std::uint8_t>("world_hit", found.world_hit, found.worlds);
+                there.put<std::int64_t>("world_counts", found.world_counts, found.worlds);
+                there.put<std::int64_t>("world_offsets", found.world_offsets, found.worlds + 1);
+                if (found.pairs) {
+                    there.put<std::int32_t>("bodies", found.bodies, found.count, 2);
+                    there.put<std::int32_t>("pairs", found.pairs, found.count, 2);
+                }
+                if (found.contact_kinds) {
+                    there.put<std::uint8_t>("contact_kinds", found.contact_kinds, found.count);
+                    there.put<std::int64_t>("contact_offsets", found.contact_offsets, found.count + 1);
+                    there.put<double>("contact_points", found.contact_points, found.contact_point_count, 3);
+                }
+            }
+            return nb::make_tuple(found.complete, found.pairs_needed, found.count, found.any);
+        });
+}
+
 void put_edges(const DeviceFeatures& found, ArraysThere& there) {
     if (found.complete) there.put<std::int32_t>("edges", found.edges, found.edge_count, 2);
 }
@@ -250,6 +298,8 @@ nb::tuple wait_candidates(nb::handle self) {
 
 void bind_launches(nb::class_<SharedDetector>& detector) {
     detector.def("_launch", launch_meshes, "first"_a, "second"_a.none(), "query"_a, "stream"_a.none())
+        .def("_launch_world", launch_world, "world"_a, "poses"_a.none(), "question"_a, "excluded"_a.none(),
+             "stream"_a.none())
         .def("_launch_impacts", launch_impacts, "mesh"_a, "end"_a.none(), "question"_a, "lists"_a, "stream"_a.none())
         .def("_launch_near", launch_near, "mesh"_a, "question"_a, "radii"_a.none(), "rest"_a.none(), "lists"_a,
              "stream"_a.none())
@@ -257,6 +307,7 @@ void bind_launches(nb::class_<SharedDetector>& detector) {
              "stream"_a.none())
         .def("_dlpack_capsule", dlpack_capsule, "address"_a, "shape"_a, "type"_a)
         .def("_wait", wait)
+        .def("_wait_worlds", wait_worlds)
         .def("_wait_impacts", wait_impacts)
         .def("_wait_near", wait_near)
         .def("_wait_candidates", wait_candidates);

@@ -315,6 +315,29 @@ def test_poses_of_worlds(cuda, cpu, scalar, wants, told):
     assert cuda.find(world, wants="count").count == cpu.find(world, wants="count", poses=poses).count > 0
 
 
+@pytest.mark.parametrize("scalar", [np.float32, np.float64])
+def test_launches_of_worlds(cuda, cpu, scalar):
+    world, poses = worlds_of(5, scalar)
+    there = on_device(poses)
+    for wants, arrays in (
+        ("any_by_world", ["world_hit"]),
+        ("count", ["world_hit", "world_counts"]),
+        ("pairs", ["world_hit", "world_counts", "bodies", "pairs"]),
+    ):
+        expected = cpu.find(world, poses=poses, wants=wants)
+        for _ in range(2):
+            cuda.launch(world, poses=there, wants=wants)
+            found = cuda.wait_worlds()
+            assert_shows(found, expected, arrays)
+            assert found.any == expected.any
+    cuda.launch(world, poses=there)
+    with pytest.raises(crumple.InvalidInput, match=r"the oldest launch is answered by wait_worlds\(\)"):
+        cuda.wait()
+    cuda.wait_worlds()
+    with pytest.raises(crumple.InvalidInput, match="^launch takes poses in CUDA memory"):
+        cuda.launch(world, poses=poses)
+
+
 def test_poses_that_are_refused(cuda, cpu):
     world, poses = worlds_of(2, np.float64)
     there = on_device(poses)
