@@ -45,11 +45,11 @@ TEST_F(CudaMachineFeatures, are_graphs_of_few_nodes) {
         return [&view, &end, wants](Detector& d) { d.launch_impacts(view, end, {.wants = wants}), d.wait_impacts(); };
     };
     for (const auto& [name, ask, chain, nodes] :
-         {Case{"impacts", impacts(MotionWants::impacts), 0, 0},
-          {"first", impacts(MotionWants::earliest), 0, 0},
-          {"any", impacts(MotionWants::any), 0, 0},
-          {"near", [&](Detector& d) { d.launch_near(view, {.radius = 0.01}), d.wait_near(); }, 0, 0},
-          {"candidates", [&](Detector& d) { d.launch_candidates(view, end), d.wait_candidates(); }, 0, 0}}) {
+         {Case{"impacts", impacts(MotionWants::impacts), 20, 26},
+          {"first", impacts(MotionWants::earliest), 16, 22},
+          {"any", impacts(MotionWants::any), 14, 20},
+          {"near", [&](Detector& d) { d.launch_near(view, {.radius = 0.01}), d.wait_near(); }, 17, 23},
+          {"candidates", [&](Detector& d) { d.launch_candidates(view, end), d.wait_candidates(); }, 15, 21}}) {
         SCOPED_TRACE(name);
         Detector cuda({.backend = Backend::cuda, .clusters = 3});
         for (int frame = 0; frame < 5; ++frame) ask(cuda);
