@@ -82,9 +82,9 @@ struct DeviceCollisions {
     std::int64_t pairs_needed = 0;
     const Pair* pairs = nullptr;  ///< pair_count
     std::int64_t pair_count = 0;
-    const std::int64_t* offsets = nullptr;                  ///< hit_count + 1
-    const std::uint8_t* hit = nullptr;                      ///< hit_count: triangles of the first mesh
-    const std::uint8_t* hit_second = nullptr;               ///< hit_second_count; null for one soup
+    const std::int64_t* offsets = nullptr;     ///< hit_count + 1
+    const std::uint8_t* hit = nullptr;         ///< hit_count: triangles of the first mesh
+    const std::uint8_t* hit_second = nullptr;  ///< hit_second_count; null for one soup
     std::int64_t hit_count = 0, hit_second_count = 0;
     const ContactKind* contact_kinds = nullptr;             ///< pair_count; null unless asked for
     const std::int64_t* contact_offsets = nullptr;          ///< pair_count + 1
