@@ -69,24 +69,10 @@ void CandidateFinder::adopt(const CandidateQuery& query, Room room) {
     look();
 }
 
-void CandidateFinder::resume(std::size_t slot) {
-    Finder::resume(slot);
-    look();
-}
-
 void CandidateFinder::look() {
     Finder::look();
     pass_.asked = slot().asked;
     pass_.primitives = primitives(pass_.scene, slot().widening, true);
-}
-
-void CandidateFinder::find() {
-    slot().on_host = false;
-    flights_.settle();  // passes work on the same lists
-    Finder::find(
-        slot().frugal, [&] { find_at_once(); }, [&](Lists lists) { find_in_chunks(lists); });
-    slot().statistics = statistics_;
-    slot().lost = false;
 }
 
 void CandidateFinder::plan() {
@@ -97,66 +83,12 @@ void CandidateFinder::plan() {
 
 void CandidateFinder::cut_answer(Cutter& c) { slot().output.cut(c, slot().firsts, pass_.plan.hits); }
 
-void CandidateFinder::prepare() {
-    plan();
-    prepare_pass([&](Cutter& c) { cut_answer(c); });
-}
-
 CandidateHits CandidateFinder::hits() const {
     return {pass_.hits(), slot().output.offsets, slot().output.by_tile, slot().firsts};
 }
 
 void CandidateFinder::make_ready() {
     make_normaliser(stream_, pass_.box, pass_.asked.inflation, slot().widening, slot().normaliser);
-}
-
-void CandidateFinder::find_at_once() {
-    do {
-        cancellation_.check();
-        prepare();
-        enqueue(&watch_);
-        CRUMPLE_CUDA(cudaStreamSynchronize(stream_));
-    } while (!accept());
-    watch_.read(statistics_);
-}
-
-bool CandidateFinder::launch(cudaStream_t stream) {
-    slot().on_host = false;
-    return Finder::launch(
-        stream, [&] { prepare(); },
-        [&] {
-            return CandidateKeyOfGraph{pass_.scene,  pass_.wanted,       pass_.plan,     input().work(),
-                                       pass_.asked,  slot().firsts,      Extent::all,    false,
-                                       work_.data(), slot().room.data(), guides_.data(), slot().counters.get()};
-        },
-        [&] { enqueue(nullptr); });
-}
-
-bool CandidateFinder::accept_launched() {
-    if (slot().lost || slot().revision != features_.known().revision) return false;
-    bool complete = false;
-    if (!fits_at_once([&] { complete = accept(); }) || !complete) return false;
-    slot().statistics = statistics_;
-    return true;
-}
-
-void CandidateFinder::capture(cudaStream_t stream) {
-    plan();
-    slot().on_host = false;
-    Finder::capture(
-        stream, [&](Cutter& c) { cut_answer(c); }, [&] { enqueue(nullptr); });
-}
-
-bool CandidateFinder::accept_replay() {
-    statistics_ = {};
-    bool complete = false;
-    try {
-        complete = accept();
-    } catch (const MeshChanged&) {  // a graph cannot take other features
-    }
-    if (!complete) grow_later();
-    slot().statistics = statistics_;
-    return complete;
 }
 
 void CandidateFinder::enqueue(StageEvents* watch) {
@@ -232,20 +164,9 @@ DeviceAnswer CandidateFinder::show() {
     return shown;
 }
 
-DeviceAnswer CandidateFinder::show_incomplete() const {
-    DeviceAnswer shown;
-    shown.complete = false;
-    shown.rows_needed = static_cast<std::int64_t>(slot().counters->hits);
-    shown.statistics.backend = "cuda";
-    return shown;
-}
-
 void CandidateFinder::find_in_chunks(Lists lists) {
-    drop_lists();
     planned_for_ = -1;
     clear(slot().host);
-    slot().on_host = true;
-    statistics_ = {};
     pass_.plan.choose_candidate_chunks(pass_.scene.triangle_count(), options_,
                                        lists == Lists::roomy ? bytes_for_lists(meter_) : 0, sizeof(RankedCandidate));
     Array<RankedCandidate> found(&meter_);

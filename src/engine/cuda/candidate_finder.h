@@ -22,17 +22,17 @@ struct CandidateSlot : FinderSlot {
     AskedOfCandidates asked;
     FirstOfCandidates firsts;
     CandidateOutput output{};
-    bool frugal = false;
     // What accepting has found:
     std::array<unsigned long long, candidate_kinds + 1> ends{};  ///< of the lists, among all rows
-    bool on_host = false;                                        ///< the lists are `host`: they were found in chunks
-    CandidateAnswer host;
+    CandidateAnswer host;                                        ///< the lists, if they were found in chunks
 };
 
 using CandidateKeyOfGraph = FinderKey<AskedOfCandidates, FirstOfCandidates>;
 
 /// Its calls are those of FeatureFinder.
-class CandidateFinder : public Finder<CandidatePass, CandidateSlot, CandidateKeyOfGraph> {
+class CandidateFinder : public Finder<CandidateFinder, CandidatePass, CandidateSlot, CandidateKeyOfGraph> {
+    friend Finder;
+
    public:
     CandidateFinder(const Device& device, const Geometry& geometry, cudaStream_t stream, const Options& options,
                     MemoryMeter& meter, Cancellation& cancellation, Flights& flights,
@@ -41,27 +41,20 @@ class CandidateFinder : public Finder<CandidatePass, CandidateSlot, CandidateKey
 
     void bring(std::size_t slot, const Scene& scene, const CandidateQuery& query);
     void view(std::size_t slot, const Shape& shape, const CandidateQuery& query, Room room = Room::grows);
-    void resume(std::size_t slot);
-
-    void find();
-    bool launch(cudaStream_t stream);
-    bool accept_launched();
-    void capture(cudaStream_t stream);
-    bool accept_replay();
 
     void copy_to(CandidateAnswer& answer);
     DeviceAnswer show();
-    DeviceAnswer show_incomplete() const;
 
     void release();
 
    private:
+    const FirstOfCandidates& firsts() const { return slot().firsts; }
+    static Extent extent() { return Extent::all; }
+    static bool all_kinds() { return false; }
     void adopt(const CandidateQuery& query, Room room);
     void look();
     void plan();
-    void prepare();
     void cut_answer(Cutter& cutter);
-    void find_at_once();
     void find_in_chunks(Lists lists);
     void make_ready();
     void enqueue(StageEvents* watch);

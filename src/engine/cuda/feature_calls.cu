@@ -129,7 +129,7 @@ FeatureCalls::Landed FeatureCalls::wait_with(Finder& finder, Asked question) {
         finder.resume(turns_.flights.land());
         const std::size_t slot = finder.current();
         try {
-            if (!finder.accept_launched()) return {slot, {}};
+            if (!finder.accept_launched(features_there_.known().revision)) return {slot, {}};
         } catch (const MeshChanged&) {
             return {slot, {}};
         }

@@ -48,12 +48,8 @@ void FeatureFinder::view(std::size_t to, const Shape& shape, const FeatureQuery&
 
 void FeatureFinder::adopt(const FeatureQuery& query) {
     slot().ask(query);
+    slot().frugal = query.frugal;
     slot().revision = query.features.revision();
-    look();
-}
-
-void FeatureFinder::resume(std::size_t slot) {
-    Finder::resume(slot);
     look();
 }
 
@@ -62,15 +58,6 @@ void FeatureFinder::look() {
     pass_.asked = slot().features.asked();
     pass_.all_kinds = slot().features.all_kinds();
     pass_.primitives = primitives(pass_.scene, pass_.asked.inflation, false);
-}
-
-void FeatureFinder::find() {
-    slot().on_host = false;
-    flights_.settle();  // passes work on the same lists
-    Finder::find(
-        query().frugal, [&] { find_at_once(); }, [&](Lists lists) { find_in_chunks(lists); });
-    slot().statistics = statistics_;
-    slot().lost = false;
 }
 
 void FeatureFinder::plan() {
@@ -84,63 +71,9 @@ void FeatureFinder::cut_answer(Cutter& c) {
     slot().output.cut(c, firsts(), query().extent == Extent::all ? pass_.plan.hits : 0);
 }
 
-void FeatureFinder::prepare() {
-    plan();
-    prepare_pass([&](Cutter& c) { cut_answer(c); });
-}
-
 FeatureHits FeatureFinder::hits() const {
     const FeatureOutput& output = slot().output;
     return {query().extent == Extent::any, pass_.hits(), output.offsets, output.by_tile, firsts()};
-}
-
-void FeatureFinder::find_at_once() {
-    do {
-        cancellation_.check();
-        prepare();
-        enqueue(&watch_);
-        CRUMPLE_CUDA(cudaStreamSynchronize(stream_));
-    } while (!accept());
-    watch_.read(statistics_);
-}
-
-bool FeatureFinder::launch(cudaStream_t stream) {
-    slot().on_host = false;
-    return Finder::launch(
-        stream, [&] { prepare(); },
-        [&] {
-            return FeatureKeyOfGraph{pass_.scene,  pass_.wanted,       pass_.plan,     input().work(),
-                                     pass_.asked,  firsts(),           query().extent, pass_.all_kinds,
-                                     work_.data(), slot().room.data(), guides_.data(), slot().counters.get()};
-        },
-        [&] { enqueue(nullptr); });
-}
-
-bool FeatureFinder::accept_launched() {
-    if (slot().lost || slot().revision != features_.known().revision) return false;
-    bool complete = false;
-    if (!fits_at_once([&] { complete = accept(); }) || !complete) return false;
-    slot().statistics = statistics_;
-    return true;
-}
-
-void FeatureFinder::capture(cudaStream_t stream) {
-    plan();
-    slot().on_host = false;
-    Finder::capture(
-        stream, [&](Cutter& c) { cut_answer(c); }, [&] { enqueue(nullptr); });
-}
-
-bool FeatureFinder::accept_replay() {
-    statistics_ = {};
-    bool complete = false;
-    try {
-        complete = accept();
-    } catch (const MeshChanged&) {  // a graph cannot take other features
-    }
-    if (!complete) grow_later();
-    slot().statistics = statistics_;
-    return complete;
 }
 
 void FeatureFinder::enqueue(StageEvents* watch) {
@@ -327,22 +260,11 @@ DeviceAnswer FeatureFinder::show() {
     return shown;
 }
 
-DeviceAnswer FeatureFinder::show_incomplete() const {
-    DeviceAnswer shown;
-    shown.complete = false;
-    shown.rows_needed = static_cast<std::int64_t>(slot().counters->hits);
-    shown.statistics.backend = "cuda";
-    return shown;
-}
-
 void FeatureFinder::find_in_chunks(Lists lists) {
-    drop_lists();
     planned_for_ = {};
     clear(slot().host);
-    slot().on_host = true;
     slot().any = false;
     slot().first = {};
-    statistics_ = {};
     constexpr std::size_t of_test = 2 * sizeof(FeatureTest) + sizeof(OpenTest) + sizeof(RankedHit);
     pass_.plan.choose_feature_chunks(pass_.scene.triangle_count(), pass_.all_kinds, options_,
                                      lists == Lists::roomy ? bytes_for_lists(meter_) : 0, of_test);

@@ -30,13 +30,14 @@ struct FeatureSlot : FinderSlot {
     std::array<unsigned long long, feature_kinds + 1> ends{};  ///< of the lists, among all rows
     bool any = false;
     FirstImpact first;
-    bool on_host = false;  ///< the lists are `host`: they were found in chunks
-    FeatureAnswer host;
+    FeatureAnswer host;  ///< the lists, if they were found in chunks
 };
 
 using FeatureKeyOfGraph = FinderKey<AskedOfFeatures, FirstOfKind>;
 
-class FeatureFinder : public Finder<FeaturePass, FeatureSlot, FeatureKeyOfGraph> {
+class FeatureFinder : public Finder<FeatureFinder, FeaturePass, FeatureSlot, FeatureKeyOfGraph> {
+    friend Finder;
+
    public:
     FeatureFinder(const Device& device, const Geometry& geometry, cudaStream_t stream, const Options& options,
                   MemoryMeter& meter, Cancellation& cancellation, Flights& flights,
@@ -47,23 +48,9 @@ class FeatureFinder : public Finder<FeaturePass, FeatureSlot, FeatureKeyOfGraph>
     /// device whose counts are those of the features.
     void bring(std::size_t slot, const Scene& scene, const FeatureQuery& query);
     void view(std::size_t slot, const Shape& shape, const FeatureQuery& query, Room room = Room::grows);
-    /// Works on a slot again, as it was left.
-    void resume(std::size_t slot);
-
-    /// Leaves the answer. Throws MeshChanged, and so do all that accept one.
-    void find();
-    bool launch(cudaStream_t stream);
-    /// After it is done: whether that pass has left the whole answer.
-    bool accept_launched();
-    void capture(cudaStream_t stream);
-    /// After a replay: whether it has left the whole answer. If not, the next pass will have longer lists.
-    bool accept_replay();
-
     void copy_to(FeatureAnswer& answer);
     /// Where the answer lies on the device; brings it there if it does not.
     DeviceAnswer show();
-    /// After a replay that has not left the whole answer.
-    DeviceAnswer show_incomplete() const;
 
     /// Gives back all that is kept between calls.
     void release();
@@ -78,12 +65,12 @@ class FeatureFinder : public Finder<FeaturePass, FeatureSlot, FeatureKeyOfGraph>
 
     const FeatureQuery& query() const { return *slot().query; }
     const FirstOfKind& firsts() const { return slot().features.firsts(); }
+    Extent extent() const { return query().extent; }
+    bool all_kinds() const { return pass_.all_kinds; }
     void adopt(const FeatureQuery& query);
     void look();
     void plan();
-    void prepare();
     void cut_answer(Cutter& cutter);
-    void find_at_once();
     void enqueue(StageEvents* watch);
     FeatureHits hits() const;
     bool accept();

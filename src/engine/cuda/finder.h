@@ -23,6 +23,7 @@
 #include "engine/cuda/input.h"
 #include "engine/cuda/memory.h"
 #include "engine/cuda/pass.h"
+#include "engine/device_answer.h"
 #include "engine/feature_query.h"
 
 namespace crumple::cuda {
@@ -37,13 +38,22 @@ struct FinderSlot {
     Block room;                  ///< of the answer
     Plan plan;                   ///< of its pass
     std::uint64_t revision = 0;  ///< of the features it was given
+    bool frugal = false;         ///< FeatureQuery::frugal
+    bool on_host = false;        ///< the answer is there: it was found in chunks
     bool lost = true;            ///< there is no pass, or its answer had to go
     Statistics statistics;
 };
 
 /// `QuestionPass`: a Pass with cut(), sort(), sweep(slice), and `asked`. `Slot`: a FinderSlot with what else there is
-/// to remember. `Key`: for GraphCache.
-template <class QuestionPass, class Slot, class Key>
+/// to remember. `Key`: for GraphCache. `Question`: what derives from it, with
+///
+///     look()                    has the pass see what the slot has brought, once more
+///     plan(), cut_answer(c)     capacities; the arrays of the answer
+///     enqueue(watch)            a whole pass, to our stream
+///     accept()                  whether it was complete; if not, the plan is another one
+///     find_in_chunks(lists)     leaves the answer on the host
+///     firsts(), extent(), all_kinds()      for the key
+template <class Question, class QuestionPass, class Slot, class Key>
 class Finder {
    public:
     Finder(const Device& device, const Geometry& geometry, cudaStream_t stream, const Options& options,
@@ -69,11 +79,75 @@ class Finder {
     /// Whether two slots were more than memory holds: one is then used as long as one will do.
     bool alone() const { return alone_; }
     std::size_t current() const { return now_; }
+    /// Works on a slot again, as it was left.
+    void resume(std::size_t slot) {
+        now_ = slot;
+        question().look();
+    }
+
+    /// Leaves the answer. Throws MeshChanged, and so do all that accept one.
+    void find() {
+        slot().on_host = false;
+        flights_.settle();  // passes work on the same lists
+        if (slot().frugal || !fits_at_once([&] { find_at_once(); })) find_in_chunks();
+        slot().statistics = statistics_;
+        slot().lost = false;
+    }
+    /// Gives a whole pass to `stream`; if there is no room for it, it is lost.
+    void launch(cudaStream_t stream) {
+        slot().on_host = false;
+        const auto enqueue = [&] { question().enqueue(nullptr); };
+        slot().lost = !fits_at_once([&] {
+            prepare_pass();
+            if (pass_.plan.guided)
+                graphs_.run(key(), stream, enqueue);
+            else
+                graphs_.run_once(stream, enqueue);
+        });
+    }
+    /// After it is done: whether that pass has left the whole answer, about features that are those of the latest call.
+    bool accept_launched(std::uint64_t revision) {
+        if (slot().lost || slot().revision != revision) return false;
+        bool complete = false;
+        if (!fits_at_once([&] { complete = question().accept(); }) || !complete) return false;
+        slot().statistics = statistics_;
+        return true;
+    }
+
+    /// Puts a whole pass into the capture of `stream`, or throws NoRoom.
+    void capture(cudaStream_t stream) {
+        slot().on_host = false;
+        plan();
+        if (!pass_.plan.guided || laid_out_ != layout()) throw NoRoom{};
+        lay_out_answer(Room::fixed);
+        has_replayed();
+        capture_.add(stream, [&] { question().enqueue(nullptr); });
+    }
     /// Whether a replay was done since the capture, or since this was last asked. A pass ends by writing all counters,
     /// and none has so many units.
     bool has_replayed() {
         constexpr unsigned long long never = ~0ull;
         return std::exchange(slot().counters->next_unit, never) != never;
+    }
+    /// After that: whether the last replay has left the whole answer. If not, the next pass will have longer lists.
+    bool accept_replay() {
+        statistics_ = {};
+        bool complete = false;
+        try {
+            complete = question().accept();
+        } catch (const MeshChanged&) {  // a graph cannot take other features
+        }
+        if (!complete) grown_ = std::exchange(pass_.plan, slot().plan);
+        slot().statistics = statistics_;
+        return complete;
+    }
+    /// Of one that has not.
+    DeviceAnswer show_incomplete() const {
+        DeviceAnswer shown;
+        shown.complete = false;
+        shown.rows_needed = static_cast<std::int64_t>(slot().counters->hits);
+        shown.statistics.backend = "cuda";
+        return shown;
     }
 
    protected:
@@ -104,8 +178,6 @@ class Finder {
         now_ = slot;
         this->slot().lost = true;
     }
-    /// Works on a slot again, as it was left.
-    void resume(std::size_t slot) { now_ = slot; }
     /// Has the pass see what the slot's input has brought.
     void look() {
         pass_.scene = input().scene();
@@ -117,69 +189,6 @@ class Finder {
         return {true, scene.moving, scene.moving ? static_cast<std::int32_t>(scene.vertex_count()) : 0, inflation,
                 along_axes};
     }
-
-    /// Calls at_once(), or in_chunks(lists) with as long lists as memory seems to allow, or with the shortest.
-    /// `frugal`: with these from the beginning.
-    template <class AtOnce, class InChunks>
-    void find(bool frugal, AtOnce at_once, InChunks in_chunks) {
-        if (!frugal && fits_at_once(at_once)) return;
-        if (frugal || !fits([&] { in_chunks(Lists::roomy); })) in_chunks(Lists::shortest);
-    }
-    /// Whether there was memory for a pass over the whole scene, which is not tried again for scenes of that size.
-    template <class Work>
-    bool fits_at_once(Work work) {
-        const std::int64_t n = pass_.scene.triangle_count();
-        if (n >= too_many_) return false;
-        if (fits(work) || (free_others() && fits(work))) return true;
-        too_many_ = n;
-        return false;
-    }
-
-    /// Lists, and room for the answer, for a pass that this slot will tell of. `kind`: what sizes and places of all
-    /// lists follow from beside the plan.
-    template <class Cut>
-    void prepare_pass(Cut cut_answer) {
-        if (grown_) pass_.plan = *std::exchange(grown_, std::nullopt);
-        if (laid_out_ != layout()) {
-            flights_.settle();  // passes work on what may move now
-            laid_out_.reset();
-            lists_of_ = nobody;
-            lay_out(guides_, [&](Cutter& c) { pass_.guides.cut(c, pass_.plan); });
-            lay_out(work_, [&](Cutter& c) { pass_.cut(c); });
-            laid_out_ = layout();
-        }
-        lay_out(slot().room, cut_answer);
-        slot().plan = pass_.plan;
-        lists_of_ = now_;
-    }
-
-    /// Gives a whole pass to `stream`; false if there is no room for it. prepare(): plan, lists, answer; key(): for the
-    /// graph; enqueue(): to our stream.
-    template <class Prepare, class MakeKey, class Enqueue>
-    bool launch(cudaStream_t stream, Prepare prepare, MakeKey key, Enqueue enqueue) {
-        const bool launched = fits_at_once([&] {
-            prepare();
-            if (pass_.plan.guided)
-                graphs_.run(key(), stream, enqueue);
-            else
-                graphs_.run_once(stream, enqueue);
-        });
-        slot().lost = !launched;
-        return launched;
-    }
-    /// Puts a whole pass into the capture of `stream`, or throws NoRoom.
-    template <class Cut, class Enqueue>
-    void capture(cudaStream_t stream, Cut cut_answer, Enqueue enqueue) {
-        if (grown_) pass_.plan = *std::exchange(grown_, std::nullopt);
-        if (!pass_.plan.guided || laid_out_ != layout()) throw NoRoom{};
-        lay_out(slot().room, cut_answer, Room::fixed);
-        slot().plan = pass_.plan;
-        lists_of_ = now_;
-        has_replayed();
-        capture_.add(stream, enqueue);
-    }
-    /// After a replay that has not left the whole answer: the next pass has longer lists.
-    void grow_later() { grown_ = std::exchange(pass_.plan, slot().plan); }
 
     /// Of the slot's pass: whether it was complete. If not, the plan is another one, unless it has become one since,
     /// for another launch. `listed`: whether the hits were.
@@ -271,6 +280,66 @@ class Finder {
     }
 
    private:
+    Question& question() { return static_cast<Question&>(*this); }
+    const Question& question() const { return static_cast<const Question&>(*this); }
+
+    void plan() {
+        if (grown_) pass_.plan = *std::exchange(grown_, std::nullopt);
+        question().plan();
+    }
+    // Lists, and room for the answer, for a pass that this slot will tell of.
+    void prepare_pass() {
+        plan();
+        if (laid_out_ != layout()) {
+            flights_.settle();  // passes work on what may move now
+            laid_out_.reset();
+            lists_of_ = nobody;
+            lay_out(guides_, [&](Cutter& c) { pass_.guides.cut(c, pass_.plan); });
+            lay_out(work_, [&](Cutter& c) { pass_.cut(c); });
+            laid_out_ = layout();
+        }
+        lay_out_answer(Room::grows);
+    }
+    void lay_out_answer(Room room) {
+        lay_out(
+            slot().room, [&](Cutter& c) { question().cut_answer(c); }, room);
+        slot().plan = pass_.plan;
+        lists_of_ = now_;
+    }
+    void find_at_once() {
+        do {
+            cancellation_.check();
+            prepare_pass();
+            question().enqueue(&watch_);
+            CRUMPLE_CUDA(cudaStreamSynchronize(stream_));
+        } while (!question().accept());
+        watch_.read(statistics_);
+    }
+    // With as long lists as memory seems to allow, or with the shortest.
+    void find_in_chunks() {
+        slot().on_host = true;
+        const auto with = [&](Lists lists) {
+            drop_lists();
+            statistics_ = {};
+            question().find_in_chunks(lists);
+        };
+        if (slot().frugal || !fits([&] { with(Lists::roomy); })) with(Lists::shortest);
+    }
+    // Whether there was memory for a pass over the whole scene, which is not tried again for scenes of that size.
+    template <class Work>
+    bool fits_at_once(Work work) {
+        const std::int64_t n = pass_.scene.triangle_count();
+        if (n >= too_many_) return false;
+        if (fits(work) || (free_others() && fits(work))) return true;
+        too_many_ = n;
+        return false;
+    }
+    Key key() {
+        return {pass_.scene,  pass_.wanted,        pass_.plan,          input().work(),
+                pass_.asked,  question().firsts(), question().extent(), question().all_kinds(),
+                work_.data(), slot().room.data(),  guides_.data(),      slot().counters.get()};
+    }
+
     /// What sizes and places of all lists follow from.
     struct Layout {
         std::int64_t vertices, triangles;
