@@ -18,6 +18,7 @@
 #include "crumple/options.h"
 #include "engine/cuda/captures.h"
 #include "engine/cuda/device.h"
+#include "engine/cuda/finder_slot.h"
 #include "engine/cuda/flights.h"
 #include "engine/cuda/graph_cache.h"
 #include "engine/cuda/input.h"
@@ -27,22 +28,6 @@
 #include "engine/feature_query.h"
 
 namespace crumple::cuda {
-
-/// What a launch about features has for itself, since another one may be in flight.
-struct FinderSlot {
-    FinderSlot(const Device& device, cudaStream_t, MemoryMeter& meter, Input& given)
-        : input(given), counters(device), room(meter) {}
-
-    Input& input;
-    Pinned<Counters> counters;
-    Block room;                  ///< of the answer
-    Plan plan;                   ///< of its pass
-    std::uint64_t revision = 0;  ///< of the features it was given
-    bool frugal = false;         ///< FeatureQuery::frugal
-    bool on_host = false;        ///< the answer is there: it was found in chunks
-    bool lost = true;            ///< there is no pass, or its answer had to go
-    Statistics statistics;
-};
 
 /// `QuestionPass`: a Pass with cut(), sort(), sweep(slice), and `asked`. `Slot`: a FinderSlot with what else there is
 /// to remember. `Key`: for GraphCache. `Question`: what derives from it, with
@@ -425,41 +410,6 @@ class Finder {
     std::optional<Plan> grown_;       ///< what the last incomplete replay asks for
     bool alone_ = false;
     std::int64_t too_many_ = std::numeric_limits<std::int64_t>::max();  ///< triangles that did not fit at once
-};
-
-/// What the keys of the graphs have in common: everything that the commands of a guided pass were made of. `Asked`:
-/// what the kernels of the question are told.
-template <class Asked, class Firsts>
-struct FinderKey {
-    Scene scene;
-    WantedPairs wanted;
-    Plan plan;
-    Input::Work input;
-    Asked asked;
-    Firsts firsts;
-    Extent extent;
-    bool all_kinds;
-    const void *work, *room, *guides, *counters;
-    friend bool operator==(const FinderKey&, const FinderKey&) = default;
-
-    /// The same without places and lengths of lists. Which kernels there are follows from it.
-    FinderKey shape() const {
-        FinderKey shape = *this;
-        forget_place(shape.scene.reader[0].data);
-        forget_place(shape.scene.end.data);
-        forget_place(shape.scene.corners);
-        forget_place(shape.scene.groups);
-        forget_place(shape.input.triangles[0].data);
-        for (const void*& of : shape.input.lists) forget_place(of);
-        forget_place(shape.wanted.groups.excluded);
-        shape.asked.forget_places();
-        shape.input.known = {};
-        shape.input.block = shape.work = shape.room = shape.guides = shape.counters = nullptr;
-        shape.firsts = {};
-        shape.plan = {};
-        std::ranges::copy(plan.fan_out, shape.plan.fan_out);
-        return shape;
-    }
 };
 
 }  // namespace crumple::cuda
