@@ -286,11 +286,12 @@ TEST(CudaDeviceFeatures, report_bad_input_as_the_host_does) {
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
     const DeviceStep<float> fine(good);
     const Impacts fine_impacts = cpu.find_impacts(good.view(), good.end_view());
-    for (const auto& [name, spoil, moving] : cases) {
-        SCOPED_TRACE(name);
+    for (const Case& wrong : cases) {
+        SCOPED_TRACE(wrong.name);
+        const bool moving = wrong.moving;
         MovingSoup<float> soup = good;
         std::vector<double> r = radii;
-        spoil(soup, r);
+        wrong.spoil(soup, r);
         const DeviceStep<float> there(soup);
         const DeviceArray<double> radii_there{std::span<const double>(r)};
         Near near{.radii = r, .rest = soup.end_view(), .rest_radius = 0.001}, near_there = near;
