@@ -273,7 +273,8 @@ bool Detector::is_free(const MeshView& mesh, const VertexView& end, const Motion
     return !find_impacts(mesh, end, asked, std::move(stop)).any;
 }
 FreeStep Detector::find_free_step(const MeshView& mesh, const VertexView& end, const Motion& question,
-                                  std::stop_token stop) {
+                                  std::stop_token given) {
+    const std::stop_token stop = std::move(given);
     if (mesh.memory == MemorySpace::host) return free_step(*this, mesh, end, question, stop);
     HostShape copy;
     implementation_->copy_to_host(mesh, end, copy);
