@@ -236,7 +236,7 @@ def test_shapes_and_poses_at_the_end_come_back():
     "make, message",
     [
         (lambda: crumple.Shape(MESH, end=MOVED[:9]), "^end vertices must be as many as those at the start, 36, not 9$"),
-        (lambda: crumple.Shape(MESH, end=OnDevice(MOVED)), "^end vertices lie in CUDA memory, but are wanted"),
+        (lambda: crumple.Shape(MESH, end=OnDevice(MOVED)), "^end vertices lie in the memory of CUDA device 0"),
         (lambda: crumple.Shape(MESH, end=MOVED.astype(int)), "^end vertices must be float32 or float64, not int64"),
         (lambda: crumple.World([MESH], end_poses=POSES), r"^end_poses must have shape \(1, 3, 4\) or"),
         (lambda: crumple.World([MESH], end_poses=np.eye(4)), r"^end_poses must have shape \(bodies, 3, 4\)"),

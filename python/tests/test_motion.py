@@ -201,11 +201,11 @@ def test_meshes_come_in_many_forms(detector):
         ((START, None, FACES), {}, "end vertices must be an array of numbers, not None"),
         ((START, END[:, :2], FACES), {}, r"end vertices must have shape \(n, 3\), not \(6, 2\)"),
         ((START, END.astype(int), FACES), {}, "end vertices must be float32 or float64, not int64"),
-        ((START, OnDevice(END), FACES), {}, "end vertices lie in CUDA memory, but are wanted in the host's: copy them"),
+        ((START, OnDevice(END), FACES), {}, "end vertices lie in the memory of CUDA device 0, but vertices in host memory"),
         (
             (OnDevice(START), END, OnDevice(FACES)),
             {},
-            "vertices lie in CUDA memory, but those of motion, nearness and candidates",
+            "the arrays lie in CUDA memory, which needs the cuda backend",
         ),
         ((START, OnDevice(END, kind=10), FACES), {}, "end vertices lie in ROCm memory"),
         ((START, np.ma.masked_array(END, mask=END > 3), FACES), {}, r"end vertices are masked at \(1, 0\)"),
