@@ -33,7 +33,7 @@ SIDE, SPACING, STEP = 25, 0.04, 1 / 120
 def grid():
     """A square cloth above a pyramid; what stands still is the last five vertices."""
     i, j = np.meshgrid(np.arange(SIDE), np.arange(SIDE), indexing="ij")
-    cloth = np.stack([SPACING * (i - SIDE / 2), SPACING * (j - SIDE / 2), 0.35 + 0.002 * (i + 2 * j)], -1).reshape(-1, 3)
+    cloth = np.stack([SPACING * (i - SIDE / 2), SPACING * (j - SIDE / 2), 0.35 + 0.002 * (i + 2 * j)], -1)
     number = np.arange(SIDE * SIDE).reshape(SIDE, SIDE)
     a, b, c, d = (corner.ravel() for corner in (number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]))
     pyramid = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0], [0.02, 0.01, 0.33]])
@@ -41,7 +41,7 @@ def grid():
     faces = np.concatenate([np.stack([a, b, c], -1), np.stack([a, c, d], -1), sides])
     springs = np.concatenate([np.stack([number[:-1].ravel(), number[1:].ravel()], -1),
                               np.stack([number[:, :-1].ravel(), number[:, 1:].ravel()], -1)])  # fmt: skip
-    return np.concatenate([cloth, pyramid]), faces.astype(np.int32), springs
+    return np.concatenate([cloth.reshape(-1, 3), pyramid]), faces.astype(np.int32), springs
 
 
 def impacts(start, end):

@@ -289,8 +289,8 @@ def find_candidates(
     `inflation`, in real numbers: it is a definition, so nothing is missed and nothing is more than that.
 
     Args:
-        vertices: (n, 3) float32 or float64, at the start; or a mesh, and then no `faces`. All arrays on the host, or all in
-            CUDA memory, where the cuda backend reads them.
+        vertices: (n, 3) float32 or float64, at the start; or a mesh, and then no `faces`. All arrays on the host, or
+            all in CUDA memory, where the cuda backend reads them.
         faces: (m, 3) integers, or flat: three a triangle.
         end: (n, 3): where they are at the end; None: they stay.
         kinds: which lists are made, one name or several: "vertex_face", "edge_edge", "edge_face", "face_face",

@@ -108,8 +108,8 @@ class DeviceAnswer:
 
 
 class DeviceResult(DeviceAnswer):
-    """What Detector.launch_self and launch_between find: `pairs`, `offsets`, `hit`, between two meshes `hit_second`, and
-    with contacts `contact_kinds`, `contact_offsets` (pairs + 1) and `contact_points` (k, 3)."""
+    """What Detector.launch_self and launch_between find: `pairs`, `offsets`, `hit`, between two meshes `hit_second`,
+    and with contacts `contact_kinds`, `contact_offsets` (pairs + 1) and `contact_points` (k, 3)."""
 
 
 class DeviceWorldResult(DeviceAnswer):
@@ -168,7 +168,8 @@ def _stream(given: Any) -> int | None:
         given = getattr(given, name, given)
     if given is None or (isinstance(given, int) and not isinstance(given, bool)):
         return given
-    raise InvalidType(f"stream must be None, an address, or a stream of PyTorch, CuPy or Warp, not {type(given).__name__}")
+    kind = type(given).__name__
+    raise InvalidType(f"stream must be None, an address, or a stream of PyTorch, CuPy or Warp, not {kind}")
 
 
 @suggesting
@@ -192,8 +193,8 @@ def launch_self(
     returns. Only with the cuda backend.
 
     Args:
-        vertices, faces, groups: as find_self takes them, on the detector's device, through DLPack. What is not of a type
-            that can be read in place is refused, for nothing is converted there.
+        vertices, faces, groups: as find_self takes them, on the detector's device, through DLPack. What is not of a
+            type that can be read in place is refused, for nothing is converted there.
         stream: on which the arrays are ready, and the work is done: None, the legacy default stream; or the address of
             another one, or a stream of PyTorch, CuPy or Warp. One that is being captured makes the work a part of the
             caller's graph: each replay is a query, after two calls like it outside of the capture.
@@ -245,8 +246,8 @@ def launch(
     A step of thousands of worlds, say, whose poses a simulator has on the device: flags by world stay there.
 
     Args:
-        world: shapes and bodies, on the host. They are brought to the device when they are not those of the call before.
-        poses: (n, 3, 4) float32 or float64 in CUDA memory, without gaps; None: those of the world, which must lie there.
+        world: shapes and bodies, on the host. They go to the device when they are not those of the call before.
+        poses: (n, 3, 4) float32 or float64 in CUDA memory, without gaps; None: those of the world, which lie there.
         wants: "any", "any_by_world" and "count" make flags and counts by world, "pairs" and "contacts" all.
         stream: see launch_self.
         neighbours, intersections, weld, bodies, groups, excluded, excluded_groups: as find has them.
@@ -275,7 +276,7 @@ def launch_impacts(
     excluded_groups: GroupPairs | None = None,
     stream: Any = None,
 ) -> None:
-    """Starts find_impacts on arrays in device memory and returns at once; wait_impacts() tells where the answer lies.
+    """Starts find_impacts on arrays in device memory and returns at once; wait_impacts() tells of the answer.
 
     See launch_self for streams, and find_impacts for what is asked. `end`, `edges` and `points` lie on the device, too.
     The first launch for a mesh, and one with other numbers of vertices, faces, edges or points, waits for the stream:
@@ -309,8 +310,8 @@ def launch_near(
 ) -> None:
     """Starts find_near on arrays in device memory and returns at once; wait_near() tells where the answer lies.
 
-    See launch_self for streams, launch_impacts for what waits, and find_near for what is asked. `radii`, `rest`, `edges`
-    and `points` lie on the device, too. Closest points and least distances are for find_near.
+    See launch_self for streams, launch_impacts for what waits, and find_near for what is asked. `radii`, `rest`,
+    `edges` and `points` lie on the device, too. Closest points and least distances are for find_near.
     """
     rules = _core.rules_of_mesh(wanted, excluded_groups)
     radius = radius_of("launch_near", radius, radii is not None)
@@ -365,8 +366,8 @@ def wait_worlds(self: Detector) -> DeviceWorldResult:
 
 @suggesting
 def wait_impacts(self: Detector) -> DeviceImpacts:
-    """Waits for the oldest launch, of launch_impacts, as wait() does. Where faces, edges or points turn out to be others
-    than in the launch before, the host looks at them and the work is done again."""
+    """Waits for the oldest launch, of launch_impacts, as wait() does. Where faces, edges or points turn out to be
+    others than in the launch before, the host looks at them and the work is done again."""
     return DeviceImpacts(self, *self._wait_impacts())
 
 

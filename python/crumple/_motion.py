@@ -132,8 +132,8 @@ def find_impacts(
     and degenerate ones included. What runs through a face without touching vertex or edge is none: an intersection.
 
     Args:
-        vertices: (n, 3) float32 or float64, at the start; or a mesh, and then no `faces`. All arrays on the host, or all in
-            CUDA memory, where the cuda backend reads them.
+        vertices: (n, 3) float32 or float64, at the start; or a mesh, and then no `faces`. All arrays on the host, or
+            all in CUDA memory, where the cuda backend reads them.
         end: (n, 3): where they are at the end. If one of both is float64, all is computed in float64.
         faces: (m, 3) integers, or flat: three a triangle.
         wants: how much is made; all but the last end as soon as they may. "any": whether anything touches;

@@ -342,8 +342,8 @@ def find_near(
     features that are near.
 
     Args:
-        vertices: (n, 3) float32 or float64; or a mesh, and then no `faces`. All arrays on the host, or all in
-            CUDA memory, where the cuda backend reads them.
+        vertices: (n, 3) float32 or float64; or a mesh, and then no `faces`. All arrays on the host, or
+            all in CUDA memory, where the cuda backend reads them.
         faces: (m, 3) integers, or flat: three a triangle.
         radius: Euclidean, 0 or more, in the units of the coordinates.
         radii: (n,) float64 or float32, instead of `radius`: one a vertex, such as half the thickness of a cloth. An

@@ -201,7 +201,7 @@ def test_meshes_come_in_many_forms(detector):
         ((START, None, FACES), {}, "end vertices must be an array of numbers, not None"),
         ((START, END[:, :2], FACES), {}, r"end vertices must have shape \(n, 3\), not \(6, 2\)"),
         ((START, END.astype(int), FACES), {}, "end vertices must be float32 or float64, not int64"),
-        ((START, OnDevice(END), FACES), {}, "end vertices lie in the memory of CUDA device 0, but vertices in host memory"),
+        ((START, OnDevice(END), FACES), {}, "end vertices lie in the memory of CUDA device 0, but"),
         (
             (OnDevice(START), END, OnDevice(FACES)),
             {},

@@ -144,7 +144,7 @@ def test_least_distances_with_groups(either):
         ((START, FACES), {"radius": None, "radii": np.ones((6, 1))}, r"radii must have shape \(vertices,\)"),
         ((START, FACES), {"radius": None, "radii": np.ones(6, int)}, "radii must be float64 or float32, not int64"),
         ((START, FACES), {"radius": None, "radii": [0, 1, 2, -1, 0, 0]}, "radius of vertex 3 must be finite and 0 or"),
-        ((START, FACES), {"radius": None, "radii": OnDevice(np.ones(6))}, "radii lie in the memory of CUDA device 0, but vertices in host memory"),
+        ((START, FACES), {"radius": None, "radii": OnDevice(np.ones(6))}, "radii lie in the memory of CUDA"),
         ((START, FACES), {"rings": -1}, "rings must be 0 or more"),
         ((START, FACES), {"rings": 1.5}, "rings must be an integer"),
         ((START, FACES), {"rest": START[:5]}, "rest vertices must be as many as those of the mesh, 6, not 5"),
