@@ -38,6 +38,7 @@
 #include "race.h"
 #include "report.h"
 #include "scenes/scenes.h"
+#include "step.h"
 #include "workload.h"
 
 namespace crumple::benchmark {
