@@ -444,7 +444,7 @@ int main(int argc, char** argv) {
     app.add_option(
         "--step", settings.steps,
         "[any number of] steps whose features are asked about: unc_cloth_ball, unc_funnel, unc_n_body, or "
-        "SCENE:TRIANGLES; without it the first three where their files are, else cloth:50000; none: no step");
+        "SCENE:TRIANGLES; without it the first three where their files are, else cloth and bodies; none: no step");
     app.add_option("--frames", settings.frames, "Frames that a median is made of")->check(CLI::Range(1, 100'000));
     app.add_option("--largest", settings.largest, "Triangles of the largest cloth of the growth curve; 0: no curve");
     app.add_option("--worlds", settings.worlds, "Worlds of 1,000 triangles each in one call; 0: none")
