@@ -116,6 +116,33 @@ TEST(CudaDeviceFeatures, have_radii_and_a_shape_at_rest) {
     EXPECT_TRUE(same_features(cuda.find_near(there.view(), asked_there), cpu.find_near(soup.view(), asked)));
 }
 
+// What a frame's graph reads is this frame's, wherever it lies.
+TEST(CudaDeviceFeatures, are_those_of_the_arrays_that_are_given) {
+    const MovingSoup<float> soup = falling(400, 80);
+    const DeviceStep<float> there(soup);
+    const std::size_t n = soup.start.size();
+    const std::vector<PointOf<float>> flat(n, PointOf<float>{0, 0, 0});  // there all are close, and nothing is near
+    const DeviceArray<PointOf<float>> rest[2]{DeviceArray<PointOf<float>>(std::span<const PointOf<float>>(soup.end)),
+                                              DeviceArray<PointOf<float>>(std::span<const PointOf<float>>(flat))};
+    const std::vector<double> thin(n, 0.001), thick(n, 0.05);
+    const DeviceArray<double> radii[2]{DeviceArray<double>(std::span<const double>(thin)),
+                                       DeviceArray<double>(std::span<const double>(thick))};
+    Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
+    std::int64_t near = 0;
+    for (std::size_t frame = 0; frame < 16; ++frame) {
+        const std::size_t r = frame / 4 % 2, t = frame % 2;
+        Near asked{.radii = t ? thick : thin, .rest = soup.end_view(), .rest_radius = 0.02}, asked_there = asked;
+        if (r) asked.rest.data = flat.data();
+        asked_there.radii = radii[t].span();
+        asked_there.rest.data = rest[r].span().data();
+        const Nearby& expected = cpu.find_near(soup.view(), asked);
+        near += expected.count;
+        cuda.launch_near(there.view(), asked_there);
+        ASSERT_TRUE(shows(cuda.wait_near(), expected)) << "frame " << frame;
+    }
+    EXPECT_GT(near, 0);
+}
+
 TEST(CudaDeviceFeatures, have_a_free_step) {
     const MovingSoup<float> soup = falling(400, 88);
     const DeviceStep<float> there(soup);
@@ -337,6 +364,13 @@ TEST(CudaDeviceFeatures, refuse_what_launches_do_not) {
     EXPECT_TRUE(refused([&] { cuda.launch_impacts(there.view(), soup.end_view()); })) << "the end on the host";
     EXPECT_TRUE(refused([&] { cpu.launch_impacts(there.view(), there.end()); }));
     EXPECT_TRUE(refused([&] { cpu.find_impacts(there.view(), there.end()); }));
+    MeshView wrong = there.view();
+    wrong.vertices.rows = -5;
+    for (const bool copied : {false, true}) {
+        EXPECT_TRUE(refused([&] { cuda.find_near(wrong, {.weld = copied}); }));
+        EXPECT_TRUE(refused([&] { cuda.find_impacts(wrong, there.end(), {.weld = copied}); }));
+    }
+    EXPECT_TRUE(refused([&] { cuda.find_free_step(wrong, there.end()); }));
     EXPECT_TRUE(refused([&] { cpu.wait_near(); }));
     EXPECT_TRUE(refused([&] { cuda.wait_near(); }));
 }

@@ -49,6 +49,7 @@ class CandidateFinder : public Finder<CandidateFinder, CandidatePass, CandidateS
 
    private:
     const FirstOfCandidates& firsts() const { return slot().firsts; }
+    static VertexReader rest() { return {}; }
     static Extent extent() { return Extent::all; }
     static bool all_kinds() { return false; }
     void adopt(const CandidateQuery& query, Room room);

@@ -65,6 +65,7 @@ class FeatureFinder : public Finder<FeatureFinder, FeaturePass, FeatureSlot, Fea
 
     const FeatureQuery& query() const { return *slot().query; }
     const FirstOfKind& firsts() const { return slot().features.firsts(); }
+    const VertexReader& rest() const { return slot().features.given_rest(); }
     Extent extent() const { return query().extent; }
     bool all_kinds() const { return pass_.all_kinds; }
     void adopt(const FeatureQuery& query);

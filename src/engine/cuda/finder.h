@@ -37,7 +37,7 @@ namespace crumple::cuda {
 ///     enqueue(watch)            a whole pass, to our stream
 ///     accept()                  whether it was complete; if not, the plan is another one
 ///     find_in_chunks(lists)     leaves the answer on the host
-///     firsts(), extent(), all_kinds()      for the key
+///     rest(), firsts(), extent(), all_kinds()      for the key
 template <class Question, class QuestionPass, class Slot, class Key>
 class Finder {
    public:
@@ -320,9 +320,9 @@ class Finder {
         return false;
     }
     Key key() {
-        return {pass_.scene,  pass_.wanted,        pass_.plan,          input().work(),
-                pass_.asked,  question().firsts(), question().extent(), question().all_kinds(),
-                work_.data(), slot().room.data(),  guides_.data(),      slot().counters.get()};
+        return {pass_.scene,        pass_.wanted,        pass_.plan,           input().work(),         pass_.asked,
+                question().rest(),  question().firsts(), question().extent(),  question().all_kinds(), work_.data(),
+                slot().room.data(), guides_.data(),      slot().counters.get()};
     }
 
     /// What sizes and places of all lists follow from.

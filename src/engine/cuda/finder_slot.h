@@ -39,6 +39,7 @@ struct FinderKey {
     Plan plan;
     Input::Work input;
     Asked asked;
+    VertexReader rest;  ///< where the caller has the shape at rest
     Firsts firsts;
     Extent extent;
     bool all_kinds;
@@ -50,6 +51,7 @@ struct FinderKey {
         FinderKey shape = *this;
         forget_place(shape.scene.reader[0].data);
         forget_place(shape.scene.end.data);
+        forget_place(shape.rest.data);
         forget_place(shape.scene.corners);
         forget_place(shape.scene.groups);
         forget_place(shape.input.triangles[0].data);

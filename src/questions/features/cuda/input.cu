@@ -171,7 +171,7 @@ void FeatureInput::lay_out_values(const Scene& scene, const FeatureQuery& query,
 void FeatureInput::view(const Scene& scene, const FeatureQuery& query, FeaturesOnDevice& features, Room room) {
     tell(scene, query, features, room);
     lay_out_values(scene, query, true, room);
-    if (query.rest) given_rest_ = query.rest->position;
+    given_rest_ = query.rest ? query.rest->position : VertexReader{};
 }
 
 void FeatureInput::bring(const Scene& scene, const FeatureQuery& query, FeaturesOnDevice& features) {

@@ -57,6 +57,8 @@ class FeatureInput {
 
     const AskedOfFeatures& asked() const { return asked_; }
     const FirstOfKind& firsts() const { return firsts_; }
+    /// The shape at rest that view() was given.
+    const VertexReader& given_rest() const { return given_rest_; }
     bool all_kinds() const { return all_kinds_; }
 
     void release();
