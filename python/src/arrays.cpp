@@ -139,7 +139,7 @@ bool borrow_numpy(nb::handle object, BorrowedArray& result) {
     return true;
 }
 
-int ready_on_stream = 0;  // ReadyOnStreams that live; guarded by the GIL
+thread_local int ready_on_stream = 0;  // ReadyOnStreams of the thread that live
 
 // __dlpack__(stream=-1); null where it refuses, as those of the host may.
 nb::object capsule_without_waiting(const nb::object& method) {

@@ -79,11 +79,8 @@ Statistics stream_near(nb::handle self, nb::handle take, const nb::tuple& mesh, 
                        nb::handle rest, const nb::tuple& lists, nb::handle block_pairs, nb::handle ordered) {
     SharedDetector& detector = detector_of(self);
     const AskedOfMesh given(detector, mesh, lists);
-    Near question = asked;
-    std::optional<BorrowedRadii> of_vertices;
-    std::optional<BorrowedEnd> at_rest;
-    if (!radii.is_none()) question.radii = of_vertices.emplace(radii, given.mesh).view();
-    if (!rest.is_none()) question.rest = at_rest.emplace(rest, given.mesh, "", BorrowedEnd::When::rest).view();
+    const AskedOfVertices vertices(asked, given.mesh, radii, rest);
+    const Near& question = vertices.question;
     const Streaming how = streaming(block_pairs, ordered);
     const SharedDetector::Turn turn(detector);
     return take_blocks<Nearby>(detector, take, question, false, [&](Detector& by, auto& sink, std::stop_token stop) {

@@ -257,6 +257,35 @@ def test_arrays_outlive_a_launch(cuda, cpu):
     assert_shows(cuda.wait_impacts(), cpu.find_impacts(START, END, FACES), IMPACTS)
 
 
+def test_streams(cuda, cpu):
+    """Named, nobody waits for what writes the arrays: DLPack's stream -1. By address, or as other packages have them."""
+
+    class Told(OnDevice):
+        def __dlpack__(self, **named):
+            streams.append(named.get("stream"))
+            return super().__dlpack__()
+
+    class Stream:
+        cuda_stream = 0
+
+    expected = cpu.find_near(START, FACES, radius=0.1)
+    for stream, told in ((None, None), (0, -1), (Stream(), -1)):
+        streams = []
+        arrays = [on_device(array) for array in (START, FACES)]
+        if ON_CPU:
+            arrays = [Told(array.array) for array in arrays]
+        cuda.launch_near(*arrays, radius=0.1, stream=stream)
+        assert_shows(cuda.wait_near(), expected, NEAR)
+        assert streams == ([told, told] if ON_CPU else [])
+
+
+def test_an_answer_that_is_not_complete(cuda):
+    found = crumple.DeviceImpacts(cuda, (False, 5, 0, False, None), {}, crumple.Statistics)
+    assert not found.complete and found.needed == 5 and "not complete" in repr(found)
+    with pytest.raises(crumple.InvalidInput, match="edge_edges: the answer is not complete; a call outside of the capture"):
+        found.edge_edges
+
+
 def test_wrong_launches(cuda):
     start, end, faces = map(on_device, (START, END, FACES))
     with pytest.raises(crumple.InvalidInput, match="launch"):
