@@ -32,6 +32,7 @@
 
 #include "crumple/crumple.h"
 #include "cuda_features.h"
+#include "cuda_worlds.h"
 #include "device_array.h"
 #include "device_limits.h"
 #include "least_work.h"
@@ -211,77 +212,6 @@ nlohmann::json measure(const Settings& settings, const std::string& scene, Table
             {"counts", counted}};
 }
 
-Summary steps_on_device(const Settings& settings, const World& world, const Intersect& question,
-                        const WorldCollisions& expected) {
-    const DeviceArray poses(world.poses.data(), world.poses.size_bytes());
-    World there = world;
-    there.poses = {};
-    there.device_poses = {static_cast<const Pose*>(poses.data()), static_cast<std::int64_t>(world.poses.size())};
-    Detector detector(settings.options());
-    const auto step = [&] {
-        detector.launch(there, question);
-        if (detector.wait_worlds().any != expected.any) throw std::runtime_error("worlds: the answers of steps differ");
-    };
-    for (int warm_up = 0; warm_up < 4; ++warm_up) step();
-    return repeated(settings.host_frames(), step);
-}
-
-/// Many small worlds in one call, from and to the host: a body of 500 triangles twice in each, further apart from world
-/// to world until they are clear of each other. What the device takes of it is the sum of the stages. Then the same as
-/// steps of a simulation on the device, which has the poses and gets the answer: launch and wait by the host's clock.
-nlohmann::json measure_worlds(const Settings& settings, Table& table) {
-    const io::TriangleMesh mesh = scenes::make("model", {.triangles = 500});
-    const double reach = std::visit(
-        [](const auto& vertices) {
-            double most = 0;
-            for (const auto& v : vertices) most = std::max(most, std::abs(static_cast<double>(v)));
-            return most;
-        },
-        mesh.vertices);
-    const std::vector<Shape> shapes{Shape(mesh.view())};
-    std::vector<Body> bodies;
-    std::vector<Pose> poses(2 * static_cast<std::size_t>(settings.worlds));
-    for (int w = 0; w < settings.worlds; ++w) {
-        bodies.insert(bodies.end(), 2, {.shape = 0, .world = w, .self = false});
-        poses[bodies.size() - 1].rows[3] = 4 * reach * w / settings.worlds;
-    }
-    const World world{shapes, bodies, poses};
-    nlohmann::json rows = nlohmann::json::array();
-    for (const auto& [name, wants] : {std::pair{"flags", Wants::any_by_world}, std::pair{"pairs", Wants::pairs}}) {
-        const Intersect question{.wants = wants};
-        Detector detector(settings.options()), cpu({.backend = Backend::cpu});
-        const double first = milliseconds_of([&] { detector.find(world, question); });
-        const WorldCollisions* expected = nullptr;
-        const double on_cpu = milliseconds_of([&] { expected = &cpu.find(world, question); });
-        const WorldCollisions& found = detector.find(world, question);
-        const auto same = [](const auto& x, const auto& y) {
-            return std::equal(x.begin(), x.end(), y.begin(), y.end());
-        };
-        if (!same(found.world_hit, expected->world_hit) || !same(found.pairs, expected->pairs))
-            throw std::runtime_error("worlds: the answers of cuda and cpu differ");
-        const auto hits = std::count(found.world_hit.begin(), found.world_hit.end(), 1);
-        const std::int64_t triangles = found.statistics.triangles, pairs = found.count;
-        const double stages = std::accumulate(found.statistics.stage_milliseconds.begin(),
-                                              found.statistics.stage_milliseconds.end(), 0.0);
-        const Summary times = repeated(std::min(5, settings.host_frames()), [&] { detector.find(world, question); });
-        const Summary steps = steps_on_device(settings, world, question, found);
-        table.row({name, std::to_string(settings.worlds), std::to_string(triangles), std::to_string(hits),
-                   std::to_string(pairs), number(steps.median), number(times.median), range(times),
-                   wants == Wants::pairs ? number(stages) : "", number(on_cpu), number(first)});
-        rows.push_back({{"wants", name},
-                        {"worlds", settings.worlds},
-                        {"triangles", triangles},
-                        {"worlds_hit", hits},
-                        {"pairs", pairs},
-                        {"on_device", to_json(steps)},
-                        {"from_and_to_host", to_json(times)},
-                        {"stages", stages},
-                        {"cpu_all_threads", on_cpu},
-                        {"first_milliseconds", first}});
-    }
-    return rows;
-}
-
 /// From 10,000 triangles on. The exponent is that of the large sizes: below, a frame is mostly launches, which do not
 /// grow and so would flatter it. Calls so_far(rows) after each size.
 template <class SoFar>
@@ -409,10 +339,9 @@ int run(Settings settings) {
             result["growth"]["sizes"] = rows;
             write(settings, result);
         });
-    Table worlds("worlds side by side in one call, milliseconds",
-                 {"wants", "worlds", "triangles", "hit", "pairs", "step on device", "host to host", "quartiles",
-                  "stages", "cpu", "first"});
-    if (settings.worlds > 0) result["worlds"] = measure_worlds(settings, worlds);
+    Table worlds = table_of_worlds();
+    if (settings.worlds > 0)
+        result["worlds"] = measure_worlds(settings.worlds, settings.options(), settings.host_frames(), worlds);
     write(settings, result);
     table.print();
     Table features = table_of_steps();
