@@ -2,7 +2,6 @@
 
 #include <utility>
 
-#include "base/stopwatch.h"
 #include "world_calls.h"
 
 namespace crumple {
@@ -23,18 +22,11 @@ void tell(const DeviceAnswer& found, Answer& answer) {
 template <class Question, class Answer>
 const Answer& WorldCalls::find_there(const DeviceShape& mesh, const Question& question, Answer& answer,
                                      std::stop_token stop) {
-    Stopwatch watch;
-    bool frugal = false;
-    const auto attempt = [&] {
+    return answered(answer, std::move(stop), [&](bool frugal) {
         check_question(question, false);
         check_groups(question.rules, mesh.shape.triangles.rows, !mesh.shape.groups.empty());
         features.find_there(*backend, mesh, question, frugal, answer);
-    };
-    within_limit(
-        std::move(stop), attempt, [&] { return frugal = true; }, [&] { return peak_of(attempt); });
-    answer.statistics.peak_memory_bytes = meter.peak;
-    answer.statistics.milliseconds = watch.lap();
-    return answer;
+    });
 }
 
 template <class Question, class Answer>

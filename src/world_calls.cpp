@@ -35,37 +35,22 @@ const WorldCollisions& WorldCalls::find(const World& world, const Intersect& que
 template <class Question, class Answer>
 const Answer& WorldCalls::find_features(const World& world, const Question& question, bool bodies, Answer& answer,
                                         std::stop_token stop) {
-    Stopwatch watch;
-    bool frugal = false;
-    const auto attempt = [&] {
+    return answered(answer, std::move(stop), [&](bool frugal) {
         check_question(question, bodies);
         if (!bodies) check_groups(question.rules, world.shapes[0].triangles.rows, !world.shapes[0].groups.empty());
         features.find(*backend, world, question, bodies, frugal, answer);
-    };
-    // What several workers need depends on who does what, so it cannot be promised.
-    within_limit(
-        std::move(stop), attempt, [&] { return frugal = true; }, [&] { return peak_of(attempt); });
-    answer.statistics.peak_memory_bytes = meter.peak;
-    answer.statistics.milliseconds = watch.lap();
-    return answer;
+    });
 }
 
 template <class Question, class Answer>
 const Answer& WorldCalls::find_features(const Part& part, const Question& question, Answer& answer,
                                         std::stop_token stop) {
-    Stopwatch watch;
-    bool frugal = false;
-    const auto attempt = [&] {
+    return answered(answer, std::move(stop), [&](bool frugal) {
         check(working != Backend::cuda, "parts of features need the cpu backend (Options::backend)");
         check_question(question, false);
         check_groups(question.rules, part.mesh.size(), !part.mesh.groups.empty());
         features.find(*backend, part, question, frugal, answer);
-    };
-    within_limit(
-        std::move(stop), attempt, [&] { return frugal = true; }, [&] { return peak_of(attempt); });
-    answer.statistics.peak_memory_bytes = meter.peak;
-    answer.statistics.milliseconds = watch.lap();
-    return answer;
+    });
 }
 
 template <class Question>

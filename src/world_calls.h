@@ -3,6 +3,9 @@
 // A detector's calls on worlds of bodies; one mesh in motion, or at rest for nearness and candidates, is a world of one
 // body.
 
+#include <utility>
+
+#include "base/stopwatch.h"
 #include "crumple/detector.h"
 #include "detector_state.h"
 
@@ -76,6 +79,19 @@ struct WorldCalls : DetectorState {
     template <class Question, class Answer>
     Statistics stream_features(const World& world, const Question& question, bool bodies,
                                const FeatureBlocks<Answer>& blocks, Answer& answer, std::stop_token stop);
+    /// Has search(frugal) make the answer, under the limit. What several workers need depends on who does what, so it
+    /// cannot be promised: the second try is frugal.
+    template <class Answer, class Search>
+    const Answer& answered(Answer& answer, std::stop_token stop, Search search) {
+        Stopwatch watch;
+        bool frugal = false;
+        const auto attempt = [&] { search(frugal); };
+        within_limit(
+            std::move(stop), attempt, [&] { return frugal = true; }, [&] { return peak_of(attempt); });
+        answer.statistics.peak_memory_bytes = meter.peak;
+        answer.statistics.milliseconds = watch.lap();
+        return answer;
+    }
     /// Of one mesh, wherever it lies.
     template <class Question, class Answer>
     const Answer& find_of_mesh(const MeshView& mesh, const Shape& shape, const Question& question, Answer& answer,

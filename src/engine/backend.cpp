@@ -1,5 +1,7 @@
 #include "engine/backend.h"
 
+#include <string>
+
 #include "crumple/error.h"
 
 namespace crumple {
@@ -19,6 +21,14 @@ namespace {
 }
 
 }  // namespace
+
+void fail_unprepared_capture(Asked question) {
+    throw Error(ErrorCode::invalid_argument,
+                std::string("a launch in a capture needs two calls before it, outside of the capture, with ") +
+                    (question == Asked::worlds ? "the same bodies and the same question"
+                                               : "meshes of the same shape and the same query") +
+                    ": they make its lists");
+}
 
 void BackendBase::stream(const Scene&, const Query&, const Streaming&, BlockSink, Statistics&) { refuse_blocks(); }
 void BackendBase::visit(const Scene& scene, const Query& query, BlockSink take, Statistics& statistics) {

@@ -20,6 +20,9 @@ namespace crumple {
 /// What a launch asks; each has a wait of its own.
 enum class Asked : std::uint8_t { intersections, worlds, impacts, near, candidates };
 
+/// Throws Error: a launch in a capture finds nothing that earlier ones have made.
+[[noreturn]] void fail_unprepared_capture(Asked question);
+
 class DeviceFeatureCalls {
    public:
     virtual ~DeviceFeatureCalls() = default;

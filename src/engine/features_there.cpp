@@ -114,10 +114,7 @@ void FeatureSearch::launch(BackendBase& backend, const DeviceShape& mesh, const 
     DeviceFeatureCalls& there = backend.features_there();
     refuse_what_is_not_there(mesh.shape, question);
     look_there(backend, mesh, question);
-    if (there.is_captured(mesh) && !features_.has_counts_of(mesh.shape))
-        throw Error(ErrorCode::invalid_argument,
-                    "a launch in a capture needs two calls before it, outside of the capture, with meshes of the same "
-                    "shape and the same query: they make its lists");
+    if (there.is_captured(mesh) && !features_.has_counts_of(mesh.shape)) fail_unprepared_capture(Asked::impacts);
     const auto slot =
         ask_there(backend, mesh, question, [&](const auto& query) { return std::optional(there.launch(mesh, query)); });
     launched_[*slot] = {mesh, question};

@@ -66,11 +66,7 @@ class Turns {
         try {
             capture();
         } catch (const NoRoom&) {
-            throw Error(ErrorCode::invalid_argument,
-                        std::string("a launch in a capture needs two calls before it, outside of the capture, with ") +
-                            (question == Asked::worlds ? "the same bodies and the same question"
-                                                       : "meshes of the same shape and the same query") +
-                            ": they make its lists");
+            fail_unprepared_capture(question);
         }
         replayed = false;
         captured_ = question;
