@@ -282,7 +282,7 @@ def test_streams(cuda, cpu):
 def test_an_answer_that_is_not_complete(cuda):
     found = crumple.DeviceImpacts(cuda, (False, 5, 0, False, None), {}, crumple.Statistics)
     assert not found.complete and found.needed == 5 and "not complete" in repr(found)
-    with pytest.raises(crumple.InvalidInput, match="edge_edges: the answer is not complete; a call outside of the capture"):
+    with pytest.raises(crumple.InvalidInput, match="edge_edges: the answer is not complete; a call outside"):
         found.edge_edges
 
 
