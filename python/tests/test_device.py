@@ -258,7 +258,7 @@ def test_arrays_outlive_a_launch(cuda, cpu):
 
 
 def test_streams(cuda, cpu):
-    """Named, nobody waits for what writes the arrays: DLPack's stream -1. By address, or as other packages have them."""
+    """Named, nobody waits for what writes the arrays: DLPack's stream -1. By address, or as others have them."""
 
     class Told(OnDevice):
         def __dlpack__(self, **named):
