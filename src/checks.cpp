@@ -33,14 +33,18 @@ void check_options(const Options& o) {
 }
 
 void check_device_poses(const World& world) {
-    const DevicePoses& poses = world.device_poses;
     check(world.poses.empty() && world.end_poses.empty(), "poses lie in device memory or in host memory, not in both");
-    if (poses.count != static_cast<std::int64_t>(world.bodies.size()))
-        throw Error(ErrorCode::invalid_argument, "there are " + std::to_string(poses.count) + " poses for " +
-                                                     std::to_string(world.bodies.size()) + " bodies");
-    check(poses.data || poses.count == 0, "poses have no data");
-    const std::size_t size = poses.type == ScalarType::float32 ? sizeof(float) : sizeof(double);
-    check(reinterpret_cast<std::uintptr_t>(poses.data) % size == 0, "poses are not aligned to their numbers");
+    check(given(world.device_poses) || !given(world.device_end_poses),
+          "poses at the end lie in device memory, and those at the start do not");
+    for (const DevicePoses* poses : {&world.device_poses, &world.device_end_poses}) {
+        if (poses == &world.device_end_poses && !given(*poses)) continue;  // as at the start
+        if (poses->count != static_cast<std::int64_t>(world.bodies.size()))
+            throw Error(ErrorCode::invalid_argument, "there are " + std::to_string(poses->count) + " poses for " +
+                                                         std::to_string(world.bodies.size()) + " bodies");
+        check(poses->data || poses->count == 0, "poses have no data");
+        const std::size_t size = poses->type == ScalarType::float32 ? sizeof(float) : sizeof(double);
+        check(reinterpret_cast<std::uintptr_t>(poses->data) % size == 0, "poses are not aligned to their numbers");
+    }
 }
 
 void check_on_device(const Intersect& question) {

@@ -26,7 +26,8 @@ void check_question(const Nearest& question);
 /// Of a single mesh, with so many triangles.
 void check_groups(const Rules& rules, std::int64_t triangles, bool has_groups);
 /// Whether a world's poses do.
-inline bool lies_on_device(const World& world) { return world.device_poses.data || world.device_poses.count > 0; }
+inline bool given(const DevicePoses& poses) { return poses.data || poses.count > 0; }
+inline bool lies_on_device(const World& world) { return given(world.device_poses) || given(world.device_end_poses); }
 void check_device_poses(const World& world);
 /// What cannot be answered there.
 void check_on_device(const Intersect& question);

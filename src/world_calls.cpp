@@ -8,6 +8,33 @@
 #include "model/part_centres.h"
 
 namespace crumple {
+namespace {
+
+/// A world as the host can read it: where poses lie on a device, with copies of them.
+class PosedOnHost {
+   public:
+    PosedOnHost(BackendBase& backend, const World& world) : world_(world) {
+        if (!lies_on_device(world)) return;
+        check_device_poses(world);
+        const auto copy = [&](DevicePoses& there, std::vector<Pose>& here, std::span<const Pose>& poses) {
+            if (!given(there)) return;
+            here = backend.poses_of(there);
+            poses = here;
+            there = {};
+        };
+        copy(world_.device_poses, poses_, world_.poses);
+        copy(world_.device_end_poses, end_poses_, world_.end_poses);
+    }
+    PosedOnHost(const PosedOnHost&) = delete;
+    PosedOnHost& operator=(const PosedOnHost&) = delete;
+    const World& world() const { return world_; }
+
+   private:
+    World world_;
+    std::vector<Pose> poses_, end_poses_;
+};
+
+}  // namespace
 
 const WorldCollisions& WorldCalls::find(const World& world, const Intersect& question, std::stop_token stop,
                                         const WorldBlocks* blocks) {
@@ -38,7 +65,7 @@ const Answer& WorldCalls::find_features(const World& world, const Question& ques
     return answered(answer, std::move(stop), [&](bool frugal) {
         check_question(question, bodies);
         if (!bodies) check_groups(question.rules, world.shapes[0].triangles.rows, !world.shapes[0].groups.empty());
-        features.find(*backend, world, question, bodies, frugal, answer);
+        features.find(*backend, PosedOnHost(*backend, world).world(), question, bodies, frugal, answer);
     });
 }
 
@@ -80,7 +107,8 @@ Statistics WorldCalls::stream_features(const World& world, const Question& quest
         check_question(question, bodies);
         if (!bodies) check_groups(question.rules, world.shapes[0].triangles.rows, !world.shapes[0].groups.empty());
         check_in_blocks(question);
-        features.stream(*backend, world, question, bodies, meter.limit > 0, to, answer);
+        const PosedOnHost there(*backend, world);
+        features.stream(*backend, there.world(), question, bodies, meter.limit > 0, to, answer);
     };
     const auto count = [&] {
         const auto ignore = [](const Answer&) {};
@@ -134,10 +162,11 @@ const NearestBodies& WorldCalls::find_nearest(const World& world, const Nearest&
     const auto attempt = [&] {
         check(working != Backend::cuda, "distances of bodies need the cpu backend (Options::backend)");
         check_question(question);
+        const PosedOnHost there(*backend, world);
         if (working == Backend::reference)
-            find_nearest_by_brute_force(world, question, meter, cancellation, nearest_bodies);
+            find_nearest_by_brute_force(there.world(), question, meter, cancellation, nearest_bodies);
         else
-            nearest.find(*backend, world, question, frugal, nearest_bodies);
+            nearest.find(*backend, there.world(), question, frugal, nearest_bodies);
     };
     within_limit(
         std::move(stop), attempt, [&] { return frugal = true; }, [&] { return peak_of(attempt); });
@@ -207,31 +236,23 @@ void WorldCalls::refuse(const char* message) {
 }
 
 void WorldCalls::search(const World& world, const Intersect& question, const WorldBlocks* blocks) {
+    if (!blocks && working == Backend::cuda && lies_on_device(world) && found_on_device(world, question)) return;
+    const PosedOnHost there(*backend, world);
     if (working == Backend::reference)
-        find_by_brute_force(world, question, meter, cancellation, world_result, blocks);
-    else if (working == Backend::cuda && !blocks && lies_on_device(world))
-        search_on_device(world, question);
+        find_by_brute_force(there.world(), question, meter, cancellation, world_result, blocks);
     else
-        worlds.find(*backend, world, question, world_result, blocks);
+        worlds.find(*backend, there.world(), question, world_result, blocks);
 }
 
-// All worlds at once, or, where that is too much, by poses that the host has copied.
-void WorldCalls::search_on_device(const World& world, const Intersect& question) {
+// All worlds at once, or, where that is too much, not at all.
+bool WorldCalls::found_on_device(const World& world, const Intersect& question) {
     check_device_poses(world);
-    const bool found = [&] {
-        try {
-            return backend->find(world, question, world_result);
-        } catch (const MemoryMeter::Exceeded&) {
-            backend->release();
-            return false;
-        }
-    }();
-    if (found) return;
-    const std::vector<Pose> poses = backend->poses_of(world);
-    World there = world;
-    there.poses = poses;
-    there.device_poses = {};
-    worlds.find(*backend, there, question, world_result, nullptr);
+    try {
+        return backend->find(world, question, world_result);
+    } catch (const MemoryMeter::Exceeded&) {
+        backend->release();
+        return false;
+    }
 }
 
 Statistics WorldCalls::stream(const World& world, TakeWorldBlock take, const Intersect& question, const Streaming& how,

@@ -66,7 +66,7 @@ struct WorldCalls : DetectorState {
 
    private:
     void search(const World& world, const Intersect& question, const WorldBlocks* blocks);
-    void search_on_device(const World& world, const Intersect& question);
+    bool found_on_device(const World& world, const Intersect& question);
     std::int64_t bytes_needed(const World& world, const Intersect& question, const WorldBlocks* blocks);
     /// `bodies`: whether the answer names bodies.
     template <class Question, class Answer>

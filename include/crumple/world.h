@@ -95,8 +95,10 @@ struct World {
     /// The same at the end of a step, for Motion: posed vertices go straight from the one place to the other. Empty: as
     /// `poses`.
     std::span<const Pose> end_poses = {};
-    /// Instead of `poses`: one a body. For questions about intersections, with the cuda backend.
+    /// Instead of `poses`: one a body, with the cuda backend. Intersections are found on the device, whatever else is
+    /// asked of copies that the call makes of the poses.
     DevicePoses device_poses = {};
+    DevicePoses device_end_poses = {};  ///< instead of `end_poses`, where device_poses are given
 };
 
 /// Two bodies by their index; the order does not matter.

@@ -308,7 +308,7 @@ BorrowedMeshes::BorrowedMeshes(const nb::tuple& one, const std::optional<nb::tup
 
 BorrowedArray borrow_poses(nb::handle poses, const char* which, Kept& kept) {
     kept.push_back(nb::borrow(poses));
-    return borrow_array(poses, *which ? are_host_poses : are_poses, "poses", which, kept);
+    return borrow_array(poses, are_poses, "poses", which, kept);
 }
 
 bool is_contiguous(const BorrowedArray& array) {

@@ -15,6 +15,7 @@
 #include "names.h"
 #include "part.h"
 #include "world.h"
+#include "world_search.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -98,8 +99,14 @@ AskedOfMesh::AskedOfMesh(const SharedDetector& detector, const nb::tuple& given,
 
 World moving_world(const Bodies& bodies, const BorrowedPoses& start, const BorrowedPoses& end,
                    SharedDetector& detector) {
-    World world{bodies.shapes, bodies.bodies, start.read(bodies, detector.poses())};
-    if (end.given()) world.end_poses = end.read(bodies, detector.end_poses());
+    World world = posed_world(bodies, start, detector);
+    if (!end.given()) return world;
+    if (end.device() == BorrowedArray::on_host) {
+        world.end_poses = end.read(bodies, detector.end_poses());
+    } else {
+        check_device(detector, end.device());
+        world.device_end_poses = end.on_device(bodies);
+    }
     return world;
 }
 
@@ -165,7 +172,7 @@ NearbyAnswer find_near_in_world(nb::handle self, nb::handle world, nb::handle po
     const BorrowedPoses at(poses, *asked.bodies);
     const bool copied = flag("copy", copy);
     const SharedDetector::Turn turn(detector);
-    const World view{asked.bodies->shapes, asked.bodies->bodies, at.read(*asked.bodies, detector.poses())};
+    const World view = posed_world(*asked.bodies, at, detector);
     const bool closest = question.closest && question.wants == NearWants::pairs;
     NearbyAnswer answer{detector.storage<Nearby>(), question.wants, true, false, closest, false, copied};
     without_gil([&] { detector.find(view, asked.question, *answer.storage); }, detector.stop());

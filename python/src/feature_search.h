@@ -42,8 +42,7 @@ struct AskedOfWorld {
     Question question;
 };
 
-/// The bodies where they are, and where they go if that is given; as the detector's own arrays, which it is the turn
-/// of.
+/// The same as posed_world(), and where they go if that is given.
 World moving_world(const Bodies& bodies, const BorrowedPoses& start, const BorrowedPoses& end,
                    SharedDetector& detector);
 

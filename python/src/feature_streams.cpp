@@ -9,6 +9,7 @@
 #include "candidates.h"
 #include "feature_answer.h"
 #include "feature_search.h"
+#include "world_search.h"
 
 namespace nb = nanobind;
 
@@ -95,7 +96,7 @@ Statistics stream_near_in_world(nb::handle self, nb::handle take, nb::handle wor
     const BorrowedPoses at(poses, *asked.bodies);
     const Streaming how = streaming(block_pairs, ordered);
     const SharedDetector::Turn turn(detector);
-    const World view{asked.bodies->shapes, asked.bodies->bodies, at.read(*asked.bodies, detector.poses())};
+    const World view = posed_world(*asked.bodies, at, detector);
     return take_blocks<Nearby>(detector, take, question, true, [&](Detector& by, auto& sink, std::stop_token stop) {
         return by.stream_near(view, sink, asked.question, how, std::move(stop));
     });

@@ -8,6 +8,7 @@
 #include "gil.h"
 #include "views.h"
 #include "world.h"
+#include "world_search.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -29,7 +30,7 @@ NearestAnswer find_nearest(nb::handle self, nb::handle world, nb::handle poses, 
     const BorrowedPoses at(poses, bodies);
     const bool copied = flag("copy", copy);
     const SharedDetector::Turn turn(detector);
-    const World view{bodies.shapes, bodies.bodies, at.read(bodies, detector.poses())};
+    const World view = posed_world(bodies, at, detector);
     NearestAnswer answer{detector.storage<NearestBodies>(), copied};
     without_gil([&] { detector.find(view, asked.question, *answer.storage); }, detector.stop());
     return answer;

@@ -156,7 +156,8 @@ std::span<const Pose> BorrowedPoses::read(const Bodies& bodies, std::vector<Pose
     buffer.clear();
     if (device() != BorrowedArray::on_host)
         refuse(std::string(when_ == When::end ? "end_" : "") +
-               "poses lie in CUDA memory, where Detector.find reads them, and nothing else: " + copy_to_host);
+               "poses lie in CUDA memory, where a detector of the cuda backend reads them, and nothing else: " +
+               copy_to_host);
     if (!object_ && bodies.at_rest() == 0) return {};
     if (!object_) {
         buffer.resize(static_cast<std::size_t>(bodies.posed()));

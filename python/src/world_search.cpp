@@ -30,6 +30,17 @@ void make_question(Intersect* place, nb::handle wants, nb::handle neighbours, nb
 
 }  // namespace
 
+World posed_world(const Bodies& bodies, const BorrowedPoses& poses, SharedDetector& detector) {
+    World world{bodies.shapes, bodies.bodies, {}};
+    if (poses.device() == BorrowedArray::on_host) {
+        world.poses = poses.read(bodies, detector.poses());
+    } else {
+        check_device(detector, poses.device());
+        world.device_poses = poses.on_device(bodies);
+    }
+    return world;
+}
+
 // The world may get other poses while the call runs without the GIL: it reads those that were there when it began.
 WorldAnswer find_world(nb::handle self, nb::handle world, nb::handle poses, const Intersect& question,
                        nb::handle excluded, nb::handle copy) {
@@ -41,13 +52,7 @@ WorldAnswer find_world(nb::handle self, nb::handle world, nb::handle poses, cons
     Intersect asked = question;
     asked.rules.excluded_bodies = excluded_bodies(*bodies, excluded);
     const SharedDetector::Turn turn(detector);
-    World view{bodies->shapes, bodies->bodies, {}};
-    if (at.device() == BorrowedArray::on_host) {
-        view.poses = at.read(*bodies, detector.poses());
-    } else {
-        check_device(detector, at.device());
-        view.device_poses = at.on_device(*bodies);
-    }
+    const World view = posed_world(*bodies, at, detector);
     WorldAnswer answer{detector.storage<WorldCollisions>(), asked.wants, asked.index && asked.wants >= Wants::pairs,
                        copied};
     without_gil([&] { detector.find(view, asked, *answer.storage); }, detector.stop());

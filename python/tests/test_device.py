@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import crumple
+import features
 from conftest import OnDevice, soup
 
 ON_CPU = "CRUMPLE_CUDA_ON_CPU" in os.environ
@@ -368,13 +369,32 @@ def test_launches_of_worlds(cuda, cpu, scalar):
         cuda.launch(world, poses=poses)
 
 
+@pytest.mark.parametrize("scalar", [np.float32, np.float64])
+def test_other_questions_about_poses(cuda, cpu, scalar):
+    world, poses = worlds_of(5, scalar)
+    ends = poses.copy()
+    ends[:, :, 3] += np.random.default_rng(8).uniform(-0.3, 0.3, (len(ends), 3))
+    start, end = on_device(poses), on_device(ends)
+    expected = cpu.find_impacts(world, poses=poses, end_poses=ends)
+    assert expected.count > 0
+    features.assert_same(cuda.find_impacts(world, poses=start, end_poses=end), expected, features.BODIES)
+    near = cpu.find_near(world, radius=0.2, poses=poses)
+    assert near.count > 0
+    features.assert_same(cuda.find_near(world, radius=0.2, poses=start), near)
+    found = cuda.find_candidates(world, poses=start, end_poses=end, kinds="edge_edge")
+    candidates = cpu.find_candidates(world, poses=poses, end_poses=ends, kinds="edge_edge")
+    np.testing.assert_array_equal(found.edge_edges, candidates.edge_edges)
+
+
 def test_poses_that_are_refused(cuda, cpu):
     world, poses = worlds_of(2, np.float64)
     there = on_device(poses)
     with pytest.raises(crumple.InvalidInput, match="lie in CUDA memory, which needs the cuda backend"):
         cpu.find(world, poses=there)
-    with pytest.raises(crumple.InvalidInput, match=r"^poses lie in CUDA memory, where Detector\.find reads them"):
-        cuda.find_near(world, radius=0.1, poses=there)
+    with pytest.raises(crumple.InvalidInput, match="^poses lie in device memory or in host memory, not in both"):
+        cuda.find_impacts(world, poses=there, end_poses=poses)
+    with pytest.raises(crumple.InvalidInput, match="^poses at the end lie in device memory, and those at the start do"):
+        cuda.find_impacts(world, end_poses=there)
     four = np.tile(np.eye(4), (5, 1, 1))
     with pytest.raises(crumple.InvalidInput, match=r"^poses in CUDA memory must be \(n, 3, 4\)"):
         cuda.find(world, poses=on_device(four))

@@ -50,7 +50,7 @@ void BackendBase::download(Collisions&) { refuse(); }
 std::int64_t BackendBase::bytes_needed_for_launched() { refuse(); }
 DeviceFeatureCalls& BackendBase::features_there() { refuse(); }
 bool BackendBase::find(const World&, const Intersect&, WorldCollisions&) { refuse_worlds(); }
-std::vector<Pose> BackendBase::poses_of(const World&) { refuse_worlds(); }
+std::vector<Pose> BackendBase::poses_of(const DevicePoses&) { refuse_worlds(); }
 void BackendBase::launch(const World&, const Intersect&) { refuse_worlds(); }
 const DeviceWorldCollisions& BackendBase::wait_worlds() { refuse_worlds(); }
 

@@ -85,7 +85,7 @@ class BackendBase : public ParallelFor {
     /// The same for worlds whose poses lie in device memory. find: false if it cannot take all worlds at once; it
     /// throws MemoryMeter::Exceeded if memory does not hold them. Then the host asks about what poses_of() gives.
     virtual bool find(const World& world, const Intersect& question, WorldCollisions& result);
-    virtual std::vector<Pose> poses_of(const World& world);
+    virtual std::vector<Pose> poses_of(const DevicePoses& poses);
     virtual void launch(const World& world, const Intersect& question);
     virtual const DeviceWorldCollisions& wait_worlds();
     /// Whether what is kept between calls outlives the error that one of these has thrown: a caller's graph needs it.

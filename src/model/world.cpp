@@ -77,11 +77,6 @@ void check_rules(const Rules& rules, std::int64_t bodies) {
 }  // namespace
 
 void WorldOutline::read(const World& world, const Rules& rules) {
-    if (world.device_poses.data || world.device_poses.count > 0)
-        refuse(
-            "poses in device memory are for questions about intersections, with the cuda backend (Options::backend), "
-            "and for whole answers",
-            Element::option, -1);
     world_ = world;
     const auto n = static_cast<std::int64_t>(world.bodies.size());
     if (n > most) refuse("a world has at most 2147483647 bodies", Element::none, -1);

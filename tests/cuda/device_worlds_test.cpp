@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -13,6 +14,7 @@
 #include "cuda/recorder.h"
 #include "cuda/shows.h"
 #include "error_of.h"
+#include "questions/features/joined_blocks.h"
 #include "soups.h"
 #include "worlds/compare_worlds.h"
 
@@ -282,6 +284,25 @@ TEST(CudaDeviceWorlds, are_part_of_a_callers_graph) {
     }
 }
 
+TEST(CudaDeviceWorlds, answer_all_other_questions_by_copies_of_their_poses) {
+    const auto world = posed_world(71, {.bodies = 14, .worlds = 4, .mixed_precision = false});
+    const std::vector<Pose> ends = moved(world->poses, 5);
+    World host = world->view();
+    host.end_poses = ends;
+    const DeviceWorld start(world->view());
+    World at_end = world->view();
+    at_end.poses = ends;
+    const DeviceWorld end(at_end);
+    World there = start.view();
+    there.device_end_poses = end.view().device_poses;
+    Detector cuda({.backend = Backend::cuda}), cpu({.backend = Backend::cpu});
+    EXPECT_GT(cpu.find_impacts(host).count, 0);
+    EXPECT_TRUE(same_whole(cuda.find_impacts(there), cpu.find_impacts(host)));
+    EXPECT_TRUE(same_whole(cuda.find_impacts(start.view()), cpu.find_impacts(world->view())));
+    EXPECT_TRUE(same_whole(cuda.find_near(there, Near{.radius = 0.1}), cpu.find_near(host, Near{.radius = 0.1})));
+    EXPECT_TRUE(same_whole(cuda.find_candidates(there), cpu.find_candidates(host)));
+}
+
 TEST(CudaDeviceWorlds, refuse_what_they_cannot) {
     const auto world = posed_world(61, {.bodies = 6, .worlds = 2});
     const DeviceWorld device(world->view());
@@ -298,13 +319,24 @@ TEST(CudaDeviceWorlds, refuse_what_they_cannot) {
     EXPECT_EQ(message_of([&] { cuda.launch(world->view()); }), "launch takes worlds whose poses lie in device memory");
     EXPECT_EQ(message_of([&] { cpu.launch(device.view()); }),
               "poses in device memory need the cuda backend (Options::backend)");
-    for (Detector* detector : {&cuda, &cpu})
-        EXPECT_EQ(message_of([&] { detector->find_near(device.view(), Near{.radius = 1}); }).substr(0, 24),
-                  "poses in device memory a");
-    EXPECT_EQ(message_of([&] { cpu.find(device.view()); }).substr(0, 24), "poses in device memory a");
-    const auto take = [](const WorldCollisions&) {};
-    EXPECT_EQ(message_of([&] { cuda.stream(device.view(), take); }).substr(0, 24), "poses in device memory a");
+    for (const auto& call : std::vector<std::function<void()>>{
+             [&] { cpu.find(device.view()); }, [&] { cpu.find_near(device.view(), Near{.radius = 1}); },
+             [&] { cpu.find_nearest(device.view()); },
+             [&] { cpu.stream(device.view(), [](const WorldCollisions&) {}); }})
+        EXPECT_EQ(message_of(call), "poses in device memory need the cuda backend (Options::backend)");
     World wrong = device.view();
+    wrong.end_poses = world->poses;
+    EXPECT_EQ(message_of([&] { cuda.find_impacts(wrong); }),
+              "poses lie in device memory or in host memory, not in both");
+    wrong = world->view();
+    wrong.device_end_poses = device.view().device_poses;
+    wrong.poses = {};
+    EXPECT_EQ(message_of([&] { cuda.find_impacts(wrong); }),
+              "poses at the end lie in device memory, and those at the start do not");
+    wrong = device.view();
+    wrong.device_end_poses = {static_cast<const double*>(wrong.device_poses.data), 7};
+    EXPECT_EQ(message_of([&] { cuda.find_impacts(wrong); }), "there are 7 poses for 6 bodies");
+    wrong = device.view();
     wrong.device_poses.count = 5;
     EXPECT_EQ(message_of([&] { cuda.find(wrong); }), "there are 5 poses for 6 bodies");
     wrong = device.view();

@@ -153,16 +153,16 @@ class CudaBackend final : public BackendBase {
         return on_device(
             [&] {
                 turns_.finish();
-                wait_for_poses(world);
+                wait_for(world.device_poses);
                 return worlds_.find(world, question, *this, result);
             },
             several);
     }
-    std::vector<Pose> poses_of(const World& world) override {
+    std::vector<Pose> poses_of(const DevicePoses& poses) override {
         return on_device([&] {
             turns_.finish();
-            wait_for_poses(world);
-            return to_host(stream_.get(), world.device_poses);
+            wait_for(poses);
+            return to_host(stream_.get(), poses);
         });
     }
     void launch(const World& world, const Intersect& question) override {
@@ -376,8 +376,8 @@ class CudaBackend final : public BackendBase {
         if (b) order(before_, static_cast<cudaStream_t>(b->stream), stream_.get());
         search_.view(search_.current(), a, b, query.weld);
     }
-    void wait_for_poses(const World& world) {
-        const auto stream = static_cast<cudaStream_t>(world.device_poses.stream);
+    void wait_for(const DevicePoses& poses) {
+        const auto stream = static_cast<cudaStream_t>(poses.stream);
         if (capture_of(stream) != 0)
             throw Error(ErrorCode::invalid_argument, "the poses' stream is being captured, and cannot be waited for");
         order(before_, stream, stream_.get());
