@@ -16,6 +16,7 @@ enum class ErrorCode : std::uint8_t {
     format,               ///< a file's content is not what its format demands
     cancelled,            ///< a std::stop_token ended the call
     device,               ///< a call of CUDA failed; the message names it
+    communication,        ///< a call of MPI failed, or another rank has ended
 };
 
 /// What Error::index counts.
@@ -41,6 +42,7 @@ class Error : public std::runtime_error {
     std::int64_t bytes_needed;   ///< memory_limit: the limit, in bytes, that suffices, or the flag below; otherwise 0
     int system_error;            ///< file: errno, where it was the operating system that refused; otherwise 0
     bool bytes_needed_at_least;  ///< `bytes_needed` is a lower bound: no smaller limit suffices, and it may not either
+    int rank = -1;               ///< of several (crumple/distributed.h): the one that failed; otherwise -1
 };
 
 }  // namespace crumple

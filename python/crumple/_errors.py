@@ -8,7 +8,7 @@ class Error(Exception):
 
     Attributes:
         code: "invalid_argument", "not_finite", "index_out_of_range", "memory_limit", "backend_unavailable", "file",
-            "format", "cancelled" or "device".
+            "format", "cancelled", "device" or "communication".
         element: what `index` counts: "vertex", "triangle", "group", "option", "line", "byte", "body",
             "shape", "edge", "point" or "none".
         index: the first offending element, -1 if there is none.

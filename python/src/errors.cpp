@@ -18,7 +18,8 @@ namespace {
 const char* name_of(ErrorCode code) {
     constexpr std::array names{"invalid_argument", "not_finite",          "index_out_of_range",
                                "memory_limit",     "backend_unavailable", "file",
-                               "format",           "cancelled",           "device"};
+                               "format",           "cancelled",           "device",
+                               "communication"};
     return names[static_cast<std::size_t>(code)];
 }
 
@@ -39,6 +40,7 @@ const char* class_of(const Error& error) {
             return "FileError";
         case ErrorCode::cancelled:
         case ErrorCode::device:
+        case ErrorCode::communication:
             return "Error";
         case ErrorCode::invalid_argument:
         case ErrorCode::not_finite:

@@ -122,6 +122,19 @@ PartMembers list_members(const PartTree& tree, int parts, BallOfTriangle ball, s
     return members;
 }
 
+// No slice is so small that its table of parts is larger than what it holds.
+std::vector<PartMembers> list_members(const PartTree& tree, int parts, BallOfTriangle ball, std::int64_t count,
+                                      ParallelFor& parallel) {
+    const std::int64_t least = std::max<std::int64_t>(4096, parts);
+    const std::int64_t slice_count = std::clamp<std::int64_t>(count / least, 1, 64);
+    std::vector<PartMembers> slices(static_cast<std::size_t>(slice_count));
+    parallel.parallel_for(slices.size(), [&](std::size_t s) {
+        const auto i = static_cast<std::int64_t>(s);
+        slices[s] = list_members(tree, parts, ball, i * count / slice_count, (i + 1) * count / slice_count);
+    });
+    return slices;
+}
+
 std::vector<Part> make_parts(const Scene& scene, int count, ParallelFor& parallel) {
     const Normaliser normalise(scene.low, scene.high);
     const SeededHash hash;
@@ -139,16 +152,7 @@ std::vector<Part> make_parts(const Scene& scene, int count, ParallelFor& paralle
 std::vector<Part> make_parts(const Scene& scene, int count, ParallelFor& parallel, BallOfTriangle ball,
                              FunctionRef<void(std::span<const std::int32_t> ids, Part& part)> copy) {
     const PartCentres centres = place_parts(scene, count, parallel);
-    const PartTree tree = centres.tree();
-
-    // No slice is so small that its table of parts is larger than what it holds.
-    const std::int64_t n = scene.triangle_count(), least = std::max<std::int64_t>(4096, count);
-    const std::int64_t slice_count = std::clamp<std::int64_t>(n / least, 1, 64);
-    std::vector<PartMembers> slices(static_cast<std::size_t>(slice_count));
-    parallel.parallel_for(slices.size(), [&](std::size_t s) {
-        const auto i = static_cast<std::int64_t>(s);
-        slices[s] = list_members(tree, count, ball, i * n / slice_count, (i + 1) * n / slice_count);
-    });
+    const std::vector<PartMembers> slices = list_members(centres.tree(), count, ball, scene.triangle_count(), parallel);
     std::vector<Part> parts(static_cast<std::size_t>(count));
     parallel.parallel_for(parts.size(), [&](std::size_t k) {
         Part& part = parts[k];

@@ -28,6 +28,10 @@ using BallOfTriangle = FunctionRef<PartBall(std::int64_t triangle)>;
 /// Members among triangles [begin, end). Looks at no other triangle: the tree knows all else.
 PartMembers list_members(const PartTree& tree, int parts, BallOfTriangle ball, std::int64_t begin, std::int64_t end);
 
+/// The same of triangles [0, count), on all threads: slice by slice, each of which ends where the next begins.
+std::vector<PartMembers> list_members(const PartTree& tree, int parts, BallOfTriangle ball, std::int64_t count,
+                                      ParallelFor& parallel);
+
 /// Cuts a scene into `count` parts; depends only on the scene and the count.
 std::vector<Part> make_parts(const Scene& scene, int count, ParallelFor& parallel);
 

@@ -1,6 +1,8 @@
 #include "model/part_centres.h"
 
+#include <array>
 #include <cmath>
+#include <cstring>
 #include <utility>
 
 namespace crumple {
@@ -84,9 +86,9 @@ std::vector<Node> split(const Node& node, std::span<const Vec3f> points, const C
 
 }  // namespace
 
-void PartSample::set(std::size_t i, const Triangle& t, const Normaliser& normalise) {
+Vec3f PartSample::centroid(const Triangle& t, const Normaliser& normalise) {
     const Vec3d c = (1.0 / 3.0) * (normalise(t.point[0]) + normalise(t.point[1]) + normalise(t.point[2]));
-    centroids_[i] = {static_cast<float>(c.x), static_cast<float>(c.y), static_cast<float>(c.z)};
+    return {static_cast<float>(c.x), static_cast<float>(c.y), static_cast<float>(c.z)};
 }
 
 // The next part goes to the cluster with the fewest parts for its points: integers alone decide.
@@ -131,6 +133,40 @@ PartCentres::PartCentres(int parts, std::span<const Vec3f> points, const Normali
     }
 }
 
+PartCentres::PartCentres(std::span<const std::byte> bytes, const Normaliser& normalise) : normalise_(normalise) {
+    const auto read = [&](auto& values, std::size_t count) {
+        values.resize(count);
+        const std::size_t size = count * sizeof(values[0]);
+        if (size > 0) std::memcpy(values.data(), bytes.data(), size);
+        bytes = bytes.subspan(size);
+    };
+    while (!bytes.empty()) {
+        std::vector<std::int64_t> nodes;
+        read(nodes, 1);
+        const auto parents = static_cast<std::size_t>(nodes[0]);
+        Level level;
+        read(level.first, parents + 1);
+        read(level.centres, parents);
+        read(level.apart, static_cast<std::size_t>(level.first.back()) * max_clusters);
+        levels_.push_back(std::move(level));
+    }
+}
+
+std::vector<std::byte> PartCentres::bytes() const {
+    std::vector<std::byte> bytes;
+    const auto write = [&](const auto& values) {
+        const auto some = std::as_bytes(std::span(values));
+        bytes.insert(bytes.end(), some.begin(), some.end());
+    };
+    for (const Level& level : levels_) {
+        write(std::array{static_cast<std::int64_t>(level.centres.size())});
+        write(level.first);
+        write(level.centres);
+        write(level.apart);
+    }
+    return bytes;
+}
+
 PartTree PartCentres::tree() const {
     PartTree tree;
     tree.normalise = normalise_;
@@ -154,7 +190,8 @@ std::vector<PartLevel> PartCentres::path(std::int32_t part) const {
 PartCentres place_parts(const Scene& scene, int parts, ParallelFor& parallel) {
     const Normaliser normalise(scene.low, scene.high);
     PartSample sample(scene.triangle_count(), parts);
-    for (std::size_t i = 0; i < sample.size(); ++i) sample.set(i, scene.triangle(sample.triangle(i)), normalise);
+    for (std::size_t i = 0; i < sample.size(); ++i)
+        sample.set(i, PartSample::centroid(scene.triangle(sample.triangle(i)), normalise));
     return PartCentres(parts, sample.centroids(), normalise, parallel);
 }
 

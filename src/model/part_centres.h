@@ -7,6 +7,7 @@
 // no order of threads and no machine.
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -28,7 +29,8 @@ class PartSample {
               std::min<std::size_t>(triangles_, std::max<std::size_t>(4096, 32 * static_cast<std::size_t>(parts)))) {}
     std::size_t size() const { return centroids_.size(); }
     std::int64_t triangle(std::size_t i) const { return static_cast<std::int64_t>(i * triangles_ / size()); }
-    void set(std::size_t i, const Triangle& triangle, const Normaliser& normalise);
+    static Vec3f centroid(const Triangle& triangle, const Normaliser& normalise);
+    void set(std::size_t i, Vec3f centroid) { centroids_[i] = centroid; }
     std::span<const Vec3f> centroids() const { return centroids_; }
 
    private:
@@ -41,8 +43,13 @@ class PartCentres {
     /// Of 1 to max_parts parts, around normalised points.
     PartCentres(int parts, std::span<const Vec3f> points, const Normaliser& normalise, ParallelFor& parallel);
 
+    /// Those that bytes() has told of, elsewhere.
+    PartCentres(std::span<const std::byte> bytes, const Normaliser& normalise);
+
     /// Valid while this lives and does not move.
     PartTree tree() const;
+    /// All there is to know but the normaliser.
+    std::vector<std::byte> bytes() const;
 
     /// Where a part lies: its cluster on each level, from the top; no masks yet.
     std::vector<PartLevel> path(std::int32_t part) const;

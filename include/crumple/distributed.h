@@ -1,0 +1,79 @@
+#pragma once
+
+// One scene on several ranks, which are processes of MPI (crumple/mpi.h): each brings triangles of its own, and gets
+// the rows of the answer that are about them. docs/distributed.md
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "crumple/collisions.h"
+#include "crumple/mesh.h"
+#include "crumple/options.h"
+
+namespace crumple {
+
+/// The triangles that one rank brings, with all vertices that they name. Views, nothing is copied; they must stay as
+/// they are until the call returns.
+///
+/// Over all ranks triangles are numbered 0 to N - 1, each once, and vertices 0 to V - 1. Ranks may have copies of a
+/// vertex, which must be equal bit by bit, each as float64 where some rank has float64: that is what makes triangles of
+/// different ranks neighbours. There may be 2^31 - 1 triangles, and as many vertices, over all ranks.
+struct MeshShare {
+    MeshView mesh;  ///< `triangles` count in this rank's `vertices`
+    /// Which ones these are. Empty on all ranks: those of rank 0, then those of rank 1, and so on.
+    std::span<const std::int64_t> triangle_ids;
+    /// The same of the vertices. Empty on all ranks: no rank has a copy of another's.
+    std::span<const std::int64_t> vertex_ids;
+};
+
+/// How ranks work together. The same on all ranks, but for `detector`. None of these changes an answer.
+struct DistributedOptions {
+    /// Of the detector of each rank. `threads` 0: the cores that the rank is allowed, divided by the ranks that share
+    /// them. `memory_limit` is the rank's own.
+    Options detector;
+    /// Parts that the scene is cut into over all ranks, 1 to 262,144; 0: chosen from the number of ranks. More parts
+    /// are shared out more evenly, but overlap more.
+    int parts = 0;
+    /// Bytes that a rank may have on their way at a time, out and in each: at least 1 KiB.
+    std::int64_t round_bytes = std::int64_t{1} << 26;
+};
+
+/// What a call does on each rank, in order. Ranks agree at the end of each that all of them go on.
+enum class Phase : std::uint8_t { question, input, ids, place, members, room, search, rows, output };
+inline constexpr int phase_count = 9;
+constexpr std::string_view phase_name(Phase phase) {
+    constexpr std::array<std::string_view, phase_count> names{"question", "input",  "ids",  "place", "members",
+                                                              "room",     "search", "rows", "output"};
+    return names[static_cast<std::size_t>(phase)];
+}
+
+/// What a call did on this rank.
+struct DistributedStatistics {
+    double milliseconds = 0;                               ///< wall-clock time of the call
+    std::array<double, phase_count> phase_milliseconds{};  ///< with the communication that follows each
+    int parts = 0;                                         ///< that this rank has searched
+    std::int64_t members = 0;                              ///< triangles of these, each counted in each
+    std::int64_t bytes_sent = 0;                           ///< to other ranks
+    std::int64_t messages = 0;                             ///< the same
+    double work_milliseconds = 0;                          ///< time of the searches
+    double largest_work = 0;                               ///< over all ranks, in milliseconds
+    double mean_work = 0;                                  ///< the same
+    bool moved = false;  ///< only vertices have moved since the call before, so that only coordinates were sent
+    Statistics search;   ///< summed over this rank's parts
+
+    double& operator[](Phase phase) { return phase_milliseconds[static_cast<std::size_t>(phase)]; }
+    double operator[](Phase phase) const { return phase_milliseconds[static_cast<std::size_t>(phase)]; }
+};
+
+/// A rank's rows of the answer: those whose first triangle it has brought, in order. Triangles have the numbers that
+/// they have over all ranks. The rows of all ranks, merged, are the answer of one machine, byte for byte.
+struct DistributedCollisions {
+    Array<Pair> pairs;
+    Contacts contacts;       ///< of these; empty unless asked for
+    std::int64_t total = 0;  ///< pairs over all ranks
+    DistributedStatistics statistics;
+};
+
+}  // namespace crumple

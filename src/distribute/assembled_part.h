@@ -1,0 +1,75 @@
+#pragma once
+
+// A part on its owner: what the ranks have told of it (members.h), as the engines take it.
+//
+//     vertices    run | run | run ...      a run is what one rank added to its list in one call
+//     triangles   by ascending id, from all ranks; each knows the rank that brought it
+//
+// Copies of a vertex lie in several runs; triangles name the one that was there first, so they are neighbours.
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+#include "crumple/part.h"
+#include "distribute/members.h"
+
+namespace crumple::distribute {
+
+/// What one rank has told, ready to be taken over.
+struct PartNews {
+    int rank = 0;
+    PartDelta delta;
+};
+
+class AssembledPart {
+   public:
+    /// `levels`: where the part lies; no masks yet.
+    AssembledPart(std::int32_t index, int count, std::vector<PartLevel> levels, bool float32, bool groups);
+
+    std::int32_t index() const { return part_.index; }
+    const Part& part() const { return part_; }
+    std::int64_t size() const { return part_.mesh.size(); }
+    /// The rank that has brought a triangle, by its place in the part.
+    int rank_of(std::int32_t triangle) const { return rank_[static_cast<std::size_t>(triangle)]; }
+
+    /// Takes over what is new. Their coordinates are still to come.
+    void take(std::span<const PartNews> news);
+
+    /// Where coordinates [first, first + n) of a rank's list lie: visit(place of the first, first of the n, how many).
+    template <class Visit>
+    void visit_coordinates(int rank, std::int64_t first, std::size_t n, Visit visit) const {
+        const auto end = first + static_cast<std::int64_t>(n);
+        for (const Run& run : runs_[static_cast<std::size_t>(rank)]) {
+            const std::int64_t from = std::max(first, run.first), to = std::min(end, run.first + run.count);
+            if (from < to)
+                visit(run.place + (from - run.first), static_cast<std::size_t>(from - first),
+                      static_cast<std::size_t>(to - from));
+        }
+    }
+    template <class Scalar>
+    std::array<Scalar, 3>* coordinates() {
+        return reinterpret_cast<std::array<Scalar, 3>*>(std::get<std::vector<Scalar>>(part_.mesh.vertices).data());
+    }
+
+   private:
+    struct Run {
+        std::int64_t first, place, count;  ///< in the rank's list, in the part's vertices
+    };
+    void add_vertices(const PartNews& news);
+    std::int32_t vertex(int rank, std::int32_t listed) const;
+    void merge(std::span<const PartNews> news);
+    void change_masks(std::span<const PartNews> news);
+
+    Part part_;
+    bool groups_;
+    std::vector<std::int32_t> rank_;      ///< of each triangle
+    std::vector<std::vector<Run>> runs_;  ///< by rank
+    std::int64_t vertex_count_ = 0;
+    std::unordered_map<std::int32_t, std::int32_t> first_;  ///< by id of a vertex with copies: where it was first
+    std::unordered_map<std::int32_t, std::int32_t> copy_;   ///< other places of such: where it was first
+};
+
+}  // namespace crumple::distribute

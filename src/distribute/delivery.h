@@ -1,0 +1,61 @@
+#pragma once
+
+// Brings parts on their owners up to date: what is new travels first, then the coordinates, straight to where the
+// engines read them.
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "crumple/function_ref.h"
+#include "distribute/agreement.h"
+#include "distribute/assembled_part.h"
+#include "distribute/by_part.h"
+#include "distribute/members.h"
+#include "distribute/placement.h"
+#include "distribute/rounds.h"
+#include "distribute/share.h"
+
+namespace crumple::distribute {
+
+class Delivery {
+   public:
+    /// `mine`: the parts of this rank, ascending.
+    Delivery(Rounds& rounds, Agreement& agree, const Owners& owners, Members& members, const Share& share,
+             std::vector<AssembledPart>& mine, std::size_t depth);
+
+    /// `room(bytes)` is told, before they are taken, what the parts of this rank will need more.
+    void run(bool float32, FunctionRef<void(std::int64_t bytes)> room);
+
+   private:
+    void exchange_counts();
+    std::int64_t bytes_coming(bool float32) const;
+    void make_room();
+    void exchange_news();
+    template <class Scalar>
+    void exchange_coordinates();
+
+    /// Of each part `count(counts)` rows: pack(part, first, rows), unpack(which of mine, rank, first, rows).
+    template <class Row, class Count, class Pack, class Unpack>
+    void stream(Count count, Pack pack, Unpack unpack);
+    /// A list of each delta: `list(delta)`, with `each` elements for each of `count(counts)`.
+    template <class Element, class Count, class List>
+    void stream_list(Count count, std::int64_t each, List list);
+
+    const DeltaCounts& counts_from(std::size_t m, int rank) const {
+        return coming_[m * static_cast<std::size_t>(ranks_) + static_cast<std::size_t>(rank)];
+    }
+
+    Rounds& rounds_;
+    Agreement& agree_;
+    Members& members_;
+    const Share& share_;
+    std::vector<AssembledPart>& mine_;
+    std::int64_t depth_;
+    int ranks_;
+    std::vector<std::vector<std::int32_t>> parts_of_;  ///< by rank
+    std::vector<DeltaCounts> coming_;                  ///< of my part m from rank r, at m * ranks + r
+    std::vector<std::vector<PartNews>> news_;          ///< of each of my parts, by rank
+};
+
+}  // namespace crumple::distribute

@@ -1,0 +1,34 @@
+#include "distribute/part_search.h"
+
+#include <utility>
+
+#include "model/scene.h"
+
+namespace crumple::distribute {
+
+template <class Work>
+void PartSearch::guarded(const Part& part, const Query& query, std::stop_token stop, Work work) {
+    const MeshView mesh = part.mesh.view();
+    const auto attempt = [&] { work(prepare_scene(mesh, nullptr, query.weld, *backend, buffers)); };
+    within_limit(
+        std::move(stop), attempt, [] { return true; },
+        [&] {
+            const Lifted lifted(meter);
+            return backend->bytes_needed(prepare_scene(mesh, nullptr, query.weld, *backend, buffers), query, &part);
+        });
+}
+
+const Collisions& PartSearch::find(const Part& part, const Query& query, std::stop_token stop) {
+    result.statistics = {};
+    guarded(part, query, std::move(stop), [&](const Scene& scene) { backend->find(scene, query, &part, result); });
+    result.statistics.peak_memory_bytes = meter.peak;
+    return result;
+}
+
+bool PartSearch::any(const Part& part, const Query& query, std::stop_token stop) {
+    bool found = false;
+    guarded(part, query, std::move(stop), [&](const Scene& scene) { found = backend->any(scene, query); });
+    return found;
+}
+
+}  // namespace crumple::distribute

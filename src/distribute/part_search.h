@@ -1,0 +1,31 @@
+#pragma once
+
+// One rank's engine: answers about one part after another, under the rank's memory limit.
+
+#include <cstdint>
+#include <stop_token>
+
+#include "crumple/part.h"
+#include "detector_state.h"
+
+namespace crumple::distribute {
+
+class PartSearch : private DetectorState {
+   public:
+    explicit PartSearch(const Options& options) : DetectorState(options) {}
+
+    /// The pairs that the part owns, by place in it. Valid until the next call.
+    const Collisions& find(const Part& part, const Query& query, std::stop_token stop);
+    /// Whether there is a pair among the part's triangles.
+    bool any(const Part& part, const Query& query, std::stop_token stop);
+
+    ParallelFor& workers() { return *backend; }
+    MemoryMeter& memory() { return meter; }
+    void release() { forget(); }
+
+   private:
+    template <class Work>
+    void guarded(const Part& part, const Query& query, std::stop_token stop, Work work);
+};
+
+}  // namespace crumple::distribute

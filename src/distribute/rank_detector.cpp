@@ -1,0 +1,337 @@
+#include "distribute/rank_detector.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <limits>
+#include <numeric>
+#include <string>
+#include <utility>
+
+#include "base/float_environment.h"
+#include "distribute/delivery.h"
+#include "engine/output.h"
+#include "geometry/position_hash.h"
+
+namespace crumple::distribute {
+namespace {
+
+// Integers in the order of the numbers. -0 is +0.
+std::int64_t ordered(double x) {
+    const auto bits = std::bit_cast<std::int64_t>(x + 0.0);
+    return bits >= 0 ? bits : std::numeric_limits<std::int64_t>::min() - bits;
+}
+double number(std::int64_t ordered) {
+    return std::bit_cast<double>(ordered >= 0 ? ordered : std::numeric_limits<std::int64_t>::min() - ordered);
+}
+
+/// What ranks have to agree upon, as numbers.
+std::vector<std::int64_t> told(const Query& query, int wants, const DistributedOptions& options) {
+    std::vector<std::int64_t> told{wants,
+                                   static_cast<std::int64_t>(query.neighbours),
+                                   static_cast<std::int64_t>(query.intersections),
+                                   query.weld,
+                                   query.contacts,
+                                   static_cast<std::int64_t>(query.wanted),
+                                   options.parts,
+                                   options.round_bytes,
+                                   static_cast<std::int64_t>(query.excluded_groups.size())};
+    // A word that differs, all but surely, where the lists do.
+    std::uint64_t word = 0x9e3779b97f4a7c15ull;
+    for (const GroupPair& pair : query.excluded_groups)
+        for (const std::int32_t group : {std::min(pair.first, pair.second), std::max(pair.first, pair.second)})
+            word = (word ^ static_cast<std::uint32_t>(group)) * 0xff51afd7ed558ccdull, word ^= word >> 32;
+    told.push_back(static_cast<std::int64_t>(word >> 1));
+    return told;
+}
+
+void check(bool holds, const char* message) {
+    if (!holds) throw Error(ErrorCode::invalid_argument, message, Element::option);
+}
+
+}  // namespace
+
+RankDetector::RankDetector(Transport& transport, const DistributedOptions& options)
+    : transport_(transport),
+      options_(options),
+      rounds_(transport, std::max<std::int64_t>(options.round_bytes, 1024)),
+      agree_(transport),
+      share_(nullptr) {
+    agree_(Phase::question, [&] {
+        check(options.parts >= 0 && options.parts <= max_parts, "parts must be 0 (chosen) to 262144");
+        check(options.round_bytes >= 1024, "round_bytes must be at least 1024");
+        search_of(0);
+    });
+    agree_.before = [&](Phase phase) {
+        result_.statistics[phase_] += watch_.lap();
+        phase_ = phase;
+        if (stop_.stop_requested()) throw Error(ErrorCode::cancelled, "the call was cancelled");
+        if (hook_) hook_(phase);
+    };
+}
+
+const DistributedCollisions& RankDetector::find_self(const MeshShare& share, const Query& query, std::stop_token stop) {
+    answer(share, query, Wants::pairs, std::move(stop));
+    return result_;
+}
+std::int64_t RankDetector::count(const MeshShare& share, const Query& query, std::stop_token stop) {
+    answer(share, query, Wants::count, std::move(stop));
+    return result_.total;
+}
+bool RankDetector::has_collision(const MeshShare& share, const Query& query, std::stop_token stop) {
+    answer(share, query, Wants::any, std::move(stop));
+    return result_.total > 0;
+}
+
+void RankDetector::answer(const MeshShare& share, const Query& query, Wants wants, std::stop_token stop) {
+    const FloatEnvironment environment;
+    Stopwatch whole;
+    watch_.lap();
+    stop_ = std::move(stop);
+    result_.statistics = {};
+    result_.pairs.clear();
+    result_.contacts = {};
+    rounds_.reset_counts();
+    phase_ = Phase::question;
+    try {
+        ask(share, query, wants);
+        read(share);
+        settle_ids();
+        place();
+        list_members();
+        deliver();
+        search(query, wants);
+        finish(query, wants);
+    } catch (...) {
+        forget();
+        throw;
+    }
+    DistributedStatistics& statistics = result_.statistics;
+    statistics[phase_] += watch_.lap();
+    statistics.milliseconds = whole.lap();
+    statistics.bytes_sent = rounds_.bytes_sent();
+    statistics.messages = rounds_.messages();
+}
+
+// One reduction for all that ranks have to agree upon, or to know of each other.
+void RankDetector::ask(const MeshShare& share, const Query& query, Wants wants) {
+    agree_(Phase::question, [&] { Share::check_shape(share); });
+    std::vector<std::int64_t> asked = told(query, static_cast<int>(wants), options_);
+    const std::size_t n = asked.size();
+    for (std::size_t i = 0; i < n; ++i) asked.push_back(-asked[i]);
+    asked.push_back(-std::int64_t{!share.triangle_ids.empty()});
+    asked.push_back(-std::int64_t{!share.vertex_ids.empty()});
+    asked.push_back(-std::int64_t{!share.mesh.groups.empty()});
+    // What has no vertices has no precision.
+    asked.push_back(-std::int64_t{share.mesh.vertices.type == ScalarType::float64 && share.mesh.vertices.rows > 0});
+    reduce(asked, Reduction::min);
+    triangle_ids_ = asked[2 * n] != 0, vertex_ids_ = asked[2 * n + 1] != 0, groups_ = asked[2 * n + 2] != 0;
+    float32_ = asked[2 * n + 3] == 0;
+    counts_.assign(2 * static_cast<std::size_t>(transport_.size()), 0);
+    counts_[2 * static_cast<std::size_t>(transport_.rank())] = share.mesh.triangles.rows;
+    counts_[2 * static_cast<std::size_t>(transport_.rank()) + 1] = share.mesh.vertices.rows;
+    reduce(counts_, Reduction::sum);
+    agree_(Phase::question, [&] {
+        for (std::size_t i = 0; i < n; ++i)
+            check(asked[i] == -asked[n + i], "the ranks ask different questions, or have different options");
+        std::int64_t triangles = 0;
+        for (std::size_t r = 0; r < counts_.size(); r += 2) triangles += counts_[r];
+        check(query.wanted != Wanted::between || groups_ || triangles == 0,
+              "wanted between needs groups, and no rank has any: nothing lies between different groups");
+    });
+}
+
+void RankDetector::read(const MeshShare& share) {
+    agree_(Phase::input, [&] {
+        share_.number(share, triangle_ids_, vertex_ids_, counts_, transport_.rank());
+        share_.read(share, search_of(0).workers());
+    });
+    const Scene& scene = share_.scene();
+    const bool empty = scene.vertex_count() == 0;
+    constexpr double most = std::numeric_limits<double>::max();
+    std::array<std::int64_t, 8> least{};
+    for (int axis = 0; axis < 3; ++axis) {
+        least[static_cast<std::size_t>(axis)] = ordered(empty ? most : scene.low[axis]);
+        least[static_cast<std::size_t>(3 + axis)] = ordered(empty ? most : -scene.high[axis]);
+    }
+    std::int64_t last = -1;
+    if (vertex_ids_)
+        for (std::int64_t v = 0; v < scene.vertex_count(); ++v)
+            last = std::max<std::int64_t>(last, share_.vertices()(v));
+    least[6] = -last;
+    bool same = false;
+    agree_(Phase::input, [&] { same = share_.is_same_as_before(); });
+    least[7] = same;
+    reduce(least, Reduction::min);
+    if (vertex_ids_) share_.set_vertices(-least[6] + 1);
+    box_ = {};
+    if (least[0] != ordered(most))
+        for (int axis = 0; axis < 3; ++axis) {
+            box_.low[axis] = number(least[static_cast<std::size_t>(axis)]);
+            box_.high[axis] = -number(least[static_cast<std::size_t>(3 + axis)]);
+        }
+    same_ = least[7] != 0;
+}
+
+void RankDetector::settle_ids() {
+    if (!same_) {
+        if (triangle_ids_) check_each_once(rounds_, agree_, share_.triangles(), share_.scene().triangle_count());
+        copies_.learn(rounds_, agree_, share_.vertices(), share_.scene().vertex_count());
+    }
+    copies_.check(rounds_, agree_, share_, float32_);
+}
+
+void RankDetector::place() {
+    const int parts = parts_wanted();
+    const bool serves = placement_.serves(parts, box_);
+    if (same_ && serves && !on_any_rank(members_.stale())) return;
+    same_ = false;
+    drop_parts();
+    if (serves) return;
+    owners_.forget();
+    work_.clear();
+    placement_.make(rounds_, agree_, share_, parts, box_, search_of(0).workers());
+}
+
+void RankDetector::list_members() {
+    agree_(Phase::members, [&] { members_.list(share_, placement_, search_of(0).workers()); });
+    give_out();
+    agree_(Phase::members, [&] { own_parts(); });
+    agree_(Phase::members, [&] { members_.compare(share_, copies_, placement_.tree().depth); });
+}
+
+// By members for a start, and by measured work where that is far from even. Parts that change hands begin anew.
+void RankDetector::give_out() {
+    const int ranks = transport_.size();
+    const auto parts = static_cast<std::size_t>(placement_.parts());
+    if (owners_.known()) {
+        if (ranks == 1 || work_.empty() || Owners::balance(work_, owners_.all(), ranks) < 1.2) return;
+        Owners others;
+        others.give_out(work_, {}, ranks);
+        if (Owners::balance(work_, others.all(), ranks) > 0.9 * Owners::balance(work_, owners_.all(), ranks)) return;
+        for (std::size_t k = 0; k < parts; ++k)
+            if (others.all()[k] != owners_.all()[k]) members_.forget(static_cast<std::int32_t>(k));
+        owners_ = std::move(others);
+    } else {
+        constexpr std::size_t most = std::size_t{1} << 16;  // numbers in one reduction
+        const std::size_t n = static_cast<std::size_t>(ranks);
+        std::vector<std::int64_t> all(members_.counts().begin(), members_.counts().end()), by_rank;
+        reduce(all, Reduction::sum);
+        if (parts * n <= most) {
+            by_rank.assign(parts * n, 0);
+            for (std::size_t k = 0; k < parts; ++k)
+                by_rank[k * n + static_cast<std::size_t>(transport_.rank())] = members_.counts()[k];
+            reduce(by_rank, Reduction::sum);
+        }
+        owners_.give_out(all, by_rank, ranks);
+    }
+}
+
+// Those that this rank owned before go on; others begin empty.
+void RankDetector::own_parts() {
+    std::vector<AssembledPart> mine;
+    for (const std::int32_t k : owners_.parts_of(transport_.rank())) {
+        const auto at =
+            std::find_if(mine_.begin(), mine_.end(), [&](const AssembledPart& part) { return part.index() == k; });
+        if (at != mine_.end())
+            mine.push_back(std::move(*at));
+        else
+            mine.emplace_back(k, placement_.parts(), placement_.path(k), float32_, groups_);
+    }
+    mine_ = std::move(mine);
+}
+
+void RankDetector::deliver() {
+    const auto depth = static_cast<std::size_t>(placement_.tree().depth);
+    Delivery(rounds_, agree_, owners_, members_, share_, mine_, depth).run(float32_, [&](std::int64_t bytes) {
+        MemoryMeter& memory = search_of(0).memory();
+        if (memory.limit == 0) return;
+        memory.add(bytes);
+        reserved_ += bytes;
+    });
+    result_.statistics.moved = same_;
+}
+
+void RankDetector::search(const Query& query, Wants wants) {
+    found_.emplace(transport_.size());
+    found_here_ = 0;
+    work_.assign(static_cast<std::size_t>(placement_.parts()), 0);
+    DistributedStatistics& statistics = result_.statistics;
+    agree_(Phase::search, [&] {
+        for (std::size_t m = 0; m < mine_.size(); ++m) {
+            const AssembledPart& part = mine_[m];
+            if (part.size() == 0 || (wants == Wants::any && found_here_ > 0)) continue;
+            Stopwatch watch;
+            if (wants == Wants::any) {
+                found_here_ = search_of(m).any(part.part(), query, stop_);
+            } else {
+                const Collisions& found = search_of(m).find(part.part(), query, stop_);
+                found_here_ += static_cast<std::int64_t>(found.pairs.size());
+                if (wants == Wants::pairs) found_->add(part, found);
+                add_pass(found.statistics, statistics.search);
+            }
+            const double milliseconds = watch.lap();
+            work_[static_cast<std::size_t>(part.index())] = static_cast<std::int64_t>(1e6 * milliseconds);
+            statistics.work_milliseconds += milliseconds;
+            statistics.members += part.size();
+            ++statistics.parts;
+        }
+    });
+}
+
+void RankDetector::finish(const Query& query, Wants wants) {
+    if (wants == Wants::pairs) found_->exchange(rounds_, agree_, query.contacts, result_);
+    found_.reset();
+    const std::int64_t here = std::accumulate(work_.begin(), work_.end(), std::int64_t{0});
+    work_.push_back(found_here_);
+    reduce(work_, Reduction::sum);
+    result_.total = work_.back();
+    work_.pop_back();
+    std::int64_t largest = here;
+    reduce({&largest, 1}, Reduction::max);
+    result_.statistics.largest_work = 1e-6 * static_cast<double>(largest);
+    result_.statistics.mean_work =
+        1e-6 * static_cast<double>(std::accumulate(work_.begin(), work_.end(), std::int64_t{0})) / transport_.size();
+    if (wants == Wants::any) work_.clear();  // cut short
+    result_.statistics.search.pairs = found_here_;
+}
+
+void RankDetector::forget() {
+    share_.forget();
+    placement_.forget();
+    owners_.forget();
+    drop_parts();
+    work_.clear();
+    found_.reset();
+    result_ = {};
+    for (auto& search : searches_)
+        if (search) search->release();
+}
+
+void RankDetector::drop_parts() {
+    mine_.clear();
+    members_.forget();
+    if (reserved_ > 0) search_of(0).memory().add(-std::exchange(reserved_, 0));
+}
+
+// One for each part, which then keeps the centres that it had in the frame before; under a memory limit one for all.
+PartSearch& RankDetector::search_of(std::size_t m) {
+    const std::size_t i = options_.detector.memory_limit > 0 ? 0 : m;
+    if (searches_.size() <= i) searches_.resize(i + 1);
+    if (!searches_[i]) searches_[i] = std::make_unique<PartSearch>(options_.detector);
+    return *searches_[i];
+}
+
+int RankDetector::parts_wanted() const {
+    if (options_.parts > 0) return options_.parts;
+    const int ranks = transport_.size();
+    return ranks == 1 ? 1 : std::min(2 * ranks, max_parts);
+}
+
+bool RankDetector::on_any_rank(bool here) {
+    std::int64_t flag = here;
+    reduce({&flag, 1}, Reduction::max);
+    return flag != 0;
+}
+
+}  // namespace crumple::distribute

@@ -1,0 +1,35 @@
+#pragma once
+
+// Ranks that are threads of the test.
+
+#include <exception>
+#include <memory>
+#include <thread>
+#include <vector>
+
+#include "distribute/in_process.h"
+
+namespace crumple::test {
+
+/// Runs body(transport) on so many ranks at once, and throws what the lowest of those that failed has thrown.
+template <class Body>
+void run_ranks(int ranks, Body body) {
+    const auto hub = std::make_shared<distribute::Hub>(ranks);
+    std::vector<std::exception_ptr> failed(static_cast<std::size_t>(ranks));
+    std::vector<std::thread> threads;
+    for (int r = 0; r < ranks; ++r)
+        threads.emplace_back([&, r] {
+            distribute::InProcess transport(hub, r);
+            try {
+                body(transport);
+            } catch (...) {
+                failed[static_cast<std::size_t>(r)] = std::current_exception();
+                hub->leave();
+            }
+        });
+    for (std::thread& thread : threads) thread.join();
+    for (const std::exception_ptr& error : failed)
+        if (error) std::rethrow_exception(error);
+}
+
+}  // namespace crumple::test

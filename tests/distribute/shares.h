@@ -1,0 +1,164 @@
+#pragma once
+
+// A mesh cut into what each rank brings, and the rows of all ranks put together again.
+
+#include <algorithm>
+#include <cstdint>
+#include <random>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "agreement/compare.h"
+#include "crumple/distributed.h"
+#include "soups.h"
+
+namespace crumple::test {
+
+enum class Distribution : std::uint8_t { blocks, round_robin, random, all_on_one };
+inline constexpr std::array every_distribution{Distribution::blocks, Distribution::round_robin, Distribution::random,
+                                               Distribution::all_on_one};
+
+struct WholeMesh {
+    std::variant<std::vector<float>, std::vector<double>> vertices;  ///< 3n
+    std::vector<std::int32_t> corners, groups;                       ///< 3m; m or none
+
+    WholeMesh() = default;
+    template <class Scalar>
+    explicit WholeMesh(const Soup<Scalar>& soup) : groups(soup.groups) {
+        std::vector<Scalar> xyz;
+        for (const auto& p : soup.vertices) xyz.insert(xyz.end(), p.begin(), p.end());
+        vertices = std::move(xyz);
+        for (const auto& t : soup.triangles) corners.insert(corners.end(), t.begin(), t.end());
+    }
+    std::int64_t triangles() const { return static_cast<std::int64_t>(corners.size() / 3); }
+    MeshView view() const {
+        return std::visit(
+            [&](const auto& xyz) {
+                return MeshView(xyz.data(), static_cast<std::int64_t>(xyz.size() / 3), corners.data(), triangles(),
+                                groups);
+            },
+            vertices);
+    }
+};
+
+inline int rank_of_triangle(Distribution how, std::int64_t t, std::int64_t triangles, int ranks) {
+    switch (how) {
+        case Distribution::blocks:
+            return static_cast<int>(t * ranks / triangles);
+        case Distribution::round_robin:
+            return static_cast<int>(t % ranks);
+        case Distribution::random:
+            return static_cast<int>(std::mt19937(static_cast<unsigned>(t))() % static_cast<unsigned>(ranks));
+        case Distribution::all_on_one:
+            return ranks / 2;
+    }
+    return 0;
+}
+
+/// One rank's share, with ids. The vertices that no triangle names are brought by rank 0.
+class MeshPiece {
+   public:
+    MeshPiece(const WholeMesh& whole, Distribution how, int rank, int ranks) : whole_(&whole) {
+        const std::int64_t m = whole.triangles();
+        const std::size_t n = std::visit([](const auto& xyz) { return xyz.size() / 3; }, whole.vertices);
+        std::vector<std::int32_t> local(n, -1);
+        std::vector<bool> named(n, false);
+        for (const std::int32_t v : whole.corners) named[static_cast<std::size_t>(v)] = true;
+        const auto number = [&](std::size_t v) {
+            if (local[v] < 0) {
+                local[v] = static_cast<std::int32_t>(vertex_ids.size());
+                vertex_ids.push_back(static_cast<std::int64_t>(v));
+            }
+            return local[v];
+        };
+        for (std::size_t v = 0; rank == 0 && v < n; ++v)
+            if (!named[v]) number(v);
+        // Not in the order of the ids, which may be any.
+        for (std::int64_t i = 0; i < m; ++i) {
+            const std::int64_t t = how == Distribution::random ? m - 1 - i : i;
+            if (rank_of_triangle(how, t, m, ranks) != rank) continue;
+            triangle_ids.push_back(t);
+            for (int k = 0; k < 3; ++k)
+                corners.push_back(number(static_cast<std::size_t>(whole.corners[static_cast<std::size_t>(3 * t + k)])));
+            if (!whole.groups.empty()) groups.push_back(whole.groups[static_cast<std::size_t>(t)]);
+        }
+        follow();
+    }
+    /// Takes the coordinates that the whole mesh has now.
+    void follow() {
+        std::visit(
+            [&](const auto& all) {
+                std::remove_cvref_t<decltype(all)> xyz;
+                for (const std::int64_t v : vertex_ids)
+                    xyz.insert(xyz.end(), all.begin() + static_cast<std::ptrdiff_t>(3 * v),
+                               all.begin() + static_cast<std::ptrdiff_t>(3 * v + 3));
+                vertices = std::move(xyz);
+            },
+            whole_->vertices);
+    }
+    MeshShare share() const {
+        MeshShare share;
+        std::visit(
+            [&](const auto& xyz) {
+                share.mesh = MeshView(xyz.data(), static_cast<std::int64_t>(xyz.size() / 3), corners.data(),
+                                      static_cast<std::int64_t>(corners.size() / 3), groups);
+            },
+            vertices);
+        share.triangle_ids = triangle_ids;
+        share.vertex_ids = vertex_ids;
+        return share;
+    }
+
+    std::variant<std::vector<float>, std::vector<double>> vertices;
+    std::vector<std::int32_t> corners, groups;
+    std::vector<std::int64_t> triangle_ids, vertex_ids;
+
+   private:
+    const WholeMesh* whole_;
+};
+
+/// The rows of all ranks by key, as one answer. Each rank's must be in order, and of its own triangles.
+inline testing::AssertionResult merged_is(const std::vector<DistributedCollisions>& rows,
+                                          const std::vector<std::vector<std::int64_t>>& ids,
+                                          const Collisions& expected) {
+    struct Row {
+        Pair pair;
+        std::size_t rank, place;
+    };
+    std::vector<Row> all;
+    for (std::size_t r = 0; r < rows.size(); ++r) {
+        const auto& pairs = rows[r].pairs;
+        if (!std::is_sorted(pairs.begin(), pairs.end()))
+            return testing::AssertionFailure() << "rank " << r << ": order";
+        if (rows[r].total != static_cast<std::int64_t>(expected.pairs.size()))
+            return testing::AssertionFailure() << "rank " << r << " knows of " << rows[r].total << " pairs";
+        std::vector<std::int64_t> own = ids[r];
+        std::sort(own.begin(), own.end());
+        for (std::size_t i = 0; i < pairs.size(); ++i) {
+            if (!std::binary_search(own.begin(), own.end(), pairs[i].a))
+                return testing::AssertionFailure() << "rank " << r << " has a row of triangle " << pairs[i].a;
+            all.push_back({pairs[i], r, i});
+        }
+    }
+    std::sort(all.begin(), all.end(), [](const Row& a, const Row& b) { return a.pair < b.pair; });
+    std::vector<Pair> pairs;
+    Contacts contacts;
+    for (const Row& row : all) {
+        pairs.push_back(row.pair);
+        const Contacts& from = rows[row.rank].contacts;
+        if (from.kinds.empty()) continue;
+        if (contacts.offsets.empty()) contacts.offsets.push_back(0);
+        contacts.kinds.push_back(from.kinds[row.place]);
+        for (std::int64_t i = from.offsets[row.place]; i < from.offsets[row.place + 1]; ++i)
+            contacts.points.push_back(from.points[i]);
+        contacts.offsets.push_back(static_cast<std::int64_t>(contacts.points.size()));
+    }
+    auto same = same_pairs(pairs, expected.pairs.span());
+    if (!same || expected.contacts.kinds.empty()) return same;
+    same = same_bytes(contacts.kinds, expected.contacts.kinds, "contact kinds");
+    if (same) same = same_bytes(contacts.offsets, expected.contacts.offsets, "contact offsets");
+    return same ? same_bytes(contacts.points, expected.contacts.points, "contact points") : same;
+}
+
+}  // namespace crumple::test
