@@ -3,6 +3,7 @@
 // A mesh cut into what each rank brings, and the rows of all ranks put together again.
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <random>
 #include <string>
@@ -11,6 +12,7 @@
 
 #include "agreement/compare.h"
 #include "crumple/distributed.h"
+#include "crumple/io.h"
 #include "soups.h"
 
 namespace crumple::test {
@@ -31,6 +33,8 @@ struct WholeMesh {
         vertices = std::move(xyz);
         for (const auto& t : soup.triangles) corners.insert(corners.end(), t.begin(), t.end());
     }
+    explicit WholeMesh(const io::TriangleMesh& mesh)
+        : vertices(mesh.vertices), corners(mesh.triangles), groups(mesh.groups) {}
     std::int64_t triangles() const { return static_cast<std::int64_t>(corners.size() / 3); }
     MeshView view() const {
         return std::visit(
@@ -118,47 +122,30 @@ class MeshPiece {
     const WholeMesh* whole_;
 };
 
-/// The rows of all ranks by key, as one answer. Each rank's must be in order, and of its own triangles.
-inline testing::AssertionResult merged_is(const std::vector<DistributedCollisions>& rows,
-                                          const std::vector<std::vector<std::int64_t>>& ids,
-                                          const Collisions& expected) {
-    struct Row {
-        Pair pair;
-        std::size_t rank, place;
-    };
-    std::vector<Row> all;
-    for (std::size_t r = 0; r < rows.size(); ++r) {
-        const auto& pairs = rows[r].pairs;
-        if (!std::is_sorted(pairs.begin(), pairs.end()))
-            return testing::AssertionFailure() << "rank " << r << ": order";
-        if (rows[r].total != static_cast<std::int64_t>(expected.pairs.size()))
-            return testing::AssertionFailure() << "rank " << r << " knows of " << rows[r].total << " pairs";
-        std::vector<std::int64_t> own = ids[r];
-        std::sort(own.begin(), own.end());
-        for (std::size_t i = 0; i < pairs.size(); ++i) {
-            if (!std::binary_search(own.begin(), own.end(), pairs[i].a))
-                return testing::AssertionFailure() << "rank " << r << " has a row of triangle " << pairs[i].a;
-            all.push_back({pairs[i], r, i});
-        }
-    }
-    std::sort(all.begin(), all.end(), [](const Row& a, const Row& b) { return a.pair < b.pair; });
+/// Are these the rows of the whole answer whose first triangle is one of `ids`, in order? Where that holds on each
+/// rank, the rows of all ranks are the whole answer.
+inline testing::AssertionResult rows_are(const DistributedCollisions& rows, std::vector<std::int64_t> ids,
+                                         const Collisions& whole) {
+    std::sort(ids.begin(), ids.end());
     std::vector<Pair> pairs;
     Contacts contacts;
-    for (const Row& row : all) {
-        pairs.push_back(row.pair);
-        const Contacts& from = rows[row.rank].contacts;
-        if (from.kinds.empty()) continue;
-        if (contacts.offsets.empty()) contacts.offsets.push_back(0);
-        contacts.kinds.push_back(from.kinds[row.place]);
-        for (std::int64_t i = from.offsets[row.place]; i < from.offsets[row.place + 1]; ++i)
-            contacts.points.push_back(from.points[i]);
+    const bool has_contacts = !whole.contacts.offsets.empty();
+    if (has_contacts) contacts.offsets.push_back(0);
+    for (std::size_t i = 0; i < whole.pairs.size(); ++i) {
+        if (!std::binary_search(ids.begin(), ids.end(), whole.pairs[i].a)) continue;
+        pairs.push_back(whole.pairs[i]);
+        if (!has_contacts) continue;
+        contacts.kinds.push_back(whole.contacts.kinds[i]);
+        for (std::int64_t p = whole.contacts.offsets[i]; p < whole.contacts.offsets[i + 1]; ++p)
+            contacts.points.push_back(whole.contacts.points[p]);
         contacts.offsets.push_back(static_cast<std::int64_t>(contacts.points.size()));
     }
-    auto same = same_pairs(pairs, expected.pairs.span());
-    if (!same || expected.contacts.kinds.empty()) return same;
-    same = same_bytes(contacts.kinds, expected.contacts.kinds, "contact kinds");
-    if (same) same = same_bytes(contacts.offsets, expected.contacts.offsets, "contact offsets");
-    return same ? same_bytes(contacts.points, expected.contacts.points, "contact points") : same;
+    if (rows.total != static_cast<std::int64_t>(whole.pairs.size()))
+        return testing::AssertionFailure() << rows.total << " pairs over all ranks instead of " << whole.pairs.size();
+    auto same = same_pairs(rows.pairs.span(), pairs);
+    if (same) same = same_bytes(rows.contacts.kinds, contacts.kinds, "contact kinds");
+    if (same) same = same_bytes(rows.contacts.offsets, contacts.offsets, "contact offsets");
+    return same ? same_bytes(rows.contacts.points, contacts.points, "contact points") : same;
 }
 
 }  // namespace crumple::test

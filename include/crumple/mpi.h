@@ -1,0 +1,64 @@
+#pragma once
+
+// One scene on many processes of MPI. Link crumple::mpi, which -DCRUMPLE_MPI=ON builds. docs/distributed.md
+
+#ifndef OMPI_SKIP_MPICXX
+#define OMPI_SKIP_MPICXX 1
+#endif
+#ifndef MPICH_SKIP_MPICXX
+#define MPICH_SKIP_MPICXX 1
+#endif
+#include <mpi.h>
+
+#include <cstdint>
+#include <memory>
+#include <stop_token>
+
+#include "crumple/distributed.h"
+#include "crumple/error.h"
+
+namespace crumple::mpi {
+
+/// Finds all pairs of triangles that intersect, of a scene of which each rank brings a share. The rows of all ranks,
+/// merged, are the bytes of crumple::Detector::find_self, for any number of ranks and any distribution. Keeps parts and
+/// centres between calls: where only vertices have moved, little more than their coordinates travels.
+///
+/// Every call but the destructor is collective: all ranks of the communicator make the same calls, in the same order,
+/// with the same question and options. A call throws the same crumple::Error on all ranks, if it throws on one
+/// (Error::rank), and leaves the detectors usable. A stop that is requested on one rank ends the call on all. A process
+/// that dies ends the job, as MPI does. One thread makes the calls; if MPI was initialised with less than
+/// MPI_THREAD_SERIALIZED, the one that initialised it, and with MPI_THREAD_SINGLE only a detector of one thread works.
+class Detector {
+   public:
+    /// Of a duplicate of the communicator, so that messages of others never get mixed up with these.
+    explicit Detector(MPI_Comm communicator, const DistributedOptions& options = {});
+    /// Does not communicate; the duplicate is left to MPI_Finalize unless close() has freed it.
+    ~Detector();
+    Detector(Detector&&) noexcept;
+    Detector& operator=(Detector&&) noexcept;
+
+    /// Frees the communicator and all memory. No call may follow.
+    void close();
+
+    /// All colliding pairs: on each rank those whose first triangle it has brought, in order. Valid until the next
+    /// call.
+    const DistributedCollisions& find_self(const MeshShare& share, const Query& query = {}, std::stop_token stop = {});
+    /// How many pairs there are over all ranks; no rows travel. The time of find_self, less that of rows.
+    std::int64_t count(const MeshShare& share, const Query& query = {}, std::stop_token stop = {});
+    /// Whether there is any pair over all ranks. Each rank stops at its first.
+    bool has_collision(const MeshShare& share, const Query& query = {}, std::stop_token stop = {});
+
+    /// What the last call did on this rank.
+    const DistributedStatistics& statistics() const;
+    /// With the number of threads that it has come to.
+    const DistributedOptions& options() const;
+    int rank() const;
+    int ranks() const;
+
+   private:
+    struct Implementation;
+    Implementation& open() const;
+    std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace crumple::mpi
