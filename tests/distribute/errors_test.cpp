@@ -177,8 +177,8 @@ TEST(RankErrors, tell_of_copies_that_differ) {
         float& x = std::get<0>(piece.vertices)[3 * shared];
         if (rank == 1) x = std::nextafter(x, 2.0f);
     });
-    EXPECT_EQ(seen.message.substr(7), " the copies of vertex " + std::to_string(second.vertex_ids[shared]) +
-                                          " on rank 0 and on rank 1 differ");
+    EXPECT_EQ(seen.message.substr(7),
+              " the copies of vertex " + std::to_string(second.vertex_ids[shared]) + " on rank 0 and on rank 1 differ");
     EXPECT_EQ(seen.index, second.vertex_ids[shared]);
 }
 

@@ -1,0 +1,166 @@
+// Processes of MPI against one machine: one mpirun for each number of ranks, with all scenes inside. Every rank makes
+// the answer of one machine itself and looks for its own rows in it. A failed expectation must not leave out a
+// collective call, so calls come first.
+
+#include "crumple/mpi.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "agreement/hard_soups.h"
+#include "crumple/crumple.h"
+#include "distribute/shares.h"
+#include "error_of.h"
+#include "io/files.h"
+#include "scenes/scenes.h"
+
+namespace crumple::test {
+namespace {
+
+int rank_in_world() {
+    int rank = 0;
+    MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+    return rank;
+}
+int ranks_in_world() {
+    int ranks = 0;
+    MPI_Comm_size(MPI_COMM_WORLD, &ranks);
+    return ranks;
+}
+
+DistributedOptions one_thread() {
+    DistributedOptions options;
+    options.detector.backend = Backend::cpu;
+    options.detector.threads = 1;
+    return options;
+}
+
+class MpiRanks : public testing::Test {
+   protected:
+    void expect_same(const WholeMesh& mesh, Distribution how, const Query& query, const std::string& name,
+                     const DistributedOptions& options = one_thread()) const {
+        const MeshPiece piece(mesh, how, rank, ranks);
+        mpi::Detector detector(MPI_COMM_WORLD, options);
+        const DistributedCollisions found = detector.find_self(piece.share(), query);
+        const bool any = detector.has_collision(piece.share(), query);
+        const std::int64_t count = detector.count(piece.share(), query);
+        detector.close();
+        Detector one({.backend = Backend::cpu, .threads = 1});
+        const Collisions& expected = one.find_self(mesh.view(), query);
+        EXPECT_TRUE(rows_are(found, piece.triangle_ids, expected)) << name << ", rank " << rank;
+        EXPECT_EQ(any, !expected.pairs.empty()) << name;
+        EXPECT_EQ(count, static_cast<std::int64_t>(expected.pairs.size())) << name;
+    }
+    const int rank = rank_in_world(), ranks = ranks_in_world();
+};
+
+TEST_F(MpiRanks, have_the_answer_of_one_machine_on_soups) {
+    std::size_t number = 0;
+    for (const NamedMesh& soup : hard_soups()) {
+        const WholeMesh mesh(soup.mesh);
+        for (const Distribution how : every_distribution)
+            expect_same(mesh, how, {.weld = number % 3 == 0, .contacts = number % 2 == 0}, soup.name);
+        ++number;
+    }
+}
+
+TEST_F(MpiRanks, have_the_answer_of_one_machine_on_scenes) {
+    for (const scenes::Description& scene : scenes::descriptions()) {
+        const WholeMesh mesh(scenes::make(scene.name, {.triangles = 1000, .frame = scene.frames - 1}));
+        for (const Distribution how : every_distribution)
+            expect_same(mesh, how, {.contacts = true}, std::string(scene.name));
+    }
+}
+
+TEST_F(MpiRanks, have_the_answer_of_one_machine_on_real_scenes) {
+    const auto folder = io::test::data_folder();
+    if (!folder) GTEST_SKIP() << "no scenes: set CRUMPLE_DATA";
+    std::size_t number = 0;
+    for (const char* name :
+         {"soups/soup_degenerate.ply", "soups/soup_grid.ply", "soups/soup_huge32.ply", "soups/soup_tiny64.ply",
+          "ipc-toolkit-test-data/spike-plane.ply", "meshes/self_intersectA_17k.obj", "meshes/truck.obj",
+          "scalable-ccd/cloth-ball/frames/cloth_ball92.ply", "scalable-ccd/cloth-funnel/frames/227.ply",
+          "scalable-ccd/n-body-simulation/frames/balls16_18.ply"}) {
+        const WholeMesh mesh(io::read_mesh(*folder / name, {.triangulation = io::Triangulation::fan}));
+        expect_same(mesh, every_distribution[number++ % 4], {.contacts = true}, name);
+    }
+}
+
+TEST_F(MpiRanks, send_in_rounds_of_a_kilobyte) {
+    DistributedOptions options = one_thread();
+    options.round_bytes = 1024;
+    for (const Distribution how : every_distribution)
+        expect_same(WholeMesh(wavy_sheet<double>(24)), how, {.contacts = true}, "wavy sheet", options);
+}
+
+TEST_F(MpiRanks, follow_frames_of_a_scene) {
+    const WholeMesh start(wavy_sheet<float>(30));
+    WholeMesh now = start;
+    MeshPiece piece(now, Distribution::random, rank, ranks);
+    mpi::Detector detector(MPI_COMM_WORLD, one_thread());
+    Detector one({.backend = Backend::cpu, .threads = 1});
+    for (int frame = 0; frame < 20; ++frame) {
+        auto& xyz = std::get<0>(now.vertices);
+        for (std::size_t i = 0; i < xyz.size(); ++i)
+            xyz[i] = std::get<0>(start.vertices)[i] +
+                     0.03f * std::sin(static_cast<float>(frame) + 0.01f * static_cast<float>(i % 700));
+        piece.follow();
+        const DistributedCollisions& found = detector.find_self(piece.share());
+        EXPECT_TRUE(rows_are(found, piece.triangle_ids, one.find_self(now.view()))) << "frame " << frame;
+    }
+    detector.close();
+}
+
+TEST_F(MpiRanks, fail_together_and_go_on) {
+    const WholeMesh mesh(wavy_sheet<float>(16));
+    const MeshPiece good(mesh, Distribution::blocks, rank, ranks);
+    mpi::Detector detector(MPI_COMM_WORLD, one_thread());
+    Detector one({.backend = Backend::cpu, .threads = 1});
+    for (int failing = 0; failing < ranks; ++failing) {
+        MeshPiece bad = good;
+        if (rank == failing) std::get<0>(bad.vertices)[7] = std::numeric_limits<float>::quiet_NaN();
+        const Error error = error_of([&] { detector.find_self(bad.share()); });
+        const DistributedCollisions& found = detector.find_self(good.share());
+        EXPECT_EQ(error.code, ErrorCode::not_finite);
+        EXPECT_EQ(error.rank, failing);
+        EXPECT_TRUE(rows_are(found, good.triangle_ids, one.find_self(mesh.view())));
+    }
+    detector.close();
+    EXPECT_EQ(error_of([&] { detector.count(good.share()); }).code, ErrorCode::communication);
+}
+
+TEST_F(MpiRanks, share_the_cores_of_their_machine) {
+    mpi::Detector detector(MPI_COMM_WORLD, {});
+    EXPECT_GE(detector.options().detector.threads, 1);
+    int threads = detector.options().detector.threads;
+    MPI_Allreduce(MPI_IN_PLACE, &threads, 1, MPI_INT, MPI_SUM, MPI_COMM_WORLD);
+    EXPECT_LE(threads, std::max(ranks, static_cast<int>(std::thread::hardware_concurrency())));
+    EXPECT_EQ(detector.rank(), rank);
+    EXPECT_EQ(detector.ranks(), ranks);
+    detector.close();
+    detector.close();
+    EXPECT_STREQ(error_of([] { mpi::Detector of_nobody(MPI_COMM_NULL); }).what(), "the communicator is MPI_COMM_NULL");
+}
+
+}  // namespace
+}  // namespace crumple::test
+
+int main(int count, char** arguments) {
+    int level = 0;
+    MPI_Init_thread(&count, &arguments, MPI_THREAD_FUNNELED, &level);
+    testing::InitGoogleTest(&count, arguments);
+    if (crumple::test::rank_in_world() != 0) {
+        // Only what fails there is told.
+        testing::GTEST_FLAG(brief) = true;
+    }
+    int failed = RUN_ALL_TESTS();
+    MPI_Allreduce(MPI_IN_PLACE, &failed, 1, MPI_INT, MPI_MAX, MPI_COMM_WORLD);
+    MPI_Finalize();
+    return failed;
+}
