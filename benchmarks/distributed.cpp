@@ -1,0 +1,226 @@
+// Ranks of MPI against one process with as many threads, in turns: frames that move, each rank with a block of the
+// triangles. Run it by mpirun; each rank then has one thread.
+//
+//     mpirun -n 2 crumple_mpi_benchmark unc_cloth_ball cloth:1000000
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "crumple/crumple.h"
+#include "crumple/mpi.h"
+#include "race.h"
+#include "report.h"
+#include "sequence.h"
+
+namespace crumple::benchmark {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+struct Settings {
+    std::vector<std::string> scenes{"unc_cloth_ball", "cloth:1000000"};
+    int rounds = 100, parts = 0;
+    double budget = 20;
+    std::string json;
+};
+
+double milliseconds_since(Clock::time_point begin) {
+    return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
+}
+
+/// Waits for all without taking a core, as a barrier of MPI does.
+void meet_asleep() {
+    MPI_Request request;
+    MPI_Ibarrier(MPI_COMM_WORLD, &request);
+    for (int done = 0; MPI_Test(&request, &done, MPI_STATUS_IGNORE), !done;)
+        std::this_thread::sleep_for(std::chrono::microseconds(200));
+}
+
+/// A block of a mesh's triangles, with the vertices that they name.
+struct Block {
+    io::TriangleMesh mesh;
+    std::vector<std::int64_t> triangle_ids, vertex_ids;
+
+    Block(const io::TriangleMesh& whole, int rank, int ranks) {
+        const std::int64_t m = whole.triangle_count();
+        std::vector<std::int32_t> local(static_cast<std::size_t>(whole.vertex_count()), -1);
+        for (std::int64_t t = rank * m / ranks; t < (rank + 1) * m / ranks; ++t) {
+            triangle_ids.push_back(t);
+            for (std::int64_t k = 3 * t; k < 3 * t + 3; ++k) {
+                std::int32_t& v = local[static_cast<std::size_t>(whole.triangles[static_cast<std::size_t>(k)])];
+                if (v < 0) {
+                    v = static_cast<std::int32_t>(vertex_ids.size());
+                    vertex_ids.push_back(whole.triangles[static_cast<std::size_t>(k)]);
+                }
+                mesh.triangles.push_back(v);
+            }
+        }
+        // The others belong to nobody's triangles; one rank brings them all the same.
+        for (std::size_t v = 0; rank == 0 && v < local.size(); ++v)
+            if (local[v] < 0 && !named_elsewhere(whole, v)) vertex_ids.push_back(static_cast<std::int64_t>(v));
+        follow(whole);
+    }
+    void follow(const io::TriangleMesh& whole) {
+        std::visit(
+            [&](const auto& all) {
+                std::remove_cvref_t<decltype(all)> xyz;
+                xyz.reserve(3 * vertex_ids.size());
+                for (const std::int64_t v : vertex_ids)
+                    for (std::int64_t i = 3 * v; i < 3 * v + 3; ++i) xyz.push_back(all[static_cast<std::size_t>(i)]);
+                mesh.vertices = std::move(xyz);
+            },
+            whole.vertices);
+    }
+    MeshShare share() const { return {mesh.view(), triangle_ids, vertex_ids}; }
+
+   private:
+    bool named_elsewhere(const io::TriangleMesh& whole, std::size_t v) {
+        if (named_.empty()) {
+            named_.resize(static_cast<std::size_t>(whole.vertex_count()));
+            for (const std::int32_t corner : whole.triangles) named_[static_cast<std::size_t>(corner)] = true;
+        }
+        return named_[v];
+    }
+    std::vector<bool> named_;
+};
+
+nlohmann::json race_ranks(const std::string& scene, const Settings& settings, int rank, int ranks) {
+    Sequence sequence = load_sequence(scene);
+    if (sequence.frames.size() > 2) sequence.frames.erase(sequence.frames.begin(), sequence.frames.end() - 2);
+    std::vector<Block> frames;
+    for (const io::TriangleMesh& frame : sequence.frames) frames.emplace_back(frame, rank, ranks);
+
+    DistributedOptions options;
+    options.detector.backend = Backend::cpu;
+    options.detector.threads = 1;
+    options.parts = settings.parts;
+    mpi::Detector many(MPI_COMM_WORLD, options);
+    Detector one({.backend = Backend::cpu, .threads = ranks});
+
+    std::vector<double> of_many, of_one;
+    std::array<double, phase_count> phases{};
+    double first_many = 0, first_one = 0, balance = 0;
+    std::int64_t bytes = 0, members = 0, total = 0;
+    bool agree = true;
+    int rounds = settings.rounds;
+    for (int round = -2; round < rounds; ++round) {
+        const auto f = static_cast<std::size_t>(round & 1);
+        const auto begin_round = Clock::now();
+        meet_asleep();
+        double time_of_one = 0;
+        std::int64_t pairs = 0;
+        if (rank == 0) {
+            const auto begin = Clock::now();
+            pairs = static_cast<std::int64_t>(one.find_self(sequence.frames[f].view()).pairs.size());
+            time_of_one = milliseconds_since(begin);
+        }
+        meet_asleep();
+        MPI_Barrier(MPI_COMM_WORLD);
+        const auto begin = Clock::now();
+        const DistributedCollisions& found = many.find_self(frames[f].share());
+        double time_of_many = milliseconds_since(begin);
+        MPI_Allreduce(MPI_IN_PLACE, &time_of_many, 1, MPI_DOUBLE, MPI_MAX, MPI_COMM_WORLD);
+        if (rank == 0) agree = agree && found.total == pairs;
+        total = found.total;
+        if (round == -2) first_many = time_of_many, first_one = time_of_one;
+        if (round < 0) {
+            if (round == -1) {
+                double seconds = milliseconds_since(begin_round) / 1000;
+                MPI_Bcast(&seconds, 1, MPI_DOUBLE, 0, MPI_COMM_WORLD);
+                rounds = std::clamp(static_cast<int>(settings.budget / seconds), 3, settings.rounds);
+            }
+            continue;
+        }
+        of_many.push_back(time_of_many), of_one.push_back(time_of_one);
+        const DistributedStatistics& s = found.statistics;
+        for (std::size_t p = 0; p < phases.size(); ++p) phases[p] += s.phase_milliseconds[p] / rounds;
+        balance += s.largest_work / s.mean_work / rounds;
+        bytes += s.bytes_sent / rounds;
+        members = s.members;
+    }
+    std::int64_t all_bytes = 0, all_members = 0;
+    MPI_Allreduce(&bytes, &all_bytes, 1, MPI_INT64_T, MPI_SUM, MPI_COMM_WORLD);
+    MPI_Allreduce(&members, &all_members, 1, MPI_INT64_T, MPI_SUM, MPI_COMM_WORLD);
+    many.close();
+    const Summary ours = summarise(of_many), theirs = summarise(of_one);
+    nlohmann::json row{{"scene", scene},
+                       {"triangles", sequence.frames[0].triangle_count()},
+                       {"pairs", total},
+                       {"ranks", ranks},
+                       {"parts", options.parts},
+                       {"rounds", rounds},
+                       {"agree", agree},
+                       {"ranks_milliseconds", to_json(ours)},
+                       {"one_milliseconds", to_json(theirs)},
+                       {"ratio", ours.median / theirs.median},
+                       {"first_ranks", first_many},
+                       {"first_one", first_one},
+                       {"balance", balance},
+                       {"members", all_members},
+                       {"bytes", all_bytes}};
+    for (int p = 0; p < phase_count; ++p)
+        row["phases"][std::string(phase_name(static_cast<Phase>(p)))] = phases[static_cast<std::size_t>(p)];
+    return row;
+}
+
+void print(const nlohmann::json& row) {
+    const auto time = [&](const char* name) { return row[name]["median"].get<double>(); };
+    fmt::print("{}: {} triangles, {} pairs, {} ranks{}\n", row["scene"].get<std::string>(),
+               row["triangles"].get<std::int64_t>(), row["pairs"].get<std::int64_t>(), row["ranks"].get<int>(),
+               row["agree"].get<bool>() ? "" : ", WHICH DIFFER FROM ONE PROCESS");
+    fmt::print("  ranks {:.2f} ms, one process {:.2f} ms: {:.3f} times; first call {:.1f} and {:.1f} ms\n",
+               time("ranks_milliseconds"), time("one_milliseconds"), row["ratio"].get<double>(),
+               row["first_ranks"].get<double>(), row["first_one"].get<double>());
+    fmt::print("  largest work over mean {:.3f}, {} members, {} bytes a frame\n  ", row["balance"].get<double>(),
+               row["members"].get<std::int64_t>(), row["bytes"].get<std::int64_t>());
+    for (const auto& [name, milliseconds] : row["phases"].items())
+        fmt::print("{} {:.2f}  ", name, milliseconds.get<double>());
+    fmt::print("\n");
+}
+
+int run(int count, char** arguments) {
+    int rank = 0, ranks = 1;
+    MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+    MPI_Comm_size(MPI_COMM_WORLD, &ranks);
+    Settings settings;
+    CLI::App app{"Ranks of MPI with one thread each against one process with as many threads"};
+    app.add_option("scenes", settings.scenes, "sequences, as crumple_benchmark names them");
+    app.add_option("--rounds", settings.rounds, "frames at most")->check(CLI::Range(3, 100000));
+    app.add_option("--budget", settings.budget, "seconds a scene");
+    app.add_option("--parts", settings.parts, "DistributedOptions::parts");
+    app.add_option("--json", settings.json, "file for the figures");
+    CLI11_PARSE(app, count, arguments);
+    nlohmann::json rows = nlohmann::json::array();
+    bool agree = true;
+    for (const std::string& scene : settings.scenes) {
+        rows.push_back(race_ranks(scene, settings, rank, ranks));
+        agree = agree && rows.back()["agree"].get<bool>();
+        if (rank == 0) print(rows.back());
+    }
+    if (rank == 0 && !settings.json.empty()) write_json(settings.json, {{"distributed", rows}});
+    return agree ? 0 : 1;
+}
+
+}  // namespace
+}  // namespace crumple::benchmark
+
+int main(int count, char** arguments) {
+    int level = 0;
+    MPI_Init_thread(&count, &arguments, MPI_THREAD_FUNNELED, &level);
+    int failed = 1;
+    try {
+        failed = crumple::benchmark::run(count, arguments);
+    } catch (const std::exception& error) {
+        fmt::print(stderr, "{}\n", error.what());
+        MPI_Abort(MPI_COMM_WORLD, 1);
+    }
+    MPI_Finalize();
+    return failed;
+}
