@@ -1,8 +1,26 @@
 #include "distribute/delivery.h"
 
 #include <algorithm>
+#include <cstring>
 
 namespace crumple::distribute {
+namespace {
+
+template <class Scalar>
+void gather(const Scene& scene, std::span<const std::int32_t> vertices, std::span<std::array<Scalar, 3>> to) {
+    const VertexReader& reader = scene.reader[0];
+    if (reader.contiguous() && reader.scalar_bytes() == sizeof(Scalar)) {
+        for (std::size_t i = 0; i < to.size(); ++i)
+            std::memcpy(&to[i], reader.data + std::int64_t{vertices[i]} * reader.row_stride, sizeof to[i]);
+        return;
+    }
+    for (std::size_t i = 0; i < to.size(); ++i) {
+        const Vec3d p = reader(vertices[i]);
+        to[i] = {static_cast<Scalar>(p.x), static_cast<Scalar>(p.y), static_cast<Scalar>(p.z)};
+    }
+}
+
+}  // namespace
 
 Delivery::Delivery(Rounds& rounds, Agreement& agree, const Owners& owners, Members& members, const Share& share,
                    std::vector<AssembledPart>& mine, std::size_t depth)
@@ -128,12 +146,8 @@ void Delivery::exchange_coordinates() {
     const Scene& scene = share_.scene();
     stream<Position>([](const DeltaCounts& c) { return c.coordinates; },
                      [&](std::int32_t part, std::int64_t first, std::span<Position> rows) {
-                         const auto list =
-                             members_.vertices(part).subspan(static_cast<std::size_t>(first), rows.size());
-                         for (std::size_t i = 0; i < rows.size(); ++i) {
-                             const Vec3d p = scene.position(list[i]);
-                             rows[i] = {static_cast<Scalar>(p.x), static_cast<Scalar>(p.y), static_cast<Scalar>(p.z)};
-                         }
+                         gather(scene, members_.vertices(part).subspan(static_cast<std::size_t>(first), rows.size()),
+                                rows);
                      },
                      [&](std::size_t m, int rank, std::int64_t first, std::span<const Position> rows) {
                          Position* const to = mine_[m].template coordinates<Scalar>();

@@ -32,6 +32,30 @@ Traffic traffic_of(Rounds& rounds, List size) {
     return traffic;
 }
 
+/// Sorts rows that come in a few runs, each in order: those of one part from one rank.
+template <class Row, class Key>
+void merge_runs(std::vector<Row>& rows, Key key) {
+    const auto before = [&](const Row& a, const Row& b) { return key(a) < key(b); };
+    std::vector<std::size_t> first(1, 0);
+    for (std::size_t i = 1; i < rows.size(); ++i)
+        if (before(rows[i], rows[i - 1])) first.push_back(i);
+    std::vector<Row> merged(first.size() > 1 ? rows.size() : 0);
+    while (first.size() > 1) {
+        std::vector<std::size_t> next;
+        for (std::size_t r = 0; r < first.size(); r += 2) {
+            const auto at = [&](std::size_t run) {
+                return static_cast<std::ptrdiff_t>(run < first.size() ? first[run] : rows.size());
+            };
+            const auto begin = rows.begin();
+            next.push_back(first[r]);
+            std::merge(begin + at(r), begin + at(r + 1), begin + at(r + 1), begin + at(r + 2), merged.begin() + at(r),
+                       before);
+        }
+        rows.swap(merged);
+        first = std::move(next);
+    }
+}
+
 std::size_t all(const std::vector<std::int64_t>& counts) {
     return static_cast<std::size_t>(std::accumulate(counts.begin(), counts.end(), std::int64_t{0}));
 }
@@ -39,13 +63,20 @@ std::size_t all(const std::vector<std::int64_t>& counts) {
 }  // namespace
 
 void FoundRows::add(const AssembledPart& part, const Collisions& found) {
-    const std::vector<std::int32_t>& ids = part.part().mesh.ids;
+    const std::int32_t* const ids = part.part().mesh.ids.data();
     const bool contacts = !found.contacts.kinds.empty();
-    for (std::size_t i = 0; i < found.pairs.size(); ++i) {
-        const Pair pair = found.pairs[i];
-        Rows& rows = for_rank_[static_cast<std::size_t>(part.rank_of(pair.a))];
-        rows.pairs.push_back({ids[static_cast<std::size_t>(pair.a)], ids[static_cast<std::size_t>(pair.b)]});
-        if (!contacts) continue;
+    std::vector<std::size_t> coming(for_rank_.size(), 0);
+    for (const Pair pair : found.pairs) ++coming[static_cast<std::size_t>(part.rank_of(pair.a))];
+    std::vector<Pair*> next;
+    for (std::size_t r = 0; r < for_rank_.size(); ++r) {
+        std::vector<Pair>& pairs = for_rank_[r].pairs;
+        pairs.resize(pairs.size() + coming[r]);
+        next.push_back(pairs.data() + pairs.size() - coming[r]);
+    }
+    for (const Pair pair : found.pairs)
+        *next[static_cast<std::size_t>(part.rank_of(pair.a))]++ = {ids[pair.a], ids[pair.b]};
+    for (std::size_t i = 0; contacts && i < found.pairs.size(); ++i) {
+        Rows& rows = for_rank_[static_cast<std::size_t>(part.rank_of(found.pairs[i].a))];
         const std::int64_t begin = found.contacts.offsets[i], end = found.contacts.offsets[i + 1];
         rows.contacts.push_back({found.contacts.kinds[i], static_cast<std::uint8_t>(end - begin)});
         rows.points.insert(rows.points.end(), found.contacts.points.data() + begin, found.contacts.points.data() + end);
@@ -70,36 +101,43 @@ void FoundRows::exchange(Rounds& rounds, Agreement& agree, bool contacts, Distri
         exchange_lists(
             rounds, of_points, [&](std::size_t r) -> auto& { return for_rank_[r].points; }, coming.points);
     }
-    agree(Phase::output, [&] {
-        const std::size_t n = coming.pairs.size();
-        result.pairs.resize_discard(n);
-        if (!contacts) {
-            std::copy(coming.pairs.begin(), coming.pairs.end(), result.pairs.begin());
-            if (!std::is_sorted(result.pairs.begin(), result.pairs.end()))
-                std::sort(result.pairs.begin(), result.pairs.end());
-            return;
-        }
-        std::vector<std::int64_t> first(n + 1, 0);
-        for (std::size_t i = 0; i < n; ++i) first[i + 1] = first[i] + coming.contacts[i].count;
-        std::vector<std::size_t> order(n);
-        std::iota(order.begin(), order.end(), std::size_t{0});
-        std::sort(order.begin(), order.end(),
-                  [&](std::size_t i, std::size_t j) { return coming.pairs[i] < coming.pairs[j]; });
-        Contacts& out = result.contacts;
-        out.kinds.resize_discard(n);
-        out.offsets.resize_discard(n + 1);
-        out.points.resize_discard(coming.points.size());
-        out.offsets[0] = 0;
-        for (std::size_t i = 0; i < n; ++i) {
-            const std::size_t from = order[i];
-            result.pairs[i] = coming.pairs[from];
-            out.kinds[i] = coming.contacts[from].kind;
-            std::copy(coming.points.begin() + static_cast<std::ptrdiff_t>(first[from]),
-                      coming.points.begin() + static_cast<std::ptrdiff_t>(first[from + 1]),
-                      out.points.data() + out.offsets[i]);
-            out.offsets[i + 1] = out.offsets[i] + coming.contacts[from].count;
-        }
-    });
+    agree(Phase::output, [&] { contacts ? order_contacts(coming, result) : order_pairs(coming, result); });
+}
+
+void FoundRows::order_pairs(Rows& coming, DistributedCollisions& result) {
+    merge_runs(coming.pairs, [](Pair pair) { return pair; });
+    result.pairs.resize_discard(coming.pairs.size());
+    std::copy(coming.pairs.begin(), coming.pairs.end(), result.pairs.begin());
+}
+
+void FoundRows::order_contacts(Rows& coming, DistributedCollisions& result) {
+    struct Place {
+        Pair pair;
+        std::uint32_t row;
+        std::int64_t point;  ///< the first
+    };
+    const std::size_t n = coming.pairs.size();
+    std::vector<Place> order(n);
+    std::int64_t point = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+        order[i] = {coming.pairs[i], static_cast<std::uint32_t>(i), point};
+        point += coming.contacts[i].count;
+    }
+    merge_runs(order, [](const Place& place) { return place.pair; });
+    Contacts& out = result.contacts;
+    result.pairs.resize_discard(n);
+    out.kinds.resize_discard(n);
+    out.offsets.resize_discard(n + 1);
+    out.points.resize_discard(coming.points.size());
+    out.offsets[0] = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+        const auto [kind, count] = coming.contacts[order[i].row];
+        result.pairs[i] = order[i].pair;
+        out.kinds[i] = kind;
+        std::copy_n(coming.points.begin() + static_cast<std::ptrdiff_t>(order[i].point), count,
+                    out.points.data() + out.offsets[i]);
+        out.offsets[i + 1] = out.offsets[i] + count;
+    }
 }
 
 }  // namespace crumple::distribute

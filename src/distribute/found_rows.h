@@ -33,6 +33,9 @@ class FoundRows {
         std::vector<Points> contacts;  ///< of each
         std::vector<std::array<double, 3>> points;
     };
+    static void order_pairs(Rows& coming, DistributedCollisions& result);
+    static void order_contacts(Rows& coming, DistributedCollisions& result);
+
     std::vector<Rows> for_rank_;
 };
 

@@ -1,85 +1,205 @@
 #include "distribute/members.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <utility>
 
 namespace crumple::distribute {
+namespace {
 
-void Members::list(const Share& share, const Placement& placement, ParallelFor& workers) {
-    const Scene& scene = share.scene();
-    const auto ball = [&](std::int64_t t) { return placement.ball(scene.triangle(t)); };
-    const std::vector<PartMembers> slices =
-        list_members(placement.tree(), placement.parts(), ball, scene.triangle_count(), workers);
-    const auto parts = static_cast<std::size_t>(placement.parts());
-    const auto depth = static_cast<std::size_t>(placement.tree().depth);
-    now_.resize(parts);
-    sent_.resize(parts);
-    counts_.assign(parts, 0);
-    workers.parallel_for(parts, [&](std::size_t k) {
-        Sent& now = now_[k];
-        now.triangles.clear();
-        now.masks.clear();
-        for (const PartMembers& slice : slices) {
-            const auto begin = static_cast<std::ptrdiff_t>(slice.first[k]),
-                       end = static_cast<std::ptrdiff_t>(slice.first[k + 1]);
-            const auto levels = static_cast<std::ptrdiff_t>(depth);
-            now.triangles.insert(now.triangles.end(), slice.triangle.begin() + begin, slice.triangle.begin() + end);
-            now.masks.insert(now.masks.end(), slice.masks.begin() + levels * begin, slice.masks.begin() + levels * end);
-        }
-        counts_[k] = static_cast<std::int64_t>(now.triangles.size());
-    });
+constexpr std::size_t vertices_at_once = 8192;
+
+// The largest square of a way from `before` to where the vertices are now, which it becomes.
+template <class Scalar>
+double follow(const Scene& scene, std::vector<Scalar>& before, std::size_t begin, std::size_t end) {
+    double largest = 0;
+    for (std::size_t v = begin; v < end; ++v) {
+        const Vec3d p = scene.position(static_cast<std::int64_t>(v));
+        Scalar* const old = before.data() + 3 * v;
+        const Vec3d way =
+            p - Vec3d{static_cast<double>(old[0]), static_cast<double>(old[1]), static_cast<double>(old[2])};
+        largest = std::max(largest, dot(way, way));
+        for (int axis = 0; axis < 3; ++axis) old[axis] = static_cast<Scalar>(p[axis]);
+    }
+    return largest;
 }
 
-void Members::compare(const Share& share, const SharedVertices& copies, int depth) {
+}  // namespace
+
+void Members::forget() {
+    entries_.clear(), part_.clear(), masks_.clear(), slack_.clear();
+    counts_.clear(), changes_.clear(), delta_.clear(), list_.clear(), anew_.clear();
+    before_ = {};
+    way_ = 0;
+    entries_at_first_ = 0;
+}
+
+void Members::update(const Share& share, const Placement& placement, ParallelFor& workers) {
+    const auto parts = static_cast<std::size_t>(placement.parts());
+    const auto triangles = static_cast<std::size_t>(share.scene().triangle_count());
+    depth_ = static_cast<std::size_t>(placement.tree().depth);
+    entries_.resize(triangles);
+    slack_.resize(triangles, -1.0f);
+    counts_.resize(parts, 0);
+    changes_.resize(parts);
+    delta_.resize(parts);
+    list_.resize(parts);
+    anew_.resize(parts, 0);
+    measure_way(share, placement, workers);
+
+    const std::size_t slices = std::clamp<std::size_t>(triangles / 4096, 1, 256);
+    std::vector<Found> found(slices);
+    workers.parallel_for(slices, [&](std::size_t s) {
+        found[s] = look(share, placement, static_cast<std::int64_t>(s * triangles / slices),
+                        static_cast<std::int64_t>((s + 1) * triangles / slices));
+    });
+    for (Found& slice : found) {
+        std::size_t first = 0;
+        for (std::size_t i = 0; i < slice.triangle.size(); ++i) {
+            const auto n = static_cast<std::size_t>(slice.count[i]);
+            take(slice.triangle[i], std::span(slice.part).subspan(first, n),
+                 std::span(slice.masks).subspan(depth_ * first, depth_ * n));
+            first += n;
+        }
+        slice = {};
+    }
+    if (entries_at_first_ == 0) entries_at_first_ = part_.size();
+}
+
+// In normalised coordinates, as slack is, and not less than the truth.
+void Members::measure_way(const Share& share, const Placement& placement, ParallelFor& workers) {
+    const Scene& scene = share.scene();
+    const auto n = static_cast<std::size_t>(scene.vertex_count());
+    const auto measure = [&](auto& before) {
+        const bool known = before.size() == 3 * n;
+        before.resize(3 * n);
+        const std::size_t slices = (n + vertices_at_once - 1) / vertices_at_once;
+        std::vector<double> largest(slices, 0);
+        workers.parallel_for(slices, [&](std::size_t s) {
+            largest[s] = follow(scene, before, s * vertices_at_once, std::min(n, (s + 1) * vertices_at_once));
+        });
+        const double square = known && n > 0 ? *std::max_element(largest.begin(), largest.end()) : 0;
+        way_ += 1.000001 * placement.normalised(std::sqrt(square));
+    };
+    if (scene.float32) {
+        if (!std::holds_alternative<std::vector<float>>(before_)) before_ = std::vector<float>();
+        measure(std::get<std::vector<float>>(before_));
+    } else {
+        if (!std::holds_alternative<std::vector<double>>(before_)) before_ = std::vector<double>();
+        measure(std::get<std::vector<double>>(before_));
+    }
+}
+
+Members::Found Members::look(const Share& share, const Placement& placement, std::int64_t begin, std::int64_t end) {
+    Found found;
+    const PartTree tree = placement.tree();
+    for (std::int64_t t = begin; t < end; ++t) {
+        float& until = slack_[static_cast<std::size_t>(t)];
+        if (static_cast<double>(until) > way_) continue;
+        double slack = std::numeric_limits<float>::max();
+        std::int32_t count = 0;
+        tree.for_each_part(
+            placement.ball(share.scene().triangle(t)),
+            [&](std::int32_t part, const std::uint64_t* masks) {
+                ++count;
+                found.part.push_back(part);
+                found.masks.insert(found.masks.end(), masks, masks + depth_);
+            },
+            &slack);
+        // Rounded down by more than the conversion may round up.
+        until = static_cast<float>(std::min(0.999999 * (way_ + slack), 1e30));
+        found.triangle.push_back(static_cast<std::int32_t>(t));
+        found.count.push_back(count);
+    }
+    return found;
+}
+
+// Old and new parts ascend.
+void Members::take(std::int32_t triangle, std::span<const std::int32_t> parts, std::span<const std::uint64_t> masks) {
+    Entries& known = entries_[static_cast<std::size_t>(triangle)];
+    bool same = static_cast<std::size_t>(known.count) == parts.size();
+    std::size_t i = 0, j = static_cast<std::size_t>(known.first);
+    const std::size_t end = j + static_cast<std::size_t>(known.count);
+    const auto change = [&](std::int32_t part) -> Changes& { return changes_[static_cast<std::size_t>(part)]; };
+    while (i < parts.size() || j < end) {
+        const bool only_new = j == end || (i < parts.size() && parts[i] < part_[j]);
+        const bool only_old = i == parts.size() || (j < end && part_[j] < parts[i]);
+        if (only_new) {
+            change(parts[i]).added.push_back(triangle);
+            ++counts_[static_cast<std::size_t>(parts[i++])];
+            same = false;
+        } else if (only_old) {
+            change(part_[j]).removed.push_back(triangle);
+            --counts_[static_cast<std::size_t>(part_[j++])];
+            same = false;
+        } else {
+            const auto now = masks.subspan(depth_ * i, depth_), old = this->masks(j);
+            if (!std::equal(now.begin(), now.end(), old.begin())) {
+                change(parts[i]).changed.push_back(triangle);
+                same = false;
+            }
+            ++i, ++j;
+        }
+    }
+    if (same) return;
+    if (parts.size() > static_cast<std::size_t>(known.count)) known.first = static_cast<std::int32_t>(part_.size());
+    known.count = static_cast<std::int32_t>(parts.size());
+    const std::size_t first = static_cast<std::size_t>(known.first);
+    if (part_.size() < first + parts.size()) {
+        part_.resize(first + parts.size());
+        masks_.resize(depth_ * part_.size());
+    }
+    std::copy(parts.begin(), parts.end(), part_.begin() + static_cast<std::ptrdiff_t>(first));
+    std::copy(masks.begin(), masks.end(), masks_.begin() + static_cast<std::ptrdiff_t>(depth_ * first));
+}
+
+void Members::make_rows(const Share& share, const SharedVertices& copies) {
+    tell_all_of_some();
     const auto n = static_cast<std::size_t>(share.scene().vertex_count());
     place_.resize(n);
     stamp_.assign(n, -1);
-    delta_.resize(now_.size());
-    for (std::size_t k = 0; k < now_.size(); ++k) compare_part(k, share, copies, static_cast<std::size_t>(depth));
-}
-
-// Both lists ascend.
-void Members::compare_part(std::size_t k, const Share& share, const SharedVertices& copies, std::size_t depth) {
-    const Sent &before = sent_[k], &now = now_[k];
-    PartDelta& delta = delta_[k];
-    delta = {};
-    std::vector<std::int32_t> added;
-    const auto same_masks = [&](std::size_t i, std::size_t j) {
-        return std::equal(now.masks.begin() + static_cast<std::ptrdiff_t>(depth * i),
-                          now.masks.begin() + static_cast<std::ptrdiff_t>(depth * (i + 1)),
-                          before.masks.begin() + static_cast<std::ptrdiff_t>(depth * j));
+    const auto put_masks = [&](std::size_t part, std::int32_t triangle, std::vector<std::uint64_t>& to) {
+        const Entries& entries = entries_[static_cast<std::size_t>(triangle)];
+        auto e = static_cast<std::size_t>(entries.first);
+        while (part_[e] != static_cast<std::int32_t>(part)) ++e;
+        const auto of_levels = masks(e);
+        to.insert(to.end(), of_levels.begin(), of_levels.end());
     };
-    const auto put_masks = [&](std::vector<std::uint64_t>& to, std::size_t i) {
-        for (std::size_t l = 0; l < depth; ++l) to.push_back(now.masks[depth * i + l]);
-    };
-    std::size_t j = 0;
-    const auto remove_until = [&](std::int32_t triangle) {
-        for (; j < before.triangles.size() && before.triangles[j] < triangle; ++j)
-            delta.removed.push_back(share.triangles()(before.triangles[j]));
-    };
-    for (std::size_t i = 0; i < now.triangles.size(); ++i) {
-        const std::int32_t t = now.triangles[i];
-        remove_until(t);
-        if (j == before.triangles.size() || before.triangles[j] != t) {
-            added.push_back(t);
-            put_masks(delta.added_masks, i);
-            continue;
-        }
-        if (!same_masks(i, j)) {
+    for (std::size_t k = 0; k < changes_.size(); ++k) {
+        Changes& changes = changes_[k];
+        PartDelta& delta = delta_[k];
+        delta = {};
+        for (const std::int32_t t : changes.removed) delta.removed.push_back(share.triangles()(t));
+        for (const std::int32_t t : changes.changed) {
             delta.changed.push_back(share.triangles()(t));
-            put_masks(delta.changed_masks, i);
+            put_masks(k, t, delta.changed_masks);
         }
-        ++j;
+        delta.added_masks.reserve(depth_ * changes.added.size());
+        for (const std::int32_t t : changes.added) put_masks(k, t, delta.added_masks);
+        number_corners(k, share, copies);
+        changes = {};
     }
-    remove_until(static_cast<std::int32_t>(share.scene().triangle_count()));
-    add_corners(k, added, share, copies);
 }
 
-void Members::add_corners(std::size_t k, std::span<const std::int32_t> triangles, const Share& share,
-                          const SharedVertices& copies) {
+// Of parts that are told anew.
+void Members::tell_all_of_some() {
+    if (std::find(anew_.begin(), anew_.end(), 1) == anew_.end()) return;
+    for (std::size_t k = 0; k < anew_.size(); ++k)
+        if (anew_[k]) changes_[k] = {}, list_[k] = {};
+    for (std::size_t t = 0; t < entries_.size(); ++t)
+        for (std::int32_t e = entries_[t].first; e < entries_[t].first + entries_[t].count; ++e) {
+            const auto k = static_cast<std::size_t>(part_[static_cast<std::size_t>(e)]);
+            if (anew_[k]) changes_[k].added.push_back(static_cast<std::int32_t>(t));
+        }
+    std::fill(anew_.begin(), anew_.end(), std::uint8_t{0});
+}
+
+void Members::number_corners(std::size_t k, const Share& share, const SharedVertices& copies) {
+    const std::vector<std::int32_t>& triangles = changes_[k].added;
     if (triangles.empty()) return;
     const Scene& scene = share.scene();
-    std::vector<std::int32_t>& list = sent_[k].vertices;
+    std::vector<std::int32_t>& list = list_[k].vertices;
     PartDelta& delta = delta_[k];
     const auto part = static_cast<std::int32_t>(k);
     const auto set = [&](std::int32_t v, std::size_t place) {
@@ -87,6 +207,7 @@ void Members::add_corners(std::size_t k, std::span<const std::int32_t> triangles
         stamp_[static_cast<std::size_t>(v)] = part;
     };
     for (std::size_t i = 0; i < list.size(); ++i) set(list[i], i);
+    const bool first = list.empty();
     delta.added.reserve(triangles.size());
     for (const std::int32_t t : triangles) {
         MemberRow row{share.triangles()(t), scene.group(t), {}};
@@ -101,6 +222,7 @@ void Members::add_corners(std::size_t k, std::span<const std::int32_t> triangles
         }
         delta.added.push_back(row);
     }
+    if (first) list_[k].at_first = list.size();
 }
 
 DeltaCounts Members::counts_of_delta(std::int32_t part) const {
@@ -110,19 +232,13 @@ DeltaCounts Members::counts_of_delta(std::int32_t part) const {
 }
 
 void Members::sent() {
-    for (std::size_t k = 0; k < now_.size(); ++k) {
-        Sent& of = sent_[k];
-        if (of.triangles.empty()) of.vertices_at_first = of.vertices.size();
-        std::swap(of.triangles, now_[k].triangles);
-        std::swap(of.masks, now_[k].masks);
-        delta_[k] = {};
-    }
+    for (PartDelta& delta : delta_) delta = {};
 }
 
 bool Members::stale() const {
     std::size_t at_first = 0, now = 0;
-    for (const Sent& of : sent_) at_first += of.vertices_at_first, now += of.vertices.size();
-    return now > at_first + at_first / 2 + 1000;
+    for (const VertexList& list : list_) at_first += list.at_first, now += list.vertices.size();
+    return now > at_first + at_first / 2 + 1000 || part_.size() > 2 * entries_at_first_ + 1000;
 }
 
 }  // namespace crumple::distribute

@@ -2,26 +2,30 @@
 
 // The triangles of one rank as members of parts, and what the parts' owners have not yet heard of them.
 //
-// A part is a list of triangles and, for each rank that has some of them, a list of that rank's vertices. Both grow and
-// shrink by what changes: from frame to frame a few triangles enter and leave a part, some masks change, and each rank
-// sends the coordinates of its list of vertices. A first frame is the same, with everything new.
+// A part is a list of triangles and, for each rank that has some of them, a list of that rank's vertices. Both change
+// little from frame to frame: a few triangles enter and leave a part, some masks change, and each rank sends the
+// coordinates of its list of vertices. A first frame is the same, with everything new.
 //
 //     to the owner of part k:  removed      ids
 //                              changed      ids, masks
 //                              added        ids, groups, corners as places in the list of vertices; masks
 //                              vertices     ids of those that come to the list, if other ranks have copies, else -1
 //                              coordinates  of the whole list
+//
+// A triangle is looked at again when it may have reached a further part: each knows how far its corners may move until
+// then (PartTree::mask), and how far any vertex has moved is one number, added up frame by frame. In between it may
+// belong to a part that it has left, which costs a little and changes nothing.
 
 #include <array>
 #include <cstdint>
 #include <span>
+#include <variant>
 #include <vector>
 
 #include "base/parallel_for.h"
 #include "distribute/directory.h"
 #include "distribute/placement.h"
 #include "distribute/share.h"
-#include "model/part.h"
 
 namespace crumple::distribute {
 
@@ -47,43 +51,70 @@ struct PartDelta {
 
 class Members {
    public:
-    /// The members of all parts among this rank's triangles, as they lie now.
-    void list(const Share& share, const Placement& placement, ParallelFor& workers);
-    /// How many there are of each part.
+    /// Looks for what has changed since the call before; everything has after forget().
+    void update(const Share& share, const Placement& placement, ParallelFor& workers);
+    /// How many members of each part this rank has.
     std::span<const std::int64_t> counts() const { return counts_; }
 
-    /// What is new since the call before.
-    void compare(const Share& share, const SharedVertices& copies, int depth);
+    /// The part gets an owner that knows nothing of it.
+    void tell_anew(std::int32_t part) { anew_[static_cast<std::size_t>(part)] = 1; }
+    /// Makes the deltas ready to be sent.
+    void make_rows(const Share& share, const SharedVertices& copies);
+
     PartDelta& delta(std::int32_t part) { return delta_[static_cast<std::size_t>(part)]; }
     DeltaCounts counts_of_delta(std::int32_t part) const;
     /// This rank's vertices of a part, in the order in which their coordinates are sent.
     std::span<const std::int32_t> vertices(std::int32_t part) const {
-        return sent_[static_cast<std::size_t>(part)].vertices;
+        return list_[static_cast<std::size_t>(part)].vertices;
     }
 
     /// The owners have heard of it.
     void sent();
-    /// The owner of a part knows nothing of it.
-    void forget(std::int32_t part) { sent_[static_cast<std::size_t>(part)] = {}; }
-    void forget() { sent_.clear(); }
+    void forget();
     /// Lists of vertices keep those of triangles that have left: whether these have become many.
     bool stale() const;
 
    private:
-    /// What a part's owner has of this rank.
-    struct Sent {
-        std::vector<std::int32_t> triangles;  ///< of this rank, ascending
-        std::vector<std::uint64_t> masks;     ///< one a level for each
-        std::vector<std::int32_t> vertices;   ///< of this rank, as sent
-        std::size_t vertices_at_first = 0;
+    /// A triangle's parts, ascending: entries [first, first + count).
+    struct Entries {
+        std::int32_t first = 0, count = 0;
     };
-    void compare_part(std::size_t k, const Share& share, const SharedVertices& copies, std::size_t depth);
-    void add_corners(std::size_t k, std::span<const std::int32_t> triangles, const Share& share,
-                     const SharedVertices& copies);
+    /// What a slice of the triangles has found: entries of those that were looked at.
+    struct Found {
+        std::vector<std::int32_t> triangle, count, part;
+        std::vector<std::uint64_t> masks;
+    };
+    struct VertexList {
+        std::vector<std::int32_t> vertices;
+        std::size_t at_first = 0;
+    };
+
+    void measure_way(const Share& share, const Placement& placement, ParallelFor& workers);
+    Found look(const Share& share, const Placement& placement, std::int64_t begin, std::int64_t end);
+    void take(std::int32_t triangle, std::span<const std::int32_t> parts, std::span<const std::uint64_t> masks);
+    void tell_all_of_some();
+    void number_corners(std::size_t part, const Share& share, const SharedVertices& copies);
+    std::span<const std::uint64_t> masks(std::size_t entry) const { return {masks_.data() + depth_ * entry, depth_}; }
+
+    /// Triangles that enter and leave a part, or have other masks; this rank's, ascending.
+    struct Changes {
+        std::vector<std::int32_t> removed, changed, added;
+    };
+
+    std::size_t depth_ = 1;
+    std::vector<Entries> entries_;  ///< by triangle
+    std::vector<std::int32_t> part_;
+    std::vector<std::uint64_t> masks_;  ///< of each entry, one a level
+    std::size_t entries_at_first_ = 0;
+    std::vector<float> slack_;  ///< by triangle: the way at which it is looked at again
+    double way_ = 0;            ///< that vertices may have moved since the first frame
+    std::variant<std::vector<float>, std::vector<double>> before_;  ///< coordinates of the call before
 
     std::vector<std::int64_t> counts_;
-    std::vector<Sent> sent_, now_;
+    std::vector<Changes> changes_;
     std::vector<PartDelta> delta_;
+    std::vector<VertexList> list_;
+    std::vector<std::uint8_t> anew_;
     std::vector<std::int32_t> place_;  ///< of each vertex in the list of the part that is looked at
     std::vector<std::int32_t> stamp_;  ///< the part that place_ is of
 };

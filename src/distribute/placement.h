@@ -37,6 +37,8 @@ class Placement {
     PartTree tree() const { return centres_->tree(); }
     std::vector<PartLevel> path(std::int32_t part) const { return centres_->path(part); }
     PartBall ball(const Triangle& triangle) const { return PartBall(triangle, normalise_); }
+    /// A length, as the tree measures.
+    double normalised(double length) const { return length * normalise_.pre * normalise_.post; }
 
    private:
     int parts_ = 0;

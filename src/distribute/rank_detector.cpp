@@ -194,10 +194,10 @@ void RankDetector::place() {
 }
 
 void RankDetector::list_members() {
-    agree_(Phase::members, [&] { members_.list(share_, placement_, search_of(0).workers()); });
+    agree_(Phase::members, [&] { members_.update(share_, placement_, search_of(0).workers()); });
     give_out();
     agree_(Phase::members, [&] { own_parts(); });
-    agree_(Phase::members, [&] { members_.compare(share_, copies_, placement_.tree().depth); });
+    agree_(Phase::members, [&] { members_.make_rows(share_, copies_); });
 }
 
 // By members for a start, and by measured work where that is far from even. Parts that change hands begin anew.
@@ -210,7 +210,7 @@ void RankDetector::give_out() {
         others.give_out(work_, {}, ranks);
         if (Owners::balance(work_, others.all(), ranks) > 0.9 * Owners::balance(work_, owners_.all(), ranks)) return;
         for (std::size_t k = 0; k < parts; ++k)
-            if (others.all()[k] != owners_.all()[k]) members_.forget(static_cast<std::int32_t>(k));
+            if (others.all()[k] != owners_.all()[k]) members_.tell_anew(static_cast<std::int32_t>(k));
         owners_ = std::move(others);
     } else {
         constexpr std::size_t most = std::size_t{1} << 16;  // numbers in one reduction

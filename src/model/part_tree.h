@@ -68,8 +68,9 @@ struct PartTree {
     int depth = 0;
     Level level[max_levels];
 
-    /// Bit k: the ball may hold a point that is nearest to the k-th child of `node`.
-    CRUMPLE_HD std::uint64_t mask(const PartBall& ball, int l, std::int32_t node) const {
+    /// Bit k: the ball may hold a point that is nearest to the k-th child of `node`. `slack`, if not null, is made no
+    /// more than what the triangle's corners may move, each by so much at most, until it may reach a further child.
+    CRUMPLE_HD std::uint64_t mask(const PartBall& ball, int l, std::int32_t node, double* slack = nullptr) const {
         const std::int32_t first = level[l].first[node], count = level[l].first[node + 1] - first;
         const PartSiblings& centres = level[l].centres[node];
         double distance2[max_clusters];
@@ -91,20 +92,29 @@ struct PartTree {
         std::uint64_t mask = 0;
         for (std::int32_t k = 0; k < count; ++k) {
             const double d2 = distance2[k];
-            if (d2 > farthest || d2 - least > 2 * ball.radius * apart[k] + 1e-13 * (1 + d2)) continue;
             if (k > nearest && apart[k] == 0) continue;
+            if (d2 > farthest || d2 - least > 2 * ball.radius * apart[k] + 1e-13 * (1 + d2)) {
+                // The ball's distance from the bisector, of which the centroid's way takes one part and what the radius
+                // grows two.
+                if (slack) {
+                    const double gap = (d2 - least - 1e-12 * (1 + d2)) / (2 * apart[k]) - ball.radius;
+                    *slack = min(*slack, gap / 3);
+                }
+                continue;
+            }
             mask |= std::uint64_t{1} << k;
         }
         return mask;
     }
 
     /// Calls visit(part, masks) for each part that the triangle belongs to, by ascending part, with one mask a level.
+    /// `slack`: see mask().
     template <class Visit>
-    CRUMPLE_HD void for_each_part(const PartBall& ball, Visit visit) const {
+    CRUMPLE_HD void for_each_part(const PartBall& ball, Visit visit, double* slack = nullptr) const {
         std::uint64_t masks[max_levels];
         std::int32_t node[max_levels] = {}, next[max_levels] = {};  // the next child to look at
         int l = 0;
-        masks[0] = mask(ball, 0, 0);
+        masks[0] = mask(ball, 0, 0, slack);
         while (l >= 0) {
             if (next[l] == max_clusters || masks[l] >> next[l] == 0) {
                 --l;
@@ -119,7 +129,7 @@ struct PartTree {
                 ++l;
                 node[l] = child;
                 next[l] = 0;
-                masks[l] = mask(ball, l, child);
+                masks[l] = mask(ball, l, child, slack);
             }
         }
     }
