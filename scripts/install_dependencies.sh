@@ -3,6 +3,8 @@
 #   (nothing)  to build the library and the command line
 #   --tests    and the tests
 #   --python   and the Python package
+#   --mpi      and crumple::mpi
+#   --mpich    and what .ci/run builds that with, too
 #   --python-peers  and what packages from PyPI need that scripts/test_python.sh --all tests against
 #   --ci       and what .ci/run checks with
 #   --fuzz     and what scripts/fuzz.sh builds with
@@ -16,11 +18,13 @@ for option in "$@"; do
     case $option in
         --tests) packages+=(ccache libgtest-dev librapidcheck-dev libboost-context-dev) ;;
         --python) packages+=(python3-dev python3-venv) ;;
+        --mpi) packages+=(libopenmpi-dev openmpi-bin) ;;
+        --mpich) packages+=(libmpich-dev mpich) ;;
         --python-peers) packages+=(libegl1 libgl1 libgomp1 libusb-1.0-0 libx11-6) ;;
         --ci) packages+=(clang clang-format clang-tidy clang-tools) ;;
         --fuzz) packages+=(ccache clang libclang-rt-dev llvm python3) ;;  # libFuzzer, sanitizers, names in stacks
         --arm64) packages+=(g++-aarch64-linux-gnu qemu-user-static) ;;
-        *) echo "usage: $0 [--tests] [--python] [--python-peers] [--ci] [--fuzz] [--arm64]" >&2; exit 2 ;;
+        *) echo "usage: $0 [--tests] [--python] [--mpi] [--mpich] [--python-peers] [--ci] [--fuzz] [--arm64]" >&2; exit 2 ;;
     esac
 done
 

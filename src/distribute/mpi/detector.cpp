@@ -76,8 +76,11 @@ int fair_threads(MPI_Comm communicator) {
 }
 
 DistributedOptions settled(DistributedOptions options, MPI_Comm communicator) {
-    const int fair = fair_threads(communicator);  // collective, so without regard to the options
-    if (options.detector.threads == 0 && !options.detector.executor) options.detector.threads = fair;
+    const bool asks = options.detector.threads == 0 && !options.detector.executor;
+    int any_asks = asks;
+    check_mpi(MPI_Allreduce(MPI_IN_PLACE, &any_asks, 1, MPI_INT, MPI_MAX, communicator), "MPI_Allreduce");
+    const int fair = any_asks ? fair_threads(communicator) : 1;
+    if (asks) options.detector.threads = fair;
     return options;
 }
 
