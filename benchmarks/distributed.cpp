@@ -16,6 +16,7 @@
 #include "crumple/crumple.h"
 #include "crumple/mpi.h"
 #include "race.h"
+#include "rank_block.h"
 #include "report.h"
 #include "sequence.h"
 
@@ -43,58 +44,10 @@ void meet_asleep() {
         std::this_thread::sleep_for(std::chrono::microseconds(200));
 }
 
-/// A block of a mesh's triangles, with the vertices that they name.
-struct Block {
-    io::TriangleMesh mesh;
-    std::vector<std::int64_t> triangle_ids, vertex_ids;
-
-    Block(const io::TriangleMesh& whole, int rank, int ranks) {
-        const std::int64_t m = whole.triangle_count();
-        std::vector<std::int32_t> local(static_cast<std::size_t>(whole.vertex_count()), -1);
-        for (std::int64_t t = rank * m / ranks; t < (rank + 1) * m / ranks; ++t) {
-            triangle_ids.push_back(t);
-            for (std::int64_t k = 3 * t; k < 3 * t + 3; ++k) {
-                std::int32_t& v = local[static_cast<std::size_t>(whole.triangles[static_cast<std::size_t>(k)])];
-                if (v < 0) {
-                    v = static_cast<std::int32_t>(vertex_ids.size());
-                    vertex_ids.push_back(whole.triangles[static_cast<std::size_t>(k)]);
-                }
-                mesh.triangles.push_back(v);
-            }
-        }
-        // The others belong to nobody's triangles; one rank brings them all the same.
-        for (std::size_t v = 0; rank == 0 && v < local.size(); ++v)
-            if (local[v] < 0 && !named_elsewhere(whole, v)) vertex_ids.push_back(static_cast<std::int64_t>(v));
-        follow(whole);
-    }
-    void follow(const io::TriangleMesh& whole) {
-        std::visit(
-            [&](const auto& all) {
-                std::remove_cvref_t<decltype(all)> xyz;
-                xyz.reserve(3 * vertex_ids.size());
-                for (const std::int64_t v : vertex_ids)
-                    for (std::int64_t i = 3 * v; i < 3 * v + 3; ++i) xyz.push_back(all[static_cast<std::size_t>(i)]);
-                mesh.vertices = std::move(xyz);
-            },
-            whole.vertices);
-    }
-    MeshShare share() const { return {mesh.view(), triangle_ids, vertex_ids}; }
-
-   private:
-    bool named_elsewhere(const io::TriangleMesh& whole, std::size_t v) {
-        if (named_.empty()) {
-            named_.resize(static_cast<std::size_t>(whole.vertex_count()));
-            for (const std::int32_t corner : whole.triangles) named_[static_cast<std::size_t>(corner)] = true;
-        }
-        return named_[v];
-    }
-    std::vector<bool> named_;
-};
-
 nlohmann::json race_ranks(const std::string& scene, const Settings& settings, int rank, int ranks) {
     Sequence sequence = load_sequence(scene);
     if (sequence.frames.size() > 2) sequence.frames.erase(sequence.frames.begin(), sequence.frames.end() - 2);
-    std::vector<Block> frames;
+    std::vector<RankBlock> frames;
     for (const io::TriangleMesh& frame : sequence.frames) frames.emplace_back(frame, rank, ranks);
 
     DistributedOptions options;

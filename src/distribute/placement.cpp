@@ -88,7 +88,7 @@ std::vector<std::int32_t> Owners::parts_of(int rank) const {
     return parts;
 }
 
-void Owners::give_out(std::span<const std::int64_t> work, std::span<const std::int64_t> members, int ranks) {
+void Owners::give_out(std::span<const std::int64_t> work, int ranks, Nearness nearness) {
     const std::size_t parts = work.size(), n = static_cast<std::size_t>(ranks);
     std::vector<std::size_t> order(parts);
     std::iota(order.begin(), order.end(), std::size_t{0});
@@ -99,10 +99,12 @@ void Owners::give_out(std::span<const std::int64_t> work, std::span<const std::i
     owner_.assign(parts, 0);
     for (const std::size_t k : order) {
         std::size_t least = 0, best = n;
+        std::int64_t nearest = 0;
         for (std::size_t r = 0; r < n; ++r) {
             if (load[r] < load[least]) least = r;
-            if (members.empty() || load[r] + work[k] > fair) continue;
-            if (best == n || members[k * n + r] > members[k * n + best]) best = r;
+            if (load[r] + work[k] > fair) continue;
+            const std::int64_t near = nearness(k, r);
+            if (best == n || near > nearest || (near == nearest && load[r] < load[best])) best = r, nearest = near;
         }
         if (best == n) best = least;
         owner_[k] = static_cast<int>(best);
@@ -110,10 +112,10 @@ void Owners::give_out(std::span<const std::int64_t> work, std::span<const std::i
     }
 }
 
-double Owners::balance(std::span<const std::int64_t> work, std::span<const int> owner, int ranks) {
+double Owners::balance(std::span<const std::int64_t> work, int ranks) const {
     std::vector<std::int64_t> load(static_cast<std::size_t>(ranks), 0);
     std::int64_t all = 0;
-    for (std::size_t k = 0; k < work.size(); ++k) load[static_cast<std::size_t>(owner[k])] += work[k], all += work[k];
+    for (std::size_t k = 0; k < work.size(); ++k) load[static_cast<std::size_t>(owner_[k])] += work[k], all += work[k];
     if (all == 0) return 1;
     return static_cast<double>(*std::max_element(load.begin(), load.end())) * ranks / static_cast<double>(all);
 }

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "base/parallel_for.h"
+#include "crumple/function_ref.h"
 #include "distribute/agreement.h"
 #include "distribute/rounds.h"
 #include "distribute/share.h"
@@ -57,11 +58,12 @@ class Owners {
     /// The parts of a rank, ascending.
     std::vector<std::int32_t> parts_of(int rank) const;
 
-    /// Gives out parts by the work that each is, heaviest first, each to the rank that has most of its members among
-    /// those with room for it. `members`: of part k on rank r, at k * ranks + r; or none, if that were too many.
-    void give_out(std::span<const std::int64_t> work, std::span<const std::int64_t> members, int ranks);
-    /// What the heaviest rank would have, over what each has in the mean.
-    static double balance(std::span<const std::int64_t> work, std::span<const int> owner, int ranks);
+    /// Gives out parts by the work that each is, heaviest first, each to the rank that is nearest to it among those
+    /// with room for it; if none has room, to the one that has least.
+    using Nearness = FunctionRef<std::int64_t(std::size_t part, std::size_t rank)>;
+    void give_out(std::span<const std::int64_t> work, int ranks, Nearness nearness);
+    /// What the heaviest rank has to do, over what each has in the mean.
+    double balance(std::span<const std::int64_t> work, int ranks) const;
 
    private:
     std::vector<int> owner_;

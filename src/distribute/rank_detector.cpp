@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <chrono>
 #include <limits>
 #include <numeric>
 #include <string>
@@ -45,6 +46,10 @@ std::vector<std::int64_t> told(const Query& query, int wants, const DistributedO
     return told;
 }
 
+double time_of_day() {
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
 void check(bool holds, const char* message) {
     if (!holds) throw Error(ErrorCode::invalid_argument, message, Element::option);
 }
@@ -56,6 +61,7 @@ RankDetector::RankDetector(Transport& transport, const DistributedOptions& optio
       options_(options),
       rounds_(transport, std::max<std::int64_t>(options.round_bytes, 1024)),
       agree_(transport),
+      clock_(time_of_day),
       share_(nullptr) {
     agree_(Phase::question, [&] {
         check(options.parts >= 0 && options.parts <= max_parts, "parts must be 0 (chosen) to 262144");
@@ -189,7 +195,7 @@ void RankDetector::place() {
     drop_parts();
     if (serves) return;
     owners_.forget();
-    work_.clear();
+    expected_work_.clear();
     placement_.make(rounds_, agree_, share_, parts, box_, search_of(0).workers());
 }
 
@@ -200,31 +206,39 @@ void RankDetector::list_members() {
     agree_(Phase::members, [&] { members_.make_rows(share_, copies_); });
 }
 
-// By members for a start, and by measured work where that is far from even. Parts that change hands begin anew.
+// By members for a start, each part to a rank that has many of them; by measured work where that is far from even.
 void RankDetector::give_out() {
-    const int ranks = transport_.size();
-    const auto parts = static_cast<std::size_t>(placement_.parts());
-    if (owners_.known()) {
-        if (ranks == 1 || work_.empty() || Owners::balance(work_, owners_.all(), ranks) < 1.2) return;
-        Owners others;
-        others.give_out(work_, {}, ranks);
-        if (Owners::balance(work_, others.all(), ranks) > 0.9 * Owners::balance(work_, owners_.all(), ranks)) return;
+    if (owners_.known()) return give_out_anew();
+    const auto ranks = static_cast<std::size_t>(transport_.size()),
+               parts = static_cast<std::size_t>(placement_.parts());
+    std::vector<std::int64_t> all(members_.counts().begin(), members_.counts().end()), by_rank;
+    reduce(all, Reduction::sum);
+    constexpr std::size_t most = std::size_t{1} << 16;  // numbers in one reduction
+    if (parts * ranks <= most) {
+        by_rank.assign(parts * ranks, 0);
         for (std::size_t k = 0; k < parts; ++k)
-            if (others.all()[k] != owners_.all()[k]) members_.tell_anew(static_cast<std::int32_t>(k));
-        owners_ = std::move(others);
-    } else {
-        constexpr std::size_t most = std::size_t{1} << 16;  // numbers in one reduction
-        const std::size_t n = static_cast<std::size_t>(ranks);
-        std::vector<std::int64_t> all(members_.counts().begin(), members_.counts().end()), by_rank;
-        reduce(all, Reduction::sum);
-        if (parts * n <= most) {
-            by_rank.assign(parts * n, 0);
-            for (std::size_t k = 0; k < parts; ++k)
-                by_rank[k * n + static_cast<std::size_t>(transport_.rank())] = members_.counts()[k];
-            reduce(by_rank, Reduction::sum);
-        }
-        owners_.give_out(all, by_rank, ranks);
+            by_rank[k * ranks + static_cast<std::size_t>(transport_.rank())] = members_.counts()[k];
+        reduce(by_rank, Reduction::sum);
     }
+    owners_.give_out(all, transport_.size(), [&](std::size_t part, std::size_t rank) {
+        return by_rank.empty() ? 0 : by_rank[part * ranks + rank];
+    });
+}
+
+// Parts that change hands begin anew, so few should.
+void RankDetector::give_out_anew() {
+    if (transport_.size() == 1 || expected_work_.empty()) return;
+    const double balance = owners_.balance(expected_work_, transport_.size());
+    if (balance < 1.2) return;
+    Owners others;
+    others.give_out(expected_work_, transport_.size(), [&](std::size_t part, std::size_t rank) {
+        return std::int64_t{owners_.all()[part] == static_cast<int>(rank)};
+    });
+    if (others.balance(expected_work_, transport_.size()) > 0.9 * balance) return;
+    for (std::int32_t k = 0; k < placement_.parts(); ++k)
+        if (others.of(k) != owners_.of(k)) members_.tell_anew(k);
+    owners_ = std::move(others);
+    same_ = false;
 }
 
 // Those that this rank owned before go on; others begin empty.
@@ -261,7 +275,7 @@ void RankDetector::search(const Query& query, Wants wants) {
         for (std::size_t m = 0; m < mine_.size(); ++m) {
             const AssembledPart& part = mine_[m];
             if (part.size() == 0 || (wants == Wants::any && found_here_ > 0)) continue;
-            Stopwatch watch;
+            const double begin = clock_();
             if (wants == Wants::any) {
                 found_here_ = search_of(m).any(part.part(), query, stop_);
             } else {
@@ -270,7 +284,7 @@ void RankDetector::search(const Query& query, Wants wants) {
                 if (wants == Wants::pairs) found_->add(part, found);
                 add_pass(found.statistics, statistics.search);
             }
-            const double milliseconds = watch.lap();
+            const double milliseconds = clock_() - begin;
             work_[static_cast<std::size_t>(part.index())] = static_cast<std::int64_t>(1e6 * milliseconds);
             statistics.work_milliseconds += milliseconds;
             statistics.members += part.size();
@@ -287,13 +301,21 @@ void RankDetector::finish(const Query& query, Wants wants) {
     reduce(work_, Reduction::sum);
     result_.total = work_.back();
     work_.pop_back();
+    expect_work(wants);
     std::int64_t largest = here;
     reduce({&largest, 1}, Reduction::max);
     result_.statistics.largest_work = 1e-6 * static_cast<double>(largest);
     result_.statistics.mean_work =
         1e-6 * static_cast<double>(std::accumulate(work_.begin(), work_.end(), std::int64_t{0})) / transport_.size();
-    if (wants == Wants::any) work_.clear();  // cut short
     result_.statistics.search.pairs = found_here_;
+}
+
+// Of the next call: a mean of calls before, for times jitter. A search for any pair is cut short, and tells nothing.
+void RankDetector::expect_work(Wants wants) {
+    if (wants == Wants::any) return;
+    const bool known = expected_work_.size() == work_.size();
+    if (!known) expected_work_ = work_;
+    for (std::size_t k = 0; known && k < work_.size(); ++k) expected_work_[k] = (expected_work_[k] + work_[k]) / 2;
 }
 
 void RankDetector::forget() {
@@ -301,7 +323,7 @@ void RankDetector::forget() {
     placement_.forget();
     owners_.forget();
     drop_parts();
-    work_.clear();
+    expected_work_.clear();
     found_.reset();
     result_ = {};
     for (auto& search : searches_)
@@ -322,10 +344,15 @@ PartSearch& RankDetector::search_of(std::size_t m) {
     return *searches_[i];
 }
 
+// Two ranks share evenly as it is. More get several parts each, which even out, as long as these are of some thousand
+// triangles: more of them overlap more (benchmark study "ranks").
 int RankDetector::parts_wanted() const {
     if (options_.parts > 0) return options_.parts;
     const int ranks = transport_.size();
-    return ranks == 1 ? 1 : std::min(2 * ranks, max_parts);
+    if (ranks <= 2) return ranks;
+    const std::int64_t triangles = share_.triangles().all / ranks, most = triangles > 100'000 ? 8 : 4;
+    return static_cast<int>(
+        std::min<std::int64_t>(max_parts, ranks * std::clamp<std::int64_t>(triangles / 2500, 1, most)));
 }
 
 bool RankDetector::on_any_rank(bool here) {

@@ -41,6 +41,8 @@ class RankDetector {
 
     const DistributedOptions& options() const { return options_; }
     const DistributedStatistics& statistics() const { return result_.statistics; }
+    /// What tells how long a search took, in milliseconds; by default the time of day.
+    void set_clock(double (*clock)()) { clock_ = clock; }
     /// Called at the beginning of each phase, where what it throws is settled.
     void set_hook(std::function<void(Phase)> hook) { hook_ = std::move(hook); }
 
@@ -54,10 +56,12 @@ class RankDetector {
     void place();
     void list_members();
     void give_out();
+    void give_out_anew();
     void own_parts();
     void deliver();
     void search(const Query& query, Wants wants);
     void finish(const Query& query, Wants wants);
+    void expect_work(Wants wants);
     void forget();
     void drop_parts();
 
@@ -72,6 +76,7 @@ class RankDetector {
     Agreement agree_;
     std::function<void(Phase)> hook_;
     std::stop_token stop_;
+    double (*clock_)();
     Stopwatch watch_;
     Phase phase_ = Phase::question;
 
@@ -81,6 +86,7 @@ class RankDetector {
     Box box_;
     std::optional<FoundRows> found_;
     std::int64_t found_here_ = 0;
+    std::vector<std::int64_t> work_;  ///< nanoseconds of each part
 
     // From call to call:
     std::vector<std::unique_ptr<PartSearch>> searches_;
@@ -90,8 +96,8 @@ class RankDetector {
     Owners owners_;
     Members members_;
     std::vector<AssembledPart> mine_;
-    std::vector<std::int64_t> work_;  ///< nanoseconds of each part in the call before; empty: not known
-    std::int64_t reserved_ = 0;       ///< bytes of parts, as the meter has them
+    std::vector<std::int64_t> expected_work_;  ///< nanoseconds of each part; empty: not known
+    std::int64_t reserved_ = 0;                ///< bytes of parts, as the meter has them
     DistributedCollisions result_;
 };
 
