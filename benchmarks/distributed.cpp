@@ -7,8 +7,12 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include <malloc.h>
+
 #include <algorithm>
 #include <chrono>
+#include <fstream>
+#include <memory>
 #include <string>
 #include <thread>
 #include <vector>
@@ -19,16 +23,39 @@
 #include "rank_block.h"
 #include "report.h"
 #include "sequence.h"
+#include "workload.h"
 
 namespace crumple::benchmark {
 namespace {
 
 using Clock = std::chrono::steady_clock;
 
+/// In MiB, of this process: what lies in memory now, and the most that did since the peak was reset.
+struct Resident {
+    double now = 0, peak = 0;
+
+    static Resident measure() {
+        Resident resident;
+        std::ifstream status("/proc/self/status");
+        for (std::string name; status >> name;) {
+            double kilobytes = 0;
+            if (name == "VmRSS:" && status >> kilobytes) resident.now = kilobytes / 1024;
+            if (name == "VmHWM:" && status >> kilobytes) resident.peak = kilobytes / 1024;
+        }
+        return resident;
+    }
+    /// Gives what is free back to the system, and begins anew.
+    static void reset_peak() {
+        malloc_trim(0);
+        std::ofstream("/proc/self/clear_refs") << 5;
+    }
+};
+
 struct Settings {
     std::vector<std::string> scenes{"unc_cloth_ball", "cloth:1000000"};
     int rounds = 100, parts = 0;
     double budget = 20;
+    bool memory = false;
     std::string json;
 };
 
@@ -123,6 +150,53 @@ nlohmann::json race_ranks(const std::string& scene, const Settings& settings, in
     return row;
 }
 
+// Peaks over what a process had before it had a scene: of the rank that takes most, its own share counted, and of one
+// process with all of the scene.
+nlohmann::json measure_memory(const std::string& scene, const Settings& settings, int rank, int ranks) {
+    Resident::reset_peak();
+    const double empty = Resident::measure().now;
+    std::unique_ptr<RankBlock> block;
+    {
+        const Workload workload = load(scene);
+        block = std::make_unique<RankBlock>(workload.a, rank, ranks);
+    }
+    Resident::reset_peak();
+    DistributedOptions options;
+    options.detector.backend = Backend::cpu;
+    options.detector.threads = 1;
+    options.parts = settings.parts;
+    std::int64_t total = 0;
+    {
+        mpi::Detector many(MPI_COMM_WORLD, options);
+        for (int frame = 0; frame < 2; ++frame) total = many.find_self(block->share()).total;
+        many.close();
+    }
+    double of_rank = Resident::measure().peak - empty;
+    MPI_Allreduce(MPI_IN_PLACE, &of_rank, 1, MPI_DOUBLE, MPI_MAX, MPI_COMM_WORLD);
+    block.reset();
+    double of_one = 0;
+    bool agree = true;
+    std::int64_t triangles = 0;
+    if (rank == 0) {
+        const Workload workload = load(scene);
+        triangles = workload.triangle_count();
+        Resident::reset_peak();
+        Detector one({.backend = Backend::cpu, .threads = 1});
+        for (int frame = 0; frame < 2; ++frame)
+            agree = static_cast<std::int64_t>(one.find_self(workload.a.view()).pairs.size()) == total;
+        of_one = Resident::measure().peak - empty;
+    }
+    meet_asleep();
+    if (rank == 0)
+        fmt::print(
+            "{}: {} triangles, {} pairs{}; largest rank of {}: {:.0f} MiB, one process {:.0f} MiB: {:.2f} times its "
+            "share\n",
+            scene, triangles, total, agree ? "" : ", WHICH DIFFER FROM ONE PROCESS", ranks, of_rank, of_one,
+            of_rank * ranks / of_one);
+    return {
+        {"scene", scene}, {"ranks", ranks}, {"agree", agree}, {"rank_mebibytes", of_rank}, {"one_mebibytes", of_one}};
+}
+
 void print(const nlohmann::json& row) {
     const auto time = [&](const char* name) { return row[name]["median"].get<double>(); };
     fmt::print("{}: {} triangles, {} pairs, {} ranks{}\n", row["scene"].get<std::string>(),
@@ -148,14 +222,16 @@ int run(int count, char** arguments) {
     app.add_option("--rounds", settings.rounds, "frames at most")->check(CLI::Range(3, 100000));
     app.add_option("--budget", settings.budget, "seconds a scene");
     app.add_option("--parts", settings.parts, "DistributedOptions::parts");
+    app.add_flag("--memory", settings.memory, "peaks of memory, not times; scenes are workloads then");
     app.add_option("--json", settings.json, "file for the figures");
     CLI11_PARSE(app, count, arguments);
     nlohmann::json rows = nlohmann::json::array();
     bool agree = true;
     for (const std::string& scene : settings.scenes) {
-        rows.push_back(race_ranks(scene, settings, rank, ranks));
+        rows.push_back(settings.memory ? measure_memory(scene, settings, rank, ranks)
+                                       : race_ranks(scene, settings, rank, ranks));
         agree = agree && rows.back()["agree"].get<bool>();
-        if (rank == 0) print(rows.back());
+        if (rank == 0 && !settings.memory) print(rows.back());
     }
     if (rank == 0 && !settings.json.empty()) write_json(settings.json, {{"distributed", rows}});
     return agree ? 0 : 1;

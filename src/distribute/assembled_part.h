@@ -9,12 +9,14 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <unordered_map>
 #include <vector>
 
 #include "crumple/part.h"
 #include "distribute/members.h"
+#include "engine/backend.h"
 
 namespace crumple::distribute {
 
@@ -31,6 +33,8 @@ class AssembledPart {
 
     std::int32_t index() const { return part_.index; }
     const Part& part() const { return part_; }
+    /// What engines remember of it.
+    std::unique_ptr<SceneMemory>& memory() { return memory_; }
     std::int64_t size() const { return part_.mesh.size(); }
     /// The rank that has brought a triangle, by its place in the part.
     int rank_of(std::int32_t triangle) const { return rank_[static_cast<std::size_t>(triangle)]; }
@@ -64,6 +68,7 @@ class AssembledPart {
     void change_masks(std::span<const PartNews> news);
 
     Part part_;
+    std::unique_ptr<SceneMemory> memory_;
     bool groups_;
     std::vector<std::int32_t> rank_;      ///< of each triangle
     std::vector<std::vector<Run>> runs_;  ///< by rank

@@ -23,16 +23,62 @@ void gather(const Scene& scene, std::span<const std::int32_t> vertices, std::spa
 }  // namespace
 
 Delivery::Delivery(Rounds& rounds, Agreement& agree, const Owners& owners, Members& members, const Share& share,
-                   std::vector<AssembledPart>& mine, std::size_t depth)
+                   const SharedVertices& copies, std::vector<AssembledPart>& mine, std::size_t depth)
     : rounds_(rounds),
       agree_(agree),
       members_(members),
       share_(share),
-      mine_(mine),
+      copies_(copies),
+      all_mine_(mine),
       depth_(static_cast<std::int64_t>(depth)),
       ranks_(rounds.transport().size()) {
-    for (int r = 0; r < ranks_; ++r) parts_of_.push_back(owners.parts_of(r));
-    coming_.resize(mine.size() * static_cast<std::size_t>(ranks_));
+    for (int r = 0; r < ranks_; ++r) all_parts_of_.push_back(owners.parts_of(r));
+}
+
+void Delivery::run(bool float32, FunctionRef<void(std::int64_t bytes)> room) {
+    const int groups = choose_groups();
+    for (int group = 0; group < groups; ++group) run_group(group, groups, float32, room);
+}
+
+// One, unless some rank has more to tell than may be on its way at a time: then one for each part that a rank has.
+int Delivery::choose_groups() {
+    std::int64_t most = members_.bytes_of_changes();
+    rounds_.transport().reduce({&most, 1}, Reduction::max);
+    std::size_t parts = 1;
+    for (const auto& of_rank : all_parts_of_) parts = std::max(parts, of_rank.size());
+    return most > rounds_.bytes() ? static_cast<int>(parts) : 1;
+}
+
+void Delivery::run_group(int group, int groups, bool float32, FunctionRef<void(std::int64_t bytes)> room) {
+    const auto begin = static_cast<std::size_t>(group), step = static_cast<std::size_t>(groups);
+    agree_(Phase::members, [&] {
+        std::vector<std::int32_t> parts;
+        parts_of_.assign(static_cast<std::size_t>(ranks_), {});
+        for (std::size_t r = 0; r < parts_of_.size(); ++r)
+            for (std::size_t i = begin; i < all_parts_of_[r].size(); i += step) {
+                parts_of_[r].push_back(all_parts_of_[r][i]);
+                parts.push_back(all_parts_of_[r][i]);
+            }
+        members_.make_rows(parts, share_, copies_);
+        mine_.clear();
+        for (std::size_t m = begin; m < all_mine_.size(); m += step) mine_.push_back(&all_mine_[m]);
+        coming_.assign(mine_.size() * static_cast<std::size_t>(ranks_), {});
+    });
+    exchange_counts();
+    agree_(Phase::room, [&] {
+        room(bytes_coming(float32));
+        make_room();
+    });
+    exchange_news();
+    agree_(Phase::room, [&] {
+        for (std::size_t m = 0; m < mine_.size(); ++m) {
+            mine_[m]->take(news_[m]);
+            news_[m].clear();
+            news_[m].shrink_to_fit();
+        }
+    });
+    float32 ? exchange_coordinates<float>() : exchange_coordinates<double>();
+    for (const auto& parts : parts_of_) members_.sent(parts);
 }
 
 void Delivery::exchange_counts() {
@@ -150,27 +196,12 @@ void Delivery::exchange_coordinates() {
                                 rows);
                      },
                      [&](std::size_t m, int rank, std::int64_t first, std::span<const Position> rows) {
-                         Position* const to = mine_[m].template coordinates<Scalar>();
-                         mine_[m].visit_coordinates(
+                         Position* const to = mine_[m]->template coordinates<Scalar>();
+                         mine_[m]->visit_coordinates(
                              rank, first, rows.size(), [&](std::int64_t place, std::size_t at, std::size_t n) {
                                  std::copy_n(rows.begin() + static_cast<std::ptrdiff_t>(at), n, to + place);
                              });
                      });
-}
-
-void Delivery::run(bool float32, FunctionRef<void(std::int64_t bytes)> room) {
-    exchange_counts();
-    agree_(Phase::room, [&] {
-        room(bytes_coming(float32));
-        make_room();
-    });
-    exchange_news();
-    agree_(Phase::room, [&] {
-        for (std::size_t m = 0; m < mine_.size(); ++m) mine_[m].take(news_[m]);
-        news_.clear();
-    });
-    float32 ? exchange_coordinates<float>() : exchange_coordinates<double>();
-    members_.sent();
 }
 
 }  // namespace crumple::distribute

@@ -1,7 +1,8 @@
 #pragma once
 
 // Brings parts on their owners up to date: what is new travels first, then the coordinates, straight to where the
-// engines read them.
+// engines read them. Where much is new, some parts of each rank at a time, so that what is on its way is never all of
+// it.
 
 #include <cstdint>
 #include <span>
@@ -22,12 +23,14 @@ class Delivery {
    public:
     /// `mine`: the parts of this rank, ascending.
     Delivery(Rounds& rounds, Agreement& agree, const Owners& owners, Members& members, const Share& share,
-             std::vector<AssembledPart>& mine, std::size_t depth);
+             const SharedVertices& copies, std::vector<AssembledPart>& mine, std::size_t depth);
 
     /// `room(bytes)` is told, before they are taken, what the parts of this rank will need more.
     void run(bool float32, FunctionRef<void(std::int64_t bytes)> room);
 
    private:
+    int choose_groups();
+    void run_group(int group, int groups, bool float32, FunctionRef<void(std::int64_t bytes)> room);
     void exchange_counts();
     std::int64_t bytes_coming(bool float32) const;
     void make_room();
@@ -50,12 +53,17 @@ class Delivery {
     Agreement& agree_;
     Members& members_;
     const Share& share_;
-    std::vector<AssembledPart>& mine_;
+    const SharedVertices& copies_;
+    std::vector<AssembledPart>& all_mine_;
     std::int64_t depth_;
     int ranks_;
+    std::vector<std::vector<std::int32_t>> all_parts_of_;  ///< by rank
+
+    // Of the group that is on its way:
     std::vector<std::vector<std::int32_t>> parts_of_;  ///< by rank
-    std::vector<DeltaCounts> coming_;                  ///< of my part m from rank r, at m * ranks + r
-    std::vector<std::vector<PartNews>> news_;          ///< of each of my parts, by rank
+    std::vector<AssembledPart*> mine_;
+    std::vector<DeltaCounts> coming_;          ///< of my part m from rank r, at m * ranks + r
+    std::vector<std::vector<PartNews>> news_;  ///< of each of my parts, by rank
 };
 
 }  // namespace crumple::distribute

@@ -101,6 +101,7 @@ void FoundRows::exchange(Rounds& rounds, Agreement& agree, bool contacts, Distri
         exchange_lists(
             rounds, of_points, [&](std::size_t r) -> auto& { return for_rank_[r].points; }, coming.points);
     }
+    for_rank_.clear();
     agree(Phase::output, [&] { contacts ? order_contacts(coming, result) : order_pairs(coming, result); });
 }
 

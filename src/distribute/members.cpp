@@ -154,30 +154,36 @@ void Members::take(std::int32_t triangle, std::span<const std::int32_t> parts, s
     std::copy(masks.begin(), masks.end(), masks_.begin() + static_cast<std::ptrdiff_t>(depth_ * first));
 }
 
-void Members::make_rows(const Share& share, const SharedVertices& copies) {
+std::int64_t Members::bytes_of_changes() {
     tell_all_of_some();
-    const auto n = static_cast<std::size_t>(share.scene().vertex_count());
-    place_.resize(n);
-    stamp_.assign(n, -1);
-    const auto put_masks = [&](std::size_t part, std::int32_t triangle, std::vector<std::uint64_t>& to) {
+    std::size_t rows = 0;
+    for (const Changes& changes : changes_)
+        rows += changes.removed.size() + changes.changed.size() + changes.added.size();
+    return static_cast<std::int64_t>(rows * (sizeof(MemberRow) + depth_ * sizeof(std::uint64_t)));
+}
+
+void Members::make_rows(std::span<const std::int32_t> parts, const Share& share, const SharedVertices& copies) {
+    Places places;
+    const auto put_masks = [&](std::int32_t part, std::int32_t triangle, std::vector<std::uint64_t>& to) {
         const Entries& entries = entries_[static_cast<std::size_t>(triangle)];
         auto e = static_cast<std::size_t>(entries.first);
-        while (part_[e] != static_cast<std::int32_t>(part)) ++e;
+        while (part_[e] != part) ++e;
         const auto of_levels = masks(e);
         to.insert(to.end(), of_levels.begin(), of_levels.end());
     };
-    for (std::size_t k = 0; k < changes_.size(); ++k) {
+    for (const std::int32_t part : parts) {
+        const auto k = static_cast<std::size_t>(part);
         Changes& changes = changes_[k];
         PartDelta& delta = delta_[k];
         delta = {};
         for (const std::int32_t t : changes.removed) delta.removed.push_back(share.triangles()(t));
         for (const std::int32_t t : changes.changed) {
             delta.changed.push_back(share.triangles()(t));
-            put_masks(k, t, delta.changed_masks);
+            put_masks(part, t, delta.changed_masks);
         }
         delta.added_masks.reserve(depth_ * changes.added.size());
-        for (const std::int32_t t : changes.added) put_masks(k, t, delta.added_masks);
-        number_corners(k, share, copies);
+        for (const std::int32_t t : changes.added) put_masks(part, t, delta.added_masks);
+        number_corners(k, share, copies, places);
         changes = {};
     }
 }
@@ -195,16 +201,19 @@ void Members::tell_all_of_some() {
     std::fill(anew_.begin(), anew_.end(), std::uint8_t{0});
 }
 
-void Members::number_corners(std::size_t k, const Share& share, const SharedVertices& copies) {
+void Members::number_corners(std::size_t k, const Share& share, const SharedVertices& copies, Places& places) {
     const std::vector<std::int32_t>& triangles = changes_[k].added;
     if (triangles.empty()) return;
     const Scene& scene = share.scene();
+    std::vector<std::int32_t>&place = places.place, &stamp = places.stamp;
+    place.resize(static_cast<std::size_t>(scene.vertex_count()));
+    stamp.resize(place.size(), -1);
     std::vector<std::int32_t>& list = list_[k].vertices;
     PartDelta& delta = delta_[k];
     const auto part = static_cast<std::int32_t>(k);
-    const auto set = [&](std::int32_t v, std::size_t place) {
-        place_[static_cast<std::size_t>(v)] = static_cast<std::int32_t>(place);
-        stamp_[static_cast<std::size_t>(v)] = part;
+    const auto set = [&](std::int32_t v, std::size_t listed) {
+        places.place[static_cast<std::size_t>(v)] = static_cast<std::int32_t>(listed);
+        places.stamp[static_cast<std::size_t>(v)] = part;
     };
     for (std::size_t i = 0; i < list.size(); ++i) set(list[i], i);
     const bool first = list.empty();
@@ -213,12 +222,12 @@ void Members::number_corners(std::size_t k, const Share& share, const SharedVert
         MemberRow row{share.triangles()(t), scene.group(t), {}};
         for (std::size_t c = 0; c < 3; ++c) {
             const std::int32_t v = scene.corners[3 * std::int64_t{t} + static_cast<std::int64_t>(c)];
-            if (stamp_[static_cast<std::size_t>(v)] != part) {
+            if (stamp[static_cast<std::size_t>(v)] != part) {
                 set(v, list.size());
                 list.push_back(v);
                 delta.vertices.push_back(copies.shared(v) ? share.vertices()(v) : -1);
             }
-            row.corners[c] = place_[static_cast<std::size_t>(v)];
+            row.corners[c] = place[static_cast<std::size_t>(v)];
         }
         delta.added.push_back(row);
     }
@@ -231,8 +240,8 @@ DeltaCounts Members::counts_of_delta(std::int32_t part) const {
     return {size(delta.removed), size(delta.changed), size(delta.added), size(delta.vertices), size(vertices(part))};
 }
 
-void Members::sent() {
-    for (PartDelta& delta : delta_) delta = {};
+void Members::sent(std::span<const std::int32_t> parts) {
+    for (const std::int32_t part : parts) delta_[static_cast<std::size_t>(part)] = {};
 }
 
 bool Members::stale() const {

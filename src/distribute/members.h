@@ -58,8 +58,10 @@ class Members {
 
     /// The part gets an owner that knows nothing of it.
     void tell_anew(std::int32_t part) { anew_[static_cast<std::size_t>(part)] = 1; }
-    /// Makes the deltas ready to be sent.
-    void make_rows(const Share& share, const SharedVertices& copies);
+    /// Bytes of the deltas, about.
+    std::int64_t bytes_of_changes();
+    /// Makes the deltas of some parts ready to be sent.
+    void make_rows(std::span<const std::int32_t> parts, const Share& share, const SharedVertices& copies);
 
     PartDelta& delta(std::int32_t part) { return delta_[static_cast<std::size_t>(part)]; }
     DeltaCounts counts_of_delta(std::int32_t part) const;
@@ -68,8 +70,8 @@ class Members {
         return list_[static_cast<std::size_t>(part)].vertices;
     }
 
-    /// The owners have heard of it.
-    void sent();
+    /// The owners of these have heard of it.
+    void sent(std::span<const std::int32_t> parts);
     void forget();
     /// Lists of vertices keep those of triangles that have left: whether these have become many.
     bool stale() const;
@@ -93,7 +95,11 @@ class Members {
     Found look(const Share& share, const Placement& placement, std::int64_t begin, std::int64_t end);
     void take(std::int32_t triangle, std::span<const std::int32_t> parts, std::span<const std::uint64_t> masks);
     void tell_all_of_some();
-    void number_corners(std::size_t part, const Share& share, const SharedVertices& copies);
+    /// Of each vertex: its place in the list of the part that is looked at, if the stamp is the part's.
+    struct Places {
+        std::vector<std::int32_t> place, stamp;
+    };
+    void number_corners(std::size_t part, const Share& share, const SharedVertices& copies, Places& places);
     std::span<const std::uint64_t> masks(std::size_t entry) const { return {masks_.data() + depth_ * entry, depth_}; }
 
     /// Triangles that enter and leave a part, or have other masks; this rank's, ascending.
@@ -115,8 +121,6 @@ class Members {
     std::vector<PartDelta> delta_;
     std::vector<VertexList> list_;
     std::vector<std::uint8_t> anew_;
-    std::vector<std::int32_t> place_;  ///< of each vertex in the list of the part that is looked at
-    std::vector<std::int32_t> stamp_;  ///< the part that place_ is of
 };
 
 }  // namespace crumple::distribute

@@ -7,8 +7,10 @@
 namespace crumple::distribute {
 
 template <class Work>
-void PartSearch::guarded(const Part& part, const Query& query, std::stop_token stop, Work work) {
+void PartSearch::guarded(const Part& part, const Query& query, std::unique_ptr<SceneMemory>& memory,
+                         std::stop_token stop, Work work) {
     const MeshView mesh = part.mesh.view();
+    backend->swap_memory(memory);
     const auto attempt = [&] { work(prepare_scene(mesh, nullptr, query.weld, *backend, buffers)); };
     within_limit(
         std::move(stop), attempt, [] { return true; },
@@ -16,18 +18,21 @@ void PartSearch::guarded(const Part& part, const Query& query, std::stop_token s
             const Lifted lifted(meter);
             return backend->bytes_needed(prepare_scene(mesh, nullptr, query.weld, *backend, buffers), query, &part);
         });
+    backend->swap_memory(memory);
 }
 
-const Collisions& PartSearch::find(const Part& part, const Query& query, std::stop_token stop) {
+const Collisions& PartSearch::find(const Part& part, const Query& query, std::unique_ptr<SceneMemory>& memory,
+                                   std::stop_token stop) {
     result.statistics = {};
-    guarded(part, query, std::move(stop), [&](const Scene& scene) { backend->find(scene, query, &part, result); });
+    guarded(part, query, memory, std::move(stop),
+            [&](const Scene& scene) { backend->find(scene, query, &part, result); });
     result.statistics.peak_memory_bytes = meter.peak;
     return result;
 }
 
-bool PartSearch::any(const Part& part, const Query& query, std::stop_token stop) {
+bool PartSearch::any(const Part& part, const Query& query, std::unique_ptr<SceneMemory>& memory, std::stop_token stop) {
     bool found = false;
-    guarded(part, query, std::move(stop), [&](const Scene& scene) { found = backend->any(scene, query); });
+    guarded(part, query, memory, std::move(stop), [&](const Scene& scene) { found = backend->any(scene, query); });
     return found;
 }
 

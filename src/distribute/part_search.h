@@ -3,6 +3,7 @@
 // One rank's engine: answers about one part after another, under the rank's memory limit.
 
 #include <cstdint>
+#include <memory>
 #include <stop_token>
 
 #include "crumple/part.h"
@@ -14,10 +15,11 @@ class PartSearch : private DetectorState {
    public:
     explicit PartSearch(const Options& options) : DetectorState(options) {}
 
-    /// The pairs that the part owns, by place in it. Valid until the next call.
-    const Collisions& find(const Part& part, const Query& query, std::stop_token stop);
+    /// The pairs that the part owns, by place in it. Valid until the next call. `memory`: the part's own.
+    const Collisions& find(const Part& part, const Query& query, std::unique_ptr<SceneMemory>& memory,
+                           std::stop_token stop);
     /// Whether there is a pair among the part's triangles.
-    bool any(const Part& part, const Query& query, std::stop_token stop);
+    bool any(const Part& part, const Query& query, std::unique_ptr<SceneMemory>& memory, std::stop_token stop);
 
     ParallelFor& workers() { return *backend; }
     MemoryMeter& memory() { return meter; }
@@ -25,7 +27,8 @@ class PartSearch : private DetectorState {
 
    private:
     template <class Work>
-    void guarded(const Part& part, const Query& query, std::stop_token stop, Work work);
+    void guarded(const Part& part, const Query& query, std::unique_ptr<SceneMemory>& memory, std::stop_token stop,
+                 Work work);
 };
 
 }  // namespace crumple::distribute

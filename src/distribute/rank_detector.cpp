@@ -66,7 +66,7 @@ RankDetector::RankDetector(Transport& transport, const DistributedOptions& optio
     agree_(Phase::question, [&] {
         check(options.parts >= 0 && options.parts <= max_parts, "parts must be 0 (chosen) to 262144");
         check(options.round_bytes >= 1024, "round_bytes must be at least 1024");
-        search_of(0);
+        engine_.emplace(options_.detector);
     });
     agree_.before = [&](Phase phase) {
         result_.statistics[phase_] += watch_.lap();
@@ -150,7 +150,7 @@ void RankDetector::ask(const MeshShare& share, const Query& query, Wants wants) 
 void RankDetector::read(const MeshShare& share) {
     agree_(Phase::input, [&] {
         share_.number(share, triangle_ids_, vertex_ids_, counts_, transport_.rank());
-        share_.read(share, search_of(0).workers());
+        share_.read(share, engine_->workers());
     });
     const Scene& scene = share_.scene();
     const bool empty = scene.vertex_count() == 0;
@@ -196,14 +196,13 @@ void RankDetector::place() {
     if (serves) return;
     owners_.forget();
     expected_work_.clear();
-    placement_.make(rounds_, agree_, share_, parts, box_, search_of(0).workers());
+    placement_.make(rounds_, agree_, share_, parts, box_, engine_->workers());
 }
 
 void RankDetector::list_members() {
-    agree_(Phase::members, [&] { members_.update(share_, placement_, search_of(0).workers()); });
+    agree_(Phase::members, [&] { members_.update(share_, placement_, engine_->workers()); });
     give_out();
     agree_(Phase::members, [&] { own_parts(); });
-    agree_(Phase::members, [&] { members_.make_rows(share_, copies_); });
 }
 
 // By members for a start, each part to a rank that has many of them; by measured work where that is far from even.
@@ -257,8 +256,8 @@ void RankDetector::own_parts() {
 
 void RankDetector::deliver() {
     const auto depth = static_cast<std::size_t>(placement_.tree().depth);
-    Delivery(rounds_, agree_, owners_, members_, share_, mine_, depth).run(float32_, [&](std::int64_t bytes) {
-        MemoryMeter& memory = search_of(0).memory();
+    Delivery(rounds_, agree_, owners_, members_, share_, copies_, mine_, depth).run(float32_, [&](std::int64_t bytes) {
+        MemoryMeter& memory = engine_->memory();
         if (memory.limit == 0) return;
         memory.add(bytes);
         reserved_ += bytes;
@@ -273,13 +272,13 @@ void RankDetector::search(const Query& query, Wants wants) {
     DistributedStatistics& statistics = result_.statistics;
     agree_(Phase::search, [&] {
         for (std::size_t m = 0; m < mine_.size(); ++m) {
-            const AssembledPart& part = mine_[m];
+            AssembledPart& part = mine_[m];
             if (part.size() == 0 || (wants == Wants::any && found_here_ > 0)) continue;
             const double begin = clock_();
             if (wants == Wants::any) {
-                found_here_ = search_of(m).any(part.part(), query, stop_);
+                found_here_ = engine_->any(part.part(), query, part.memory(), stop_);
             } else {
-                const Collisions& found = search_of(m).find(part.part(), query, stop_);
+                const Collisions& found = engine_->find(part.part(), query, part.memory(), stop_);
                 found_here_ += static_cast<std::int64_t>(found.pairs.size());
                 if (wants == Wants::pairs) found_->add(part, found);
                 add_pass(found.statistics, statistics.search);
@@ -326,22 +325,13 @@ void RankDetector::forget() {
     expected_work_.clear();
     found_.reset();
     result_ = {};
-    for (auto& search : searches_)
-        if (search) search->release();
+    engine_->release();
 }
 
 void RankDetector::drop_parts() {
     mine_.clear();
     members_.forget();
-    if (reserved_ > 0) search_of(0).memory().add(-std::exchange(reserved_, 0));
-}
-
-// One for each part, which then keeps the centres that it had in the frame before; under a memory limit one for all.
-PartSearch& RankDetector::search_of(std::size_t m) {
-    const std::size_t i = options_.detector.memory_limit > 0 ? 0 : m;
-    if (searches_.size() <= i) searches_.resize(i + 1);
-    if (!searches_[i]) searches_[i] = std::make_unique<PartSearch>(options_.detector);
-    return *searches_[i];
+    if (reserved_ > 0) engine_->memory().add(-std::exchange(reserved_, 0));
 }
 
 // Two ranks share evenly as it is. More get several parts each, which even out, as long as these are of some thousand

@@ -65,7 +65,6 @@ class RankDetector {
     void forget();
     void drop_parts();
 
-    PartSearch& search_of(std::size_t m);
     int parts_wanted() const;
     bool on_any_rank(bool here);
     void reduce(std::span<std::int64_t> numbers, Reduction how) { transport_.reduce(numbers, how); }
@@ -89,7 +88,7 @@ class RankDetector {
     std::vector<std::int64_t> work_;  ///< nanoseconds of each part
 
     // From call to call:
-    std::vector<std::unique_ptr<PartSearch>> searches_;
+    std::optional<PartSearch> engine_;
     Share share_;
     SharedVertices copies_;
     Placement placement_;

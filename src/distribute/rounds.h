@@ -27,62 +27,62 @@ class Rounds {
     Rounds(Transport& transport, std::int64_t bytes) : transport_(transport), bytes_(bytes) {}
 
     /// pack(rank, first, span of rows) writes the rows [first, first + n) for a rank; unpack(rank, first, rows) takes
-    /// those from it. Rows for the rank itself go the same way.
+    /// those from it. A rank's rows for itself go the same way, but nowhere.
     template <class Row, class Pack, class Unpack>
     void exchange(const Traffic& traffic, Pack pack, Unpack unpack) {
-        exchange_bytes<Row>(traffic, sizeof(Row), pack, unpack);
+        const auto self = static_cast<std::size_t>(transport_.rank());
+        hand_over<Row>(static_cast<int>(self), traffic.out[self], pack, unpack);
+        const std::int64_t most = rows_at_once(sizeof(Row));
+        std::int64_t rounds = 0;
+        for (std::size_t r = 0; r < traffic.out.size(); ++r)
+            if (r != self) rounds = std::max(rounds, (std::max(traffic.out[r], traffic.in[r]) + most - 1) / most);
+        const auto others = [&](const std::vector<std::int64_t>& rows, std::int64_t first, auto visit) {
+            for (std::size_t r = 0; r < rows.size(); ++r)
+                if (const std::int64_t n = std::min(rows[r] - first, most); r != self && n > 0)
+                    visit(static_cast<int>(r), static_cast<std::size_t>(n));
+        };
+        for (std::int64_t round = 0; round < rounds; ++round) {
+            const std::int64_t first = round * most;
+            std::size_t leaving = 0, coming = 0;
+            others(traffic.out, first, [&](int, std::size_t n) { leaving += n; });
+            others(traffic.in, first, [&](int, std::size_t n) { coming += n; });
+            Row *to = rows_in<Row>(leaving_, leaving), *from = rows_in<Row>(coming_, coming);
+            out_.clear(), in_.clear();
+            others(traffic.out, first, [&](int rank, std::size_t n) {
+                const std::span<Row> rows(to, n);
+                pack(rank, first, rows);
+                send(rank, std::as_bytes(rows));
+                to += n;
+            });
+            others(traffic.in, first, [&](int rank, std::size_t n) {
+                in_.push_back({rank, std::as_writable_bytes(std::span(from, n))});
+                from += n;
+            });
+            transport_.exchange(out_, in_);
+            for (const Incoming& message : in_)
+                unpack(message.rank, first,
+                       std::span<const Row>(reinterpret_cast<const Row*>(message.bytes.data()),
+                                            message.bytes.size() / sizeof(Row)));
+        }
     }
 
+    std::int64_t bytes() const { return bytes_; }
     std::int64_t bytes_sent() const { return sent_; }
     std::int64_t messages() const { return messages_; }
     void reset_counts() { sent_ = messages_ = 0; }
     Transport& transport() { return transport_; }
 
    private:
+    // Through a buffer that stays in the cache.
     template <class Row, class Pack, class Unpack>
-    void exchange_bytes(const Traffic& traffic, std::size_t row_bytes, Pack pack, Unpack unpack) {
-        const std::int64_t most = rows_at_once(row_bytes);
-        const auto at_once = [&](std::int64_t rows, std::int64_t first) {
-            return std::clamp<std::int64_t>(rows - first, 0, most);
-        };
-        std::int64_t rounds = 0;
-        const std::size_t ranks = traffic.out.size();
-        for (std::size_t r = 0; r < ranks; ++r)
-            rounds = std::max({rounds, (traffic.out[r] + most - 1) / most, (traffic.in[r] + most - 1) / most});
-        const auto self = static_cast<std::size_t>(transport_.rank());
-        for (std::int64_t round = 0; round < rounds; ++round) {
-            const std::int64_t first = round * most;
-            out_.clear(), in_.clear();
-            std::size_t leaving = 0, coming = 0;
-            for (std::size_t r = 0; r < ranks; ++r) {
-                leaving += static_cast<std::size_t>(at_once(traffic.out[r], first)) * row_bytes;
-                if (r != self) coming += static_cast<std::size_t>(at_once(traffic.in[r], first)) * row_bytes;
-            }
-            grow(leaving_, leaving), grow(coming_, coming);
-            std::byte *to = leaving_.data(), *from = coming_.data();
-            std::span<const Row> mine;
-            for (std::size_t r = 0; r < ranks; ++r) {
-                const auto n = static_cast<std::size_t>(at_once(traffic.out[r], first));
-                const std::span<Row> rows(reinterpret_cast<Row*>(to), n);
-                if (n > 0) pack(static_cast<int>(r), first, rows);
-                if (r == self)
-                    mine = rows;
-                else if (n > 0)
-                    send(static_cast<int>(r), std::as_bytes(rows));
-                to += rows.size_bytes();
-            }
-            for (std::size_t r = 0; r < ranks; ++r) {
-                const auto n = static_cast<std::size_t>(at_once(traffic.in[r], first));
-                if (r == self || n == 0) continue;
-                in_.push_back({static_cast<int>(r), {from, n * row_bytes}});
-                from += n * row_bytes;
-            }
-            transport_.exchange(out_, in_);
-            if (!mine.empty()) unpack(static_cast<int>(self), first, mine);
-            for (const Incoming& message : in_)
-                unpack(message.rank, first,
-                       std::span<const Row>(reinterpret_cast<const Row*>(message.bytes.data()),
-                                            message.bytes.size() / row_bytes));
+    void hand_over(int self, std::int64_t count, Pack pack, Unpack unpack) {
+        constexpr auto at_once =
+            static_cast<std::int64_t>(std::max<std::size_t>(1, (std::size_t{1} << 16) / sizeof(Row)));
+        std::vector<Row> rows(static_cast<std::size_t>(std::min(count, at_once)));
+        for (std::int64_t first = 0; first < count; first += at_once) {
+            const std::span<Row> some(rows.data(), static_cast<std::size_t>(std::min(count - first, at_once)));
+            pack(self, first, some);
+            unpack(self, first, std::span<const Row>(some));
         }
     }
 
@@ -96,8 +96,10 @@ class Rounds {
         sent_ += static_cast<std::int64_t>(bytes.size());
         ++messages_;
     }
-    static void grow(std::vector<std::byte>& buffer, std::size_t bytes) {
-        if (buffer.size() < bytes) buffer.resize(bytes);
+    template <class Row>
+    static Row* rows_in(std::vector<std::byte>& buffer, std::size_t rows) {
+        if (buffer.size() < rows * sizeof(Row)) buffer.resize(rows * sizeof(Row));
+        return reinterpret_cast<Row*>(buffer.data());
     }
 
     Transport& transport_;

@@ -1,7 +1,8 @@
 #include "distribute/share.h"
 
 #include <algorithm>
-#include <cmath>
+#include <bit>
+#include <cstring>
 #include <limits>
 #include <string>
 
@@ -45,6 +46,31 @@ void check_range(const Ids& ids, std::int64_t count, std::int64_t end, const cha
                ", but ids are 0 to " + std::to_string(end - 1),
            element, std::max<std::int64_t>(id, 0));
 }
+
+// Two independent chains over words of eight bytes, each of which a multiplication and a rotation spread over all bits.
+class Fingerprint {
+   public:
+    void add(std::span<const std::byte> bytes) {
+        std::uint64_t word = 0;
+        std::size_t i = 0;
+        for (; i + sizeof word <= bytes.size(); i += sizeof word) {
+            std::memcpy(&word, bytes.data() + i, sizeof word);
+            mix(word);
+        }
+        word = bytes.size();  // arrays that end elsewhere differ
+        std::memcpy(&word, bytes.data() + i, bytes.size() - i);
+        mix(word);
+        mix(bytes.size());
+    }
+    std::array<std::uint64_t, 2> value() const { return value_; }
+
+   private:
+    void mix(std::uint64_t word) {
+        value_[0] = std::rotl((value_[0] ^ word) * 0x9e3779b97f4a7c15ull, 29);
+        value_[1] = std::rotl((value_[1] + word) * 0xc2b2ae3d27d4eb4full, 31) ^ word;
+    }
+    std::array<std::uint64_t, 2> value_{0x243f6a8885a308d3ull, 0x13198a2e03707344ull};
+};
 
 }  // namespace
 
@@ -103,26 +129,22 @@ void Share::read(const MeshShare& share, ParallelFor& workers) {
 }
 
 bool Share::is_same_as_before() {
-    const auto same = [](const auto& kept, const auto* data, std::size_t count) {
-        return kept.size() == count && std::equal(kept.begin(), kept.end(), data);
-    };
     const auto m = static_cast<std::size_t>(scene_.triangle_count());
-    const std::size_t groups = scene_.groups ? m : 0;
-    const bool is_same = kept_.first_triangle == triangles_.first && kept_.first_vertex == vertices_.first &&
-                         kept_.triangles == triangles_.all && kept_.vertices == vertices_.all &&
-                         kept_.float32 == scene_.float32 && same(kept_.corners, scene_.corners, 3 * m) &&
-                         same(kept_.groups, scene_.groups, groups) &&
-                         same(kept_.triangle_ids, triangles_.given.data(), triangles_.given.size()) &&
-                         same(kept_.vertex_ids, vertices_.given.data(), vertices_.given.size());
-    if (is_same) return true;
-    kept_.corners.assign(scene_.corners, scene_.corners + 3 * m);
-    kept_.groups.assign(scene_.groups, scene_.groups + groups);
-    kept_.triangle_ids.assign(triangles_.given.begin(), triangles_.given.end());
-    kept_.vertex_ids.assign(vertices_.given.begin(), vertices_.given.end());
-    kept_.first_triangle = triangles_.first, kept_.first_vertex = vertices_.first;
-    kept_.triangles = triangles_.all, kept_.vertices = vertices_.all;
-    kept_.float32 = scene_.float32;
-    return false;
+    Kept now;
+    Fingerprint print;
+    print.add(std::as_bytes(std::span(scene_.corners, 3 * m)));
+    if (scene_.groups) print.add(std::as_bytes(std::span(scene_.groups, m)));
+    print.add(std::as_bytes(triangles_.given));
+    print.add(std::as_bytes(vertices_.given));
+    now.fingerprint = print.value();
+    now.first_triangle = triangles_.first, now.first_vertex = vertices_.first;
+    now.triangles = triangles_.all, now.vertices = vertices_.all;
+    now.own_triangles = scene_.triangle_count(), now.own_vertices = scene_.vertex_count();
+    now.float32 = scene_.float32, now.groups = scene_.groups != nullptr;
+    now.triangle_ids = triangles_.are_given(), now.vertex_ids = vertices_.are_given();
+    const bool is_same = now == kept_;
+    kept_ = now;
+    return is_same;
 }
 
 void Share::forget() { kept_ = {}; }

@@ -2,6 +2,7 @@
 
 // What one rank brings, checked, and the numbers that its triangles and vertices have over all ranks.
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -45,7 +46,8 @@ class Share {
     const Ids& triangles() const { return triangles_; }
     const Ids& vertices() const { return vertices_; }
 
-    /// Whether triangles, groups and ids are those of the call before, whose copies are kept; they become these.
+    /// Whether triangles, groups and ids are those of the call before; these are compared with in the next. By 128
+    /// bits: that others pass for the same is less likely than that the memory errs.
     bool is_same_as_before();
     void forget();
 
@@ -53,11 +55,13 @@ class Share {
     SceneBuffers buffers_;
     Scene scene_;
     Ids triangles_, vertices_;
+    /// Of the call before: counts, and a fingerprint of the arrays in place of copies, which would be a third of what a
+    /// rank keeps.
     struct Kept {
-        std::vector<std::int32_t> corners, groups;
-        std::vector<std::int64_t> triangle_ids, vertex_ids;
+        std::array<std::uint64_t, 2> fingerprint{};
         std::int64_t first_triangle = 0, first_vertex = 0, triangles = -1, vertices = 0;
-        bool float32 = true;
+        std::int64_t own_triangles = 0, own_vertices = 0;
+        bool float32 = true, groups = false, triangle_ids = false, vertex_ids = false;
         bool operator==(const Kept&) const = default;
     } kept_;
 };

@@ -23,6 +23,11 @@ namespace crumple {
 /// Takes one block of a stream; it is gone when this returns.
 using BlockSink = FunctionRef<void(const Collisions& block)>;
 
+/// What a backend remembers of one scene, for who asks about several in turn, over and over.
+struct SceneMemory {
+    virtual ~SceneMemory() = default;
+};
+
 /// Pairs are wanted by the query's rules, or by those of the world that the scene is made of (Scene::bodies).
 /// A backend with threads lends them by overriding parallel_for(). Its calls check the cancellation they are given.
 class BackendBase : public ParallelFor {
@@ -90,6 +95,9 @@ class BackendBase : public ParallelFor {
     virtual const DeviceWorldCollisions& wait_worlds();
     /// Whether what is kept between calls outlives the error that one of these has thrown: a caller's graph needs it.
     virtual bool keeps_after(const Error&) const { return false; }
+
+    /// Exchanges what is remembered of the scene of the call before for what `memory` holds of another, or null.
+    virtual void swap_memory(std::unique_ptr<SceneMemory>&) {}
 
     /// Drops what is kept between calls, memory and centres alike.
     virtual void release() = 0;

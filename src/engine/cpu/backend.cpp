@@ -131,12 +131,20 @@ class CpuBackend final : public BackendBase {
         workers_.run([&] { workers_.parallel_for(n, [&](std::size_t i, std::size_t) { task(i); }); });
     }
 
+    void swap_memory(std::unique_ptr<SceneMemory>& memory) override {
+        if (!memory) memory = std::make_unique<Remembered>();
+        std::swap(static_cast<Remembered&>(*memory).centres, kept_->buffers.warm);
+    }
+
     void release() override {
         kept_.reset();
         kept_ = std::make_unique<Kept>(&meter_, workers_.workers(), intersect_, features_, candidates_);
     }
 
    private:
+    struct Remembered : SceneMemory {
+        WarmCentres centres;
+    };
     /// From call to call.
     struct Kept {
         Kept(MemoryMeter* m, int workers, const IntersectKernels& kernels, const FeatureTables& features,
