@@ -14,13 +14,12 @@ namespace crumple::benchmark {
 /// A block of a mesh's triangles, with the vertices that they name.
 struct RankBlock {
     io::TriangleMesh mesh;
-    std::vector<std::int64_t> triangle_ids, vertex_ids;
+    std::vector<std::int64_t> vertex_ids;
 
     RankBlock(const io::TriangleMesh& whole, int rank, int ranks) {
         const std::int64_t m = whole.triangle_count();
         std::vector<std::int32_t> local(static_cast<std::size_t>(whole.vertex_count()), -1);
         for (std::int64_t t = rank * m / ranks; t < (rank + 1) * m / ranks; ++t) {
-            triangle_ids.push_back(t);
             for (std::int64_t k = 3 * t; k < 3 * t + 3; ++k) {
                 std::int32_t& v = local[static_cast<std::size_t>(whole.triangles[static_cast<std::size_t>(k)])];
                 if (v < 0) {
@@ -46,7 +45,8 @@ struct RankBlock {
             },
             whole.vertices);
     }
-    MeshShare share() const { return {mesh.view(), triangle_ids, vertex_ids}; }
+    /// Blocks are in the order of the ranks, so triangles need no ids.
+    MeshShare share() const { return {mesh.view(), {}, vertex_ids}; }
 
    private:
     bool named_elsewhere(const io::TriangleMesh& whole, std::size_t v) {

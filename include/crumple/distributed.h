@@ -31,7 +31,8 @@ struct MeshShare {
 /// How ranks work together. The same on all ranks, but for `detector`. None of these changes an answer.
 struct DistributedOptions {
     /// Of the detector of each rank. `threads` 0: the cores that the rank is allowed, divided by the ranks that share
-    /// them. `memory_limit` is the rank's own.
+    /// them. `device`: of the first rank of a machine; the next ones take the next devices, and begin anew after the
+    /// last. `memory_limit` is the rank's own.
     Options detector;
     /// Parts that the scene is cut into over all ranks, 1 to 262,144; 0: chosen from the number of ranks. More parts
     /// are shared out more evenly, but overlap more.

@@ -21,9 +21,14 @@ namespace {
 using distribute::RankDetector;
 using distribute::Transport;
 
+// The backend of the ranks; the same tests are built once for each.
+#ifndef CRUMPLE_TESTED_BACKEND
+#define CRUMPLE_TESTED_BACKEND cpu
+#endif
+
 DistributedOptions one_thread(int parts = 0, std::int64_t round_bytes = std::int64_t{1} << 26) {
     DistributedOptions options;
-    options.detector.backend = Backend::cpu;
+    options.detector.backend = Backend::CRUMPLE_TESTED_BACKEND;
     options.detector.threads = 1;
     options.parts = parts;
     options.round_bytes = round_bytes;
@@ -69,7 +74,7 @@ testing::AssertionResult same_as_one(const WholeMesh& mesh, Distribution how, in
 }
 
 TEST(Ranks, have_the_answer_of_one_machine) {
-    const WholeMesh sheet(wavy_sheet<float>(24)), soup(random_soup<double>(500, 0.2));
+    const WholeMesh sheet(wavy_sheet<float>(16)), soup(random_soup<double>(300, 0.2));
     for (const int ranks : {1, 2, 3, 5})
         for (const Distribution how : every_distribution)
             for (const WholeMesh* mesh : {&sheet, &soup})
@@ -186,6 +191,7 @@ TEST(Ranks, follow_a_scene_that_moves_through_their_parts) {
             WholeMesh now = start;
             MeshPiece piece(now, how, rank, ranks);
             RankDetector detector(transport, one_thread(6));
+            detector.set_clock([] { return 0.0; });  // no part changes hands
             for (std::size_t f = 0; f < frames; ++f) {
                 now.vertices = meshes[f].vertices;
                 piece.follow();
@@ -198,6 +204,34 @@ TEST(Ranks, follow_a_scene_that_moves_through_their_parts) {
         EXPECT_GT(moved, frames / 2);
         EXPECT_LT(moved, frames);  // it has left the box that the centres were made for
     }
+}
+
+/// A clock by which each search takes as long as the rank says.
+thread_local double time_now = 0, time_of_search = 0;
+double pretended_time() { return time_now += time_of_search; }
+
+TEST(Ranks, give_parts_to_others_where_their_work_is_uneven) {
+    const WholeMesh mesh(wavy_sheet<float>(24));
+    const Collisions expected = answer_of_one(mesh);
+    constexpr int ranks = 3;
+    std::vector<std::vector<int>> parts(ranks);
+    Verdicts verdicts;
+    run_ranks(ranks, [&](Transport& transport) {
+        const int rank = transport.rank();
+        time_of_search = rank == 0 ? 100 : 1;
+        const MeshPiece piece(mesh, Distribution::blocks, rank, ranks);
+        RankDetector detector(transport, one_thread(9));
+        detector.set_clock(pretended_time);
+        for (int frame = 0; frame < 4; ++frame) {
+            const DistributedCollisions& found = detector.find_self(piece.share(), {});
+            verdicts.add(rank, rows_are(found, piece.triangle_ids, expected));
+            parts[static_cast<std::size_t>(rank)].push_back(found.statistics.parts);
+        }
+    });
+    EXPECT_TRUE(verdicts.all());
+    EXPECT_GT(parts[0].front(), 1);
+    EXPECT_LT(parts[0].back(), parts[0].front());
+    EXPECT_EQ(parts[0].back() + parts[1].back() + parts[2].back(), 9);
 }
 
 TEST(Ranks, see_that_triangles_groups_owners_or_precision_are_others) {

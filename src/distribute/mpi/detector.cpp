@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "crumple/device.h"
 #include "distribute/mpi/mpi_transport.h"
 #include "distribute/rank_detector.h"
 
@@ -58,29 +59,44 @@ std::vector<std::uint8_t> allowed_cores() {
     return allowed;
 }
 
+/// What ranks on one machine have of it.
+struct Fair {
+    int threads = 1;
+    int place = 0;  ///< of the rank among those of its machine
+};
+
 // Each core counts for its share among the ranks of the machine that may use it.
-int fair_threads(MPI_Comm communicator) {
+Fair fair_share(MPI_Comm communicator) {
     MPI_Comm machine = MPI_COMM_NULL;
     check_mpi(MPI_Comm_split_type(communicator, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine),
               "MPI_Comm_split_type");
+    Fair fair;
     const std::vector<std::uint8_t> mine = allowed_cores();
     std::vector<int> users(mine.begin(), mine.end());
-    const int code =
-        MPI_Allreduce(MPI_IN_PLACE, users.data(), static_cast<int>(users.size()), MPI_INT, MPI_SUM, machine);
+    int code = MPI_Comm_rank(machine, &fair.place);
+    if (code == MPI_SUCCESS)
+        code = MPI_Allreduce(MPI_IN_PLACE, users.data(), static_cast<int>(users.size()), MPI_INT, MPI_SUM, machine);
     MPI_Comm_free(&machine);
     check_mpi(code, "MPI_Allreduce");
     double threads = 0;
     for (std::size_t c = 0; c < mine.size(); ++c)
         if (mine[c]) threads += 1.0 / users[c];
-    return std::clamp(static_cast<int>(threads + 1e-9), 1, 1024);
+    fair.threads = std::clamp(static_cast<int>(threads + 1e-9), 1, 1024);
+    return fair;
 }
 
+// The machine is looked at where some rank asks for it.
 DistributedOptions settled(DistributedOptions options, MPI_Comm communicator) {
-    const bool asks = options.detector.threads == 0 && !options.detector.executor;
-    int any_asks = asks;
-    check_mpi(MPI_Allreduce(MPI_IN_PLACE, &any_asks, 1, MPI_INT, MPI_MAX, communicator), "MPI_Allreduce");
-    const int fair = any_asks ? fair_threads(communicator) : 1;
-    if (asks) options.detector.threads = fair;
+    Options& own = options.detector;
+    const bool asks_threads = own.threads == 0 && !own.executor;
+    const std::size_t devices =
+        own.backend == Backend::cuda || own.backend == Backend::automatic ? list_devices().devices.size() : 0;
+    int asks = asks_threads || devices > 0;
+    check_mpi(MPI_Allreduce(MPI_IN_PLACE, &asks, 1, MPI_INT, MPI_MAX, communicator), "MPI_Allreduce");
+    if (!asks) return options;
+    const Fair fair = fair_share(communicator);
+    if (asks_threads) own.threads = fair.threads;
+    if (devices > 0) own.device = static_cast<int>((static_cast<std::size_t>(own.device + fair.place)) % devices);
     return options;
 }
 
