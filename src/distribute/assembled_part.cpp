@@ -24,6 +24,10 @@ void AssembledPart::take(std::span<const PartNews> news) {
     }
     if (other_triangles) merge(news);
     change_masks(news);
+    const auto says_something = [](const PartNews& some) {
+        return !some.delta.changed.empty() || !some.delta.vertices.empty();
+    };
+    revision_ += other_triangles || std::any_of(news.begin(), news.end(), says_something);
 }
 
 void AssembledPart::add_vertices(const PartNews& news) {
@@ -40,12 +44,15 @@ void AssembledPart::add_vertices(const PartNews& news) {
         runs.push_back({listed, vertex_count_, n});
     for (std::int64_t i = 0; i < n; ++i) {
         const std::int32_t id = ids[static_cast<std::size_t>(i)], place = static_cast<std::int32_t>(vertex_count_ + i);
+        if (features_) vertex_id_.push_back(id < 0 ? -1 - id : id);
         if (id < 0) continue;
         const auto [at, is_first] = first_.try_emplace(id, place);
         if (!is_first) copy_.emplace(place, at->second);
     }
     vertex_count_ += n;
-    std::visit([&](auto& xyz) { xyz.resize(static_cast<std::size_t>(3 * vertex_count_)); }, part_.mesh.vertices);
+    const auto resize = [&](auto& xyz) { xyz.resize(static_cast<std::size_t>(3 * vertex_count_)); };
+    std::visit(resize, part_.mesh.vertices);
+    if (moving_) std::visit(resize, end_);
 }
 
 std::int32_t AssembledPart::vertex(int rank, std::int32_t listed) const {
@@ -85,6 +92,7 @@ void AssembledPart::merge(std::span<const PartNews> news) {
     PartMesh merged;
     std::vector<std::int32_t> rank;
     std::vector<std::vector<std::uint64_t>> masks(depth);
+    std::vector<OwnedFeatures> owned;
     merged.ids.reserve(size);
     merged.corners.reserve(3 * size);
     if (groups_) merged.groups.reserve(size);
@@ -102,6 +110,7 @@ void AssembledPart::merge(std::span<const PartNews> news) {
             for (const std::int32_t corner : member.corners) merged.corners.push_back(vertex(from.rank, corner));
             rank.push_back(from.rank);
             for (std::size_t l = 0; l < depth; ++l) masks[l].push_back(from.delta.added_masks[depth * row + l]);
+            if (features_) owned.push_back(from.delta.added_features[row]);
         }
     };
     for (std::size_t i = 0; i < before; ++i) {
@@ -116,12 +125,14 @@ void AssembledPart::merge(std::span<const PartNews> news) {
                               mesh.corners.begin() + static_cast<std::ptrdiff_t>(3 * i + 3));
         rank.push_back(rank_[i]);
         for (std::size_t l = 0; l < depth; ++l) masks[l].push_back(part_.levels[l].masks[i]);
+        if (features_) owned.push_back(owned_[i]);
     }
     add_until(std::int64_t{1} << 32);
     mesh.ids = std::move(merged.ids);
     mesh.corners = std::move(merged.corners);
     mesh.groups = std::move(merged.groups);
     rank_ = std::move(rank);
+    owned_ = std::move(owned);
     for (std::size_t l = 0; l < depth; ++l) part_.levels[l].masks = std::move(masks[l]);
 }
 

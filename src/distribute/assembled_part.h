@@ -30,6 +30,12 @@ class AssembledPart {
    public:
     /// `levels`: where the part lies; no masks yet.
     AssembledPart(std::int32_t index, int count, std::vector<PartLevel> levels, bool float32, bool groups);
+    /// For questions about features: vertices keep their ids, and have ends where they move.
+    void know_features(bool moving) {
+        features_ = true;
+        moving_ = moving;
+        if (moving) end_ = part_.mesh.vertices;
+    }
 
     std::int32_t index() const { return part_.index; }
     const Part& part() const { return part_; }
@@ -54,9 +60,16 @@ class AssembledPart {
         }
     }
     template <class Scalar>
-    std::array<Scalar, 3>* coordinates() {
-        return reinterpret_cast<std::array<Scalar, 3>*>(std::get<std::vector<Scalar>>(part_.mesh.vertices).data());
+    std::array<Scalar, 3>* coordinates(bool at_end) {
+        auto& xyz = at_end ? end_ : part_.mesh.vertices;
+        return reinterpret_cast<std::array<Scalar, 3>*>(std::get<std::vector<Scalar>>(xyz).data());
     }
+    const std::variant<std::vector<float>, std::vector<double>>& end() const { return end_; }
+    /// Of questions about features: the id of each vertex, and what each triangle owns.
+    std::span<const std::int32_t> vertex_ids() const { return vertex_id_; }
+    const OwnedFeatures& owned(std::size_t triangle) const { return owned_[triangle]; }
+    /// Another number whenever anything but coordinates has changed.
+    std::int64_t revision() const { return revision_; }
 
    private:
     struct Run {
@@ -69,7 +82,11 @@ class AssembledPart {
 
     Part part_;
     std::unique_ptr<SceneMemory> memory_;
-    bool groups_;
+    bool groups_, features_ = false, moving_ = false;
+    std::variant<std::vector<float>, std::vector<double>> end_;
+    std::vector<std::int32_t> vertex_id_;
+    std::vector<OwnedFeatures> owned_;  ///< by each triangle
+    std::int64_t revision_ = 0;
     std::vector<std::int32_t> rank_;      ///< of each triangle
     std::vector<std::vector<Run>> runs_;  ///< by rank
     std::int64_t vertex_count_ = 0;

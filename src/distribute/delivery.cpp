@@ -7,8 +7,7 @@ namespace crumple::distribute {
 namespace {
 
 template <class Scalar>
-void gather(const Scene& scene, std::span<const std::int32_t> vertices, std::span<std::array<Scalar, 3>> to) {
-    const VertexReader& reader = scene.reader[0];
+void gather(const VertexReader& reader, std::span<const std::int32_t> vertices, std::span<std::array<Scalar, 3>> to) {
     if (reader.contiguous() && reader.scalar_bytes() == sizeof(Scalar)) {
         for (std::size_t i = 0; i < to.size(); ++i)
             std::memcpy(&to[i], reader.data + std::int64_t{vertices[i]} * reader.row_stride, sizeof to[i]);
@@ -35,9 +34,10 @@ Delivery::Delivery(Rounds& rounds, Agreement& agree, const Owners& owners, Membe
     for (int r = 0; r < ranks_; ++r) all_parts_of_.push_back(owners.parts_of(r));
 }
 
-void Delivery::run(bool float32, FunctionRef<void(std::int64_t bytes)> room) {
+void Delivery::run(const What& what, FunctionRef<void(std::int64_t bytes)> room) {
+    what_ = what;
     const int groups = choose_groups();
-    for (int group = 0; group < groups; ++group) run_group(group, groups, float32, room);
+    for (int group = 0; group < groups; ++group) run_group(group, groups, room);
 }
 
 // One, unless some rank has more to tell than may be on its way at a time: then one for each part that a rank has.
@@ -49,7 +49,7 @@ int Delivery::choose_groups() {
     return most > rounds_.bytes() ? static_cast<int>(parts) : 1;
 }
 
-void Delivery::run_group(int group, int groups, bool float32, FunctionRef<void(std::int64_t bytes)> room) {
+void Delivery::run_group(int group, int groups, FunctionRef<void(std::int64_t bytes)> room) {
     const auto begin = static_cast<std::size_t>(group), step = static_cast<std::size_t>(groups);
     agree_(Phase::members, [&] {
         std::vector<std::int32_t> parts;
@@ -66,7 +66,7 @@ void Delivery::run_group(int group, int groups, bool float32, FunctionRef<void(s
     });
     exchange_counts();
     agree_(Phase::room, [&] {
-        room(bytes_coming(float32));
+        room(bytes_coming());
         make_room();
     });
     exchange_news();
@@ -77,7 +77,12 @@ void Delivery::run_group(int group, int groups, bool float32, FunctionRef<void(s
             news_[m].shrink_to_fit();
         }
     });
-    float32 ? exchange_coordinates<float>() : exchange_coordinates<double>();
+    const Scene& scene = share_.scene();
+    const auto exchange = [&](const VertexReader& reader, bool at_end) {
+        what_.float32 ? exchange_coordinates<float>(reader, at_end) : exchange_coordinates<double>(reader, at_end);
+    };
+    exchange(scene.reader[0], false);
+    if (what_.moving) exchange(scene.end, true);
     for (const auto& parts : parts_of_) members_.sent(parts);
 }
 
@@ -102,10 +107,11 @@ void Delivery::exchange_counts() {
 }
 
 // An id, a group, three corners and a rank a triangle, its masks, and a vertex; merging has the old and the new lists.
-std::int64_t Delivery::bytes_coming(bool float32) const {
+std::int64_t Delivery::bytes_coming() const {
     std::int64_t bytes = 0;
     for (const DeltaCounts& some : coming_)
-        bytes += some.added * (24 + 8 * depth_) + some.vertices * (float32 ? 12 : 24);
+        bytes += some.added * (24 + 8 * depth_ + (what_.features ? 40 : 0)) +
+                 some.vertices * (what_.float32 ? 12 : 24) * (what_.moving ? 2 : 1);
     return bytes;
 }
 
@@ -123,6 +129,7 @@ void Delivery::make_room() {
             news.delta.changed_masks.resize(size(depth_ * counts.changed));
             news.delta.added.resize(size(counts.added));
             news.delta.added_masks.resize(size(depth_ * counts.added));
+            if (what_.features) news.delta.added_features.resize(size(counts.added));
             news.delta.vertices.resize(size(counts.vertices));
         }
     }
@@ -187,16 +194,15 @@ void Delivery::exchange_news() {
 }
 
 template <class Scalar>
-void Delivery::exchange_coordinates() {
+void Delivery::exchange_coordinates(const VertexReader& reader, bool at_end) {
     using Position = std::array<Scalar, 3>;
-    const Scene& scene = share_.scene();
     stream<Position>([](const DeltaCounts& c) { return c.coordinates; },
                      [&](std::int32_t part, std::int64_t first, std::span<Position> rows) {
-                         gather(scene, members_.vertices(part).subspan(static_cast<std::size_t>(first), rows.size()),
+                         gather(reader, members_.vertices(part).subspan(static_cast<std::size_t>(first), rows.size()),
                                 rows);
                      },
                      [&](std::size_t m, int rank, std::int64_t first, std::span<const Position> rows) {
-                         Position* const to = mine_[m]->template coordinates<Scalar>();
+                         Position* const to = mine_[m]->template coordinates<Scalar>(at_end);
                          mine_[m]->visit_coordinates(
                              rank, first, rows.size(), [&](std::int64_t place, std::size_t at, std::size_t n) {
                                  std::copy_n(rows.begin() + static_cast<std::ptrdiff_t>(at), n, to + place);

@@ -26,17 +26,21 @@ class Delivery {
              const SharedVertices& copies, std::vector<AssembledPart>& mine, std::size_t depth);
 
     /// `room(bytes)` is told, before they are taken, what the parts of this rank will need more.
-    void run(bool float32, FunctionRef<void(std::int64_t bytes)> room);
+    /// What travels. `features`: what triangles own is told, too. `moving`: so are vertices at their ends.
+    struct What {
+        bool float32 = true, features = false, moving = false;
+    };
+    void run(const What& what, FunctionRef<void(std::int64_t bytes)> room);
 
    private:
     int choose_groups();
-    void run_group(int group, int groups, bool float32, FunctionRef<void(std::int64_t bytes)> room);
+    void run_group(int group, int groups, FunctionRef<void(std::int64_t bytes)> room);
     void exchange_counts();
-    std::int64_t bytes_coming(bool float32) const;
+    std::int64_t bytes_coming() const;
     void make_room();
     void exchange_news();
     template <class Scalar>
-    void exchange_coordinates();
+    void exchange_coordinates(const VertexReader& reader, bool at_end);
 
     /// Of each part `count(counts)` rows: pack(part, first, rows), unpack(which of mine, rank, first, rows).
     template <class Row, class Count, class Pack, class Unpack>
@@ -56,6 +60,7 @@ class Delivery {
     const SharedVertices& copies_;
     std::vector<AssembledPart>& all_mine_;
     std::int64_t depth_;
+    What what_;
     int ranks_;
     std::vector<std::vector<std::int32_t>> all_parts_of_;  ///< by rank
 

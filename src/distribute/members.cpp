@@ -12,10 +12,10 @@ constexpr std::size_t vertices_at_once = 8192;
 
 // The largest square of a way from `before` to where the vertices are now, which it becomes.
 template <class Scalar>
-double follow(const Scene& scene, std::vector<Scalar>& before, std::size_t begin, std::size_t end) {
+double follow(const VertexReader& reader, std::vector<Scalar>& before, std::size_t begin, std::size_t end) {
     double largest = 0;
     for (std::size_t v = begin; v < end; ++v) {
-        const Vec3d p = scene.position(static_cast<std::int64_t>(v));
+        const Vec3d p = reader(static_cast<std::int64_t>(v));
         Scalar* const old = before.data() + 3 * v;
         const Vec3d way =
             p - Vec3d{static_cast<double>(old[0]), static_cast<double>(old[1]), static_cast<double>(old[2])};
@@ -30,7 +30,7 @@ double follow(const Scene& scene, std::vector<Scalar>& before, std::size_t begin
 void Members::forget() {
     entries_.clear(), part_.clear(), masks_.clear(), slack_.clear();
     counts_.clear(), changes_.clear(), delta_.clear(), list_.clear(), anew_.clear();
-    before_ = {};
+    before_ = {}, before_at_end_ = {};
     way_ = 0;
     entries_at_first_ = 0;
 }
@@ -71,24 +71,29 @@ void Members::update(const Share& share, const Placement& placement, ParallelFor
 void Members::measure_way(const Share& share, const Placement& placement, ParallelFor& workers) {
     const Scene& scene = share.scene();
     const auto n = static_cast<std::size_t>(scene.vertex_count());
-    const auto measure = [&](auto& before) {
-        const bool known = before.size() == 3 * n;
-        before.resize(3 * n);
+    double way = longest_way(scene.reader[0], n, before_, workers);
+    if (scene.moving) way = std::max(way, longest_way(scene.end, n, before_at_end_, workers));
+    way_ += 1.000001 * placement.normalised(way);
+}
+
+// From `before`, if that is known, which becomes what is now.
+double Members::longest_way(const VertexReader& reader, std::size_t n, Coordinates& before, ParallelFor& workers) {
+    const auto measure = [&](auto& known) {
+        const bool comparable = known.size() == 3 * n;
+        known.resize(3 * n);
         const std::size_t slices = (n + vertices_at_once - 1) / vertices_at_once;
         std::vector<double> largest(slices, 0);
         workers.parallel_for(slices, [&](std::size_t s) {
-            largest[s] = follow(scene, before, s * vertices_at_once, std::min(n, (s + 1) * vertices_at_once));
+            largest[s] = follow(reader, known, s * vertices_at_once, std::min(n, (s + 1) * vertices_at_once));
         });
-        const double square = known && n > 0 ? *std::max_element(largest.begin(), largest.end()) : 0;
-        way_ += 1.000001 * placement.normalised(std::sqrt(square));
+        return comparable && n > 0 ? std::sqrt(*std::max_element(largest.begin(), largest.end())) : 0;
     };
-    if (scene.float32) {
-        if (!std::holds_alternative<std::vector<float>>(before_)) before_ = std::vector<float>();
-        measure(std::get<std::vector<float>>(before_));
-    } else {
-        if (!std::holds_alternative<std::vector<double>>(before_)) before_ = std::vector<double>();
-        measure(std::get<std::vector<double>>(before_));
+    if (reader.float32) {
+        if (!std::holds_alternative<std::vector<float>>(before)) before = std::vector<float>();
+        return measure(std::get<std::vector<float>>(before));
     }
+    if (!std::holds_alternative<std::vector<double>>(before)) before = std::vector<double>();
+    return measure(std::get<std::vector<double>>(before));
 }
 
 Members::Found Members::look(const Share& share, const Placement& placement, std::int64_t begin, std::int64_t end) {
@@ -100,7 +105,7 @@ Members::Found Members::look(const Share& share, const Placement& placement, std
         double slack = std::numeric_limits<float>::max();
         std::int32_t count = 0;
         tree.for_each_part(
-            placement.ball(share.scene().triangle(t)),
+            placement.ball(share.scene(), t),
             [&](std::int32_t part, const std::uint64_t* masks) {
                 ++count;
                 found.part.push_back(part);
@@ -108,7 +113,7 @@ Members::Found Members::look(const Share& share, const Placement& placement, std
             },
             &slack);
         // Rounded down by more than the conversion may round up.
-        until = static_cast<float>(std::min(0.999999 * (way_ + slack), 1e30));
+        until = static_cast<float>(std::min(0.999999 * (way_ + placement.slack_of_way() * slack), 1e30));
         found.triangle.push_back(static_cast<std::int32_t>(t));
         found.count.push_back(count);
     }
@@ -225,11 +230,12 @@ void Members::number_corners(std::size_t k, const Share& share, const SharedVert
             if (stamp[static_cast<std::size_t>(v)] != part) {
                 set(v, list.size());
                 list.push_back(v);
-                delta.vertices.push_back(copies.shared(v) ? share.vertices()(v) : -1);
+                delta.vertices.push_back(copies.shared(v) ? share.vertices()(v) : -1 - share.vertices()(v));
             }
             row.corners[c] = place[static_cast<std::size_t>(v)];
         }
         delta.added.push_back(row);
+        if (features_) delta.added_features.push_back(features_->of(t));
     }
     if (first) list_[k].at_first = list.size();
 }

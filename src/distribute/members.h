@@ -9,7 +9,7 @@
 //     to the owner of part k:  removed      ids
 //                              changed      ids, masks
 //                              added        ids, groups, corners as places in the list of vertices; masks
-//                              vertices     ids of those that come to the list, if other ranks have copies, else -1
+//                              vertices     ids of those that come to the list, and whether other ranks have copies
 //                              coordinates  of the whole list
 //
 // A triangle is looked at again when it may have reached a further part: each knows how far its corners may move until
@@ -24,6 +24,7 @@
 
 #include "base/parallel_for.h"
 #include "distribute/directory.h"
+#include "distribute/feature_owners.h"
 #include "distribute/placement.h"
 #include "distribute/share.h"
 
@@ -45,14 +46,17 @@ struct PartDelta {
     std::vector<std::int32_t> removed, changed;  ///< ids
     std::vector<std::uint64_t> changed_masks;    ///< one a level for each
     std::vector<MemberRow> added;
-    std::vector<std::uint64_t> added_masks;  ///< the same
-    std::vector<std::int32_t> vertices;      ///< ids, or -1
+    std::vector<std::uint64_t> added_masks;     ///< the same
+    std::vector<OwnedFeatures> added_features;  ///< what these own, of questions about features
+    std::vector<std::int32_t> vertices;         ///< ids; less by one and negative where no other rank has a copy
 };
 
 class Members {
    public:
     /// Looks for what has changed since the call before; everything has after forget().
     void update(const Share& share, const Placement& placement, ParallelFor& workers);
+    /// Questions about features: what triangles own is told, too. Null: others.
+    void set_features(const FeatureOwners* features) { features_ = features; }
     /// How many members of each part this rank has.
     std::span<const std::int64_t> counts() const { return counts_; }
 
@@ -86,12 +90,14 @@ class Members {
         std::vector<std::int32_t> triangle, count, part;
         std::vector<std::uint64_t> masks;
     };
+    using Coordinates = std::variant<std::vector<float>, std::vector<double>>;
     struct VertexList {
         std::vector<std::int32_t> vertices;
         std::size_t at_first = 0;
     };
 
     void measure_way(const Share& share, const Placement& placement, ParallelFor& workers);
+    static double longest_way(const VertexReader& reader, std::size_t n, Coordinates& before, ParallelFor& workers);
     Found look(const Share& share, const Placement& placement, std::int64_t begin, std::int64_t end);
     void take(std::int32_t triangle, std::span<const std::int32_t> parts, std::span<const std::uint64_t> masks);
     void tell_all_of_some();
@@ -107,14 +113,15 @@ class Members {
         std::vector<std::int32_t> removed, changed, added;
     };
 
+    const FeatureOwners* features_ = nullptr;
     std::size_t depth_ = 1;
     std::vector<Entries> entries_;  ///< by triangle
     std::vector<std::int32_t> part_;
     std::vector<std::uint64_t> masks_;  ///< of each entry, one a level
     std::size_t entries_at_first_ = 0;
-    std::vector<float> slack_;  ///< by triangle: the way at which it is looked at again
-    double way_ = 0;            ///< that vertices may have moved since the first frame
-    std::variant<std::vector<float>, std::vector<double>> before_;  ///< coordinates of the call before
+    std::vector<float> slack_;            ///< by triangle: the way at which it is looked at again
+    double way_ = 0;                      ///< that vertices may have moved since the first frame
+    Coordinates before_, before_at_end_;  ///< of the call before
 
     std::vector<std::int64_t> counts_;
     std::vector<Changes> changes_;

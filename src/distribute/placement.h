@@ -17,6 +17,7 @@
 #include "distribute/agreement.h"
 #include "distribute/rounds.h"
 #include "distribute/share.h"
+#include "model/feature_part.h"
 #include "model/part_centres.h"
 
 namespace crumple::distribute {
@@ -37,7 +38,15 @@ class Placement {
     int parts() const { return parts_; }
     PartTree tree() const { return centres_->tree(); }
     std::vector<PartLevel> path(std::int32_t part) const { return centres_->path(part); }
-    PartBall ball(const Triangle& triangle) const { return PartBall(triangle, normalise_); }
+    /// By which balls triangles are members: null for intersections.
+    void widen(const FeaturePartQuestion* question) {
+        balls_.reset();
+        if (question) balls_.emplace(*question, normalise_);
+    }
+    PartBall ball(const Scene& scene, std::int64_t t) const {
+        return balls_ ? (*balls_)(scene, t) : PartBall(scene.triangle(t), normalise_);
+    }
+    double slack_of_way() const { return balls_ ? balls_->slack_of_way() : 1; }
     /// A length, as the tree measures.
     double normalised(double length) const { return length * normalise_.pre * normalise_.post; }
 
@@ -46,6 +55,7 @@ class Placement {
     Box reach_;
     Normaliser normalise_;
     std::optional<PartCentres> centres_;
+    std::optional<FeatureBalls> balls_;
 };
 
 /// Which rank owns each part. Integers alone decide, so all ranks come to the same.

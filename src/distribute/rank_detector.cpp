@@ -256,12 +256,13 @@ void RankDetector::own_parts() {
 
 void RankDetector::deliver() {
     const auto depth = static_cast<std::size_t>(placement_.tree().depth);
-    Delivery(rounds_, agree_, owners_, members_, share_, copies_, mine_, depth).run(float32_, [&](std::int64_t bytes) {
-        MemoryMeter& memory = engine_->memory();
-        if (memory.limit == 0) return;
-        memory.add(bytes);
-        reserved_ += bytes;
-    });
+    Delivery(rounds_, agree_, owners_, members_, share_, copies_, mine_, depth)
+        .run({.float32 = float32_}, [&](std::int64_t bytes) {
+            MemoryMeter& memory = engine_->memory();
+            if (memory.limit == 0) return;
+            memory.add(bytes);
+            reserved_ += bytes;
+        });
     result_.statistics.moved = same_;
 }
 

@@ -192,24 +192,30 @@ void check_rows(const std::vector<std::array<std::int32_t, 3>>& rows, std::size_
 
 }  // namespace
 
+// Rounded up; no more than what holds everything matters, or is finite.
+double FeatureBalls::length(double x) const {
+    return min(double{farthest}, x * normalise_.pre * normalise_.post) * 1.0000001 + 1e-30;
+}
+
+FeatureBalls::FeatureBalls(const FeaturePartQuestion& question, const Normaliser& normalise)
+    : normalise_(normalise), radii_(question.radii) {
+    if (question.distance > 0) half_ = length(question.distance) / 2;
+    if (question.share > 0) of_way_ = question.share / (1 - question.share) * 1.0000001;
+}
+
+PartBall FeatureBalls::operator()(const Scene& scene, std::int64_t t) const {
+    const std::int32_t* c = scene.corners + 3 * t;
+    const Vec3d end[3] = {scene.end_position(c[0]), scene.end_position(c[1]), scene.end_position(c[2])};
+    double widened = half_;
+    if (!radii_.empty())
+        for (int k = 0; k < 3; ++k) widened = std::max(widened, length(radii_[static_cast<std::size_t>(c[k])]));
+    return PartBall(scene.triangle(t), end, widened, of_way_, normalise_);
+}
+
 std::vector<Part> make_feature_parts(const Scene& scene, const SceneFeatures& features,
                                      const FeaturePartQuestion& question, int count, ParallelFor& parallel) {
-    const Normaliser normalise(scene.low, scene.high);
-    // Rounded up; no more than what holds everything matters, or is finite.
-    const auto length = [&](double x) {
-        return min(double{farthest}, x * normalise.pre * normalise.post) * 1.0000001 + 1e-30;
-    };
-    const double half = question.distance > 0 ? length(question.distance) / 2 : 0;
-    const double of_way = question.share > 0 ? question.share / (1 - question.share) * 1.0000001 : 0;
-    const auto ball = [&](std::int64_t t) {
-        const std::int32_t* c = scene.corners + 3 * t;
-        const Vec3d end[3] = {scene.end_position(c[0]), scene.end_position(c[1]), scene.end_position(c[2])};
-        double widened = half;
-        if (!question.radii.empty())
-            for (int k = 0; k < 3; ++k)
-                widened = std::max(widened, length(question.radii[static_cast<std::size_t>(c[k])]));
-        return PartBall(scene.triangle(t), end, widened, of_way, normalise);
-    };
+    const FeatureBalls balls(question, Normaliser(scene.low, scene.high));
+    const auto ball = [&](std::int64_t t) { return balls(scene, t); };
     return make_parts(scene, count, parallel, ball, FeatureCopy(scene, features, question));
 }
 

@@ -11,6 +11,7 @@
 #include "crumple/collisions.h"
 #include "crumple/features.h"
 #include "crumple/part.h"
+#include "model/part_tree.h"
 #include "model/scene.h"
 #include "model/scene_features.h"
 #include "model/vertex_rings.h"
@@ -26,6 +27,22 @@ struct FeaturePartQuestion {
     const VertexReader* rest = nullptr;         ///< or null
     const VertexRings* rings = nullptr;         ///< or null
     std::span<const std::int32_t> groups = {};  ///< of each triangle that is no carrier, or empty
+};
+
+/// By which balls triangles belong to parts: their whole way, widened by as much as the question asks for.
+class FeatureBalls {
+   public:
+    FeatureBalls(const FeaturePartQuestion& question, const Normaliser& normalise);
+    PartBall operator()(const Scene& scene, std::int64_t triangle) const;
+    /// So many times what its corners may move suffices for a ball that reaches nothing further (PartTree::mask).
+    double slack_of_way() const { return 3 / (3 + 2 * of_way_); }
+
+   private:
+    double length(double x) const;
+
+    Normaliser normalise_;
+    std::span<const double> radii_;
+    double half_ = 0, of_way_ = 0;
 };
 
 /// Cuts a scene, carriers among its triangles, into `count` parts; depends only on the arguments.
