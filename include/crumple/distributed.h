@@ -10,6 +10,8 @@
 
 #include "crumple/collisions.h"
 #include "crumple/mesh.h"
+#include "crumple/motion.h"
+#include "crumple/near.h"
 #include "crumple/options.h"
 
 namespace crumple {
@@ -75,6 +77,36 @@ struct DistributedCollisions {
     Contacts contacts;       ///< of these; empty unless asked for
     std::int64_t total = 0;  ///< pairs over all ranks
     DistributedStatistics statistics;
+};
+
+/// A rank's share of the impacts of a step: those whose first feature is its own, in order. A vertex and an edge belong
+/// to the rank with the lowest triangle that names them. Features have the numbers that they have over all ranks: faces
+/// those of triangles, edges as Impacts numbers them. Merged, the rows of all ranks are those of one machine, byte for
+/// byte.
+struct DistributedImpacts {
+    bool any = false;                             ///< over all ranks
+    FirstImpact first;                            ///< over all ranks (from MotionWants::earliest on)
+    std::array<ImpactList, feature_kinds> lists;  ///< by FeatureKind
+    std::int64_t total = 0;                       ///< impacts over all ranks, where they are listed
+    /// The edges that this rank's rows name: their numbers, ascending, and the numbers of their vertices.
+    Array<std::int32_t> edge_ids;
+    Array<Edge> edges;
+    DistributedStatistics statistics;
+
+    const ImpactList& operator[](FeatureKind kind) const { return lists[static_cast<std::size_t>(kind)]; }
+};
+
+/// The same of what is near.
+struct DistributedNearby {
+    bool any = false;
+    std::array<NearList, feature_kinds> lists;
+    std::int64_t total = 0;
+    Array<std::int32_t> edge_ids;
+    Array<Edge> edges;
+    bool closest = false;  ///< Near::closest was asked for
+    DistributedStatistics statistics;
+
+    const NearList& operator[](FeatureKind kind) const { return lists[static_cast<std::size_t>(kind)]; }
 };
 
 }  // namespace crumple

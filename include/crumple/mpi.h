@@ -48,6 +48,16 @@ class Detector {
     /// Whether there is any pair over all ranks. Each rank stops at its first.
     bool has_collision(const MeshShare& share, const Query& query = {}, std::stop_token stop = {});
 
+    /// What touches what on the way to `end`, where each of the rank's vertices is at the end of the step; as
+    /// crumple::Detector::find_impacts. For Motion::wants `earliest` and `any` no rows travel. Throws Error
+    /// (invalid_argument) for what ranks have not: `triangle_pairs`, `index`, excluded bodies. Listed edges and points
+    /// (MeshView::edges) are not read. Parts are made for one question: another separation, or a question of another
+    /// kind, begins them anew.
+    const DistributedImpacts& find_impacts(const MeshShare& share, const VertexView& end, const Motion& question = {},
+                                           std::stop_token stop = {});
+    /// What is near what; as crumple::Detector::find_near, but for `radii`, `rest`, `rings`, `least` and `index`.
+    const DistributedNearby& find_near(const MeshShare& share, const Near& question, std::stop_token stop = {});
+
     /// What the last call did on this rank.
     const DistributedStatistics& statistics() const;
     /// With the number of threads that it has come to.

@@ -189,6 +189,9 @@ void Delivery::exchange_news() {
         added, 1, [](auto& delta) -> auto& { return delta.added; });
     stream_list<std::uint64_t>(
         added, depth_, [](auto& delta) -> auto& { return delta.added_masks; });
+    if (what_.features)
+        stream_list<OwnedFeatures>(
+            added, 1, [](auto& delta) -> auto& { return delta.added_features; });
     stream_list<std::int32_t>(
         vertices, 1, [](auto& delta) -> auto& { return delta.vertices; });
 }

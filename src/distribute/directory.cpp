@@ -96,6 +96,7 @@ void check_each_once(Rounds& rounds, Agreement& agree, const Ids& ids, std::int6
 
 void SharedVertices::learn(Rounds& rounds, Agreement& agree, const Ids& ids, std::int64_t count) {
     any_ = false;
+    all_ = ids.all;
     shared_.clear();
     kept_.clear();
     if (!ids.are_given()) return;
@@ -150,17 +151,19 @@ void SharedVertices::learn(Rounds& rounds, Agreement& agree, const Ids& ids, std
     for (std::int32_t& id : kept_) id -= static_cast<std::int32_t>(block_begin_);
 }
 
-void SharedVertices::check(Rounds& rounds, Agreement& agree, const Share& share, bool float32) const {
+void SharedVertices::check(Rounds& rounds, Agreement& agree, const VertexReader& reader, bool float32,
+                           const char* when) const {
     if (!any_) return;
-    float32 ? check_copies<float>(rounds, agree, share) : check_copies<double>(rounds, agree, share);
+    float32 ? check_copies<float>(rounds, agree, reader, when) : check_copies<double>(rounds, agree, reader, when);
 }
 
 template <class Scalar>
-void SharedVertices::check_copies(Rounds& rounds, Agreement& agree, const Share& share) const {
+void SharedVertices::check_copies(Rounds& rounds, Agreement& agree, const VertexReader& reader,
+                                  const char* when) const {
     using Position = std::array<Scalar, 3>;
     std::vector<Position> first;
     std::vector<std::int32_t> by;
-    std::int64_t differs = share.vertices().all;
+    std::int64_t differs = all_;
     std::array<int, 2> ranks{};
     agree(Phase::ids, [&] {
         first.resize(static_cast<std::size_t>(block_size_));
@@ -171,7 +174,7 @@ void SharedVertices::check_copies(Rounds& rounds, Agreement& agree, const Share&
         [&](int rank, std::int64_t begin, std::span<Position> rows) {
             const auto at = static_cast<std::size_t>(told_.first[static_cast<std::size_t>(rank)] + begin);
             for (std::size_t i = 0; i < rows.size(); ++i) {
-                const Vec3d p = share.scene().position(told_.element[at + i]);
+                const Vec3d p = reader(told_.element[at + i]);
                 rows[i] = {static_cast<Scalar>(p.x), static_cast<Scalar>(p.y), static_cast<Scalar>(p.z)};
             }
         },
@@ -191,8 +194,8 @@ void SharedVertices::check_copies(Rounds& rounds, Agreement& agree, const Share&
             }
         });
     agree(Phase::ids, [&] {
-        if (differs < share.vertices().all)
-            refuse("the copies of vertex " + std::to_string(differs) + " on rank " + std::to_string(ranks[0]) +
+        if (differs < all_)
+            refuse("the copies of vertex " + std::to_string(differs) + when + " on rank " + std::to_string(ranks[0]) +
                        " and on rank " + std::to_string(ranks[1]) + " differ",
                    Element::vertex, differs);
     });

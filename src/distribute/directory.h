@@ -36,11 +36,12 @@ class SharedVertices {
     bool shared(std::int32_t v) const { return any_ && shared_[static_cast<std::size_t>(v)]; }
 
     /// Throws the same Error on all ranks unless all copies are equal, bit by bit. Only those that are shared travel.
-    void check(Rounds& rounds, Agreement& agree, const Share& share, bool float32) const;
+    /// `when` follows the vertex in the message.
+    void check(Rounds& rounds, Agreement& agree, const VertexReader& reader, bool float32, const char* when) const;
 
    private:
     template <class Scalar>
-    void check_copies(Rounds& rounds, Agreement& agree, const Share& share) const;
+    void check_copies(Rounds& rounds, Agreement& agree, const VertexReader& reader, const char* when) const;
 
     bool any_ = false;
     std::vector<std::uint8_t> shared_;  ///< by vertex of this rank
@@ -48,7 +49,7 @@ class SharedVertices {
     Traffic traffic_{0};                ///< of them
     std::vector<std::int32_t> kept_;    ///< by row that comes in: which of this rank's block
     std::vector<std::int64_t> first_from_;
-    std::int64_t block_begin_ = 0, block_size_ = 0;
+    std::int64_t block_begin_ = 0, block_size_ = 0, all_ = 0;
 };
 
 }  // namespace crumple::distribute

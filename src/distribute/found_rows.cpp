@@ -1,67 +1,11 @@
 #include "distribute/found_rows.h"
 
 #include <algorithm>
-#include <numeric>
-#include <span>
+
+#include "distribute/exchange_lists.h"
+#include "distribute/merge_runs.h"
 
 namespace crumple::distribute {
-namespace {
-
-/// A list for each rank, from each rank: all that come lie in one, those of rank 0 first.
-template <class Row, class List>
-void exchange_lists(Rounds& rounds, const Traffic& traffic, List list, std::vector<Row>& coming) {
-    std::vector<std::int64_t> first(1, 0);
-    for (const std::int64_t rows : traffic.in) first.push_back(first.back() + rows);
-    rounds.exchange<Row>(
-        traffic,
-        [&](int rank, std::int64_t begin, std::span<Row> rows) {
-            const std::vector<Row>& from = list(static_cast<std::size_t>(rank));
-            std::copy_n(from.begin() + static_cast<std::ptrdiff_t>(begin), rows.size(), rows.begin());
-        },
-        [&](int rank, std::int64_t begin, std::span<const Row> rows) {
-            std::copy(rows.begin(), rows.end(),
-                      coming.begin() + static_cast<std::ptrdiff_t>(first[static_cast<std::size_t>(rank)] + begin));
-        });
-}
-
-template <class List>
-Traffic traffic_of(Rounds& rounds, List size) {
-    Traffic traffic(rounds.transport().size());
-    for (std::size_t r = 0; r < traffic.out.size(); ++r) traffic.out[r] = static_cast<std::int64_t>(size(r));
-    rounds.transport().all_to_all(traffic.out, traffic.in);
-    return traffic;
-}
-
-/// Sorts rows that come in a few runs, each in order: those of one part from one rank.
-template <class Row, class Key>
-void merge_runs(std::vector<Row>& rows, Key key) {
-    const auto before = [&](const Row& a, const Row& b) { return key(a) < key(b); };
-    std::vector<std::size_t> first(1, 0);
-    for (std::size_t i = 1; i < rows.size(); ++i)
-        if (before(rows[i], rows[i - 1])) first.push_back(i);
-    std::vector<Row> merged(first.size() > 1 ? rows.size() : 0);
-    while (first.size() > 1) {
-        std::vector<std::size_t> next;
-        for (std::size_t r = 0; r < first.size(); r += 2) {
-            const auto at = [&](std::size_t run) {
-                return static_cast<std::ptrdiff_t>(run < first.size() ? first[run] : rows.size());
-            };
-            const auto begin = rows.begin();
-            next.push_back(first[r]);
-            std::merge(begin + at(r), begin + at(r + 1), begin + at(r + 1), begin + at(r + 2), merged.begin() + at(r),
-                       before);
-        }
-        rows.swap(merged);
-        first = std::move(next);
-    }
-}
-
-std::size_t all(const std::vector<std::int64_t>& counts) {
-    return static_cast<std::size_t>(std::accumulate(counts.begin(), counts.end(), std::int64_t{0}));
-}
-
-}  // namespace
-
 void FoundRows::add(const AssembledPart& part, const Collisions& found) {
     const std::int32_t* const ids = part.part().mesh.ids.data();
     const bool contacts = !found.contacts.kinds.empty();

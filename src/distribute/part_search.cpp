@@ -36,4 +36,26 @@ bool PartSearch::any(const Part& part, const Query& query, std::unique_ptr<Scene
     return found;
 }
 
+template <class Question, class Answer>
+const Answer& PartSearch::find_features(const Part& part, const Question& question,
+                                        std::unique_ptr<SceneMemory>& memory, std::stop_token stop, Answer& answer) {
+    bool frugal = false;
+    const auto attempt = [&] { features.find(*backend, part, question, frugal, answer); };
+    backend->swap_memory(memory);
+    within_limit(
+        std::move(stop), attempt, [&] { return frugal = true; }, [&] { return peak_of(attempt); });
+    backend->swap_memory(memory);
+    answer.statistics.peak_memory_bytes = meter.peak;
+    return answer;
+}
+
+const Impacts& PartSearch::find(const Part& part, const Motion& question, std::unique_ptr<SceneMemory>& memory,
+                                std::stop_token stop) {
+    return find_features(part, question, memory, std::move(stop), impacts);
+}
+const Nearby& PartSearch::find(const Part& part, const Near& question, std::unique_ptr<SceneMemory>& memory,
+                               std::stop_token stop) {
+    return find_features(part, question, memory, std::move(stop), nearby);
+}
+
 }  // namespace crumple::distribute

@@ -21,11 +21,20 @@ class PartSearch : private DetectorState {
     /// Whether there is a pair among the part's triangles.
     bool any(const Part& part, const Query& query, std::unique_ptr<SceneMemory>& memory, std::stop_token stop);
 
+    /// What the part owns of questions about features, by its ids. Valid until the next call.
+    const Impacts& find(const Part& part, const Motion& question, std::unique_ptr<SceneMemory>& memory,
+                        std::stop_token stop);
+    const Nearby& find(const Part& part, const Near& question, std::unique_ptr<SceneMemory>& memory,
+                       std::stop_token stop);
+
     ParallelFor& workers() { return *backend; }
     MemoryMeter& memory() { return meter; }
     void release() { forget(); }
 
    private:
+    template <class Question, class Answer>
+    const Answer& find_features(const Part& part, const Question& question, std::unique_ptr<SceneMemory>& memory,
+                                std::stop_token stop, Answer& answer);
     template <class Work>
     void guarded(const Part& part, const Query& query, std::unique_ptr<SceneMemory>& memory, std::stop_token stop,
                  Work work);

@@ -10,9 +10,11 @@
 #include <utility>
 
 #include "base/float_environment.h"
+#include "checks.h"
 #include "distribute/delivery.h"
+#include "distribute/found_features.h"
+#include "distribute/found_rows.h"
 #include "engine/output.h"
-#include "geometry/position_hash.h"
 
 namespace crumple::distribute {
 namespace {
@@ -26,32 +28,14 @@ double number(std::int64_t ordered) {
     return std::bit_cast<double>(ordered >= 0 ? ordered : std::numeric_limits<std::int64_t>::min() - ordered);
 }
 
-/// What ranks have to agree upon, as numbers.
-std::vector<std::int64_t> told(const Query& query, int wants, const DistributedOptions& options) {
-    std::vector<std::int64_t> told{wants,
-                                   static_cast<std::int64_t>(query.neighbours),
-                                   static_cast<std::int64_t>(query.intersections),
-                                   query.weld,
-                                   query.contacts,
-                                   static_cast<std::int64_t>(query.wanted),
-                                   options.parts,
-                                   options.round_bytes,
-                                   static_cast<std::int64_t>(query.excluded_groups.size())};
-    // A word that differs, all but surely, where the lists do.
-    std::uint64_t word = 0x9e3779b97f4a7c15ull;
-    for (const GroupPair& pair : query.excluded_groups)
-        for (const std::int32_t group : {std::min(pair.first, pair.second), std::max(pair.first, pair.second)})
-            word = (word ^ static_cast<std::uint32_t>(group)) * 0xff51afd7ed558ccdull, word ^= word >> 32;
-    told.push_back(static_cast<std::int64_t>(word >> 1));
-    return told;
+// Impacts in order; times are not negative.
+std::array<std::int64_t, 5> key_of(const FirstImpact& impact) {
+    return {std::bit_cast<std::int64_t>(impact.toi), static_cast<std::int64_t>(impact.kind), impact.pair.a,
+            impact.pair.b, !impact.start};
 }
 
 double time_of_day() {
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
-void check(bool holds, const char* message) {
-    if (!holds) throw Error(ErrorCode::invalid_argument, message, Element::option);
 }
 
 }  // namespace
@@ -69,88 +53,81 @@ RankDetector::RankDetector(Transport& transport, const DistributedOptions& optio
         engine_.emplace(options_.detector);
     });
     agree_.before = [&](Phase phase) {
-        result_.statistics[phase_] += watch_.lap();
+        statistics_[phase_] += watch_.lap();
         phase_ = phase;
         if (stop_.stop_requested()) throw Error(ErrorCode::cancelled, "the call was cancelled");
         if (hook_) hook_(phase);
     };
 }
 
-const DistributedCollisions& RankDetector::find_self(const MeshShare& share, const Query& query, std::stop_token stop) {
-    answer(share, query, Wants::pairs, std::move(stop));
-    return result_;
-}
-std::int64_t RankDetector::count(const MeshShare& share, const Query& query, std::stop_token stop) {
-    answer(share, query, Wants::count, std::move(stop));
-    return result_.total;
-}
-bool RankDetector::has_collision(const MeshShare& share, const Query& query, std::stop_token stop) {
-    answer(share, query, Wants::any, std::move(stop));
-    return result_.total > 0;
-}
-
-void RankDetector::answer(const MeshShare& share, const Query& query, Wants wants, std::stop_token stop) {
+template <class Ask, class Work>
+void RankDetector::answer(const MeshShare& share, const VertexView* end, Ask ask, std::stop_token stop, Work work) {
     const FloatEnvironment environment;
     Stopwatch whole;
     watch_.lap();
     stop_ = std::move(stop);
-    result_.statistics = {};
-    result_.pairs.clear();
-    result_.contacts = {};
+    statistics_ = {};
     rounds_.reset_counts();
     phase_ = Phase::question;
     try {
-        ask(share, query, wants);
-        read(share);
+        agree_(Phase::question, [&] {
+            asked_ = ask();
+            Share::check_shape(share);
+        });
+        settle_question(share, end);
+        read(share, end);
         settle_ids();
         place();
         list_members();
         deliver();
-        search(query, wants);
-        finish(query, wants);
+        work();
     } catch (...) {
         forget();
         throw;
     }
-    DistributedStatistics& statistics = result_.statistics;
-    statistics[phase_] += watch_.lap();
-    statistics.milliseconds = whole.lap();
-    statistics.bytes_sent = rounds_.bytes_sent();
-    statistics.messages = rounds_.messages();
+    statistics_[phase_] += watch_.lap();
+    statistics_.milliseconds = whole.lap();
+    statistics_.bytes_sent = rounds_.bytes_sent();
+    statistics_.messages = rounds_.messages();
 }
 
 // One reduction for all that ranks have to agree upon, or to know of each other.
-void RankDetector::ask(const MeshShare& share, const Query& query, Wants wants) {
-    agree_(Phase::question, [&] { Share::check_shape(share); });
-    std::vector<std::int64_t> asked = told(query, static_cast<int>(wants), options_);
-    const std::size_t n = asked.size();
-    for (std::size_t i = 0; i < n; ++i) asked.push_back(-asked[i]);
-    asked.push_back(-std::int64_t{!share.triangle_ids.empty()});
-    asked.push_back(-std::int64_t{!share.vertex_ids.empty()});
-    asked.push_back(-std::int64_t{!share.mesh.groups.empty()});
+void RankDetector::settle_question(const MeshShare& share, const VertexView* end) {
+    std::vector<std::int64_t> told = asked_.told;
+    told.push_back(options_.parts);
+    told.push_back(options_.round_bytes);
+    // Of different questions there may be different numbers of numbers.
+    constexpr std::size_t n = 16;
+    told.resize(n, 0);
+    for (std::size_t i = 0; i < n; ++i) told.push_back(-told[i]);
+    const auto is_float64 = [](const VertexView& view) { return view.type == ScalarType::float64 && view.rows > 0; };
+    told.push_back(-std::int64_t{!share.triangle_ids.empty()});
+    told.push_back(-std::int64_t{!share.vertex_ids.empty()});
+    told.push_back(-std::int64_t{!share.mesh.groups.empty()});
     // What has no vertices has no precision.
-    asked.push_back(-std::int64_t{share.mesh.vertices.type == ScalarType::float64 && share.mesh.vertices.rows > 0});
-    reduce(asked, Reduction::min);
-    triangle_ids_ = asked[2 * n] != 0, vertex_ids_ = asked[2 * n + 1] != 0, groups_ = asked[2 * n + 2] != 0;
-    float32_ = asked[2 * n + 3] == 0;
+    told.push_back(-std::int64_t{is_float64(share.mesh.vertices) || (end && is_float64(*end))});
+    reduce(told, Reduction::min);
+    triangle_ids_ = told[2 * n] != 0, vertex_ids_ = told[2 * n + 1] != 0, groups_ = told[2 * n + 2] != 0;
+    float32_ = told[2 * n + 3] == 0;
     counts_.assign(2 * static_cast<std::size_t>(transport_.size()), 0);
     counts_[2 * static_cast<std::size_t>(transport_.rank())] = share.mesh.triangles.rows;
     counts_[2 * static_cast<std::size_t>(transport_.rank()) + 1] = share.mesh.vertices.rows;
     reduce(counts_, Reduction::sum);
     agree_(Phase::question, [&] {
         for (std::size_t i = 0; i < n; ++i)
-            check(asked[i] == -asked[n + i], "the ranks ask different questions, or have different options");
+            check(told[i] == -told[n + i], "the ranks ask different questions, or have different options");
         std::int64_t triangles = 0;
         for (std::size_t r = 0; r < counts_.size(); r += 2) triangles += counts_[r];
-        check(query.wanted != Wanted::between || groups_ || triangles == 0,
+        check(!asked_.between_groups || groups_ || triangles == 0,
               "wanted between needs groups, and no rank has any: nothing lies between different groups");
     });
 }
 
-void RankDetector::read(const MeshShare& share) {
+void RankDetector::read(const MeshShare& share, const VertexView* end) {
     agree_(Phase::input, [&] {
         share_.number(share, triangle_ids_, vertex_ids_, counts_, transport_.rank());
         share_.read(share, engine_->workers());
+        if (end) share_.read_end(*end, engine_->workers());
     });
     const Scene& scene = share_.scene();
     const bool empty = scene.vertex_count() == 0;
@@ -183,16 +160,21 @@ void RankDetector::settle_ids() {
     if (!same_) {
         if (triangle_ids_) check_each_once(rounds_, agree_, share_.triangles(), share_.scene().triangle_count());
         copies_.learn(rounds_, agree_, share_.vertices(), share_.scene().vertex_count());
+        features_.forget();
     }
-    copies_.check(rounds_, agree_, share_, float32_);
+    copies_.check(rounds_, agree_, share_.scene().reader[0], float32_, "");
+    if (!asked_.features) return;
+    if (asked_.features->moving) copies_.check(rounds_, agree_, share_.scene().end, float32_, " at the end");
+    if (!features_.known()) features_.learn(rounds_, agree_, share_, copies_);
 }
 
 void RankDetector::place() {
     const int parts = parts_wanted();
     const bool serves = placement_.serves(parts, box_);
-    if (same_ && serves && !on_any_rank(members_.stale())) return;
+    if (same_ && serves && asked_.features == demand_ && !on_any_rank(members_.stale())) return;
     same_ = false;
     drop_parts();
+    demand_ = asked_.features;
     if (serves) return;
     owners_.forget();
     expected_work_.clear();
@@ -200,7 +182,16 @@ void RankDetector::place() {
 }
 
 void RankDetector::list_members() {
-    agree_(Phase::members, [&] { members_.update(share_, placement_, engine_->workers()); });
+    agree_(Phase::members, [&] {
+        if (demand_) {
+            const FeaturePartQuestion question{demand_->moving, demand_->distance, demand_->share};
+            placement_.widen(&question);
+        } else {
+            placement_.widen(nullptr);
+        }
+        members_.set_features(demand_ ? &features_ : nullptr);
+        members_.update(share_, placement_, engine_->workers());
+    });
     give_out();
     agree_(Phase::members, [&] { own_parts(); });
 }
@@ -246,76 +237,178 @@ void RankDetector::own_parts() {
     for (const std::int32_t k : owners_.parts_of(transport_.rank())) {
         const auto at =
             std::find_if(mine_.begin(), mine_.end(), [&](const AssembledPart& part) { return part.index() == k; });
-        if (at != mine_.end())
+        if (at != mine_.end()) {
             mine.push_back(std::move(*at));
-        else
-            mine.emplace_back(k, placement_.parts(), placement_.path(k), float32_, groups_);
+            continue;
+        }
+        mine.emplace_back(k, placement_.parts(), placement_.path(k), float32_, groups_);
+        if (demand_) mine.back().know_features(demand_->moving);
+        assemblies_.erase(k);
     }
     mine_ = std::move(mine);
 }
 
 void RankDetector::deliver() {
     const auto depth = static_cast<std::size_t>(placement_.tree().depth);
+    const bool features = demand_.has_value();
     Delivery(rounds_, agree_, owners_, members_, share_, copies_, mine_, depth)
-        .run({.float32 = float32_}, [&](std::int64_t bytes) {
-            MemoryMeter& memory = engine_->memory();
-            if (memory.limit == 0) return;
-            memory.add(bytes);
-            reserved_ += bytes;
-        });
-    result_.statistics.moved = same_;
+        .run({.float32 = float32_, .features = features, .moving = features && demand_->moving},
+             [&](std::int64_t bytes) {
+                 MemoryMeter& memory = engine_->memory();
+                 if (memory.limit == 0) return;
+                 memory.add(bytes);
+                 reserved_ += bytes;
+             });
+    statistics_.moved = same_;
 }
 
-void RankDetector::search(const Query& query, Wants wants) {
-    found_.emplace(transport_.size());
-    found_here_ = 0;
+template <class Each, class Done>
+void RankDetector::search(Each each, Done done) {
     work_.assign(static_cast<std::size_t>(placement_.parts()), 0);
-    DistributedStatistics& statistics = result_.statistics;
     agree_(Phase::search, [&] {
-        for (std::size_t m = 0; m < mine_.size(); ++m) {
-            AssembledPart& part = mine_[m];
-            if (part.size() == 0 || (wants == Wants::any && found_here_ > 0)) continue;
+        for (AssembledPart& part : mine_) {
+            if (part.size() == 0 || done()) continue;
             const double begin = clock_();
-            if (wants == Wants::any) {
-                found_here_ = engine_->any(part.part(), query, part.memory(), stop_);
-            } else {
-                const Collisions& found = engine_->find(part.part(), query, part.memory(), stop_);
-                found_here_ += static_cast<std::int64_t>(found.pairs.size());
-                if (wants == Wants::pairs) found_->add(part, found);
-                add_pass(found.statistics, statistics.search);
-            }
+            each(part);
             const double milliseconds = clock_() - begin;
             work_[static_cast<std::size_t>(part.index())] = static_cast<std::int64_t>(1e6 * milliseconds);
-            statistics.work_milliseconds += milliseconds;
-            statistics.members += part.size();
-            ++statistics.parts;
+            statistics_.work_milliseconds += milliseconds;
+            statistics_.members += part.size();
+            ++statistics_.parts;
         }
     });
 }
 
-void RankDetector::finish(const Query& query, Wants wants) {
-    if (wants == Wants::pairs) found_->exchange(rounds_, agree_, query.contacts, result_);
-    found_.reset();
-    const std::int64_t here = std::accumulate(work_.begin(), work_.end(), std::int64_t{0});
-    work_.push_back(found_here_);
-    reduce(work_, Reduction::sum);
-    result_.total = work_.back();
-    work_.pop_back();
-    expect_work(wants);
-    std::int64_t largest = here;
+std::int64_t RankDetector::add_up(std::int64_t found, bool cut_short) {
+    statistics_.search.pairs = found;
+    std::int64_t largest = std::accumulate(work_.begin(), work_.end(), std::int64_t{0});
     reduce({&largest, 1}, Reduction::max);
-    result_.statistics.largest_work = 1e-6 * static_cast<double>(largest);
-    result_.statistics.mean_work =
-        1e-6 * static_cast<double>(std::accumulate(work_.begin(), work_.end(), std::int64_t{0})) / transport_.size();
-    result_.statistics.search.pairs = found_here_;
+    work_.push_back(found);
+    reduce(work_, Reduction::sum);
+    const std::int64_t all = work_.back();
+    work_.pop_back();
+    const auto sum = static_cast<double>(std::accumulate(work_.begin(), work_.end(), std::int64_t{0}));
+    statistics_.largest_work = 1e-6 * static_cast<double>(largest);
+    statistics_.mean_work = 1e-6 * sum / transport_.size();
+    if (cut_short) return all;
+    // What is expected of the next call is a mean of calls before, for times jitter.
+    if (expected_work_.size() != work_.size()) expected_work_ = work_;
+    for (std::size_t k = 0; k < work_.size(); ++k) expected_work_[k] = (expected_work_[k] + work_[k]) / 2;
+    return all;
 }
 
-// Of the next call: a mean of calls before, for times jitter. A search for any pair is cut short, and tells nothing.
-void RankDetector::expect_work(Wants wants) {
-    if (wants == Wants::any) return;
-    const bool known = expected_work_.size() == work_.size();
-    if (!known) expected_work_ = work_;
-    for (std::size_t k = 0; known && k < work_.size(); ++k) expected_work_[k] = (expected_work_[k] + work_[k]) / 2;
+const DistributedCollisions& RankDetector::find_self(const MeshShare& share, const Query& query, std::stop_token stop) {
+    find(share, query, Wants::pairs, std::move(stop));
+    return result_;
+}
+std::int64_t RankDetector::count(const MeshShare& share, const Query& query, std::stop_token stop) {
+    find(share, query, Wants::count, std::move(stop));
+    return result_.total;
+}
+bool RankDetector::has_collision(const MeshShare& share, const Query& query, std::stop_token stop) {
+    find(share, query, Wants::any, std::move(stop));
+    return result_.total > 0;
+}
+
+void RankDetector::find(const MeshShare& share, const Query& query, Wants wants, std::stop_token stop) {
+    result_ = {};
+    const auto work = [&] {
+        FoundRows rows(transport_.size());
+        std::int64_t found = 0;
+        const auto each = [&](AssembledPart& part) {
+            if (wants == Wants::any) {
+                found = engine_->any(part.part(), query, part.memory(), stop_);
+                return;
+            }
+            const Collisions& in_part = engine_->find(part.part(), query, part.memory(), stop_);
+            found += static_cast<std::int64_t>(in_part.pairs.size());
+            if (wants == Wants::pairs) rows.add(part, in_part);
+            add_pass(in_part.statistics, statistics_.search);
+        };
+        search(each, [&] { return wants == Wants::any && found > 0; });
+        if (wants == Wants::pairs) rows.exchange(rounds_, agree_, query.contacts, result_);
+        result_.total = add_up(found, wants == Wants::any);
+    };
+    answer(
+        share, nullptr, [&] { return asked_by(query, wants); }, std::move(stop), work);
+    result_.statistics = statistics_;
+}
+
+// each(part, part as the engine takes it) returns what is found in a part. `listed`: rows are wanted; `cut_short`: a
+// first one is enough.
+template <class Each, class Result>
+void RankDetector::search_features(Each each, bool listed, bool cut_short, Result& result) {
+    FoundFeatures rows(transport_.size());
+    std::int64_t found = 0;
+    bool any = false;
+    const auto one = [&](AssembledPart& part) {
+        FeatureAssembly& assembly = assemblies_[part.index()];
+        const auto& in_part = each(part, assembly.update(part, *demand_));
+        any = any || in_part.any;
+        found += in_part.count;
+        if (listed) rows.add(assembly, in_part);
+        add_pass(in_part.statistics, statistics_.search);
+    };
+    search(one, [&] { return cut_short && any; });
+    if (listed) rows.exchange(rounds_, agree_, result);
+    result.total = add_up(found, !listed);
+    result.any = on_any_rank(any);
+}
+
+const DistributedImpacts& RankDetector::find_impacts(const MeshShare& share, const VertexView& end,
+                                                     const Motion& question, std::stop_token stop) {
+    impacts_ = {};
+    const bool listed = question.wants == MotionWants::impacts;
+    const bool any = question.wants == MotionWants::any || question.wants == MotionWants::any_by_world;
+    FirstImpact first;
+    const auto each = [&](AssembledPart& part, const Part& of) -> const Impacts& {
+        const Impacts& found = engine_->find(of, question, part.memory(), stop_);
+        if (found.first.found && (!first.found || key_of(found.first) < key_of(first))) first = found.first;
+        return found;
+    };
+    const auto work = [&] {
+        search_features(each, listed, any, impacts_);
+        if (!any) impacts_.first = first_of_all(first);
+    };
+    answer(
+        share, &end, [&] { return asked_by(question); }, std::move(stop), work);
+    impacts_.statistics = statistics_;
+    return impacts_;
+}
+
+const DistributedNearby& RankDetector::find_near(const MeshShare& share, const Near& question, std::stop_token stop) {
+    nearby_ = {};
+    nearby_.closest = question.closest && question.wants == NearWants::pairs;
+    const bool listed = question.wants == NearWants::pairs;
+    const auto each = [&](AssembledPart& part, const Part& of) -> const Nearby& {
+        return engine_->find(of, question, part.memory(), stop_);
+    };
+    answer(
+        share, nullptr, [&] { return asked_by(question); }, std::move(stop),
+        [&] { search_features(each, listed, !listed, nearby_); });
+    nearby_.statistics = statistics_;
+    return nearby_;
+}
+
+// The least in time, then in the order of the lists: number by number, and whoever falls back is out.
+FirstImpact RankDetector::first_of_all(const FirstImpact& here) {
+    constexpr std::int64_t none = std::numeric_limits<std::int64_t>::max();
+    const std::array<std::int64_t, 5> key = key_of(here);
+    std::array<std::int64_t, 5> first{};
+    bool in = here.found;
+    for (std::size_t i = 0; i < key.size(); ++i) {
+        first[i] = in ? key[i] : none;
+        reduce({&first[i], 1}, Reduction::min);
+        if (i == 0 && first[0] == none) return {};
+        in = in && key[i] == first[i];
+    }
+    FirstImpact impact;
+    impact.found = true;
+    impact.toi = std::bit_cast<double>(first[0]);
+    impact.kind = static_cast<FeatureKind>(first[1]);
+    impact.pair = {static_cast<std::int32_t>(first[2]), static_cast<std::int32_t>(first[3])};
+    impact.start = first[4] == 0;
+    return impact;
 }
 
 void RankDetector::forget() {
@@ -324,13 +417,14 @@ void RankDetector::forget() {
     owners_.forget();
     drop_parts();
     expected_work_.clear();
-    found_.reset();
-    result_ = {};
+    features_.forget();
+    result_ = {}, impacts_ = {}, nearby_ = {};
     engine_->release();
 }
 
 void RankDetector::drop_parts() {
     mine_.clear();
+    assemblies_.clear();
     members_.forget();
     if (reserved_ > 0) engine_->memory().add(-std::exchange(reserved_, 0));
 }

@@ -10,6 +10,8 @@
 //     room       owners make room, and are told what is new
 
 #include <cstdint>
+#include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -19,9 +21,11 @@
 #include "base/stopwatch.h"
 #include "crumple/distributed.h"
 #include "distribute/agreement.h"
+#include "distribute/asked.h"
 #include "distribute/assembled_part.h"
 #include "distribute/directory.h"
-#include "distribute/found_rows.h"
+#include "distribute/feature_assembly.h"
+#include "distribute/feature_owners.h"
 #include "distribute/members.h"
 #include "distribute/part_search.h"
 #include "distribute/placement.h"
@@ -38,20 +42,27 @@ class RankDetector {
     const DistributedCollisions& find_self(const MeshShare& share, const Query& query, std::stop_token stop = {});
     std::int64_t count(const MeshShare& share, const Query& query, std::stop_token stop = {});
     bool has_collision(const MeshShare& share, const Query& query, std::stop_token stop = {});
+    const DistributedImpacts& find_impacts(const MeshShare& share, const VertexView& end, const Motion& question,
+                                           std::stop_token stop = {});
+    const DistributedNearby& find_near(const MeshShare& share, const Near& question, std::stop_token stop = {});
 
     const DistributedOptions& options() const { return options_; }
-    const DistributedStatistics& statistics() const { return result_.statistics; }
+    const DistributedStatistics& statistics() const { return statistics_; }
     /// What tells how long a search took, in milliseconds; by default the time of day.
     void set_clock(double (*clock)()) { clock_ = clock; }
     /// Called at the beginning of each phase, where what it throws is settled.
     void set_hook(std::function<void(Phase)> hook) { hook_ = std::move(hook); }
 
    private:
-    enum class Wants : std::uint8_t { any, count, pairs };
+    /// All phases. ask() makes the question, and may throw; work() does the last three.
+    template <class Ask, class Work>
+    void answer(const MeshShare& share, const VertexView* end, Ask ask, std::stop_token stop, Work work);
+    void find(const MeshShare& share, const Query& query, Wants wants, std::stop_token stop);
+    template <class Each, class Result>
+    void search_features(Each each, bool listed, bool cut_short, Result& result);
 
-    void answer(const MeshShare& share, const Query& query, Wants wants, std::stop_token stop);
-    void ask(const MeshShare& share, const Query& query, Wants wants);
-    void read(const MeshShare& share);
+    void settle_question(const MeshShare& share, const VertexView* end);
+    void read(const MeshShare& share, const VertexView* end);
     void settle_ids();
     void place();
     void list_members();
@@ -59,9 +70,12 @@ class RankDetector {
     void give_out_anew();
     void own_parts();
     void deliver();
-    void search(const Query& query, Wants wants);
-    void finish(const Query& query, Wants wants);
-    void expect_work(Wants wants);
+    /// each(part) searches a part and adds up what is found here; until done() says that this is enough.
+    template <class Each, class Done>
+    void search(Each each, Done done);
+    /// Adds up over all ranks: what is found, and the work.
+    std::int64_t add_up(std::int64_t found, bool cut_short);
+    FirstImpact first_of_all(const FirstImpact& here);
     void forget();
     void drop_parts();
 
@@ -80,12 +94,13 @@ class RankDetector {
     Phase phase_ = Phase::question;
 
     // Of this call:
-    bool float32_ = true, groups_ = false, triangle_ids_ = false, vertex_ids_ = false, same_ = false;
+    Asked asked_;
+    bool float32_ = true, groups_ = false, triangle_ids_ = false, vertex_ids_ = false;
+    bool same_ = false;  ///< triangles, groups and ids are those of the call before; later: so are parts
     std::vector<std::int64_t> counts_;
     Box box_;
-    std::optional<FoundRows> found_;
-    std::int64_t found_here_ = 0;
     std::vector<std::int64_t> work_;  ///< nanoseconds of each part
+    DistributedStatistics statistics_;
 
     // From call to call:
     std::optional<PartSearch> engine_;
@@ -97,7 +112,12 @@ class RankDetector {
     std::vector<AssembledPart> mine_;
     std::vector<std::int64_t> expected_work_;  ///< nanoseconds of each part; empty: not known
     std::int64_t reserved_ = 0;                ///< bytes of parts, as the meter has them
+    std::optional<FeatureDemand> demand_;      ///< that parts are made for
+    FeatureOwners features_;
+    std::map<std::int32_t, FeatureAssembly> assemblies_;  ///< of this rank's parts, of questions about features
     DistributedCollisions result_;
+    DistributedImpacts impacts_;
+    DistributedNearby nearby_;
 };
 
 }  // namespace crumple::distribute

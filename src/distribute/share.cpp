@@ -108,13 +108,12 @@ void Share::number(const MeshShare& share, bool triangle_ids, bool vertex_ids, s
     if (vertex_ids) has_ids(share.vertex_ids, share.mesh.vertices.rows, "vertex");
 }
 
-void Share::read(const MeshShare& share, ParallelFor& workers) {
-    MeshView mesh = share.mesh;
-    mesh.edges = {}, mesh.points = {};
+template <class Read>
+void Share::with_global_index(Read read) const {
     try {
-        scene_ = prepare_scene(mesh, nullptr, false, workers, buffers_);
+        read();
     } catch (const Error& error) {
-        if (error.element != Element::vertex && error.element != Element::triangle) throw;
+        if (error.index < 0 || (error.element != Element::vertex && error.element != Element::triangle)) throw;
         const bool vertex = error.element == Element::vertex;
         const Ids& ids = vertex ? vertices_ : triangles_;
         const std::int64_t id =
@@ -124,8 +123,18 @@ void Share::read(const MeshShare& share, ParallelFor& workers) {
             message += (vertex ? " (vertex " : " (triangle ") + std::to_string(id) + " over all ranks)";
         throw Error(error.code, message, error.element, id);
     }
+}
+
+void Share::read(const MeshShare& share, ParallelFor& workers) {
+    MeshView mesh = share.mesh;
+    mesh.edges = {}, mesh.points = {};
+    with_global_index([&] { scene_ = prepare_scene(mesh, nullptr, false, workers, buffers_); });
     check_range(triangles_, mesh.triangles.rows, triangles_.all, "triangle", Element::triangle);
     check_range(vertices_, mesh.vertices.rows, most, "vertex", Element::vertex);
+}
+
+void Share::read_end(const VertexView& end, ParallelFor& workers) {
+    with_global_index([&] { add_motion(end, workers, buffers_, scene_); });
 }
 
 bool Share::is_same_as_before() {

@@ -39,6 +39,8 @@ class Share {
     /// Checks vertices, triangles and ids on the threads of `workers`. Throws Error with the index over all ranks of
     /// the first that is bad, as their numbers go.
     void read(const MeshShare& share, ParallelFor& workers);
+    /// The same of where the vertices are at the end of a step. After read().
+    void read_end(const VertexView& end, ParallelFor& workers);
     /// Over all ranks there are so many vertices, where ids are given.
     void set_vertices(std::int64_t all) { vertices_.all = all; }
 
@@ -52,6 +54,10 @@ class Share {
     void forget();
 
    private:
+    /// Has read() do what throws an Error about this rank's elements, and throws it about those of all ranks.
+    template <class Read>
+    void with_global_index(Read read) const;
+
     SceneBuffers buffers_;
     Scene scene_;
     Ids triangles_, vertices_;

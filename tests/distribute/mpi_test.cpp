@@ -15,7 +15,7 @@
 
 #include "agreement/hard_soups.h"
 #include "crumple/crumple.h"
-#include "distribute/shares.h"
+#include "distribute/feature_rows.h"
 #include "error_of.h"
 #include "io/files.h"
 #include "scenes/scenes.h"
@@ -90,6 +90,25 @@ TEST_F(MpiRanks, have_the_answer_of_one_machine_on_real_scenes) {
         const WholeMesh mesh(io::read_mesh(*folder / name, {.triangulation = io::Triangulation::fan}));
         expect_same(mesh, every_distribution[number++ % 4], {.contacts = true}, name);
     }
+}
+
+TEST_F(MpiRanks, have_impacts_and_near_pairs_of_one_machine) {
+    Detector one({.backend = Backend::cpu, .threads = 1});
+    mpi::Detector detector(MPI_COMM_WORLD, one_thread());
+    for (const Distribution how : {Distribution::blocks, Distribution::random})
+        for (const NamedMove<double>& soup : moving_soups<double>(0.5)) {
+            const Step step(soup.soup);
+            const MeshPiece start(step.start, how, rank, ranks), end(step.end, how, rank, ranks);
+            const DistributedImpacts impacts = detector.find_impacts(start.share(), end.share().mesh.vertices);
+            const Near near{.radius = 0.25, .closest = true};
+            const DistributedNearby nearby = detector.find_near(start.share(), near);
+            const Impacts& expected = one.find_impacts(step.start.view(), step.end_view());
+            EXPECT_TRUE(rows_are(impacts, start.triangle_ids, expected, step.start)) << soup.name;
+            EXPECT_TRUE(impacts.first == expected.first) << soup.name;
+            EXPECT_TRUE(rows_are(nearby, start.triangle_ids, one.find_near(step.start.view(), near), step.start))
+                << soup.name;
+        }
+    detector.close();
 }
 
 TEST_F(MpiRanks, send_in_rounds_of_a_kilobyte) {

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <mutex>
 #include <stop_token>
 #include <vector>
 
@@ -12,6 +11,7 @@
 #include "distribute/pretended_ranks.h"
 #include "distribute/rank_detector.h"
 #include "distribute/shares.h"
+#include "distribute/verdicts.h"
 #include "error_of.h"
 #include "scenes/scenes.h"
 
@@ -39,22 +39,6 @@ Collisions answer_of_one(const WholeMesh& mesh, const Query& query = {}) {
     Detector one({.backend = Backend::cpu});
     return one.find_self(mesh.view(), query);
 }
-
-/// What the ranks have found out, one by one: GoogleTest's own records are not for many threads.
-class Verdicts {
-   public:
-    void add(int rank, const testing::AssertionResult& result) {
-        const std::lock_guard lock(mutex_);
-        if (!result) text_ += "rank " + std::to_string(rank) + ": " + result.message() + "; ";
-    }
-    testing::AssertionResult all() const {
-        return text_.empty() ? testing::AssertionSuccess() : testing::AssertionFailure() << text_;
-    }
-
-   private:
-    std::mutex mutex_;
-    std::string text_;
-};
 
 testing::AssertionResult same_as_one(const WholeMesh& mesh, Distribution how, int ranks, const Query& query = {},
                                      const DistributedOptions& options = one_thread()) {

@@ -154,6 +154,13 @@ std::int64_t Detector::count(const MeshShare& share, const Query& query, std::st
 bool Detector::has_collision(const MeshShare& share, const Query& query, std::stop_token stop) {
     return open().detector.has_collision(share, query, std::move(stop));
 }
+const DistributedImpacts& Detector::find_impacts(const MeshShare& share, const VertexView& end, const Motion& question,
+                                                 std::stop_token stop) {
+    return open().detector.find_impacts(share, end, question, std::move(stop));
+}
+const DistributedNearby& Detector::find_near(const MeshShare& share, const Near& question, std::stop_token stop) {
+    return open().detector.find_near(share, question, std::move(stop));
+}
 const DistributedStatistics& Detector::statistics() const { return open().detector.statistics(); }
 const DistributedOptions& Detector::options() const { return open().detector.options(); }
 int Detector::rank() const { return open().transport.rank(); }

@@ -1,0 +1,82 @@
+#include "distribute/asked.h"
+
+#include <algorithm>
+#include <bit>
+#include <span>
+
+#include "checks.h"
+
+namespace crumple::distribute {
+namespace {
+
+// Kinds of questions, which are told apart by the first number.
+enum class Kind : std::uint8_t { intersections, motion, nearness };
+
+std::int64_t bits(double x) { return std::bit_cast<std::int64_t>(x) >> 1; }  // its negative is a number, too
+
+// A word that differs, all but surely, where the lists do.
+std::int64_t word_of(std::span<const GroupPair> pairs) {
+    std::uint64_t word = 0x9e3779b97f4a7c15ull;
+    for (const GroupPair& pair : pairs)
+        for (const std::int32_t group : {std::min(pair.first, pair.second), std::max(pair.first, pair.second)})
+            word = (word ^ static_cast<std::uint32_t>(group)) * 0xff51afd7ed558ccdull, word ^= word >> 32;
+    return static_cast<std::int64_t>(word >> 1);
+}
+
+void tell(const Rules& rules, Asked& asked) {
+    check(rules.excluded_bodies.empty(), "excluded_bodies must be empty: a share is no world");
+    asked.told.insert(asked.told.end(),
+                      {static_cast<std::int64_t>(rules.bodies), static_cast<std::int64_t>(rules.groups),
+                       static_cast<std::int64_t>(rules.excluded_groups.size()), word_of(rules.excluded_groups)});
+    asked.between_groups = rules.groups == Wanted::between;
+}
+
+}  // namespace
+
+Asked asked_by(const Query& query, Wants wants) {
+    Asked asked;
+    asked.told = {static_cast<std::int64_t>(Kind::intersections),
+                  static_cast<std::int64_t>(wants),
+                  static_cast<std::int64_t>(query.neighbours),
+                  static_cast<std::int64_t>(query.intersections),
+                  query.weld,
+                  query.contacts,
+                  static_cast<std::int64_t>(query.wanted),
+                  static_cast<std::int64_t>(query.excluded_groups.size()),
+                  word_of(query.excluded_groups)};
+    asked.between_groups = query.wanted == Wanted::between;
+    return asked;
+}
+
+Asked asked_by(const Motion& question) {
+    check_question(question, false);
+    check(!question.triangle_pairs, "triangle_pairs must be false: ranks have none");
+    check(!question.index, "index must be false: ranks have no offsets by feature");
+    Asked asked;
+    asked.told = {static_cast<std::int64_t>(Kind::motion), static_cast<std::int64_t>(question.wants),
+                  bits(question.separation), bits(question.separation_share), question.weld};
+    asked.features = {true, question.separation, question.separation_share, question.weld};
+    tell(question.rules, asked);
+    return asked;
+}
+
+Asked asked_by(const Near& question) {
+    check_question(question, false);
+    check(question.radii.empty(), "radii must be empty: ranks take one radius");
+    check(!question.rest.data && question.rest.rows == 0, "rest must be empty: ranks take no shape at rest");
+    check(question.rings == 0, "rings must be 0: ranks leave out features with a common vertex");
+    check(!question.least, "least must be false: ranks tell no least distances");
+    check(!question.index, "index must be false: ranks have no offsets by feature");
+    Asked asked;
+    asked.told = {static_cast<std::int64_t>(Kind::nearness),
+                  static_cast<std::int64_t>(question.wants),
+                  bits(question.radius),
+                  question.strict,
+                  question.closest,
+                  question.weld};
+    asked.features = {false, question.radius, 0, question.weld};
+    tell(question.rules, asked);
+    return asked;
+}
+
+}  // namespace crumple::distribute

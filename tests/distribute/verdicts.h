@@ -1,0 +1,26 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <mutex>
+#include <string>
+
+namespace crumple::test {
+
+/// What the ranks have found out, one by one: GoogleTest's own records are not for many threads.
+class Verdicts {
+   public:
+    void add(int rank, const testing::AssertionResult& result) {
+        const std::lock_guard lock(mutex_);
+        if (!result) text_ += "rank " + std::to_string(rank) + ": " + result.message() + "; ";
+    }
+    testing::AssertionResult all() const {
+        return text_.empty() ? testing::AssertionSuccess() : testing::AssertionFailure() << text_;
+    }
+
+   private:
+    std::mutex mutex_;
+    std::string text_;
+};
+
+}  // namespace crumple::test
