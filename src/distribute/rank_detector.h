@@ -20,6 +20,7 @@
 
 #include "base/stopwatch.h"
 #include "crumple/distributed.h"
+#include "crumple/function_ref.h"
 #include "distribute/agreement.h"
 #include "distribute/asked.h"
 #include "distribute/assembled_part.h"
@@ -55,8 +56,8 @@ class RankDetector {
 
    private:
     /// All phases. ask() makes the question, and may throw; work() does the last three.
-    template <class Ask, class Work>
-    void answer(const MeshShare& share, const VertexView* end, Ask ask, std::stop_token stop, Work work);
+    void answer(const MeshShare& share, const VertexView* end, FunctionRef<Asked()> ask, std::stop_token stop,
+                FunctionRef<void()> work);
     void find(const MeshShare& share, const Query& query, Wants wants, std::stop_token stop);
     template <class Each, class Result>
     void search_features(Each each, bool listed, bool cut_short, Result& result);
@@ -71,8 +72,7 @@ class RankDetector {
     void own_parts();
     void deliver();
     /// each(part) searches a part and adds up what is found here; until done() says that this is enough.
-    template <class Each, class Done>
-    void search(Each each, Done done);
+    void search(FunctionRef<void(AssembledPart&)> each, FunctionRef<bool()> done);
     /// Adds up over all ranks: what is found, and the work.
     std::int64_t add_up(std::int64_t found, bool cut_short);
     FirstImpact first_of_all(const FirstImpact& here);
