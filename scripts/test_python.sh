@@ -1,20 +1,22 @@
 #!/usr/bin/env bash
 # Builds the Python package as pip does, installs it into a virtual environment of its own (build-python/), and runs its
 # tests and examples:
-#   scripts/test_python.sh [--all | --sanitize | --cuda] [pytest's options]
+#   scripts/test_python.sh [--all | --sanitize | --cuda | --mpi] [pytest's options]
 # --all also installs the packages that it works with (PyVista, Open3D, JAX, Warp, IPC Toolkit, ...: about 3 GB), whose
 # tests are skipped otherwise; PyTorch is tested where it is installed. --sanitize builds with AddressSanitizer and runs
 # what concerns arrays, their lifetimes and threads. --cuda builds the module alone, with the cuda backend that the CPU
-# plays (docs/cuda_on_cpu.md), and runs what concerns arrays on a device. PYTHON names the interpreter.
+# plays (docs/cuda_on_cpu.md), and runs what concerns arrays on a device. --mpi builds crumple.mpi's, too, and runs what
+# concerns ranks. PYTHON names the interpreter.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-all=() sanitize='' cuda=''
+all=() sanitize='' cuda='' mpi=()
 case ${1-} in
     --all) all=(--python-peers); shift ;;
     --sanitize) sanitize=-sanitized; shift ;;
     --cuda) cuda=1; shift ;;
+    --mpi) mpi=(--mpi); shift ;;
 esac
-scripts/install_dependencies.sh --python "${all[@]}"
+scripts/install_dependencies.sh --python "${all[@]}" "${mpi[@]}"
 ! command -v ccache >/dev/null || . scripts/ccache.sh
 
 version=$("${PYTHON:-python3}" -c 'import sys; print("%d.%d" % sys.version_info[:2])')
@@ -30,16 +32,27 @@ if ((${#all[@]})); then
     done
 fi
 
-if [[ $cuda ]]; then
-    package=build-python-cuda/package/crumple
-    cmake -G Ninja -S . -B build-python-cuda -DCMAKE_BUILD_TYPE=Release -DCRUMPLE_PYTHON=ON -DCRUMPLE_WERROR=ON \
-        -DCRUMPLE_EXAMPLES=OFF -DPython_EXECUTABLE="$PWD/$python" >/dev/null
-    cmake --build build-python-cuda --target crumple_python -j "$(nproc)"
+# Builds the modules alone, in the folder $1 with CMake's options that follow, and puts them into a package there.
+modules() {
+    local folder=$1 package=$1/package/crumple
+    shift
+    cmake -G Ninja -S . -B "$folder" -DCMAKE_BUILD_TYPE=Release -DCRUMPLE_PYTHON=ON -DCRUMPLE_WERROR=ON \
+        -DCRUMPLE_EXAMPLES=OFF -DPython_EXECUTABLE="$PWD/$python" "$@" >/dev/null
+    cmake --build "$folder" --target crumple_python -j "$(nproc)"
     rm -rf "$package"
     mkdir -p "$package"
-    cp -r python/crumple/. build-python-cuda/python/_core*.so "$package"
-    export PYTHONPATH=${package%/*} CRUMPLE_CUDA_ON_CPU=1 PYTHONDONTWRITEBYTECODE=1
-    exec "$python" -m pytest -q -n "$(nproc)" python/tests/test_{arguments,device,input}.py "$@"
+    cp -r python/crumple/. "$folder"/python/_*.so "$package"
+    export PYTHONPATH=$PWD/$folder/package PYTHONDONTWRITEBYTECODE=1
+}
+if [[ $cuda ]]; then
+    modules build-python-cuda
+    CRUMPLE_CUDA_ON_CPU=1 exec "$python" -m pytest -q -n "$(nproc)" python/tests/test_{arguments,device,input}.py "$@"
+fi
+if ((${#mpi[@]})); then
+    "$python" -c 'import mpi4py' 2>/dev/null || pip install 'mpi4py>=4'
+    modules build-python-mpi -DCRUMPLE_MPI=ON -DCRUMPLE_TESTS=OFF
+    "$python" -m pytest -q python/tests/test_{mpi,examples}.py -k 'mpi or ranks' "$@"
+    exit
 fi
 
 log=build-python/build-$version$sanitize.log

@@ -11,6 +11,7 @@
 #include <mpi.h>
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <stop_token>
 
@@ -57,6 +58,10 @@ class Detector {
                                            std::stop_token stop = {});
     /// What is near what; as crumple::Detector::find_near, but for `radii`, `rest`, `rings`, `least` and `index`.
     const DistributedNearby& find_near(const MeshShare& share, const Near& question, std::stop_token stop = {});
+    /// Has `poll` called at the beginning of each phase, and about every 20 ms while this rank searches, in the thread
+    /// that made the call. What it throws ends the call on all ranks: an Error is thrown on all of them, anything else
+    /// as it is here, and as an Error (cancelled) elsewhere. Not collective; it must not call this detector.
+    void set_poll(std::function<void()> poll);
 
     /// What the last call did on this rank.
     const DistributedStatistics& statistics() const;

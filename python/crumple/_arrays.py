@@ -53,6 +53,8 @@ def refuse_masked(array: Any, kind: str, which: str) -> None:
         "poses": ("poses are", "body"),
         "edges": ("edges are", "edge"),
         "points": ("points are", "point"),
+        "triangle_ids": ("triangle_ids are", "triangle"),
+        "vertex_ids": ("vertex_ids are", "vertex"),
     }[kind]
     _refuse_mask(array, which + name, element=element)
 
@@ -255,6 +257,26 @@ def points(array: Any, which: str) -> np.ndarray:
     if result.ndim != 1:
         raise InvalidInput(f"{name} must have shape (n,), indices of vertices, not {result.shape}")
     return _int32(result, name, "vertex", "point")
+
+
+def _ids(array: Any, name: str) -> np.ndarray:
+    """(n) of int64, without gaps. Others than these, such as negative ones, the library refuses."""
+    result = _integers(array, name)
+    if result.ndim != 1:
+        raise InvalidInput(f"{name} must have shape (n,), not {result.shape}")
+    if result.dtype == np.uint64 and result.size and result.max() > np.iinfo(np.int64).max:
+        raise InvalidInput(f"{name}: {result.max()} does not fit int64")
+    return _native(result, np.int64)
+
+
+def triangle_ids(array: Any, which: str) -> np.ndarray:
+    """The numbers of a share's triangles over all ranks."""
+    return _ids(array, which + "triangle_ids")
+
+
+def vertex_ids(array: Any, which: str) -> np.ndarray:
+    """The same of its vertices."""
+    return _ids(array, which + "vertex_ids")
 
 
 def poses(array: Any, which: str) -> np.ndarray:

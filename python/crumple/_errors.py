@@ -14,6 +14,7 @@ class Error(Exception):
         index: the first offending element, -1 if there is none.
         bytes_needed: MemoryLimit: the limit, in bytes, that suffices, or a lower bound on it; otherwise 0.
         bytes_needed_at_least: `bytes_needed` is a lower bound; Detector(count_bytes_needed=True) names what suffices.
+        rank: crumple.mpi: the rank that failed; otherwise -1.
     """
 
     def __init__(
@@ -25,6 +26,7 @@ class Error(Exception):
         index: int = -1,
         bytes_needed: int = 0,
         bytes_needed_at_least: bool = False,
+        rank: int = -1,
     ) -> None:
         super().__init__(message)
         self.code = code
@@ -32,13 +34,14 @@ class Error(Exception):
         self.index = index
         self.bytes_needed = bytes_needed
         self.bytes_needed_at_least = bytes_needed_at_least
+        self.rank = rank
 
     def __reduce__(self):
         place = {name: getattr(self, name) for name in _PLACE}
         return _restore, (type(self), str(self), place)
 
 
-_PLACE = ("code", "element", "index", "bytes_needed", "bytes_needed_at_least")
+_PLACE = ("code", "element", "index", "bytes_needed", "bytes_needed_at_least", "rank")
 
 
 def _restore(kind, message, place):
@@ -81,8 +84,8 @@ class FileError(Error, OSError):
         return self.args[0]
 
     def __reduce__(self):
-        return _restore_file_error, (self.args[0], self.errno, self.code, self.element, self.index)
+        return _restore_file_error, (self.args[0], self.errno, self.code, self.element, self.index, self.rank)
 
 
-def _restore_file_error(message, errno, code, element, index):
-    return FileError(message, errno=errno, code=code, element=element, index=index)
+def _restore_file_error(message, errno, code, element, index, rank=-1):
+    return FileError(message, errno=errno, code=code, element=element, index=index, rank=rank)

@@ -92,6 +92,11 @@ bool are_radii(const BorrowedArray& a) {
            reinterpret_cast<std::uintptr_t>(a.data) % size == 0;
 }
 
+bool are_ids(const BorrowedArray& a) {
+    return a.dimensions == 1 && a.device == BorrowedArray::on_host && a.number == Number::int64 && is_contiguous(a) &&
+           reinterpret_cast<std::uintptr_t>(a.data) % alignof(std::int64_t) == 0;
+}
+
 bool are_group_pairs(const BorrowedArray& a) {
     constexpr std::int64_t size = sizeof(std::int32_t);
     return has_rows_of(2, a) && a.device == BorrowedArray::on_host && a.number == Number::int32 &&
@@ -299,6 +304,17 @@ BorrowedLists::BorrowedLists(const nb::tuple& lists, int device, const char* whi
         check_place(points, std::string(which) + "points", device);
         points_ = std::span(static_cast<const std::int32_t*>(points.data), static_cast<std::size_t>(points.shape[0]));
     }
+}
+
+BorrowedIds::BorrowedIds(nb::handle ids, const char* what, std::int64_t wanted) {
+    if (ids.is_none()) return;
+    kept_.push_back(nb::borrow(ids));
+    const std::string name = std::string(what) + "_ids";
+    const BorrowedArray array = borrow_array(ids, are_ids, name.c_str(), "", kept_);
+    if (array.shape[0] != wanted)
+        refuse(name + " must be one for each of the " + std::to_string(wanted) +
+               (name == "vertex_ids" ? " vertices, not " : " faces, not ") + std::to_string(array.shape[0]));
+    view_ = {static_cast<const std::int64_t*>(array.data), static_cast<std::size_t>(wanted)};
 }
 
 BorrowedMeshes::BorrowedMeshes(const nb::tuple& one, const std::optional<nb::tuple>& other)

@@ -115,6 +115,18 @@ class BorrowedRadii {
     std::span<const double> view_;
 };
 
+/// Numbers that the triangles or vertices of a share have over all ranks: (n) of int64 on the host, in place.
+class BorrowedIds {
+   public:
+    /// `ids` may be None. `what`: "triangle" or "vertex". Throws where they are not `wanted` ids.
+    BorrowedIds(nanobind::handle ids, const char* what, std::int64_t wanted);
+    std::span<const std::int64_t> view() const { return view_; }
+
+   private:
+    Kept kept_;
+    std::span<const std::int64_t> view_;
+};
+
 /// The meshes of one call, in place; without a second one, one soup.
 struct BorrowedMeshes {
     BorrowedMeshes(const nanobind::tuple& first, const std::optional<nanobind::tuple>& second);

@@ -23,26 +23,16 @@
 #include "launches.h"
 #include "names.h"
 #include "nearest.h"
+#include "options.h"
 #include "part.h"
 #include "query.h"
+#include "signals.h"
 #include "world_search.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;
 
 namespace crumple::python {
-namespace {
-
-unsigned long main_thread = 0;
-
-}  // namespace
-
-void handle_signals() {
-    if (PyThread_get_thread_ident() != main_thread) return;
-    const nb::gil_scoped_acquire acquired;
-    if (PyErr_CheckSignals() != 0) throw nb::python_error();
-}
-
 void check_device(const SharedDetector& detector, int device) {
     if (device == BorrowedArray::on_host) return;
     if (detector.backend() != Backend::cuda) {
@@ -193,24 +183,6 @@ void check_devices(const SharedDetector& detector, const BorrowedMeshes& meshes)
     if (meshes.second) check_device(detector, meshes.second->device());
 }
 
-Options options_of(const nb::dict& given) {
-    return {
-        .backend = named(backend_names, "backend", given["backend"]),
-        .threads = integer<int>("threads", given["threads"]),
-        .memory_limit = integer<std::int64_t>("memory_limit", given["memory_limit"]),
-        .count_bytes_needed = flag("count_bytes_needed", given["count_bytes_needed"]),
-        .clusters = integer<int>("clusters", given["clusters"]),
-        .leaf_size = integer<int>("leaf_size", given["leaf_size"]),
-        .fuzziness = real("fuzziness", given["fuzziness"]),
-        .max_iterations = integer<int>("max_iterations", given["max_iterations"]),
-        .first_iterations = integer<int>("first_iterations", given["first_iterations"]),
-        .stop = real("stop", given["stop"]),
-        .first_stop = real("first_stop", given["first_stop"]),
-        .simd = named(simd_names, "simd", given["simd"]),
-        .device = integer<int>("device", given["device"]),
-    };
-}
-
 void make(nb::handle self, const nb::dict& given) {
     check_self(self);
     const Options options = options_of(given);
@@ -292,7 +264,6 @@ nb::tuple listed_devices() {
 }  // namespace
 
 void bind_detector(nb::module_& module) {
-    main_thread = nb::cast<unsigned long>(nb::module_::import_("threading").attr("main_thread")().attr("ident"));
     nb::class_<OwningQuery>(module, "Query", "The arguments that all searches share.")
         .def(nb::init<nb::handle, nb::handle, nb::handle, nb::handle, nb::handle, nb::handle>(), "neighbours"_a.none(),
              "intersections"_a.none(), "weld"_a.none(), "contacts"_a.none(), "wanted"_a.none(),

@@ -22,10 +22,6 @@
 
 namespace crumple::python {
 
-/// Runs Python's signal handlers, which is for the main thread alone: others return at once. Call with the GIL or
-/// without. Throws what a handler raises.
-void handle_signals();
-
 class SharedDetector {
    public:
     explicit SharedDetector(const Options& options);

@@ -1,6 +1,8 @@
 #include "errors.h"
 
+#include <algorithm>
 #include <array>
+#include <cstdint>
 #include <exception>
 #include <new>
 #include <string_view>
@@ -15,18 +17,21 @@ namespace nb = nanobind;
 namespace crumple::python {
 namespace {
 
-const char* name_of(ErrorCode code) {
-    constexpr std::array names{"invalid_argument", "not_finite",          "index_out_of_range",
-                               "memory_limit",     "backend_unavailable", "file",
-                               "format",           "cancelled",           "device",
-                               "communication"};
-    return names[static_cast<std::size_t>(code)];
-}
+// In the order of the enumerators.
+constexpr std::array code_names{
+    "invalid_argument", "not_finite", "index_out_of_range", "memory_limit", "backend_unavailable", "file", "format",
+    "cancelled",        "device",     "communication"};
+constexpr std::array element_names{"none", "vertex", "triangle", "group", "option", "line",
+                                   "byte", "body",   "shape",    "edge",  "point"};
 
-const char* name_of(Element element) {
-    constexpr std::array names{"none", "vertex", "triangle", "group", "option", "line",
-                               "byte", "body",   "shape",    "edge",  "point"};
-    return names[static_cast<std::size_t>(element)];
+const char* name_of(ErrorCode code) { return code_names[static_cast<std::size_t>(code)]; }
+const char* name_of(Element element) { return element_names[static_cast<std::size_t>(element)]; }
+
+// The first, if there is none of that name.
+template <class Enum>
+Enum named(const auto& names, const std::string& name) {
+    const auto found = std::find(names.begin(), names.end(), name);
+    return static_cast<Enum>(found == names.end() ? 0 : found - names.begin());
 }
 
 const char* class_of(const Error& error) {
@@ -64,6 +69,7 @@ void raise(const Error& error) {
     place["index"] = error.index;
     place["bytes_needed"] = error.bytes_needed;
     place["bytes_needed_at_least"] = error.bytes_needed_at_least;
+    place["rank"] = error.rank;
     const nb::object exception =
         nb::steal(in_python([&] { return PyObject_Call(type.ptr(), given.ptr(), place.ptr()); }));
     if (!exception) throw nb::python_error();
@@ -91,5 +97,13 @@ void translate(const std::exception_ptr& pointer, void*) {
 }  // namespace
 
 void translate_errors() { nb::register_exception_translator(translate); }
+
+std::optional<Error> error_of(nb::handle exception) {
+    if (!nb::isinstance(exception, nb::module_::import_("crumple._errors").attr("Error"))) return std::nullopt;
+    return Error(named<ErrorCode>(code_names, nb::cast<std::string>(exception.attr("code"))),
+                 nb::str(exception).c_str(),
+                 named<Element>(element_names, nb::cast<std::string>(exception.attr("element"))),
+                 nb::cast<std::int64_t>(exception.attr("index")));
+}
 
 }  // namespace crumple::python

@@ -2,6 +2,7 @@
 
 // Failures as Python exceptions: the classes of crumple/_errors.py, with the sentences of the C++ library.
 
+#include <optional>
 #include <string>
 
 #include <nanobind/nanobind.h>
@@ -12,6 +13,9 @@ namespace crumple::python {
 
 /// Lets crumple::Error cross into Python. Call once, at the module's start.
 void translate_errors();
+
+/// What a crumple.Error says, of its arguments; nothing of any other exception.
+std::optional<Error> error_of(nanobind::handle exception);
 
 /// An argument of a type that cannot be one.
 struct InvalidType : Error {

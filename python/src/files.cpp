@@ -20,6 +20,7 @@
 #include "gil.h"
 #include "names.h"
 #include "scenes/scenes.h"
+#include "signals.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;

@@ -15,6 +15,7 @@
 #include "nearest.h"
 #include "part.h"
 #include "pickling.h"
+#include "signals.h"
 #include "world.h"
 #include "world_answer.h"
 #include "world_files.h"
@@ -24,6 +25,7 @@ NB_MODULE(_core, module) {
     module.attr("__version__") = CRUMPLE_VERSION;
     nanobind::set_leak_warnings(false);  // daemon threads may hold objects at exit
     crumple::python::WithoutGil::watch_exit();
+    crumple::python::know_main_thread();
     crumple::python::translate_errors();
     crumple::python::bind_answer(module);
     crumple::python::bind_pickling(module);

@@ -1,6 +1,7 @@
 """Every example runs and says what its documentation says; with PyVista it also paints its picture."""
 
 import importlib.util
+import os
 import re
 import subprocess
 import sys
@@ -8,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+import mpi
 from conftest import peer
 
 EXAMPLES = Path(__file__).parents[2] / "examples" / "python"
@@ -23,11 +25,12 @@ SAYS = {
     "parts_in_processes": r"together: \d+ pairs, each once, the same bytes as from one detector",
     "cloth_that_never_passes_through_itself": r"2330 triangles, 18 frames: 0 pairs .*\nimpacts held back: \d+;",
     "cloth_on_a_device": r"on the (host|device): \d+ questions, \d\d+ times a vertex stayed\n0 pairs of triangles",
+    "ranks": r"(frame \d: \d{3,} pairs, \d+ on rank 0, \d+ on rank 1\n){4}one process alone: \d{3,} pairs\n",
     "ipc_toolkit": r"LBVH .* intersects at the start\nCrumple        2 candidates, .* intersects .*\nexact    0.164",
 }
 MORE_ARGUMENTS = {"cloth_that_never_passes_through_itself": ["0.6"]}
 ANIMATED = {"cloth_that_never_passes_through_itself"}
-WITHOUT_PICTURE = {"parts_in_processes", "ipc_toolkit", "cloth_on_a_device"}
+WITHOUT_PICTURE = {"parts_in_processes", "ipc_toolkit", "cloth_on_a_device", "ranks"}
 
 
 def test_every_example_is_tested():
@@ -38,12 +41,17 @@ def test_every_example_is_tested():
 def test_example(name, tmp_path):
     if name == "ipc_toolkit":
         peer("ipctk")
+    if name == "ranks" and mpi.missing():
+        pytest.skip(mpi.missing())
     painted = ("gif" if name in ANIMATED else "png") if importlib.util.find_spec("pyvista") else "html"
     pictures = [] if name in WITHOUT_PICTURE else [f"picture.{painted}"]
     arguments = pictures + MORE_ARGUMENTS.get(name, [])
-    done = subprocess.run(
-        [sys.executable, EXAMPLES / f"{name}.py", *arguments], cwd=tmp_path, capture_output=True, text=True
-    )
+    command = [sys.executable, EXAMPLES / f"{name}.py", *arguments]
+    if name == "ranks":
+        command, environment = ["mpirun", "-n", "2", *command], {**os.environ, **mpi.ENVIRONMENT}
+    else:
+        environment = None
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, env=environment)
     assert done.returncode == 0, done.stderr
     assert re.search(SAYS[name], done.stdout), done.stdout
     for picture in pictures:

@@ -240,7 +240,7 @@ def test_shapes_and_poses_at_the_end_come_back():
         (lambda: crumple.Shape(MESH, end=MOVED.astype(int)), "^end vertices must be float32 or float64, not int64"),
         (lambda: crumple.World([MESH], end_poses=POSES), r"^end_poses must have shape \(1, 3, 4\) or"),
         (lambda: crumple.World([MESH], end_poses=np.eye(4)), r"^end_poses must have shape \(bodies, 3, 4\)"),
-        (lambda: crumple.World([MESH], end_poses=OnDevice(POSES)), "^end_poses lie in CUDA memory, but are wanted"),
+        (lambda: crumple.World([MESH], end_poses=OnDevice(POSES[:, ::-1])), "^end_poses in CUDA memory must be"),
         (lambda: crumple.World([MESH], [crumple.Body(0)], end_poses=POSES[:1]), "are those of each crumple.Body"),
         (lambda: crumple.World([MESH], [crumple.Body(0, end_pose=np.eye(3))]), "body 0: its end pose must have shape"),
         (

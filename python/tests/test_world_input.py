@@ -59,7 +59,7 @@ MASKED = np.ma.masked_array(poses(), mask=with_entry(np.zeros((3, 3, 4), bool), 
         ({"poses": MASKED}, r"poses are masked at \(1, 0, 2\)"),
         ({"poses": "none"}, "poses must"),
         ({"poses": OnDevice(poses()[:, ::-1])}, r"poses in CUDA memory must be \(n, 3, 4\)"),
-        ({"end_poses": OnDevice(poses())}, "end_poses lie in CUDA memory, but are wanted in the host's"),
+        ({"end_poses": OnDevice(poses()[:, ::-1])}, r"end_poses in CUDA memory must be \(n, 3, 4\)"),
         ({"bodies": [crumple.Body(0)], "groups": [1]}, "poses, groups, .* are those of each crumple.Body"),
     ],
 )

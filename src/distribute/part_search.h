@@ -3,8 +3,10 @@
 // One rank's engine: answers about one part after another, under the rank's memory limit.
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <stop_token>
+#include <utility>
 
 #include "crumple/part.h"
 #include "detector_state.h"
@@ -26,6 +28,9 @@ class PartSearch : private DetectorState {
                         std::stop_token stop);
     const Nearby& find(const Part& part, const Near& question, std::unique_ptr<SceneMemory>& memory,
                        std::stop_token stop);
+
+    /// Called as Detector::set_poll's is.
+    void set_poll(std::function<void()> poll) { cancellation.set_poll(std::move(poll)); }
 
     ParallelFor& workers() { return *backend; }
     MemoryMeter& memory() { return meter; }

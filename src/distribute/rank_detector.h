@@ -53,6 +53,8 @@ class RankDetector {
     void set_clock(double (*clock)()) { clock_ = clock; }
     /// Called at the beginning of each phase, where what it throws is settled.
     void set_hook(std::function<void(Phase)> hook) { hook_ = std::move(hook); }
+    /// Called every now and then within searches, as Detector::set_poll's is.
+    void set_poll(std::function<void()> poll);
 
    private:
     /// All phases. ask() makes the question, and may throw; work() does the last three.

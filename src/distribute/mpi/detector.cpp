@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <functional>
 #include <string>
 #include <thread>
 #include <utility>
@@ -106,12 +107,14 @@ struct Detector::Implementation {
     Communicator communicator;
     distribute::MpiTransport transport;
     distribute::RankDetector detector;
+    std::function<void()> poll;
 
     Implementation(MPI_Comm of, const DistributedOptions& options)
         : communicator(of), transport(communicator.get()), detector(transport, settled(options, communicator.get())) {
         // Within an agreement: a thread that may not call on one rank ends the call on all.
         detector.set_hook([this](Phase phase) {
             if (phase == Phase::question) check_thread();
+            if (poll) poll();
         });
     }
 
@@ -160,6 +163,10 @@ const DistributedImpacts& Detector::find_impacts(const MeshShare& share, const V
 }
 const DistributedNearby& Detector::find_near(const MeshShare& share, const Near& question, std::stop_token stop) {
     return open().detector.find_near(share, question, std::move(stop));
+}
+void Detector::set_poll(std::function<void()> poll) {
+    open().detector.set_poll(poll);
+    open().poll = std::move(poll);
 }
 const DistributedStatistics& Detector::statistics() const { return open().detector.statistics(); }
 const DistributedOptions& Detector::options() const { return open().detector.options(); }

@@ -1,0 +1,350 @@
+"""One scene on many processes of MPI, with mpi4py's communicators.
+
+    from mpi4py import MPI
+    import crumple.mpi
+
+    with crumple.mpi.Detector(MPI.COMM_WORLD) as detector:
+        result = detector.find_self(vertices, faces)      # this rank's share of the scene
+        print(result.pairs, result.total)                 # its rows of the answer; pairs over all ranks
+
+Each rank brings triangles of its own, with all vertices that they name, and gets the pairs whose first triangle it has
+brought. The rows of all ranks, merged, are the bytes of crumple.Detector.find_self of the whole scene.
+
+The package has this module where it was built with MPI: `pip install .
+--config-settings=cmake.define.CRUMPLE_MPI=ON`. mpi4py must use the same MPI; importing this module checks that, and
+initialises MPI as mpi4py does. Raises ImportError.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+from collections.abc import Callable
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from . import _core
+from ._detector import Backend, GroupPairs, Intersections, Neighbours, Simd, Wanted
+from ._errors import Error, InvalidInput, InvalidType
+from ._mesh import soup_of
+from ._names import suggesting
+from ._result import Contacts
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+if importlib.util.find_spec("crumple._mpi") is None:
+    raise ImportError(
+        "crumple was built without MPI: install it by "
+        "`pip install . --config-settings=cmake.define.CRUMPLE_MPI=ON` where MPI's headers are"
+    )
+try:
+    from mpi4py import MPI
+except ModuleNotFoundError as error:
+    raise ImportError(f"crumple.mpi needs mpi4py: {error}") from error
+
+from . import _mpi  # after mpi4py, which chooses how MPI is loaded
+
+Statistics = _mpi.Statistics
+Answered = TypeVar("Answered")
+
+__all__ = ["Detector", "Result", "Statistics"]
+
+
+def _check_library() -> None:
+    """Handles of one MPI mean nothing to another, nor to another copy of the same."""
+    libraries = [library.strip("\0\n ") for library in (_mpi.library(), MPI.Get_library_version())]
+    ours, theirs = (" ".join(library.partition("\n")[0].partition(",")[0].split()) for library in libraries)
+    if ours != theirs:
+        raise ImportError(f"crumple.mpi uses {ours}, but mpi4py {theirs}: build both with the same MPI")
+    same = MPI._sizeof(MPI.Comm) == _mpi.handle_size() and MPI._handleof(MPI.COMM_WORLD) == _mpi.world()
+    if libraries[0] != libraries[1] or not same:
+        raise ImportError(f"crumple.mpi and mpi4py use two libraries that are {ours}: build both with the same")
+
+
+_check_library()
+
+
+class Result:
+    """This rank's rows of an answer: the pairs whose first triangle it has brought, in lexicographic order.
+
+    The rows of all ranks, merged, are what crumple.Detector.find_self gives for the whole scene. A result outlives its
+    detector, and no later call changes it. Its arrays are read-only views that keep their memory alive.
+
+    `len(result)` is the number of this rank's pairs, and a result without any is false.
+    """
+
+    def __init__(self, answer: _mpi.Answer) -> None:
+        self._answer = answer
+
+    @cached_property
+    def pairs(self) -> NDArray[np.int32]:
+        """(k, 2) int32: colliding pairs, first < second, sorted. Triangles have their numbers over all ranks."""
+        return self._answer.pairs
+
+    @cached_property
+    def contacts(self) -> Contacts | None:
+        """Where these pairs meet, or None if `contacts=True` was not asked for."""
+        a = self._answer
+        return Contacts(a.contact_kinds, a.contact_offsets, a.contact_points) if a.has_contacts else None
+
+    @property
+    def total(self) -> int:
+        """How many pairs there are over all ranks."""
+        return self._answer.total
+
+    @property
+    def statistics(self) -> Statistics:
+        """What the call did on this rank."""
+        return self._answer.statistics
+
+    def __len__(self) -> int:
+        """How many pairs of this rank."""
+        return len(self._answer)
+
+    def __repr__(self) -> str:
+        ms = self.statistics.milliseconds
+        return f"<crumple.mpi.Result: {len(self)} colliding pairs here, {self.total} over all ranks, {ms:.3g} ms>"
+
+
+class Detector:
+    """Finds all pairs of triangles that intersect, exactly, in a scene of which each rank brings a share.
+
+    The answer depends neither on the number of ranks nor on how triangles are shared out. A detector keeps parts of the
+    scene and their centres between calls: where only vertices have moved, little more than their coordinates travels.
+
+    All calls, making and closing a detector included, are collective: all ranks of the communicator make the same, in
+    the same order, with the same question; properties and `statistics` are not. A detector takes one call at a time.
+    Calls release the GIL.
+
+    If a call fails on one rank it fails on all: each raises the same Error, whose `rank` is the one that failed; where
+    an element is to blame, `index` is its number over all ranks. What is no crumple.Error, such as KeyboardInterrupt,
+    is raised where it happened, and an Error of code "cancelled" on the others. All detectors stay usable. Ctrl-C is
+    seen within about 50 ms while a rank searches, otherwise when the ranks next agree. A process that dies ends the
+    job, as with MPI it does.
+
+    Args:
+        comm: an intracommunicator of mpi4py, of which the detector uses a duplicate.
+        parts: that the scene is cut into over all ranks, 1 to 262144; 0: chosen from the number of ranks. More parts
+            are shared out more evenly, but overlap more.
+        round_bytes: bytes that a rank may have on their way at a time, out and in each; at least 1024.
+        threads: 0: the cores that the rank may use, divided by the ranks that share them.
+        memory_limit: bytes that this rank's detector may own, 0: no limit.
+
+    Other options are those of crumple.Detector; parts and round_bytes are the same on all ranks. No option changes an
+    answer. MPI must be initialised with MPI.THREAD_FUNNELED at least for calls from the main thread, with
+    MPI.THREAD_SERIALIZED for others; mpi4py asks for MPI.THREAD_MULTIPLE. Raises InvalidInput for options out of range,
+    BackendUnavailable for what a machine or build lacks, Error of code "communication" where MPI fails.
+
+    As a context manager it is closed at the end, unless an exception ends the block: others may not be there then, and
+    memory is freed alone.
+
+    Cost: as that of crumple.Detector, shared by the ranks, and the way of triangles to the ranks that search them.
+    """
+
+    @suggesting
+    def __init__(
+        self,
+        comm: MPI.Intracomm,
+        *,
+        parts: int = 0,
+        round_bytes: int = 1 << 26,
+        backend: Backend = "automatic",
+        threads: int = 0,
+        memory_limit: int = 0,
+        count_bytes_needed: bool = False,
+        clusters: int = 0,
+        leaf_size: int = 3000,
+        fuzziness: float = 2.0,
+        max_iterations: int = 2,
+        first_iterations: int = 5,
+        stop: float = 1e-2,
+        first_stop: float = 1e-4,
+        simd: Simd = "automatic",
+        device: int = 0,
+    ) -> None:
+        of_each = {
+            "backend": backend,
+            "threads": threads,
+            "memory_limit": memory_limit,
+            "count_bytes_needed": count_bytes_needed,
+            "clusters": clusters,
+            "leaf_size": leaf_size,
+            "fuzziness": fuzziness,
+            "max_iterations": max_iterations,
+            "first_iterations": first_iterations,
+            "stop": stop,
+            "first_stop": first_stop,
+            "simd": simd,
+            "device": device,
+        }
+        if not isinstance(comm, MPI.Comm):
+            kind = f"{type(comm).__module__}.{type(comm).__qualname__}".removeprefix("builtins.")
+            raise InvalidType(f"comm must be an intracommunicator of mpi4py, not {kind}", element="option")
+        if comm == MPI.COMM_NULL or not isinstance(comm, MPI.Intracomm):
+            what = "MPI.COMM_NULL" if comm == MPI.COMM_NULL else "an intercommunicator"
+            raise InvalidInput(f"comm must be an intracommunicator of mpi4py, not {what}", element="option")
+        if not MPI.Is_initialized() or MPI.Is_finalized():
+            raise Error("MPI is not initialised: call MPI.Init() before", code="communication")
+        options = _together(comm, lambda: _mpi.Options(of_each, parts, round_bytes))
+        self._ranks: _mpi.Detector | None = _mpi.Detector(MPI._handleof(comm), options)
+        of_each["threads"] = self._ranks.threads
+        self._options = {"parts": parts, "round_bytes": round_bytes, **of_each}
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """What the detector was made with on this rank; threads: how many it has come to."""
+        return dict(self._options)
+
+    @property
+    def rank(self) -> int:
+        """This rank, from 0. Raises Error, as `ranks` and `statistics`, after close()."""
+        return self._open().rank
+
+    @property
+    def ranks(self) -> int:
+        """How many ranks there are."""
+        return self._open().ranks
+
+    @property
+    def statistics(self) -> Statistics:
+        """What the last call did on this rank."""
+        return self._open().statistics
+
+    @suggesting
+    def find_self(
+        self,
+        vertices: Any,
+        faces: Any = None,
+        groups: Any = None,
+        *,
+        triangle_ids: Any = None,
+        vertex_ids: Any = None,
+        neighbours: Neighbours = "geometric",
+        intersections: Intersections = "all",
+        weld: bool = False,
+        contacts: bool = False,
+        wanted: Wanted = "both",
+        excluded_groups: GroupPairs | None = None,
+    ) -> Result:
+        """All colliding pairs of the scene: on each rank those whose first triangle it has brought. Collective.
+
+        Args:
+            vertices: (n, 3) float32 or float64, all that this rank's faces name; or a mesh, and then no `faces`.
+            faces: (m, 3) integers that count in this rank's vertices, or flat: three a triangle. May be none.
+            groups: (m,) integers that fit int32, one a triangle; None: the mesh's, or all in group 0.
+            triangle_ids: (m,) int64, which triangles these are; over all ranks 0 to N - 1, each once. None on all
+                ranks: those of rank 0, then those of rank 1, and so on.
+            vertex_ids: (n,) int64, the same of the vertices. Ranks may have copies of a vertex, equal bit by bit; they
+                make triangles of different ranks neighbours. None on all ranks: no rank has a copy of another's.
+            neighbours, intersections, weld, contacts, wanted, excluded_groups: the question, as of
+                crumple.Detector.find_self, and the same on all ranks.
+
+        Arrays lie on the host; they are read in place and must not change until the call returns. There may be
+        2^31 - 1 triangles, and as many vertices, over all ranks. Raises InvalidInput, which names the argument and the
+        place, and MemoryLimit, on all ranks; see Detector.
+
+        Cost: see Detector. result.statistics tells what travelled, and how evenly the work was shared out. Source:
+        Mainzer and Zachmann, sec. 1.1, for parts on several machines.
+        """
+        query = (neighbours, intersections, weld, contacts, wanted, excluded_groups)
+        share = (vertices, faces, groups, triangle_ids, vertex_ids)
+        return Result(self._ask("find", share, query))
+
+    @suggesting
+    def count(
+        self,
+        vertices: Any,
+        faces: Any = None,
+        groups: Any = None,
+        *,
+        triangle_ids: Any = None,
+        vertex_ids: Any = None,
+        neighbours: Neighbours = "geometric",
+        intersections: Intersections = "all",
+        weld: bool = False,
+        wanted: Wanted = "both",
+        excluded_groups: GroupPairs | None = None,
+    ) -> int:
+        """How many pairs there are over all ranks. Collective. Arguments and errors as of find_self.
+
+        Cost: that of find_self, less that of rows, which do not travel. Source: as of find_self.
+        """
+        query = (neighbours, intersections, weld, False, wanted, excluded_groups)
+        return self._ask("count", (vertices, faces, groups, triangle_ids, vertex_ids), query)
+
+    @suggesting
+    def has_collision(
+        self,
+        vertices: Any,
+        faces: Any = None,
+        groups: Any = None,
+        *,
+        triangle_ids: Any = None,
+        vertex_ids: Any = None,
+        neighbours: Neighbours = "geometric",
+        intersections: Intersections = "all",
+        weld: bool = False,
+        wanted: Wanted = "both",
+        excluded_groups: GroupPairs | None = None,
+    ) -> bool:
+        """Whether any two triangles of the scene collide. Collective. Arguments and errors as of find_self.
+
+        Cost: as find_self if nothing collides, usually less if something does: each rank stops at its first pair.
+        Source: as of find_self.
+        """
+        query = (neighbours, intersections, weld, False, wanted, excluded_groups)
+        return self._ask("any", (vertices, faces, groups, triangle_ids, vertex_ids), query)
+
+    def close(self) -> None:
+        """Frees the duplicate of the communicator and all memory. Collective. No call may follow but another close.
+
+        A detector that is not closed leaves the duplicate to the end of MPI.
+        """
+        if self._ranks is not None:
+            self._ranks.close()
+            self._ranks = None
+
+    def __enter__(self) -> Detector:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, *_: Any) -> None:
+        if kind is None:
+            self.close()
+        else:
+            self._ranks = None
+
+    def __repr__(self) -> str:
+        return "crumple.mpi.Detector(" + ", ".join(f"{name}={value!r}" for name, value in self._options.items()) + ")"
+
+    def _open(self) -> _mpi.Detector:
+        if self._ranks is None:
+            raise Error("the detector is closed", code="communication")
+        return self._ranks
+
+    def _ask(self, call: str, share: tuple[Any, ...], query: tuple[Any, ...]) -> Any:
+        ranks = self._open()
+        try:
+            vertices, faces, groups, triangle_ids, vertex_ids = share
+            brought = _mpi.Share(soup_of(vertices, faces, groups), triangle_ids, vertex_ids)
+            question = _core.Query(*query)
+        except BaseException as error:
+            ranks.fail(error)  # which raises what is crumple's on all ranks, for they wait for this one
+            raise
+        return getattr(ranks, call)(brought, question)
+
+
+def _together(comm: MPI.Intracomm, work: Callable[[], Answered]) -> Answered:
+    """What `work` gives, or on all ranks the error of the least rank where it fails."""
+    answer: Answered | None = None
+    failed: Error | None = None
+    try:
+        answer = work()
+    except Error as error:
+        failed = type(error)(
+            f"rank {comm.rank}: {error}", code=error.code, element=error.element, index=error.index, rank=comm.rank
+        )
+    for error in comm.allgather(failed):
+        if error is not None:
+            raise error
+    return answer  # type: ignore[return-value]

@@ -1,0 +1,21 @@
+// crumple._mpi, the library behind crumple.mpi: a module of its own, for no other needs MPI. Private. It takes and
+// gives objects of crumple._core (Query, Statistics), which is imported before: modules of one nanobind know each
+// other's types.
+
+#include <nanobind/nanobind.h>
+
+#include "errors.h"
+#include "gil.h"
+#include "mpi/rank_answer.h"
+#include "mpi/rank_detector.h"
+#include "signals.h"
+
+NB_MODULE(_mpi, module) {
+    module.doc() = "The C++ library behind crumple.mpi. Private.";
+    nanobind::set_leak_warnings(false);  // daemon threads may hold objects at exit
+    crumple::python::WithoutGil::watch_exit();
+    crumple::python::know_main_thread();
+    crumple::python::translate_errors();
+    crumple::python::bind_rank_answer(module);
+    crumple::python::bind_rank_detector(module);
+}

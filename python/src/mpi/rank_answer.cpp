@@ -1,0 +1,72 @@
+#include "mpi/rank_answer.h"
+
+#include <cstdint>
+#include <string_view>
+
+#include "views.h"
+
+namespace nb = nanobind;
+
+namespace crumple::python {
+namespace {
+
+nb::typed<nb::dict, nb::str, double> phase_milliseconds(const DistributedStatistics& statistics) {
+    nb::typed<nb::dict, nb::str, double> result;
+    for (int i = 0; i < phase_count; ++i) {
+        const auto phase = static_cast<Phase>(i);
+        const std::string_view name = phase_name(phase);
+        result[nb::str(name.data(), name.size())] = statistics[phase];
+    }
+    return result;
+}
+
+void bind_statistics(nb::module_& module) {
+    using S = DistributedStatistics;
+    nb::class_<S>(module, "Statistics", "What a call did on this rank. Times are in milliseconds.")
+        .def_ro("milliseconds", &S::milliseconds, "Wall-clock time of the call inside the library.")
+        .def_prop_ro("phase_milliseconds", phase_milliseconds,
+                     "Milliseconds by phase, with the communication that follows each: question, input, ids, place,\n"
+                     "members, room, search, rows, output.")
+        .def_ro("parts", &S::parts, "Parts of the scene that this rank has searched.")
+        .def_ro("members", &S::members, "Triangles of these, each counted in each.")
+        .def_ro("bytes_sent", &S::bytes_sent, "Bytes to other ranks.")
+        .def_ro("messages", &S::messages, "Messages to other ranks.")
+        .def_ro("work_milliseconds", &S::work_milliseconds, "Time of this rank's searches.")
+        .def_ro("largest_work", &S::largest_work, "The largest of these over all ranks, in milliseconds.")
+        .def_ro("mean_work", &S::mean_work, "Their mean over all ranks, in milliseconds.")
+        .def_ro("moved", &S::moved,
+                "Whether only vertices have moved since the call before, so that only coordinates were sent.")
+        .def_prop_ro(
+            "search", [](const S& s) { return Statistics(s.search); },
+            "A crumple.Statistics: the sum over this rank's parts.")
+        .def("__repr__", [](const S& s) {
+            return nb::str(
+                       "Statistics(milliseconds={:.3f}, parts={}, members={}, bytes_sent={}, messages={}, "
+                       "work_milliseconds={:.3f}, largest_work={:.3f}, mean_work={:.3f}, moved={!r})")
+                .format(s.milliseconds, s.parts, s.members, s.bytes_sent, s.messages, s.work_milliseconds,
+                        s.largest_work, s.mean_work, s.moved);
+        });
+}
+
+}  // namespace
+
+void bind_rank_answer(nb::module_& module) {
+    bind_statistics(module);
+    constexpr auto owner = nb::rv_policy::reference_internal;
+    using A = RankAnswer;
+    nb::class_<A>(module, "Answer", "One rank's answer to a call; crumple.mpi.Result gives access to it.")
+        .def("__len__", [](const A& a) { return a.found.pairs.size(); })
+        .def_prop_ro(
+            "pairs", [](const A& a) { return view<std::int32_t>(a.found.pairs, 2U); }, owner)
+        .def_prop_ro(
+            "contact_kinds", [](const A& a) { return view<std::uint8_t>(a.found.contacts.kinds); }, owner)
+        .def_prop_ro(
+            "contact_offsets", [](const A& a) { return view<std::int64_t>(a.found.contacts.offsets); }, owner)
+        .def_prop_ro(
+            "contact_points", [](const A& a) { return view<double>(a.found.contacts.points, 3U); }, owner)
+        .def_prop_ro("total", [](const A& a) { return a.found.total; })
+        .def_prop_ro("statistics", [](const A& a) { return DistributedStatistics(a.found.statistics); })
+        .def_ro("has_contacts", &A::has_contacts);
+}
+
+}  // namespace crumple::python

@@ -1,0 +1,191 @@
+#include "mpi/rank_detector.h"
+
+#include <array>
+#include <exception>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <type_traits>
+#include <utility>
+
+#include <nanobind/stl/string.h>
+
+#include "arguments.h"
+#include "errors.h"
+#include "gil.h"
+#include "options.h"
+#include "query.h"
+#include "signals.h"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+
+namespace crumple::python {
+namespace {
+
+// Open MPI's handles are pointers, MPICH's integers.
+template <class Handle>
+Handle handle_of(std::uintptr_t number) {
+    if constexpr (std::is_pointer_v<Handle>)
+        return reinterpret_cast<Handle>(number);  // NOLINT(performance-no-int-to-ptr)
+    else
+        return static_cast<Handle>(number);
+}
+
+template <class Handle>
+std::uintptr_t number_of(Handle handle) {
+    if constexpr (std::is_pointer_v<Handle>)
+        return reinterpret_cast<std::uintptr_t>(handle);
+    else
+        return static_cast<std::uintptr_t>(handle);
+}
+
+std::string mpi_library() {
+    std::array<char, MPI_MAX_LIBRARY_VERSION_STRING> text{};
+    int length = 0;
+    MPI_Get_library_version(text.data(), &length);
+    return text.data();  // some count the 0 at its end
+}
+
+// What Python raises, for ranks that did not raise it.
+struct Interrupted final : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+
+std::string name_of_class(nb::handle exception) { return nb::cast<std::string>(exception.type().attr("__name__")); }
+
+// What other ranks hear of an exception; of one that cannot be told, its class.
+std::exception_ptr failure_of(nb::handle exception) {
+    std::string words = name_of_class(exception);
+    try {
+        if (const std::optional<Error> error = error_of(exception)) return std::make_exception_ptr(*error);
+        words += std::string(": ") + nb::str(exception).c_str();
+    } catch (const nb::python_error&) {
+    }
+    return std::make_exception_ptr(Interrupted(words));
+}
+
+DistributedOptions distributed_options(const nb::dict& detector, nb::handle parts, nb::handle round_bytes) {
+    return {.detector = options_of(detector),
+            .parts = integer<int>("parts", parts),
+            .round_bytes = integer<std::int64_t>("round_bytes", round_bytes)};
+}
+
+}  // namespace
+
+BorrowedShare::BorrowedShare(const nb::tuple& given, nb::handle triangles, nb::handle vertices)
+    : mesh(given),
+      triangle_ids(triangles, "triangle", mesh.view().triangles.rows),
+      vertex_ids(vertices, "vertex", mesh.view().vertices.rows) {
+    if (mesh.device() != BorrowedArray::on_host)
+        refuse("the arrays of a share must lie in host memory: " + std::string(copy_to_host));
+}
+
+RankDetector::RankDetector(std::uintptr_t communicator, const DistributedOptions& options)
+    : detector_(without_gil([&] { return mpi::Detector(handle_of<MPI_Comm>(communicator), options); })) {
+    detector_.set_poll([this] { poll(); });
+}
+
+// Without the GIL, and within what ranks agree upon.
+void RankDetector::poll() {
+    if (failed_) std::rethrow_exception(failed_);
+    try {
+        handle_signals();
+    } catch (nb::python_error& error) {
+        const WithGil acquired;
+        raised_.emplace(std::move(error));
+        throw Interrupted(name_of_class(raised_->value()));
+    }
+}
+
+template <class Work>
+auto RankDetector::alone(Work work) {
+    if (calling_) refuse("a call of this crumple.mpi.Detector goes on, and it takes one at a time");
+    struct Turn {
+        bool& calling;
+        explicit Turn(bool& flag) : calling(flag) { calling = true; }
+        ~Turn() { calling = false; }
+    } const turn(calling_);
+    const std::stop_source stop;
+    try {
+        return without_gil([&] { return work(stop.get_token()); }, stop);
+    } catch (...) {
+        if (!raised_) throw;
+        nb::python_error raised = std::move(*raised_);
+        raised_.reset();
+        throw raised;
+    }
+}
+
+RankAnswer RankDetector::find(const BorrowedShare& share, const Query& query) {
+    return alone([&](std::stop_token stop) {
+        return RankAnswer{detector_.find_self(share.view(), query, std::move(stop)), query.contacts};
+    });
+}
+
+std::int64_t RankDetector::count(const BorrowedShare& share, const Query& query) {
+    return alone([&](std::stop_token stop) { return detector_.count(share.view(), query, std::move(stop)); });
+}
+
+bool RankDetector::any(const BorrowedShare& share, const Query& query) {
+    return alone([&](std::stop_token stop) { return detector_.has_collision(share.view(), query, std::move(stop)); });
+}
+
+void RankDetector::fail(nb::handle exception) {
+    const std::exception_ptr failed = failure_of(exception);
+    try {
+        alone([&](std::stop_token stop) {
+            failed_ = failed;
+            struct Forget {
+                std::exception_ptr& failed;
+                ~Forget() { failed = nullptr; }
+            } const forget{failed_};
+            return detector_.has_collision({}, {}, std::move(stop));
+        });
+    } catch (const Interrupted&) {
+        return;
+    }
+}
+
+void RankDetector::close() {
+    alone([&](const std::stop_token&) {
+        detector_.close();
+        return true;
+    });
+}
+
+void bind_rank_detector(nb::module_& module) {
+    module.def("library", mpi_library, "MPI's own name and version.");
+    module.def("handle_size", [] { return sizeof(MPI_Comm); });
+    module.def("world", [] { return number_of(MPI_COMM_WORLD); });
+    nb::class_<DistributedOptions>(module, "Options", "How ranks work together, and the detector of each.")
+        .def(
+            "__init__",
+            [](DistributedOptions* self, const nb::dict& detector, nb::handle parts, nb::handle round_bytes) {
+                new (self) DistributedOptions(distributed_options(detector, parts, round_bytes));
+            },
+            "detector"_a, "parts"_a.none(), "round_bytes"_a.none());
+    nb::class_<BorrowedShare>(module, "Share", "What one rank brings to a call.")
+        .def(nb::init<const nb::tuple&, nb::handle, nb::handle>(), "mesh"_a, "triangle_ids"_a.none(),
+             "vertex_ids"_a.none());
+    nb::class_<RankDetector>(module, "Detector", "The library's detector of one rank; crumple.mpi.Detector has one.")
+        .def(nb::init<std::uintptr_t, const DistributedOptions&>(), "communicator"_a, "options"_a)
+        .def(
+            "find", [](RankDetector& d, const BorrowedShare& s, const OwningQuery& q) { return d.find(s, q.query); },
+            "share"_a, "query"_a)
+        .def(
+            "count", [](RankDetector& d, const BorrowedShare& s, const OwningQuery& q) { return d.count(s, q.query); },
+            "share"_a, "query"_a)
+        .def(
+            "any", [](RankDetector& d, const BorrowedShare& s, const OwningQuery& q) { return d.any(s, q.query); },
+            "share"_a, "query"_a)
+        .def("fail", &RankDetector::fail, "exception"_a)
+        .def("close", &RankDetector::close)
+        .def_prop_ro("rank", [](const RankDetector& d) { return d.detector().rank(); })
+        .def_prop_ro("ranks", [](const RankDetector& d) { return d.detector().ranks(); })
+        .def_prop_ro("threads", [](const RankDetector& d) { return d.detector().options().detector.threads; })
+        .def_prop_ro("statistics",
+                     [](const RankDetector& d) { return DistributedStatistics(d.detector().statistics()); });
+}
+
+}  // namespace crumple::python

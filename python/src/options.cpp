@@ -1,0 +1,30 @@
+#include "options.h"
+
+#include <cstdint>
+
+#include "arguments.h"
+#include "names.h"
+
+namespace nb = nanobind;
+
+namespace crumple::python {
+
+Options options_of(const nb::dict& given) {
+    return {
+        .backend = named(backend_names, "backend", given["backend"]),
+        .threads = integer<int>("threads", given["threads"]),
+        .memory_limit = integer<std::int64_t>("memory_limit", given["memory_limit"]),
+        .count_bytes_needed = flag("count_bytes_needed", given["count_bytes_needed"]),
+        .clusters = integer<int>("clusters", given["clusters"]),
+        .leaf_size = integer<int>("leaf_size", given["leaf_size"]),
+        .fuzziness = real("fuzziness", given["fuzziness"]),
+        .max_iterations = integer<int>("max_iterations", given["max_iterations"]),
+        .first_iterations = integer<int>("first_iterations", given["first_iterations"]),
+        .stop = real("stop", given["stop"]),
+        .first_stop = real("first_stop", given["first_stop"]),
+        .simd = named(simd_names, "simd", given["simd"]),
+        .device = integer<int>("device", given["device"]),
+    };
+}
+
+}  // namespace crumple::python

@@ -1,0 +1,23 @@
+"""What starts ranks of MPI needs: whether there can be any, and an environment for them."""
+
+import importlib.util
+import shutil
+
+# Open MPI refuses root, and more ranks than cores, unless it is told to let them be; ranks that wait then yield.
+ENVIRONMENT = {
+    "OMPI_ALLOW_RUN_AS_ROOT": "1",
+    "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+    "OMPI_MCA_rmaps_base_oversubscribe": "1",
+    "OMPI_MCA_mpi_yield_when_idle": "1",
+    "OMPI_MCA_hwloc_base_binding_policy": "none",
+    "OMPI_MCA_btl_vader_single_copy_mechanism": "none",
+}
+
+
+def missing():
+    """Why there are no ranks; "" if there are."""
+    if importlib.util.find_spec("crumple._mpi") is None:
+        return "crumple was built without MPI; scripts/test_python.sh --mpi builds it"
+    if importlib.util.find_spec("mpi4py") is None:
+        return "mpi4py is not installed"
+    return "" if shutil.which("mpirun") else "mpirun is not installed"

@@ -1,0 +1,326 @@
+"""What ranks of MPI do in test_mpi.py: mpirun -n 3 python -m mpi4py mpi_ranks.py CASE. A rank that fails ends all.
+
+Every rank makes the answer of one machine itself and looks for its own rows in it.
+"""
+
+import signal
+import sys
+import threading
+import time
+
+import numpy as np
+from mpi4py import MPI
+
+import crumple
+import crumple.mpi
+from conftest import soup
+
+COMM = MPI.COMM_WORLD
+ONE = {"backend": "cpu", "threads": 1}
+
+
+class Share:
+    """The faces of a mesh that a rank has, and the vertices that they name."""
+
+    def __init__(self, mesh, triangles, rank=COMM.rank):
+        self.rank, self.mesh, self.triangle_ids = rank, mesh, np.flatnonzero(triangles == rank)
+        faces = np.asarray(mesh.faces).reshape(-1, 3)[self.triangle_ids]
+        self.vertex_ids, faces = np.unique(faces, return_inverse=True)
+        self.faces = faces.reshape(-1, 3).astype(np.int32)
+        self.groups = None if mesh.groups is None else np.asarray(mesh.groups)[self.triangle_ids]
+        # Vertices that no face names have to be somewhere, too.
+        unnamed = np.setdiff1d(np.arange(len(mesh.vertices)), mesh.faces)
+        if rank == 0:
+            self.vertex_ids = np.append(self.vertex_ids, unnamed)
+        self.vertices = np.asarray(mesh.vertices)[self.vertex_ids]
+
+    def arguments(self):
+        return (self.vertices, self.faces, self.groups), dict(
+            triangle_ids=self.triangle_ids, vertex_ids=self.vertex_ids
+        )
+
+    def call(self, call, **question):
+        arrays, ids = self.arguments()
+        return call(*arrays, **ids, **question)
+
+
+def round_robin(mesh):
+    return np.arange(len(mesh.faces)) % COMM.size
+
+
+def blocks(mesh):
+    return np.arange(len(mesh.faces)) * COMM.size // max(1, len(mesh.faces))
+
+
+def all_on_the_last(mesh):
+    return np.full(len(mesh.faces), COMM.size - 1)
+
+
+def cloth(frame=60, triangles=3000):
+    return crumple.make_scene("cloth", triangles=triangles, frame=frame)
+
+
+def grouped():
+    mesh = soup(300, size=0.4)
+    return mesh._replace(groups=np.arange(300) % 3)
+
+
+def check_rows(found, share, expected):
+    """That these are the rows of the whole answer whose first triangle is this rank's."""
+    mine = np.isin(expected.pairs[:, 0], share.triangle_ids)
+    assert found.pairs.dtype == np.int32 and not (len(found) and found.pairs.flags.writeable)
+    np.testing.assert_array_equal(found.pairs, expected.pairs[mine])
+    assert len(found) == mine.sum() and found.total == len(expected) and bool(found) == mine.any()
+    assert (found.contacts is None) == (expected.contacts is None)
+    if expected.contacts is not None:
+        np.testing.assert_array_equal(found.contacts.kinds, expected.contacts.kinds[mine])
+        assert len(found.contacts) == mine.sum()
+        for points, row in zip(found.contacts, np.flatnonzero(mine)):
+            assert points.tobytes() == expected.contacts[row].tobytes()
+
+
+def error_of(call, *arguments, **named):
+    try:
+        call(*arguments, **named)
+    except crumple.Error as error:
+        return error
+    raise AssertionError("no error was raised")
+
+
+def the_answer_is_that_of_one_detector():
+    questions = [
+        (cloth(), dict(contacts=True)),
+        (soup(500, dtype=np.float64), dict(neighbours="skip")),
+        (soup(500), dict(weld=True, intersections="proper")),
+        (grouped(), dict(wanted="between", excluded_groups=[(0, 1)])),
+        (grouped(), dict(wanted="within", contacts=True)),
+        (crumple.Mesh(np.zeros((0, 3)), np.zeros((0, 3), np.int32)), dict(contacts=True)),
+        (soup(2), {}),
+    ]
+    for mesh, question in questions:
+        expected = crumple.Detector(**ONE).find_self(mesh, **question)
+        without_contacts = {name: value for name, value in question.items() if name != "contacts"}
+        for distribution in (round_robin, blocks, all_on_the_last):
+            share = Share(mesh, distribution(mesh))
+            for options in ({}, dict(parts=7, round_bytes=1024)):
+                with crumple.mpi.Detector(COMM, **ONE, **options) as detector:
+                    check_rows(share.call(detector.find_self, **question), share, expected)
+                    assert share.call(detector.count, **without_contacts) == len(expected)
+                    assert share.call(detector.has_collision, **without_contacts) is bool(expected)
+
+
+def triangles_are_numbered_by_rank_without_ids():
+    mesh = soup(90, size=0.4)
+    share = Share(mesh, blocks(mesh))
+    expected = crumple.Detector(**ONE).find_self(mesh)
+    with crumple.mpi.Detector(COMM, **ONE) as detector:
+        check_rows(detector.find_self(share.vertices, share.faces), share, expected)
+        check_rows(detector.find_self((share.vertices, share.faces.ravel())), share, expected)
+        check_rows(detector.find_self(share.vertices.tolist(), share.faces.tolist()), share, expected)
+
+
+def frames_follow_one_another():
+    held = []
+    with crumple.mpi.Detector(COMM, **ONE) as detector:
+        for frame in range(60, 70):
+            mesh = cloth(frame)
+            share = Share(mesh, round_robin(mesh))
+            result = share.call(detector.find_self, contacts=True)
+            held.append((result, share, crumple.Detector(**ONE).find_self(mesh, contacts=True)))
+            assert result.statistics.moved == (frame > 60) == detector.statistics.moved
+    del detector
+    for found, share, expected in held:
+        check_rows(found, share, expected)
+    pairs = found.pairs
+    before = pairs.copy()
+    del found, result, held
+    np.testing.assert_array_equal(pairs, before)
+
+
+def statistics_tell_what_was_done():
+    mesh = cloth()
+    with crumple.mpi.Detector(COMM, **ONE) as detector:
+        share = Share(mesh, round_robin(mesh))
+        statistics = share.call(detector.find_self).statistics
+        assert list(statistics.phase_milliseconds) == "question input ids place members room search rows output".split()
+        assert 0 < sum(statistics.phase_milliseconds.values()) <= statistics.milliseconds * 1.01
+        assert COMM.allreduce(statistics.members) >= len(mesh.faces)
+        assert (statistics.bytes_sent > 0) == (COMM.size > 1)
+        assert statistics.largest_work >= statistics.mean_work > 0
+        assert isinstance(statistics.search, crumple.Statistics) and statistics.search.threads == 1
+        assert "members=" in repr(statistics)
+
+
+def ranks_fail_together_and_go_on():
+    mesh = soup(60, size=0.4)
+    share = Share(mesh, round_robin(mesh))
+    expected = crumple.Detector(**ONE).find_self(mesh)
+
+    def differing(rank, **changed):
+        arrays, ids = share.arguments()
+        given = dict(zip(("vertices", "faces", "groups"), arrays), **ids)
+        return given | (changed if COMM.rank == rank else {})
+
+    with crumple.mpi.Detector(COMM, **ONE) as detector:
+        for failing in range(COMM.size):
+            vertices = share.vertices.copy()
+            vertices[7, 1] = np.nan
+            place = COMM.bcast(int(share.vertex_ids[7]), failing)
+            error = error_of(detector.find_self, **differing(failing, vertices=vertices))
+            assert type(error) is crumple.InvalidInput and error.code == "not_finite", error
+            assert (error.rank, error.element, error.index) == (failing, "vertex", place)
+            assert str(error).startswith(f"rank {failing}: ")
+
+            # What Python finds, and before the library is called.
+            for message, changed in {
+                "vertices must be float32 or float64, not int32": dict(vertices=share.faces),
+                "neighbours must be one of": dict(neighbours="none"),
+                "weld must be True or False, not str": dict(weld="no"),
+                "triangle_ids must be one for each of the": dict(triangle_ids=[0]),
+                "vertex_ids must be integers, not float64": dict(vertex_ids=np.zeros(len(share.vertices))),
+                "a mesh must be crumple.Mesh, a tuple": dict(vertices="mesh", faces=None),
+            }.items():
+                given = differing(failing, **changed)
+                for call in (detector.find_self, detector.count, detector.has_collision):
+                    error = error_of(call, **given)
+                    assert type(error) is crumple.InvalidInput and error.rank == failing, error
+                    assert str(error).startswith(f"rank {failing}: {message}"), error
+
+            # What is no error of the library's.
+            class Interrupting:
+                def __array__(self, *_, **__):
+                    raise KeyboardInterrupt
+
+            try:
+                detector.find_self(**differing(failing, vertices=Interrupting()))
+                raise AssertionError("no error was raised")
+            except KeyboardInterrupt:
+                assert COMM.rank == failing
+            except crumple.Error as error:
+                assert COMM.rank != failing and (error.code, error.rank) == ("cancelled", failing)
+                assert "the call was interrupted: KeyboardInterrupt" in str(error)
+            check_rows(share.call(detector.find_self), share, expected)
+
+        error = error_of(detector.count, [[0.0, 0, 0]], [[0, 0, 1]])
+        assert error.code == "index_out_of_range" and error.rank == 0
+        if COMM.size > 1:
+            error = error_of(share.call, detector.count, weld=COMM.rank == 1)
+            assert "the ranks ask different questions" in str(error)
+        check_rows(share.call(detector.find_self), share, expected)
+
+    for options, what in (dict(threads="two"), "threads must be an integer"), (dict(parts=-1), "parts must be 0"):
+        error = error_of(crumple.mpi.Detector, COMM, **(options if COMM.rank == 0 else {}))
+        assert error.rank == 0 and what in str(error), error
+    assert type(error_of(crumple.mpi.Detector, 1)) is crumple.InvalidType
+    assert "not MPI.COMM_NULL" in str(error_of(crumple.mpi.Detector, MPI.COMM_NULL))
+
+
+class Alarm(Exception):
+    """What the handler of SIGALRM raises."""
+
+
+def ring(*_):
+    raise Alarm
+
+
+def a_signal_ends_the_call_on_all_ranks():
+    mesh = soup(60, size=0.4)
+    share = Share(mesh, round_robin(mesh))
+    signal.signal(signal.SIGALRM, ring)
+    with crumple.mpi.Detector(COMM, **ONE) as detector:
+        for failing in range(COMM.size):
+            try:
+                if COMM.rank == failing:
+                    signal.setitimer(signal.ITIMER_REAL, 0.1)  # while it waits for the others
+                else:
+                    time.sleep(0.5)
+                share.call(detector.find_self)
+                raise AssertionError("no error was raised")
+            except Alarm:
+                assert COMM.rank == failing
+            except crumple.Error as error:
+                assert COMM.rank != failing and (error.code, error.rank) == ("cancelled", failing)
+                assert str(error) == f"rank {failing}: the call was interrupted: Alarm"
+        check_rows(share.call(detector.find_self), share, crumple.Detector(**ONE).find_self(mesh))
+
+
+def a_signal_is_seen_within_a_search():
+    signal.signal(signal.SIGALRM, ring)
+    mesh = soup(20_000, size=0.05)
+
+    def seconds(detector):
+        start = time.perf_counter()
+        try:
+            detector.find_self(mesh)
+            rang = False
+        except Alarm:
+            rang = True
+        return time.perf_counter() - start, rang
+
+    with crumple.mpi.Detector(COMM, backend="reference", threads=1) as detector:
+        whole, _ = seconds(detector)
+        cut_short = []
+        for _ in range(3):
+            signal.setitimer(signal.ITIMER_REAL, whole / 10)
+            took, rang = seconds(detector)
+            assert rang
+            cut_short.append(took)
+        assert min(cut_short) < whole / 2
+
+
+def one_call_at_a_time():
+    mesh = soup(60, size=0.4)
+    share = Share(mesh, round_robin(mesh))
+    with crumple.mpi.Detector(COMM, **ONE) as detector:
+        if COMM.rank == 0:
+            results = []
+            thread = threading.Thread(target=lambda: results.append(share.call(detector.find_self)))
+            thread.start()
+            time.sleep(0.2)  # it waits for the others
+            for call in (lambda: share.call(detector.find_self), detector.close):
+                assert "takes one at a time" in str(error_of(call))
+            COMM.barrier()
+            thread.join()
+            result = results[0]
+        else:
+            COMM.barrier()
+            result = share.call(detector.find_self)
+        check_rows(result, share, crumple.Detector(**ONE).find_self(mesh))
+
+
+def a_closed_detector_says_so():
+    detector = crumple.mpi.Detector(COMM, parts=3, **ONE)
+    assert (detector.rank, detector.ranks) == (COMM.rank, COMM.size)
+    assert detector.options["threads"] == 1 and detector.options["parts"] == 3
+    assert repr(detector).startswith("crumple.mpi.Detector(parts=3, round_bytes=67108864, backend='cpu', threads=1")
+    result = detector.find_self(soup(30, size=0.5))
+    assert repr(result).startswith(f"<crumple.mpi.Result: {len(result)} colliding pairs here, {result.total} over all")
+    detector.close()
+    detector.close()
+    for call in (lambda: detector.rank, lambda: detector.statistics, lambda: detector.find_self([], [])):
+        error = error_of(call)
+        assert error.code == "communication" and str(error) == "the detector is closed"
+    assert result.pairs.shape == (len(result), 2)
+    try:
+        with crumple.mpi.Detector(COMM, **ONE) as other:
+            raise LookupError
+    except LookupError:
+        assert "closed" in str(error_of(lambda: other.rank))
+    assert crumple.mpi.Detector(COMM).options["threads"] >= 1  # left to the end of MPI
+
+
+def some_ranks_have_a_scene_of_their_own():
+    half = COMM.Split(COMM.rank % 2)
+    mesh = soup(60, size=0.4, seed=COMM.rank % 2)
+    share = Share(mesh, np.arange(60) % half.size, half.rank)
+    with crumple.mpi.Detector(half, **ONE) as detector:
+        assert (detector.rank, detector.ranks) == (half.rank, half.size)
+        check_rows(share.call(detector.find_self), share, crumple.Detector(**ONE).find_self(mesh))
+    half.Free()
+
+
+if __name__ == "__main__":
+    globals()[sys.argv[1]]()
+    COMM.barrier()
+    if COMM.rank == 0:
+        print("passed")

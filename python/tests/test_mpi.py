@@ -1,0 +1,129 @@
+"""Scenes on ranks of MPI: each test starts mpirun, whose ranks run one function of mpi_ranks.py."""
+
+import inspect
+import os
+import pickle
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import crumple
+import mpi
+
+RANKS = Path(__file__).with_name("mpi_ranks.py")
+CASES = re.findall(r"^def (\w+)\(\):$", RANKS.read_text().partition("def error_of")[2], flags=re.M)
+# In some, ranks wait for each other.
+RANKS_OF = {
+    "a_signal_ends_the_call_on_all_ranks": (3,),
+    "a_signal_is_seen_within_a_search": (1,),
+    "one_call_at_a_time": (3,),
+}
+needs_mpi = pytest.mark.skipif(bool(mpi.missing()), reason=mpi.missing())
+
+
+def run(*command, **options):
+    environment = {**os.environ, **mpi.ENVIRONMENT}
+    return subprocess.run(command, capture_output=True, text=True, timeout=300, env=environment, **options)
+
+
+def python(code):
+    return run(sys.executable, "-c", code)
+
+
+def test_there_are_cases():
+    assert len(CASES) >= 8 and set(RANKS_OF) <= set(CASES)
+
+
+@needs_mpi
+@pytest.mark.parametrize("case, ranks", [(case, ranks) for case in CASES for ranks in RANKS_OF.get(case, (1, 3))])
+def test_ranks(case, ranks):
+    # mpi4py's own way to run a program ends all ranks if one fails.
+    done = run("mpirun", "-n", str(ranks), sys.executable, "-m", "mpi4py", RANKS, case)
+    assert done.returncode == 0 and "passed" in done.stdout, done.stdout + done.stderr
+
+
+def test_a_package_without_mpi_says_how_to_build_it():
+    done = python("import sys; sys.modules['crumple._mpi'] = None; import crumple.mpi")
+    assert "ImportError: crumple was built without MPI: install it by `pip install . --config" in done.stderr
+
+
+def test_the_package_itself_needs_no_mpi():
+    done = python("import sys; sys.modules['mpi4py'] = None; import crumple; print(*sys.modules)")
+    assert done.returncode == 0 and "crumple._mpi" not in done.stdout.split()
+
+
+@needs_mpi
+def test_without_mpi4py_an_import_says_so():
+    done = python("import sys; sys.modules['mpi4py'] = None; import crumple.mpi")
+    assert "ImportError: crumple.mpi needs mpi4py: " in done.stderr
+
+
+@needs_mpi
+@pytest.mark.parametrize(
+    "change, sentence",
+    [
+        (
+            "MPI.Get_library_version = lambda: 'Another MPI 9, of 2030\\0'",
+            "crumple.mpi uses .+, but mpi4py Another MPI 9: build",
+        ),
+        (
+            "MPI.Get_library_version = lambda v=MPI.Get_library_version(): v + 'x'",
+            "crumple.mpi and mpi4py use two libraries",
+        ),
+        ("MPI._sizeof = lambda _: 3", "crumple.mpi and mpi4py use two libraries that are "),
+        ("MPI._handleof = lambda _: 64", "crumple.mpi and mpi4py use two libraries that are "),
+    ],
+)
+def test_an_mpi4py_with_another_mpi_is_refused(change, sentence):
+    done = python(f"from mpi4py import MPI; {change}; import crumple.mpi")
+    assert done.returncode == 1 and re.search(f"^ImportError: {sentence}", done.stderr, flags=re.M), done.stderr
+
+
+@needs_mpi
+def test_an_mpi_that_has_not_begun_or_has_ended_is_refused():
+    begin = "import mpi4py; mpi4py.rc.initialize = {}; from mpi4py import MPI; import crumple.mpi\n"
+    for before in begin.format(False), begin.format(True) + "MPI.Finalize()\n":
+        done = python(before + "crumple.mpi.Detector(MPI.COMM_WORLD)")
+        assert "crumple._errors.Error: MPI is not initialised: call MPI.Init() before" in done.stderr, done.stderr
+
+
+@needs_mpi
+def test_options_are_those_of_a_detector():
+    done = python(
+        "import inspect, crumple.mpi\n"
+        "one, many = (inspect.signature(d.__init__).parameters for d in (crumple.Detector, crumple.mpi.Detector))\n"
+        "assert list(many)[:4] == ['self', 'comm', 'parts', 'round_bytes'] and list(many)[4:] == list(one)[1:]\n"
+        "assert all(many[name] == one[name] for name in list(one))\n"
+        "one = inspect.signature(crumple.Detector.find_self).parameters\n"
+        "for call in 'find_self', 'count', 'has_collision':\n"
+        "    many = inspect.signature(getattr(crumple.mpi.Detector, call)).parameters\n"
+        "    assert set(one) - set(many) <= {'copy'} | (set() if call == 'find_self' else {'contacts'})\n"
+        "    assert set(many) - set(one) == {'triangle_ids', 'vertex_ids'}\n"
+        "    assert all(many[name].default == one[name].default for name in one if name in many)\n"
+    )
+    assert done.returncode == 0, done.stderr
+
+
+@needs_mpi
+def test_everything_public_is_documented():
+    done = python(
+        "import inspect, crumple.mpi\n"
+        "for name in crumple.mpi.__all__:\n"
+        "    thing = getattr(crumple.mpi, name)\n"
+        "    assert inspect.getdoc(thing), name\n"
+        "    for member in vars(thing):\n"
+        "        assert member.startswith('_') or inspect.getdoc(getattr(thing, member)), (name, member)\n"
+    )
+    assert done.returncode == 0, done.stderr
+
+
+def test_errors_tell_a_rank():
+    assert inspect.signature(crumple.Error).parameters["rank"].default == -1
+    with pytest.raises(crumple.InvalidInput) as caught:
+        crumple.Detector().find_self([[0.0, 0, 0]], [[0, 0, 1]])
+    assert caught.value.rank == -1
+    for error in crumple.Error("no", rank=2), crumple.MemoryLimit("no", rank=2), crumple.FileError("no", rank=2):
+        assert pickle.loads(pickle.dumps(error)).rank == 2
