@@ -20,6 +20,7 @@ enum Status : int {
 struct Command {
     CLI::App* app;
     std::function<int()> run;
+    bool on_ranks = false;  ///< several processes of MPI share its work (ranks.h)
 };
 
 Command add_detect(CLI::App& app);

@@ -5,10 +5,10 @@
 #include <memory>
 #include <optional>
 
-#include <fmt/format.h>
-
 #include "cli/commands.h"
 #include "cli/detect_bodies.h"
+#include "cli/detect_ranks.h"
+#include "cli/ranks.h"
 #include "cli/search.h"
 #include "cli/statistics_table.h"
 #include "cli/terminal.h"
@@ -73,14 +73,10 @@ struct Detect {
         });
     }
 
-    /// The answer in one line: "925 pairs, 941 of 54,928 triangles, 4.4 ms".
     std::string summary(std::int64_t pairs, const Collisions& found) const {
         const auto all = static_cast<std::int64_t>(found.hit.size() + found.hit_second.size());
-        const char* const what = answer.polygons ? "polygons" : "triangles";
-        const double milliseconds = found.statistics.milliseconds;
-        if (pairs == 0) return fmt::format("nothing collides: {} {}, {:.1f} ms\n", grouped(all), what, milliseconds);
-        return fmt::format("{} pair{}, {} of {} {}, {:.1f} ms\n", grouped(pairs), pairs == 1 ? "" : "s",
-                           grouped(count_hits(found)), grouped(all), what, milliseconds);
+        return summary_of_pairs(pairs, count_hits(found), all, answer.polygons ? "polygons" : "triangles",
+                                found.statistics.milliseconds);
     }
 
     /// Pairs go to the one output while they are found.
@@ -115,6 +111,10 @@ struct Detect {
 
     int run() const {
         bodies.check(answer);
+        if (Ranks::count() > 1) {
+            check_output_formats();
+            return detect_on_ranks({files, outputs, format, answer, options, check, stats, stream});
+        }
         if (stream && answer.of_bodies()) fail("--stream is of triangles, and --groups bodies lists bodies");
         if (answer.of_bodies()) {
             if (stats) fail("--stats are of triangles, and --groups bodies lists bodies");
@@ -185,9 +185,18 @@ Command add_detect(CLI::App& app) {
     command.add_flag("--stats", detect->stats, "Print times and counts of the stages to standard error");
     add_cost_options(command, detect->options);
     command.footer(
+        "On several processes: where the program was built with CRUMPLE_MPI, and mpirun,\n"
+        "mpiexec or srun has started it, all ranks share the work on one mesh against\n"
+        "itself. Each reads its part of a binary PLY of triangles or of a binary STL; any\n"
+        "other file is read by rank 0. Each writes its rows of .txt and .csv. The bytes of\n"
+        "the lists are those of one process. Two meshes, --groups components and bodies,\n"
+        "--polygons, --part, --stream and coloured meshes are not shared. --memory-limit and\n"
+        "--threads are each rank's own; without --threads ranks divide the cores. With\n"
+        "CRUMPLE_MPI=0 in the environment each process is alone.\n\n"
         "Example: crumple detect dress.ply body.obj -o dress.glb -o pairs.csv --contacts\n"
-        "         crumple detect robot.glb --groups bodies --exclude base,arm -o hits.glb");
-    return {&command, [detect] { return detect->run(); }};
+        "         crumple detect robot.glb --groups bodies --exclude base,arm -o hits.glb\n"
+        "         mpirun -n 16 crumple detect scan.ply -o pairs.csv --stats");
+    return {&command, [detect] { return detect->run(); }, true};
 }
 
 }  // namespace crumple::cli

@@ -9,6 +9,7 @@
 #include "cli/commands.h"
 #include "cli/help.h"
 #include "cli/misuse.h"
+#include "cli/ranks.h"
 #include "cli/signals.h"
 #include "cli/terminal.h"
 #include "crumple/error.h"
@@ -42,7 +43,10 @@ int run(int argc, char** argv) {
         return failed;
     }
     for (const Command& command : commands) {
-        if (*command.app) return command.run();
+        if (!*command.app) continue;
+        if (command.on_ranks || Ranks::count() == 1) return command.run();
+        print_error(command.app->get_name() + " is not shared among ranks: run it in one process");
+        return failed;
     }
     print_error("a subcommand is required: detect, impacts, near, sequence, info, verify or make");
     return failed;
@@ -54,6 +58,7 @@ int main(int argc, char** argv) {
     std::signal(SIGPIPE, SIG_IGN);  // a reader that left early shows as an error of the write instead
     clean_up_when_killed();
     std::ios::sync_with_stdio(false);
+    const Ranks ranks(argc, argv);
     try {
         return run(argc, argv);
     } catch (const crumple::Error& error) {

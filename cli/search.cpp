@@ -6,11 +6,8 @@
 #include <iostream>
 #include <utility>
 
-#ifdef CRUMPLE_WITH_TBB
-#include <tbb/global_control.h>
-#endif
-
 #include "cli/terminal.h"
+#include "cli/threads.h"
 #include "cli/topology.h"
 #include "crumple/error.h"
 #include "io/text.h"
@@ -177,20 +174,9 @@ StepOrRest read_step_or_rest(const std::string& start, const std::string& end, c
     return {std::move(step.start), std::move(step.end)};
 }
 
-// The library never raises the number of threads that oneTBB allows in the process; that is for its user to do.
-struct Search::Threads {
-#ifdef CRUMPLE_WITH_TBB
-    explicit Threads(int count)
-        : control(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(count)) {}
-    tbb::global_control control;
-#else
-    explicit Threads(int) {}
-#endif
-};
-
 Search::Search(const AnswerOptions& answer, const Options& options)
     : answer_(answer),
-      threads_(options.threads ? std::make_unique<Threads>(options.threads) : nullptr),
+      threads_(options.threads ? std::make_unique<AllowedThreads>(options.threads) : nullptr),
       detector_((answer.check(), check_cost_options(options), options)) {
     if (!detector_.fallback().empty())
         print_error(std::string(detector_.fallback()) + "; the cpu backend does the work");
@@ -198,14 +184,24 @@ Search::Search(const AnswerOptions& answer, const Options& options)
 
 Search::~Search() = default;
 
-Query Search::query() const {
+Query query_of(const AnswerOptions& answer) {
     Query query;
-    query.neighbours = answer_.neighbours;
-    query.intersections = answer_.intersections;
-    query.weld = answer_.weld.value_or(false);
-    query.contacts = answer_.contacts;
-    query.wanted = answer_.wanted.value_or(Wanted::both);
+    query.neighbours = answer.neighbours;
+    query.intersections = answer.intersections;
+    query.weld = answer.weld.value_or(false);
+    query.contacts = answer.contacts;
+    query.wanted = answer.wanted.value_or(Wanted::both);
     return query;
+}
+
+Query Search::query() const { return query_of(answer_); }
+
+Error with_name(const std::string& name, const Error& error) {
+    const char* const hint = error.bytes_needed_at_least ? " (--count-bytes-needed counts how many suffice)" : "";
+    Error named(error.code, name + ": " + error.what() + hint, error.element, error.index, error.bytes_needed,
+                error.system_error, error.bytes_needed_at_least);
+    named.rank = error.rank;
+    return named;
 }
 
 namespace {
@@ -216,9 +212,7 @@ decltype(auto) named(const std::string& name, Work work) {
     try {
         return work();
     } catch (const Error& error) {
-        const char* const hint = error.bytes_needed_at_least ? " (--count-bytes-needed counts how many suffice)" : "";
-        throw Error(error.code, name + ": " + error.what() + hint, error.element, error.index, error.bytes_needed,
-                    error.system_error, error.bytes_needed_at_least);
+        throw with_name(name, error);
     }
 }
 

@@ -9,6 +9,7 @@
 
 #include "cli/options.h"
 #include "crumple/detector.h"
+#include "crumple/error.h"
 
 namespace crumple::cli {
 
@@ -21,6 +22,12 @@ struct Input {
     const io::TriangleMesh* second_or_null() const { return second ? &*second : nullptr; }
     std::int64_t triangle_count() const { return first.triangle_count() + (second ? second->triangle_count() : 0); }
 };
+
+/// What is asked of a search for triangles.
+Query query_of(const AnswerOptions& answer);
+
+/// The error of a search, with what it is about and which option helps.
+Error with_name(const std::string& name, const Error& error);
 
 io::ReadOptions read_options(const ReadingOptions& options);
 
@@ -62,6 +69,8 @@ struct StepOrRest {
 /// Reads both, or without an `end` the one as it would be read with it. Throws as read_moving_input does.
 StepOrRest read_step_or_rest(const std::string& start, const std::string& end, const AnswerOptions& options);
 
+class AllowedThreads;
+
 /// A detector that stays warm from one input to the next.
 class Search {
    public:
@@ -97,10 +106,9 @@ class Search {
    private:
     template <class Ask>
     static decltype(auto) between(const Input& input, Ask ask);
-    struct Threads;
     Query query() const;
     AnswerOptions answer_;
-    std::unique_ptr<Threads> threads_;
+    std::unique_ptr<AllowedThreads> threads_;
     Detector detector_;
     Collisions of_part_;
 };

@@ -26,6 +26,13 @@ std::int64_t count_hits(const Collisions& collisions) {
     return count(collisions.hit) + count(collisions.hit_second);
 }
 
+std::string summary_of_pairs(std::int64_t pairs, std::int64_t hits, std::int64_t all, const char* what,
+                             double milliseconds) {
+    if (pairs == 0) return fmt::format("nothing collides: {} {}, {:.1f} ms\n", grouped(all), what, milliseconds);
+    return fmt::format("{} pair{}, {} of {} {}, {:.1f} ms\n", grouped(pairs), pairs == 1 ? "" : "s", grouped(hits),
+                       grouped(all), what, milliseconds);
+}
+
 void print_statistics(const Statistics& s, std::int64_t hits) {
     print_statistics(s, fmt::format("{} triangles collide", grouped(hits)));
 }

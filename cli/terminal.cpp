@@ -16,7 +16,19 @@
 
 namespace crumple::cli {
 
+namespace {
+
+bool is_silent = false;
+
+}  // namespace
+
+void be_silent(bool silent) { is_silent = silent; }
+
 void to_standard_output(const std::function<void(std::ostream&)>& write) {
+    if (is_silent) {
+        std::ostream nowhere(nullptr);
+        return write(nowhere);
+    }
     io::FileBuffer buffer(STDOUT_FILENO);
     std::ostream out(&buffer);
     try {
@@ -32,6 +44,7 @@ void to_standard_output(const std::function<void(std::ostream&)>& write) {
 }
 
 void say(std::string_view text) {
+    if (is_silent) return;
     std::fwrite(text.data(), 1, text.size(), stderr);
     std::fflush(stderr);
 }

@@ -20,6 +20,9 @@ namespace crumple::cli {
 /// Throws Error (file).
 void to_standard_output(const std::function<void(std::ostream&)>& write);
 
+/// From now on nothing is printed, to standard output or standard error: somebody else does.
+void be_silent(bool silent = true);
+
 /// To standard error, as fmt::print; where it cannot be written, nothing happens.
 void say(std::string_view text);
 template <class... Args>

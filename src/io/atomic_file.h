@@ -23,6 +23,8 @@ class AtomicFile {
     ~AtomicFile();
 
     std::ostream& stream() { return stream_; }
+    /// Where the bytes go until commit(), for others that write some of them; empty where they go to the target itself.
+    std::filesystem::path temporary() const { return direct_ ? std::filesystem::path() : written_; }
 
     /// Throws Error (file) if anything could not be written; the target then is as it was. Of several files that belong
     /// together, complete all before the first is committed.

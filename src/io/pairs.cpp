@@ -114,6 +114,18 @@ void write_pairs(const std::filesystem::path& path, const Collisions& collisions
     file.commit();
 }
 
+void write_heading_of_pairs(std::ostream& out, bool contacts, PairFormat format) {
+    const FloatEnvironment environment;
+    Sink sink(out);
+    if (format == PairFormat::csv) begin_csv(sink, contacts);
+}
+
+void write_rows_of_pairs(std::ostream& out, const Collisions& block, PairFormat format) {
+    const FloatEnvironment environment;
+    Sink sink(out);
+    format == PairFormat::csv ? add_csv(sink, block) : add_txt(sink, block);
+}
+
 struct PairWriter::Implementation {
     std::optional<AtomicFile> file;
     std::ostream* out = nullptr;
@@ -123,11 +135,7 @@ struct PairWriter::Implementation {
         if (format != PairFormat::csv && format != PairFormat::txt)
             throw Error(ErrorCode::invalid_argument, "pairs are written block by block as .txt or .csv");
     }
-    void begin() const {
-        const FloatEnvironment environment;
-        Sink sink(*out);
-        if (csv) begin_csv(sink, contacts);
-    }
+    void begin() const { write_heading_of_pairs(*out, contacts, csv ? PairFormat::csv : PairFormat::txt); }
 };
 
 PairWriter::PairWriter(const std::filesystem::path& path, bool contacts, PairFormat format)
@@ -154,13 +162,7 @@ void PairWriter::add(const Collisions& block) {
     validate(block);
     if (to.contacts != has_contacts(block) && !block.pairs.empty())
         throw Error(ErrorCode::invalid_argument, "a block has contacts, or lacks them, unlike what was announced");
-    {
-        Sink sink(*to.out);
-        if (to.csv)
-            add_csv(sink, block);
-        else
-            add_txt(sink, block);
-    }
+    write_rows_of_pairs(*to.out, block, to.csv ? PairFormat::csv : PairFormat::txt);
     if (*to.out) return;
     if (to.file) to.file->complete();  // says why not
     throw Error(ErrorCode::file, "cannot write pairs to the stream");

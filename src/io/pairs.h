@@ -3,14 +3,20 @@
 // What writers, and what readers of pairs have in common.
 
 #include <cstdint>
+#include <iosfwd>
 #include <optional>
 #include <span>
 #include <string_view>
 #include <utility>
 
 #include "crumple/collisions.h"
+#include "crumple/io.h"
 
 namespace crumple::io {
+
+/// .txt and .csv in pieces that somebody else puts one behind the other: what stands before the rows, and rows.
+void write_heading_of_pairs(std::ostream& out, bool contacts, PairFormat format);
+void write_rows_of_pairs(std::ostream& out, const Collisions& block, PairFormat format);
 
 inline std::string_view name_of(ContactKind kind) {
     return kind == ContactKind::point ? "point" : kind == ContactKind::segment ? "segment" : "area";

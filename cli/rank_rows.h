@@ -1,0 +1,19 @@
+#pragma once
+
+// The rows of all ranks together.
+
+#include <cstdint>
+
+#include "cli/rank_link.h"
+#include "crumple/distributed.h"
+#include "io/slice.h"
+
+namespace crumple::cli {
+
+/// Collective. How many triangles of all ranks are in some pair. `triangles`: whose rows are whose.
+std::int64_t count_hits(RankLink& link, const DistributedCollisions& found, io::Blocks triangles);
+
+/// Collective. On rank 0 the answer as one process has it, but for its statistics; on the others nothing.
+Collisions collect(RankLink& link, const DistributedCollisions& found, io::Blocks triangles);
+
+}  // namespace crumple::cli

@@ -1,0 +1,18 @@
+#pragma once
+
+// Vertices that a rank's triangles name and that another rank has read.
+
+#include <cstdint>
+#include <vector>
+
+#include "cli/rank_link.h"
+#include "crumple/io.h"
+#include "io/slice.h"
+
+namespace crumple::cli {
+
+/// Collective. The mesh has the rank's block of vertices, and corners that are numbers over all blocks. Adds those of
+/// other blocks that it names, and lets corners count in the mesh. Returns the numbers of its vertices over all ranks.
+std::vector<std::int64_t> bring_named_vertices(RankLink& link, io::Blocks blocks, io::TriangleMesh& mesh);
+
+}  // namespace crumple::cli

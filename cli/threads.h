@@ -1,0 +1,27 @@
+#pragma once
+
+// The library never raises the number of threads that oneTBB allows in the process; that is for its user to do.
+
+#include <cstddef>
+
+#ifdef CRUMPLE_WITH_TBB
+#include <tbb/global_control.h>
+#endif
+
+namespace crumple::cli {
+
+/// While it lives, so many threads are allowed.
+class AllowedThreads {
+   public:
+#ifdef CRUMPLE_WITH_TBB
+    explicit AllowedThreads(int count)
+        : control_(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(count)) {}
+
+   private:
+    tbb::global_control control_;
+#else
+    explicit AllowedThreads(int) {}
+#endif
+};
+
+}  // namespace crumple::cli

@@ -1,0 +1,78 @@
+// Which files are read by slices, and the slices of STL; those of PLY are ply_slice.cpp's.
+
+#include "io/slice.h"
+
+#include <cmath>
+#include <numeric>
+#include <sstream>
+#include <string_view>
+
+#include "base/float_environment.h"
+#include "io/bytes.h"
+#include "io/formats.h"
+#include "io/gltf_file.h"
+#include "io/ply_slice.h"
+#include "io/row_file.h"
+
+namespace crumple::io {
+namespace {
+
+constexpr std::int64_t stl_header = 80, stl_prologue = 84, stl_record = 50, stl_normal = 12;
+constexpr std::int64_t longest_header = std::int64_t{1} << 16;
+
+/// The same test as is_binary_stl's, of a file of which only the beginning is at hand.
+bool is_binary_stl(const Source& beginning, std::int64_t size) {
+    return size >= stl_prologue &&
+           size == stl_prologue + stl_record * std::int64_t{load<std::uint32_t>(beginning.begin() + stl_header,
+                                                                                std::endian::little)};
+}
+
+std::optional<MeshSlice> read_stl_slice(const RowFile& file, const ReadOptions& options, int reader, int readers) {
+    MeshSlice slice;
+    slice.triangles = {(file.size() - stl_prologue) / stl_record, readers};
+    slice.vertices = {3 * slice.triangles.rows, readers};
+    if (slice.triangles.rows == 0 || slice.vertices.rows > INT32_MAX) return std::nullopt;
+    slice.soup = true;
+    slice.weld = options.weld != Weld::no;
+    const std::int64_t first = slice.triangles.begin(reader), count = slice.triangles.size(reader);
+    slice.mesh = in_precision(options.precision, ScalarType::float32, [&](auto zero) -> TriangleMesh {
+        std::vector<decltype(zero)> xyz;
+        xyz.reserve(static_cast<std::size_t>(9 * count));
+        file.for_each(stl_prologue + first * stl_record, stl_record, count, [&](const char* row, std::int64_t byte) {
+            for (std::int64_t i = 0; i < 9; ++i) {
+                const std::int64_t place = stl_normal + 4 * i;
+                const auto value = load<float>(row + place, std::endian::little);
+                if (!std::isfinite(value)) file.fail_at(byte + place, "a coordinate is not finite");
+                xyz.push_back(value);
+            }
+            return true;
+        });
+        std::vector<std::int32_t> corners(static_cast<std::size_t>(3 * count));
+        std::iota(corners.begin(), corners.end(), 0);
+        return {std::move(xyz), std::move(corners)};
+    });
+    return slice;
+}
+
+}  // namespace
+
+std::optional<MeshSlice> read_slice(const std::filesystem::path& path, const ReadOptions& options, int reader,
+                                    int readers) {
+    const FloatEnvironment environment;
+    const RowFile file(path);
+    if (!file.is_open()) return std::nullopt;
+    const std::vector<char> bytes = file.read(0, longest_header);
+    std::istringstream stream(std::string(bytes.begin(), bytes.end()));
+    const Source beginning(stream, file.name());
+    if (is_gltf(beginning, extension_of(path))) return std::nullopt;
+    if (is_binary_stl(beginning, file.size())) {
+        if (!options.group_property.empty()) return std::nullopt;
+        return read_stl_slice(file, options, reader, readers);
+    }
+    const std::string_view text(beginning.text_begin(),
+                                static_cast<std::size_t>(beginning.end() - beginning.text_begin()));
+    if (!text.starts_with("ply\n") && !text.starts_with("ply\r")) return std::nullopt;
+    return read_ply_slice(file, beginning, options, reader, readers);
+}
+
+}  // namespace crumple::io

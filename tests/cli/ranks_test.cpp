@@ -1,0 +1,241 @@
+// Processes of MPI against one process: the same bytes in every list, and whatever is said is said once.
+
+#include <array>
+#include <bit>
+#include <nlohmann/json.hpp>
+
+#include "io/bytes.h"
+#include "run.h"
+
+namespace crumple::cli::test {
+namespace {
+
+class Ranks : public Cli {
+   protected:
+    Ranks() {
+        // Open MPI refuses root, and more ranks than cores, unless it is told to let them be; ranks that wait then
+        // yield.
+        for (const char* const name : {"OMPI_ALLOW_RUN_AS_ROOT", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM",
+                                       "OMPI_MCA_rmaps_base_oversubscribe", "OMPI_MCA_mpi_yield_when_idle"})
+            setenv(name, "1", 1);
+        setenv("OMPI_MCA_hwloc_base_binding_policy", "none", 1);
+        setenv("OMPI_MCA_odls_base_sigkill_timeout", "0", 1);  // where one fails, the others are through as well
+        setenv("OMPI_MCA_btl_vader_single_copy_mechanism", "none", 1);
+        setenv("LSAN_OPTIONS", "detect_leaks=0", 1);  // Open MPI leaves memory behind
+        write("five.off", five_off);
+    }
+
+    Outcome ranks(int count, const std::string& arguments, const std::string& around = {}) const {
+        return shell(around + " " CRUMPLE_MPIEXEC " " CRUMPLE_MPIEXEC_NUMBER " " + std::to_string(count) +
+                     " $crumple " + arguments);
+    }
+    void make(const std::string& scene, const std::string& name) const {
+        EXPECT_EQ(crumple("make " + scene + " -o " + name).status, 0);
+    }
+
+    /// All lists of one process, from as many ranks.
+    void expect_same(const std::string& arguments) const {
+        const std::string lists = " -o NAME.txt -o NAME.csv -o NAME.npz -o NAME.json -o - --format csv";
+        const auto named = [&](const std::string& name) {
+            std::string text = lists;
+            for (std::size_t at; (at = text.find("NAME")) != text.npos;) text.replace(at, 4, name);
+            return "detect " + arguments + text;
+        };
+        const Outcome one = crumple(named("one"));
+        ASSERT_EQ(one.status, 0) << one.err;
+        for (const int count : {1, 2, 3}) {
+            const std::string what = arguments + ", " + std::to_string(count) + " ranks";
+            const Outcome outcome = ranks(count, named("ranks"));
+            EXPECT_EQ(outcome.status, 0) << what << outcome.err;
+            EXPECT_EQ(outcome.out, one.out) << what;
+            EXPECT_EQ(without_time(outcome.err), without_time(one.err)) << what;
+            for (const std::string end : {".txt", ".csv", ".npz"})
+                EXPECT_TRUE(read("ranks" + end) == read("one" + end)) << what << end;
+            nlohmann::json expected = nlohmann::json::parse(read("one.json")),
+                           found = nlohmann::json::parse(read("ranks.json"));
+            for (const char* same : {"pairs", "triangles"})
+                EXPECT_EQ(found["statistics"][same], expected["statistics"][same]);
+            expected.erase("statistics"), found.erase("statistics");
+            EXPECT_TRUE(found == expected) << what;
+        }
+    }
+    static std::string without_time(const std::string& summary) { return summary.substr(0, summary.rfind(',')); }
+
+    /// Said once, as one process says it.
+    void expect_refused(const std::string& arguments, const std::string& reason, int status = 2) const {
+        const Outcome outcome = ranks(2, arguments);
+        EXPECT_EQ(outcome.status, status) << arguments;
+        EXPECT_EQ(outcome.out, "") << arguments;
+        EXPECT_TRUE(contains(outcome.err, reason)) << arguments << ": " << outcome.err;
+        EXPECT_EQ(outcome.err.find("crumple: "), outcome.err.rfind("crumple: ")) << arguments << ": " << outcome.err;
+    }
+    void expect_as_one_process(const std::string& arguments) const {
+        const Outcome one = crumple(arguments);
+        EXPECT_TRUE(is_error_line(one.err)) << one.err;
+        expect_refused(arguments, one.err, one.status);
+    }
+};
+
+template <class T>
+void add(std::string& bytes, T value, std::endian order) {
+    auto its = io::little_endian(value);
+    if (order == std::endian::big) std::reverse(its.begin(), its.end());
+    bytes.append(its.data(), its.size());
+}
+
+/// Sheets that cross each other, with a group each. `corners`: how many the last face says it has.
+std::string sheets(std::endian order, std::uint8_t corners = 3) {
+    constexpr int n = 9;
+    std::string bytes = std::string("ply\nformat binary_") + (order == std::endian::big ? "big" : "little") +
+                        "_endian 1.0\nelement vertex " + std::to_string(3 * n * n) +
+                        "\nproperty double z\nproperty float x\nproperty float y\nelement face " +
+                        std::to_string(6 * (n - 1) * (n - 1)) +
+                        "\nproperty short sheet\nproperty list int uint vertex_indices\nend_header\n";
+    for (int sheet = 0; sheet < 3; ++sheet)
+        for (int i = 0; i < n * n; ++i) {
+            const float x = static_cast<float>(i % n), y = static_cast<float>(i / n);
+            add(bytes, 0.1 * (sheet - 1) * (static_cast<double>(x) - 4) * (static_cast<double>(y) + 0.25), order);
+            add(bytes, x, order), add(bytes, y, order);
+        }
+    for (int sheet = 0; sheet < 3; ++sheet)
+        for (int i = 0; i < (n - 1) * (n - 1); ++i) {
+            const int first = sheet * n * n + i / (n - 1) * n + i % (n - 1);
+            for (const auto& face :
+                 {std::array{first, first + 1, first + n}, std::array{first + n + 1, first + n, first + 1}}) {
+                const bool last = sheet == 2 && i == (n - 1) * (n - 1) - 1 && face[0] != first;
+                add(bytes, static_cast<std::int16_t>(sheet), order),
+                    add(bytes, last ? std::int32_t{corners} : 3, order);
+                for (const int corner : face) add(bytes, static_cast<std::uint32_t>(corner), order);
+            }
+        }
+    return bytes;
+}
+
+TEST_F(Ranks, ReadLittleEndianPly) {
+    make("cloth --triangles 3000", "a.ply");
+    expect_same("a.ply --contacts");
+}
+
+TEST_F(Ranks, ReadBigEndianPly) {
+    write("a.ply", sheets(std::endian::big));
+    expect_same("a.ply --contacts");
+}
+
+TEST_F(Ranks, ReadStl) {
+    make("lattice --triangles 1000", "a.stl");
+    expect_same("a.stl --contacts");
+}
+
+TEST_F(Ranks, ReadWhatHasNoSlices) {
+    make("lattice --triangles 1000", "a.obj");
+    expect_same("a.obj --contacts");
+    write("quads.off",
+          "OFF\n8 3 0\n0 0 0\n4 0 0\n4 4 0\n0 4 0\n1 1 -1\n2 1 1\n3 1 -1\n2 2 -1\n4 0 1 2 3\n3 4 5 6\n3 4 5 7\n");
+    expect_same("quads.off");
+}
+
+TEST_F(Ranks, AreMoreThanTriangles) {
+    write("two.off", "OFF\n6 2 0\n0 0 0\n4 0 0\n0 4 0\n1 1 -1\n1 1 1\n3 3 0.5\n3 0 1 2\n3 3 4 5\n");
+    expect_same("two.off");
+    EXPECT_EQ(crumple("detect two.off -o one.txt").status, 0);
+    std::string stl(80, ' ');
+    add(stl, std::uint32_t{2}, std::endian::little);
+    for (const float x : {0.f, 0.f, 0.f, 0.f, 0.f, 0.f, 4.f, 0.f, 0.f, 0.f, 4.f, 0.f}) add(stl, x, std::endian::little);
+    add(stl, std::uint16_t{0}, std::endian::little);
+    for (const float x : {0.f, 0.f, 0.f, 1.f, 1.f, -1.f, 1.f, 1.f, 1.f, 3.f, 3.f, 1.f})
+        add(stl, x, std::endian::little);
+    add(stl, std::uint16_t{0}, std::endian::little);
+    write("two.stl", stl);
+    expect_same("two.stl --contacts");
+}
+
+TEST_F(Ranks, TakeOptionsOfTheAnswer) {
+    write("a.ply", sheets(std::endian::little));
+    for (const std::string options :
+         {"--weld --contacts --neighbours skip", "--precision float32 --intersections proper",
+          "--groups sheet --wanted between --threads 2"})
+        expect_same("a.ply " + options);
+    std::string groups;
+    for (int i = 0; i < 3 * 128; ++i) groups += std::to_string(i % 5) + '\n';
+    write("groups.txt", groups);
+    expect_same("a.ply --groups groups.txt --wanted within");
+}
+
+TEST_F(Ranks, PrintPairsInOrder) {
+    write("a.ply", sheets(std::endian::little));
+    const Outcome one = crumple("detect a.ply"), two = ranks(2, "detect a.ply");
+    EXPECT_EQ(two.status, 0);
+    EXPECT_EQ(two.out, one.out);
+    EXPECT_EQ(two.err, "");
+    EXPECT_FALSE(one.out.empty());
+}
+
+TEST_F(Ranks, ReadStandardInputOnce) { EXPECT_EQ(ranks(2, "detect -", "cat five.off |").out, five_pairs); }
+
+TEST_F(Ranks, CheckTogether) {
+    const Outcome some = ranks(2, "detect five.off --check");
+    EXPECT_EQ(some.status, 1);
+    EXPECT_EQ(some.out, "something collides\n");
+    write("none.off", "OFF\n3 1 0\n0 0 0\n4 0 0\n0 4 0\n3 0 1 2\n");
+    const Outcome none = ranks(2, "detect none.off --check");
+    EXPECT_EQ(none.status, 0);
+    EXPECT_EQ(none.out, "nothing collides\n");
+}
+
+TEST_F(Ranks, TellWhatTheyDid) {
+    write("a.ply", sheets(std::endian::little));
+    const Outcome outcome = ranks(2, "detect a.ply --stats -o a.txt");
+    EXPECT_EQ(outcome.status, 0);
+    EXPECT_EQ(outcome.out, "");
+    for (const char* word : {"question", "input", "members", "search", "rows", "2 ranks", "parts", "balance",
+                             "bytes sent", "triangles collide"})
+        EXPECT_TRUE(contains(outcome.err, word)) << word << outcome.err;
+    EXPECT_EQ(outcome.err.find("balance"), outcome.err.rfind("balance"));
+}
+
+TEST_F(Ranks, RefuseWhatTheyDoNotShare) {
+    expect_refused("detect five.off --groups components --wanted within",
+                   "--groups components is not shared among ranks");
+    expect_refused("detect five.off --groups bodies", "--groups bodies is not shared among ranks");
+    expect_refused("detect five.off five.off", "a second mesh is not shared among ranks");
+    expect_refused("detect five.off -o a.glb", "a coloured .glb is not shared among ranks");
+    expect_refused("detect five.off --part 1/2", "--part is not shared among ranks");
+    expect_refused("detect five.off --polygons", "--polygons is not shared among ranks");
+    expect_refused("detect five.off --stream", "--stream is not shared among ranks");
+    expect_refused("near five.off --radius 1", "near is not shared among ranks");
+}
+
+TEST_F(Ranks, RunAloneIfAsked) {
+    const Outcome outcome = ranks(2, "detect five.off --part 1/1", "CRUMPLE_MPI=0");
+    EXPECT_EQ(outcome.status, 0);
+    EXPECT_EQ(outcome.out, std::string(five_pairs) + five_pairs);
+}
+
+TEST_F(Ranks, FailAsOneProcess) {
+    expect_as_one_process("detect missing.ply");
+    expect_as_one_process("detect five.off --fast");
+    expect_as_one_process("detect five.off --backend reference --clusters 2");
+    expect_as_one_process("detect five.off -o a.foo");
+    expect_as_one_process("detect five.off -o nowhere/a.txt");
+    expect_as_one_process("detect five.off -o nowhere/a.npz");
+    write("bad.txt", five_off);
+    expect_as_one_process("detect bad.txt -o bad.txt");
+    const std::string ply = sheets(std::endian::little);
+    write("cut.ply", ply.substr(0, ply.size() - 5));
+    expect_as_one_process("detect cut.ply");
+    write("corners.ply", sheets(std::endian::little, 2));
+    expect_as_one_process("detect corners.ply");
+    EXPECT_TRUE(contains(ranks(2, "detect five.off --memory-limit 1000").err, "five.off: rank "));
+    EXPECT_EQ(ranks(2, "detect five.off --memory-limit 1000").status, 3);
+}
+
+TEST_F(Ranks, LeaveNothingBehindWhereTheyFail) {
+    write("old.txt", "as it was\n");
+    EXPECT_EQ(ranks(2, "detect missing.ply -o old.txt").status, 2);
+    EXPECT_EQ(read("old.txt"), "as it was\n");
+    EXPECT_EQ(ranks(2, "detect five.off -o old.txt -o nowhere/b.txt").status, 2);
+    for (const auto& entry : fs::directory_iterator(file("."))) EXPECT_NE(entry.path().extension(), ".tmp");
+}
+
+}  // namespace
+}  // namespace crumple::cli::test

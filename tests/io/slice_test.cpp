@@ -1,0 +1,198 @@
+// A file that several readers share: their blocks, one behind the other, are what one reader reads.
+
+#include "io/slice.h"
+
+#include <array>
+#include <cstring>
+#include <limits>
+
+#include "files.h"
+
+namespace crumple::io::test {
+namespace {
+
+/// Bytes in an order of choice.
+class Bytes {
+   public:
+    explicit Bytes(std::endian order) : order_(order) {}
+    template <class T>
+    Bytes& operator<<(T value) {
+        std::array<char, sizeof(T)> bytes = little_endian(value);
+        if (order_ == std::endian::big) std::reverse(bytes.begin(), bytes.end());
+        text_.append(bytes.data(), bytes.size());
+        return *this;
+    }
+    Bytes& text(const std::string& text) { return text_ += text, *this; }
+    const std::string& get() const { return text_; }
+
+   private:
+    std::endian order_;
+    std::string text_;
+};
+
+constexpr std::int64_t vertex_count = 11, face_count = 7;
+
+/// What may be wrong in a file that is sound otherwise.
+struct Spoiled {
+    std::int64_t vertex = -1, face = -1;  ///< which row
+    std::uint8_t corners = 3;
+    std::int64_t index = 0;
+    float x = 0;
+};
+
+/// Rows that hold more than is read, in an odd order; groups are 100, 101, ...
+std::string ply_bytes(std::endian order, const Spoiled& spoiled = {}) {
+    Bytes bytes(order);
+    bytes.text(
+        std::string("ply\nformat binary_") + (order == std::endian::big ? "big" : "little") +
+        "_endian 1.0\nelement material 2\nproperty short m\nelement vertex 11\nproperty uchar q\nproperty float z\n"
+        "property double y\nproperty float x\nelement face 7\nproperty int group\nproperty list uchar int64 "
+        "vertex_index\nproperty float w\nelement edge 1\nproperty int v\nend_header\n");
+    bytes << std::int16_t{1} << std::int16_t{2};
+    for (int v = 0; v < vertex_count; ++v)
+        bytes << std::uint8_t{7} << 0.25f * static_cast<float>(v) << 1e-3 * v
+              << (v == spoiled.vertex ? spoiled.x : static_cast<float>(v));
+    for (int f = 0; f < face_count; ++f) {
+        const bool bad = f == spoiled.face;
+        bytes << std::int32_t{100 + f} << (bad ? spoiled.corners : std::uint8_t{3});
+        const std::int64_t last = bad ? spoiled.index : 10 - f;
+        bytes << std::int64_t{f} << std::int64_t{f + 1} << last << 1.5f;
+    }
+    return (bytes << std::int32_t{3}).get();
+}
+
+std::string stl_bytes(std::uint32_t triangles) {
+    Bytes bytes(std::endian::little);
+    bytes.text("solid, but binary").text(std::string(80 - 17, ' ')) << triangles;
+    for (std::uint32_t t = 0; t < triangles; ++t) {
+        for (std::uint32_t i = 0; i < 12; ++i) bytes << static_cast<float>((t * 7 + i * 3) % 5);
+        bytes << std::uint16_t{0};
+    }
+    return bytes.get();
+}
+
+class Slices : public testing::Test {
+   protected:
+    std::optional<MeshSlice> slice(const std::string& bytes, const ReadOptions& options = {}, int reader = 0,
+                                   int readers = 1, const std::string& name = "a.mesh") const {
+        return read_slice(folder.write(name, bytes), options, reader, readers);
+    }
+
+    /// The blocks of so many readers as one mesh.
+    TriangleMesh joined(const std::string& bytes, int readers, const ReadOptions& options) const {
+        TriangleMesh all;
+        for (int r = 0; r < readers; ++r) {
+            const auto part = slice(bytes, options, r, readers);
+            if (!part) throw std::runtime_error("not read by slices");
+            EXPECT_EQ(part->mesh.triangle_count(), part->triangles.size(r));
+            if (!part->soup) {
+                EXPECT_EQ(part->mesh.vertex_count(), part->vertices.size(r));
+            }
+            if (r == 0)
+                std::visit([&](const auto& xyz) { all.vertices = std::decay_t<decltype(xyz)>(); }, part->mesh.vertices);
+            const auto first = static_cast<std::int32_t>(part->soup ? all.vertex_count() : 0);
+            for (const std::int32_t corner : part->mesh.triangles) all.triangles.push_back(first + corner);
+            all.groups.insert(all.groups.end(), part->mesh.groups.begin(), part->mesh.groups.end());
+            std::visit(
+                [&](const auto& xyz) {
+                    auto& to = std::get<std::decay_t<decltype(xyz)>>(all.vertices);
+                    to.insert(to.end(), xyz.begin(), xyz.end());
+                },
+                part->mesh.vertices);
+        }
+        return all;
+    }
+
+    void expect_same(const std::string& bytes, const ReadOptions& options = {}) const {
+        const TriangleMesh expected = read_bytes(bytes, "a.mesh", options);
+        for (const int readers : {1, 2, 3, 7, 20}) {
+            const TriangleMesh mesh = joined(bytes, readers, options);
+            EXPECT_EQ(mesh.vertices, expected.vertices) << readers;
+            EXPECT_EQ(mesh.triangles, expected.triangles) << readers;
+            EXPECT_EQ(mesh.groups, expected.groups) << readers;
+        }
+    }
+
+    const Folder folder;
+};
+
+TEST_F(Slices, OfPlyAreTheWholeMesh) {
+    for (const std::endian order : {std::endian::little, std::endian::big})
+        for (const Precision precision : {Precision::automatic, Precision::float32, Precision::float64})
+            for (const char* group : {"", "group"})
+                expect_same(ply_bytes(order), {.precision = precision, .group_property = group});
+}
+
+TEST_F(Slices, OfStlAreTheWholeMesh) {
+    for (const Precision precision : {Precision::automatic, Precision::float64})
+        expect_same(stl_bytes(30), {.precision = precision, .weld = Weld::no});
+}
+
+TEST_F(Slices, TellWhatIsToBeWelded) {
+    EXPECT_TRUE(slice(stl_bytes(3))->weld);
+    EXPECT_TRUE(slice(stl_bytes(3))->soup);
+    EXPECT_FALSE(slice(stl_bytes(3), {.weld = Weld::no})->weld);
+    EXPECT_FALSE(slice(ply_bytes(std::endian::little))->weld);
+    EXPECT_TRUE(slice(ply_bytes(std::endian::little), {.weld = Weld::yes})->weld);
+}
+
+TEST_F(Slices, OfOtherFilesAreNone) {
+    const std::string ply = ply_bytes(std::endian::little);
+    EXPECT_FALSE(slice("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"));
+    EXPECT_FALSE(slice("ply\nformat ascii 1.0\nelement vertex 0\n"));
+    EXPECT_FALSE(slice(""));
+    EXPECT_FALSE(slice(ply + '\n'));
+    EXPECT_FALSE(slice(ply.substr(0, ply.size() - 1)));
+    EXPECT_FALSE(slice(ply, {.group_property = "q"}));
+    EXPECT_FALSE(slice(stl_bytes(0)));
+    EXPECT_FALSE(slice(stl_bytes(3) + ' '));
+    EXPECT_FALSE(slice(stl_bytes(3), {.group_property = "q"}));
+    EXPECT_FALSE(slice(ply, {}, 0, 1, "a.gltf"));
+    EXPECT_FALSE(read_slice(folder / "missing.ply", {}, 0, 1));
+    EXPECT_FALSE(read_slice(folder.path(), {}, 0, 1));
+}
+
+// Whoever reads that face sees it; the others cannot.
+TEST_F(Slices, OfPolygonsAreSeenByTheirReader) {
+    const std::string ply = ply_bytes(std::endian::little, {.face = 6, .corners = 4});
+    EXPECT_TRUE(slice(ply, {}, 0, 2));
+    EXPECT_FALSE(slice(ply, {}, 1, 2));
+}
+
+TEST_F(Slices, FailAsTheWholeFileDoes) {
+    const float infinite = std::numeric_limits<float>::infinity();
+    for (const std::endian order : {std::endian::little, std::endian::big}) {
+        for (const Spoiled& spoiled : {Spoiled{.vertex = 9, .x = infinite}, Spoiled{.face = 6, .index = 11},
+                                       Spoiled{.face = 6, .index = -1}, Spoiled{.face = 6, .corners = 2}}) {
+            const std::string ply = ply_bytes(order, spoiled);
+            EXPECT_TRUE(slice(ply, {}, 0, 2));
+            const Error error = error_of([&] { slice(ply, {}, 1, 2); });
+            const Error expected = error_of([&] { read_mesh(folder / "a.mesh"); });
+            EXPECT_STREQ(error.what(), expected.what());
+            EXPECT_EQ(error.index, expected.index);
+            EXPECT_EQ(error.code, ErrorCode::format);
+        }
+    }
+    std::string stl = stl_bytes(4);
+    std::memset(stl.data() + 84 + 3 * 50 + 20, 0xff, 4);
+    const Error error = error_of([&] { slice(stl, {}, 1, 2); });
+    EXPECT_STREQ(error.what(), error_of([&] { read_mesh(folder / "a.mesh"); }).what());
+}
+
+TEST(Blocks, AreOwnedByTheirReaders) {
+    for (const std::int64_t rows : {1, 2, 7, 64, 2147483647}) {
+        for (const int readers : {1, 2, 3, 64}) {
+            const Blocks blocks{rows, readers};
+            EXPECT_EQ(blocks.begin(0), 0);
+            EXPECT_EQ(blocks.end(readers - 1), rows);
+            for (int r = 0; r < readers; ++r) {
+                if (blocks.size(r) == 0) continue;
+                EXPECT_EQ(blocks.reader_of(blocks.begin(r)), r);
+                EXPECT_EQ(blocks.reader_of(blocks.end(r) - 1), r);
+            }
+        }
+    }
+}
+
+}  // namespace
+}  // namespace crumple::io::test
