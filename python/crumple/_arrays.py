@@ -282,8 +282,7 @@ def vertex_ids(array: Any, which: str) -> np.ndarray:
 def poses(array: Any, which: str) -> np.ndarray:
     """(n, 3, 4) or (n, 4, 4), or (k, n, ...) of configurations, of float64."""
     name = which + "poses"
-    # At the end of a step they lie on the host.
-    result = host_array(array, name, "" if which else "(n, 3, 4) of float64 or float32 without gaps")
+    result = host_array(array, name, "(n, 3, 4) of float64 or float32 without gaps")
     if result.shape == (0,):  # an empty list
         result = result.reshape(0, 3, 4)
     if result.ndim not in (3, 4) or result.shape[-1] != 4 or result.shape[-2] not in (3, 4):
