@@ -58,7 +58,7 @@ class Fingerprint {
             mix(word);
         }
         word = bytes.size();  // arrays that end elsewhere differ
-        std::memcpy(&word, bytes.data() + i, bytes.size() - i);
+        if (i < bytes.size()) std::memcpy(&word, bytes.data() + i, bytes.size() - i);
         mix(word);
         mix(bytes.size());
     }
