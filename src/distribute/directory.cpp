@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <cstring>
+#include <bit>
 #include <string>
+#include <type_traits>
 
 #include "crumple/error.h"
 
@@ -42,6 +43,13 @@ void exchange_ids(Rounds& rounds, const ByKeeper& elements, const Ids& ids, cons
             std::copy(rows.begin(), rows.end(),
                       told.begin() + static_cast<std::ptrdiff_t>(from[static_cast<std::size_t>(rank)] + first));
         });
+}
+
+// -0 and +0 are told apart.
+template <class Scalar>
+auto bits_of(const std::array<Scalar, 3>& position) {
+    using Bits = std::conditional_t<sizeof(Scalar) == 4, std::uint32_t, std::uint64_t>;
+    return std::bit_cast<std::array<Bits, 3>>(position);
 }
 
 int rank_of_row(const std::vector<std::int64_t>& first, std::int64_t row) {
@@ -187,7 +195,7 @@ void SharedVertices::check_copies(Rounds& rounds, Agreement& agree, const Vertex
                 if (known < 0) {
                     known = rank;
                     position = rows[i];
-                } else if (std::memcmp(&position, &rows[i], sizeof(Position)) != 0 && block_begin_ + v < differs) {
+                } else if (bits_of(position) != bits_of(rows[i]) && block_begin_ + v < differs) {
                     differs = block_begin_ + v;
                     ranks = {known, rank};
                 }

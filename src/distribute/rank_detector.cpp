@@ -126,7 +126,7 @@ void RankDetector::read(const MeshShare& share, const VertexView* end) {
     std::array<std::int64_t, 8> least{};
     for (int axis = 0; axis < 3; ++axis) {
         least[static_cast<std::size_t>(axis)] = ordered(empty ? most : scene.low[axis]);
-        least[static_cast<std::size_t>(3 + axis)] = ordered(empty ? most : -scene.high[axis]);
+        least[3 + static_cast<std::size_t>(axis)] = ordered(empty ? most : -scene.high[axis]);
     }
     std::int64_t last = -1;
     if (vertex_ids_)
@@ -142,7 +142,7 @@ void RankDetector::read(const MeshShare& share, const VertexView* end) {
     if (least[0] != ordered(most))
         for (int axis = 0; axis < 3; ++axis) {
             box_.low[axis] = number(least[static_cast<std::size_t>(axis)]);
-            box_.high[axis] = -number(least[static_cast<std::size_t>(3 + axis)]);
+            box_.high[axis] = -number(least[3 + static_cast<std::size_t>(axis)]);
         }
     same_ = least[7] != 0;
 }
