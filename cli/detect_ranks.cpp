@@ -26,7 +26,7 @@ decltype(auto) about_file(const std::string& file, Ask ask) {
     try {
         return ask();
     } catch (const Error& error) {
-        throw with_name(file, error);
+        throw with_name(file, RankLink::as_of_one_process(error));
     }
 }
 

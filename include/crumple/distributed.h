@@ -39,7 +39,8 @@ struct DistributedOptions {
     /// Parts that the scene is cut into over all ranks, 1 to 262,144; 0: chosen from the number of ranks. More parts
     /// are shared out more evenly, but overlap more.
     int parts = 0;
-    /// Bytes that a rank may have on their way at a time, out and in each: at least 1 KiB.
+    /// Bytes that a rank may have on their way at a time, about, out and in each: at least 1 KiB. Each pair of ranks
+    /// has an equal share of them, and one row at least.
     std::int64_t round_bytes = std::int64_t{1} << 26;
 };
 

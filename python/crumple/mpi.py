@@ -338,13 +338,20 @@ def _together(comm: MPI.Intracomm, work: Callable[[], Answered]) -> Answered:
     """What `work` gives, or on all ranks the error of the least rank where it fails."""
     answer: Answered | None = None
     failed: Error | None = None
+    own: BaseException | None = None
     try:
         answer = work()
     except Error as error:
         failed = type(error)(
             f"rank {comm.rank}: {error}", code=error.code, element=error.element, index=error.index, rank=comm.rank
         )
-    for error in comm.allgather(failed):
+    except BaseException as error:  # the others wait for this rank: they hear of it, and it is raised here as it is
+        own = error
+        failed = Error(f"rank {comm.rank}: the call was interrupted: {error!r}", code="cancelled", rank=comm.rank)
+    all_failed = comm.allgather(failed)
+    if own is not None:
+        raise own
+    for error in all_failed:
         if error is not None:
             raise error
     return answer  # type: ignore[return-value]

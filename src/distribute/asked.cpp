@@ -12,7 +12,12 @@ namespace {
 // Kinds of questions, which are told apart by the first number.
 enum class Kind : std::uint8_t { intersections, motion, nearness };
 
-std::int64_t bits(double x) { return std::bit_cast<std::int64_t>(x) >> 1; }  // its negative is a number, too
+// All bits, in two numbers whose negatives are numbers, too.
+void tell(double x, std::vector<std::int64_t>& told) {
+    const auto bits = std::bit_cast<std::uint64_t>(x);
+    told.push_back(static_cast<std::int64_t>(bits >> 32));
+    told.push_back(static_cast<std::int64_t>(bits & 0xffffffffu));
+}
 
 // A word that differs, all but surely, where the lists do.
 std::int64_t word_of(std::span<const GroupPair> pairs) {
@@ -53,8 +58,9 @@ Asked asked_by(const Motion& question) {
     check(!question.triangle_pairs, "triangle_pairs must be false: ranks have none");
     check(!question.index, "index must be false: ranks have no offsets by feature");
     Asked asked;
-    asked.told = {static_cast<std::int64_t>(Kind::motion), static_cast<std::int64_t>(question.wants),
-                  bits(question.separation), bits(question.separation_share), question.weld};
+    asked.told = {static_cast<std::int64_t>(Kind::motion), static_cast<std::int64_t>(question.wants), question.weld};
+    tell(question.separation, asked.told);
+    tell(question.separation_share, asked.told);
     asked.features = {true, question.separation, question.separation_share, question.weld};
     tell(question.rules, asked);
     return asked;
@@ -68,12 +74,9 @@ Asked asked_by(const Near& question) {
     check(!question.least, "least must be false: ranks tell no least distances");
     check(!question.index, "index must be false: ranks have no offsets by feature");
     Asked asked;
-    asked.told = {static_cast<std::int64_t>(Kind::nearness),
-                  static_cast<std::int64_t>(question.wants),
-                  bits(question.radius),
-                  question.strict,
-                  question.closest,
-                  question.weld};
+    asked.told = {static_cast<std::int64_t>(Kind::nearness), static_cast<std::int64_t>(question.wants), question.strict,
+                  question.closest, question.weld};
+    tell(question.radius, asked.told);
     asked.features = {false, question.radius, 0, question.weld};
     tell(question.rules, asked);
     return asked;

@@ -16,6 +16,12 @@ AssembledPart::AssembledPart(std::int32_t index, int count, std::vector<PartLeve
         part_.mesh.vertices = std::vector<double>();
 }
 
+std::int64_t AssembledPart::bytes() const {
+    const auto depth = static_cast<std::int64_t>(part_.levels.size());
+    const std::int64_t scalar = std::holds_alternative<std::vector<float>>(part_.mesh.vertices) ? 4 : 8;
+    return size() * (24 + 8 * depth + (features_ ? 40 : 0)) + vertex_count_ * 3 * scalar * (moving_ ? 2 : 1);
+}
+
 void AssembledPart::take(std::span<const PartNews> news) {
     bool other_triangles = false;
     for (const PartNews& some : news) {

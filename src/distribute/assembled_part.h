@@ -42,6 +42,8 @@ class AssembledPart {
     /// What engines remember of it.
     std::unique_ptr<SceneMemory>& memory() { return memory_; }
     std::int64_t size() const { return part_.mesh.size(); }
+    /// What its lists take, about.
+    std::int64_t bytes() const;
     /// The rank that has brought a triangle, by its place in the part.
     int rank_of(std::int32_t triangle) const { return rank_[static_cast<std::size_t>(triangle)]; }
 

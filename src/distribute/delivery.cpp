@@ -42,7 +42,8 @@ void Delivery::run(const What& what, FunctionRef<void(std::int64_t bytes)> room)
 
 // One, unless some rank has more to tell than may be on its way at a time: then one for each part that a rank has.
 int Delivery::choose_groups() {
-    std::int64_t most = members_.bytes_of_changes();
+    std::int64_t most = 0;
+    agree_(Phase::members, [&] { most = members_.bytes_of_changes(); });
     rounds_.transport().reduce({&most, 1}, Reduction::max);
     std::size_t parts = 1;
     for (const auto& of_rank : all_parts_of_) parts = std::max(parts, of_rank.size());

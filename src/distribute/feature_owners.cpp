@@ -117,7 +117,9 @@ void FeatureOwners::own_vertices(Rounds& rounds, Agreement& agree, const Share& 
     for (std::int64_t t = 0; t < m; ++t)
         for (int k = 0; k < 3; ++k) {
             const std::int32_t* c = scene.corners + 3 * t;
-            const bool again = (k > 0 && c[k] == c[0]) || (k > 1 && c[k] == c[1]);
+            // By id, for a rank may list a vertex twice.
+            const auto id = [&](int corner) { return share.vertices()(c[corner]); };
+            const bool again = (k > 0 && id(k) == id(0)) || (k > 1 && id(k) == id(1));
             if (!again && least[static_cast<std::size_t>(c[k])] == share.triangles()(t))
                 of_[static_cast<std::size_t>(t)].owned |= 1 << k;
         }
@@ -158,6 +160,9 @@ void FeatureOwners::own_edges(Rounds& rounds, Agreement& agree, const Share& sha
             std::vector<std::int32_t> order;
             std::vector<std::int64_t> edges(static_cast<std::size_t>(ranks), 0);
             agree(Phase::ids, [&] {
+                if (sides.size() > static_cast<std::size_t>(nobody))
+                    throw Error(ErrorCode::invalid_argument,
+                                "a rank keeps the books of more than 2147483647 sides of triangles: take more ranks");
                 numbered.resize(sides.size());
                 order.resize(sides.size());
                 for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<std::int32_t>(i);

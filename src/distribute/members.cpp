@@ -10,17 +10,21 @@ namespace {
 
 constexpr std::size_t vertices_at_once = 8192;
 
-// The largest square of a way from `before` to where the vertices are now, which it becomes.
+// The largest square of a way from `before` to where the vertices are now, which it becomes; normalised before it is
+// squared, so that nothing that matters underflows.
 template <class Scalar>
-double follow(const VertexReader& reader, std::vector<Scalar>& before, std::size_t begin, std::size_t end) {
+double follow(const VertexReader& reader, const Normaliser& normalise, std::vector<Scalar>& before, std::size_t begin,
+              std::size_t end) {
     double largest = 0;
     for (std::size_t v = begin; v < end; ++v) {
         const Vec3d p = reader(static_cast<std::int64_t>(v));
         Scalar* const old = before.data() + 3 * v;
-        const Vec3d way =
-            p - Vec3d{static_cast<double>(old[0]), static_cast<double>(old[1]), static_cast<double>(old[2])};
+        Vec3d way;
+        for (int axis = 0; axis < 3; ++axis) {
+            way[axis] = (p[axis] * normalise.pre - static_cast<double>(old[axis]) * normalise.pre) * normalise.post;
+            old[axis] = static_cast<Scalar>(p[axis]);
+        }
         largest = std::max(largest, dot(way, way));
-        for (int axis = 0; axis < 3; ++axis) old[axis] = static_cast<Scalar>(p[axis]);
     }
     return largest;
 }
@@ -71,20 +75,23 @@ void Members::update(const Share& share, const Placement& placement, ParallelFor
 void Members::measure_way(const Share& share, const Placement& placement, ParallelFor& workers) {
     const Scene& scene = share.scene();
     const auto n = static_cast<std::size_t>(scene.vertex_count());
-    double way = longest_way(scene.reader[0], n, before_, workers);
-    if (scene.moving) way = std::max(way, longest_way(scene.end, n, before_at_end_, workers));
-    way_ += 1.000001 * placement.normalised(way);
+    const Normaliser& normalise = placement.normaliser();
+    double way = longest_way(scene.reader[0], normalise, n, before_, workers);
+    if (scene.moving) way = std::max(way, longest_way(scene.end, normalise, n, before_at_end_, workers));
+    way_ += 1.000001 * way;
 }
 
 // From `before`, if that is known, which becomes what is now.
-double Members::longest_way(const VertexReader& reader, std::size_t n, Coordinates& before, ParallelFor& workers) {
+double Members::longest_way(const VertexReader& reader, const Normaliser& normalise, std::size_t n, Coordinates& before,
+                            ParallelFor& workers) {
     const auto measure = [&](auto& known) {
         const bool comparable = known.size() == 3 * n;
         known.resize(3 * n);
         const std::size_t slices = (n + vertices_at_once - 1) / vertices_at_once;
         std::vector<double> largest(slices, 0);
         workers.parallel_for(slices, [&](std::size_t s) {
-            largest[s] = follow(reader, known, s * vertices_at_once, std::min(n, (s + 1) * vertices_at_once));
+            largest[s] =
+                follow(reader, normalise, known, s * vertices_at_once, std::min(n, (s + 1) * vertices_at_once));
         });
         return comparable && n > 0 ? std::sqrt(*std::max_element(largest.begin(), largest.end())) : 0;
     };

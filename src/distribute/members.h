@@ -97,7 +97,8 @@ class Members {
     };
 
     void measure_way(const Share& share, const Placement& placement, ParallelFor& workers);
-    static double longest_way(const VertexReader& reader, std::size_t n, Coordinates& before, ParallelFor& workers);
+    static double longest_way(const VertexReader& reader, const Normaliser& normalise, std::size_t n,
+                              Coordinates& before, ParallelFor& workers);
     Found look(const Share& share, const Placement& placement, std::int64_t begin, std::int64_t end);
     void take(std::int32_t triangle, std::span<const std::int32_t> parts, std::span<const std::uint64_t> masks);
     void tell_all_of_some();

@@ -47,8 +47,7 @@ class Placement {
         return balls_ ? (*balls_)(scene, t) : PartBall(scene.triangle(t), normalise_);
     }
     double slack_of_way() const { return balls_ ? balls_->slack_of_way() : 1; }
-    /// A length, as the tree measures.
-    double normalised(double length) const { return length * normalise_.pre * normalise_.post; }
+    const Normaliser& normaliser() const { return normalise_; }
 
    private:
     int parts_ = 0;

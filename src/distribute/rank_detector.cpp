@@ -5,6 +5,7 @@
 #include <bit>
 #include <chrono>
 #include <limits>
+#include <string>
 #include <utility>
 
 #include "base/float_environment.h"
@@ -40,6 +41,7 @@ RankDetector::RankDetector(Transport& transport, const DistributedOptions& optio
         check(options.parts >= 0 && options.parts <= max_parts, "parts must be 0 (chosen) to 262144");
         check(options.round_bytes >= 1024, "round_bytes must be at least 1024");
         engine_.emplace(options_.detector);
+        rounds_.reserve();
     });
     agree_.before = [&](Phase phase) {
         statistics_[phase_] += watch_.lap();
@@ -137,7 +139,19 @@ void RankDetector::read(const MeshShare& share, const VertexView* end) {
     agree_(Phase::input, [&] { same = share_.is_same_as_before(); });
     least[7] = same;
     reduce(least, Reduction::min);
-    if (vertex_ids_) share_.set_vertices(-least[6] + 1);
+    if (vertex_ids_) {
+        // Before anybody makes room for as many.
+        agree_(Phase::input, [&] {
+            std::int64_t brought = 0;
+            for (std::size_t r = 1; r < counts_.size(); r += 2) brought += counts_[r];
+            if (-least[6] < brought) return;
+            throw Error(ErrorCode::invalid_argument,
+                        "there is a vertex with the id " + std::to_string(-least[6]) + ", but all ranks bring " +
+                            std::to_string(brought) + " vertices: some ids are missing",
+                        Element::vertex, -least[6]);
+        });
+        share_.set_vertices(-least[6] + 1);
+    }
     box_ = {};
     if (least[0] != ordered(most))
         for (int axis = 0; axis < 3; ++axis) {
@@ -250,6 +264,10 @@ void RankDetector::deliver() {
                  memory.add(bytes);
                  reserved_ += bytes;
              });
+    // What has left, and parts that have gone to others, are given back.
+    std::int64_t kept = 0;
+    for (const AssembledPart& part : mine_) kept += part.bytes();
+    if (kept < reserved_) engine_->memory().add(kept - std::exchange(reserved_, kept));
     statistics_.moved = same_;
 }
 

@@ -66,6 +66,12 @@ class Rounds {
         }
     }
 
+    /// So that no exchange has to allocate for its messages. Memory is taken as it is used.
+    void reserve() {
+        const auto most = static_cast<std::size_t>(bytes_) + 64 * static_cast<std::size_t>(transport_.size());
+        leaving_.reserve(most), coming_.reserve(most);
+        out_.reserve(static_cast<std::size_t>(transport_.size())), in_.reserve(out_.capacity());
+    }
     std::int64_t bytes() const { return bytes_; }
     std::int64_t bytes_sent() const { return sent_; }
     std::int64_t messages() const { return messages_; }

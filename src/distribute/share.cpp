@@ -128,9 +128,9 @@ void Share::with_global_index(Read read) const {
 void Share::read(const MeshShare& share, ParallelFor& workers) {
     MeshView mesh = share.mesh;
     mesh.edges = {}, mesh.points = {};
-    with_global_index([&] { scene_ = prepare_scene(mesh, nullptr, false, workers, buffers_); });
     check_range(triangles_, mesh.triangles.rows, triangles_.all, "triangle", Element::triangle);
     check_range(vertices_, mesh.vertices.rows, most, "vertex", Element::vertex);
+    with_global_index([&] { scene_ = prepare_scene(mesh, nullptr, false, workers, buffers_); });
 }
 
 void Share::read_end(const VertexView& end, ParallelFor& workers) {

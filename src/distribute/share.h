@@ -37,7 +37,7 @@ class Share {
     void number(const MeshShare& share, bool triangle_ids, bool vertex_ids, std::span<const std::int64_t> counts,
                 int rank);
     /// Checks vertices, triangles and ids on the threads of `workers`. Throws Error with the index over all ranks of
-    /// the first that is bad, as their numbers go.
+    /// the first that is bad in this rank's order.
     void read(const MeshShare& share, ParallelFor& workers);
     /// The same of where the vertices are at the end of a step. After read().
     void read_end(const VertexView& end, ParallelFor& workers);

@@ -159,6 +159,10 @@ TEST(RankErrors, tell_of_ids_that_are_not_there_once) {
         if (rank == 2) piece.vertex_ids[0] = -4;
     });
     EXPECT_EQ(seen.message.substr(0, 35), "rank 2: vertex 0 has the id -4, but");
+    seen = seen_by_all([](int rank, MeshPiece& piece, Query&) {
+        if (rank == 0) piece.vertex_ids[3] = 2'000'000'000;
+    });
+    EXPECT_EQ(seen.message.substr(0, 56), "rank 0: there is a vertex with the id 2000000000, but al");
     seen = seen_by_all([](int, MeshPiece& piece, Query&) {
         for (std::int64_t& id : piece.vertex_ids) id += id >= 100;
     });

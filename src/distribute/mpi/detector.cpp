@@ -97,7 +97,10 @@ DistributedOptions settled(DistributedOptions options, MPI_Comm communicator) {
     if (!asks) return options;
     const Fair fair = fair_share(communicator);
     if (asks_threads) own.threads = fair.threads;
-    if (devices > 0) own.device = static_cast<int>((static_cast<std::size_t>(own.device + fair.place)) % devices);
+    // A device that is none is refused later, with all other options.
+    if (devices > 0 && own.device >= 0)
+        own.device =
+            static_cast<int>((static_cast<std::size_t>(own.device) + static_cast<std::size_t>(fair.place)) % devices);
     return options;
 }
 
