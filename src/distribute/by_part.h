@@ -12,7 +12,6 @@ namespace crumple::distribute {
 class ByPart {
    public:
     void add(std::int64_t rows) { first_.push_back(first_.back() + rows); }
-    void clear() { first_.assign(1, 0); }
     std::int64_t rows() const { return first_.back(); }
 
     /// Rows [begin, begin + n) as what they are of each part: visit(part, first row of the part, first of the n, rows).

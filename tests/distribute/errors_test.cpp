@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 #include <mutex>
 #include <stdexcept>
@@ -199,6 +200,14 @@ TEST(RankErrors, tell_of_ranks_that_ask_different_questions) {
         options.parts = 3 + transport.rank();
         RankDetector detector(transport, options);
         seen[static_cast<std::size_t>(transport.rank())] = seen_by([&] { detector.count({}, {}); });
+    });
+    EXPECT_EQ(seen[0].message, expected);
+    EXPECT_EQ(seen[1], seen[0]);
+    run_ranks(2, [&](Transport& transport) {
+        const MeshPiece piece(WholeMesh(wavy_sheet<float>(8)), Distribution::blocks, transport.rank(), 2);
+        RankDetector detector(transport, small());
+        const Near near{.radius = transport.rank() ? 0.1 : std::nextafter(0.1, 1.0)};
+        seen[static_cast<std::size_t>(transport.rank())] = seen_by([&] { detector.find_near(piece.share(), near); });
     });
     EXPECT_EQ(seen[0].message, expected);
     EXPECT_EQ(seen[1], seen[0]);

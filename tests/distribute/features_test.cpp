@@ -151,6 +151,27 @@ TEST(RankFeatures, may_be_asked_for_in_turn_while_the_scene_moves) {
     EXPECT_GE(moved, 1);
 }
 
+TEST(RankFeatures, own_a_vertex_once_that_a_rank_lists_twice) {
+    Soup<float> soup;
+    soup.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 1}, {1, 1, 1}, {0, 2, 1}};
+    soup.triangles = {{0, 0, 1}, {2, 3, 4}};
+    const WholeMesh mesh(soup);
+    Soup<float> listed = soup;
+    listed.vertices.insert(listed.vertices.begin(), soup.vertices[0]);
+    listed.triangles = {{0, 1, 2}, {3, 4, 5}};
+    const std::vector<std::int64_t> ids{0, 0, 1, 2, 3, 4};
+    Detector one({.backend = Backend::cpu});
+    const Near question{.radius = 10};
+    const Nearby& expected = one.find_near(mesh.view(), question);
+    ASSERT_GT(expected.count, 0);
+    Verdicts verdicts;
+    run_ranks(1, [&](Transport& transport) {
+        RankDetector detector(transport, single_thread());
+        verdicts.add(0, rows_are(detector.find_near({listed.view(), {}, ids}, question), {0, 1}, expected, mesh));
+    });
+    EXPECT_TRUE(verdicts.all());
+}
+
 TEST(RankFeatures, may_have_little_or_nothing) {
     for (const int triangles : {0, 1, 2}) {
         const Step step(WholeMesh(random_soup<float>(triangles, 0.9)), 0.4);

@@ -190,6 +190,31 @@ TEST(Ranks, follow_a_scene_that_moves_through_their_parts) {
     }
 }
 
+TEST(Ranks, see_tiny_scenes_move) {
+    const WholeMesh start(wavy_sheet<double>(24));
+    constexpr std::size_t frames = 6;
+    std::vector<WholeMesh> meshes(frames, start);
+    std::vector<Collisions> expected;
+    for (std::size_t f = 0; f < frames; ++f) {
+        move(meshes[f], start, 0.05 * static_cast<double>(f));
+        for (double& x : std::get<1>(meshes[f].vertices)) x *= 1e-170;  // squares of ways are 0
+        expected.push_back(answer_of_one(meshes[f]));
+    }
+    Verdicts verdicts;
+    run_ranks(2, [&](Transport& transport) {
+        WholeMesh now = meshes[0];
+        MeshPiece piece(now, Distribution::random, transport.rank(), 2);
+        RankDetector detector(transport, one_thread(12));
+        for (std::size_t f = 0; f < frames; ++f) {
+            now.vertices = meshes[f].vertices;
+            piece.follow();
+            verdicts.add(transport.rank(),
+                         rows_are(detector.find_self(piece.share(), {}), piece.triangle_ids, expected[f]));
+        }
+    });
+    EXPECT_TRUE(verdicts.all());
+}
+
 /// A clock by which each search takes as long as the rank says.
 thread_local double time_now = 0, time_of_search = 0;
 double pretended_time() { return time_now += time_of_search; }
