@@ -190,29 +190,48 @@ TEST(Ranks, follow_a_scene_that_moves_through_their_parts) {
     }
 }
 
-TEST(Ranks, see_tiny_scenes_move) {
-    const WholeMesh start(wavy_sheet<double>(24));
-    constexpr std::size_t frames = 6;
-    std::vector<WholeMesh> meshes(frames, start);
-    std::vector<Collisions> expected;
-    for (std::size_t f = 0; f < frames; ++f) {
-        move(meshes[f], start, 0.05 * static_cast<double>(f));
-        for (double& x : std::get<1>(meshes[f].vertices)) x *= 1e-170;  // squares of ways are 0
-        expected.push_back(answer_of_one(meshes[f]));
+/// Each triangle of a random soup on its way to where another was: who meets came from anywhere.
+WholeMesh mingled(const WholeMesh& soup, double time, double unit) {
+    WholeMesh mesh = soup;
+    const auto& from = std::get<std::vector<double>>(soup.vertices);
+    auto& xyz = std::get<std::vector<double>>(mesh.vertices);
+    const std::size_t triangles = from.size() / 9;
+    for (std::size_t i = 0; i < xyz.size(); ++i) {
+        const std::size_t t = i / 9, other = (37 * t + 11) % triangles, axis = i % 3;
+        xyz[i] = unit * (from[i] + time * (from[9 * other + axis] - from[9 * t + axis]));
     }
-    Verdicts verdicts;
-    run_ranks(2, [&](Transport& transport) {
-        WholeMesh now = meshes[0];
-        MeshPiece piece(now, Distribution::random, transport.rank(), 2);
-        RankDetector detector(transport, one_thread(12));
-        for (std::size_t f = 0; f < frames; ++f) {
-            now.vertices = meshes[f].vertices;
-            piece.follow();
-            verdicts.add(transport.rank(),
-                         rows_are(detector.find_self(piece.share(), {}), piece.triangle_ids, expected[f]));
+    return mesh;
+}
+
+// Of tiny scenes the squares of ways are 0.
+TEST(Ranks, follow_triangles_that_go_from_part_to_part) {
+    const WholeMesh soup(random_soup<double>(400, 0.15));
+    constexpr int frames = 12;
+    for (const double unit : {1.0, 1e-170}) {
+        std::vector<WholeMesh> meshes;
+        std::vector<Collisions> expected;
+        for (int f = 0; f < frames; ++f) {
+            meshes.push_back(mingled(soup, f / (frames - 1.0), unit));
+            expected.push_back(answer_of_one(meshes.back()));
         }
-    });
-    EXPECT_TRUE(verdicts.all());
+        Verdicts verdicts;
+        int moved = 0;
+        run_ranks(2, [&](Transport& transport) {
+            WholeMesh now = meshes[0];
+            MeshPiece piece(now, Distribution::random, transport.rank(), 2);
+            RankDetector detector(transport, one_thread(12));
+            detector.set_clock([] { return 0.0; });
+            for (std::size_t f = 0; f < frames; ++f) {
+                now.vertices = meshes[f].vertices;
+                piece.follow();
+                const DistributedCollisions& found = detector.find_self(piece.share(), {});
+                verdicts.add(transport.rank(), rows_are(found, piece.triangle_ids, expected[f]));
+                if (transport.rank() == 0) moved += found.statistics.moved;
+            }
+        });
+        EXPECT_TRUE(verdicts.all()) << unit;
+        EXPECT_GT(moved, frames / 2);
+    }
 }
 
 /// A clock by which each search takes as long as the rank says.
