@@ -2,6 +2,7 @@
 // triangles. Run it by mpirun; each rank then has one thread.
 //
 //     mpirun -n 2 crumple_mpi_benchmark unc_cloth_ball cloth:1000000
+//     mpirun -n 4 crumple_mpi_benchmark --growth cloth:100000000
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
@@ -12,7 +13,8 @@
 #include <algorithm>
 #include <chrono>
 #include <fstream>
-#include <memory>
+#include <numeric>
+#include <span>
 #include <string>
 #include <thread>
 #include <vector>
@@ -22,6 +24,8 @@
 #include "race.h"
 #include "rank_block.h"
 #include "report.h"
+#include "scenes/cloth.h"
+#include "scenes/random.h"
 #include "sequence.h"
 #include "workload.h"
 
@@ -55,7 +59,7 @@ struct Settings {
     std::vector<std::string> scenes{"unc_cloth_ball", "cloth:1000000"};
     int rounds = 100, parts = 0;
     double budget = 20;
-    bool memory = false;
+    bool growth = false;
     std::string json;
 };
 
@@ -150,51 +154,108 @@ nlohmann::json race_ranks(const std::string& scene, const Settings& settings, in
     return row;
 }
 
-// Peaks over what a process had before it had a scene: of the rank that takes most, its own share counted, and of one
-// process with all of the scene.
-nlohmann::json measure_memory(const std::string& scene, const Settings& settings, int rank, int ranks) {
-    Resident::reset_peak();
+/// A number for rows that follow those of `before`.
+std::uint64_t hash_of(std::span<const Pair> pairs, std::uint64_t before) {
+    for (const auto [a, b] : pairs)
+        before = scenes::mix(before ^ (static_cast<std::uint64_t>(a) << 32 | static_cast<std::uint32_t>(b)));
+    return before;
+}
+
+/// The same of all ranks' rows, on the last rank.
+std::uint64_t hash_of_all(std::span<const Pair> pairs, int rank, int ranks) {
+    std::uint64_t hash = 0;
+    if (rank > 0) MPI_Recv(&hash, 1, MPI_UINT64_T, rank - 1, 0, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
+    hash = hash_of(pairs, hash);
+    if (rank + 1 < ranks) MPI_Send(&hash, 1, MPI_UINT64_T, rank + 1, 0, MPI_COMM_WORLD);
+    MPI_Bcast(&hash, 1, MPI_UINT64_T, ranks - 1, MPI_COMM_WORLD);
+    return hash;
+}
+
+/// What one process has found, or ranks together, and what it took.
+struct Growth {
+    std::int64_t triangles = 0, pairs = 0;
+    std::uint64_t hash = 0;
+    double mebibytes = 0;  // of the rank that takes most
+    std::array<double, 2> milliseconds{};
+};
+
+// A block that the rank makes by itself, and two calls.
+Growth grow_on_ranks(const scenes::Parameters& parameters, const Settings& settings, int rank, int ranks) {
+    Growth growth;
     const double empty = Resident::measure().now;
-    std::unique_ptr<RankBlock> block;
-    {
-        const Workload workload = load(scene);
-        block = std::make_unique<RankBlock>(workload.a, rank, ranks);
-    }
+    scenes::MeshBlock block = scenes::cloth_block(parameters, rank, ranks);
+    block.mesh.groups = {};
+    std::vector<std::int64_t> vertex_ids(static_cast<std::size_t>(block.mesh.vertex_count()));
+    std::iota(vertex_ids.begin(), vertex_ids.end(), block.first_vertex);
+    growth.triangles = block.mesh.triangle_count();
+    MPI_Allreduce(MPI_IN_PLACE, &growth.triangles, 1, MPI_INT64_T, MPI_SUM, MPI_COMM_WORLD);
     Resident::reset_peak();
     DistributedOptions options;
     options.detector.backend = Backend::cpu;
     options.detector.threads = 1;
     options.parts = settings.parts;
-    std::int64_t total = 0;
-    {
-        mpi::Detector many(MPI_COMM_WORLD, options);
-        for (int frame = 0; frame < 2; ++frame) total = many.find_self(block->share()).total;
-        many.close();
+    mpi::Detector many(MPI_COMM_WORLD, options);
+    for (double& time : growth.milliseconds) {
+        MPI_Barrier(MPI_COMM_WORLD);
+        const auto begin = Clock::now();
+        const DistributedCollisions& found = many.find_self({block.mesh.view(), {}, vertex_ids});
+        time = milliseconds_since(begin);
+        growth.pairs = found.total;
+        growth.mebibytes = Resident::measure().peak - empty;
+        growth.hash = hash_of_all(found.pairs, rank, ranks);
     }
-    double of_rank = Resident::measure().peak - empty;
-    MPI_Allreduce(MPI_IN_PLACE, &of_rank, 1, MPI_DOUBLE, MPI_MAX, MPI_COMM_WORLD);
-    block.reset();
-    double of_one = 0;
-    bool agree = true;
-    std::int64_t triangles = 0;
-    if (rank == 0) {
-        const Workload workload = load(scene);
-        triangles = workload.triangle_count();
-        Resident::reset_peak();
-        Detector one({.backend = Backend::cpu, .threads = 1});
-        for (int frame = 0; frame < 2; ++frame)
-            agree = static_cast<std::int64_t>(one.find_self(workload.a.view()).pairs.size()) == total;
-        of_one = Resident::measure().peak - empty;
+    MPI_Allreduce(MPI_IN_PLACE, growth.milliseconds.data(), 2, MPI_DOUBLE, MPI_MAX, MPI_COMM_WORLD);
+    MPI_Allreduce(MPI_IN_PLACE, &growth.mebibytes, 1, MPI_DOUBLE, MPI_MAX, MPI_COMM_WORLD);
+    many.close();
+    return growth;
+}
+
+Growth grow_alone(const scenes::Parameters& parameters) {
+    Growth growth;
+    const double empty = Resident::measure().now;
+    io::TriangleMesh mesh = scenes::cloth_block(parameters, 0, 1).mesh;
+    mesh.groups = {};
+    growth.triangles = mesh.triangle_count();
+    Resident::reset_peak();
+    Detector one({.backend = Backend::cpu, .threads = 1});
+    for (double& time : growth.milliseconds) {
+        const auto begin = Clock::now();
+        const Collisions& found = one.find_self(mesh.view());
+        time = milliseconds_since(begin);
+        growth.pairs = static_cast<std::int64_t>(found.pairs.size());
+        growth.mebibytes = Resident::measure().peak - empty;
+        growth.hash = hash_of(found.pairs, 0);
     }
+    return growth;
+}
+
+// Peaks over what a process had before it had a scene: of the rank that takes most, its own share counted, and of one
+// process with all of the scene. No process but that one ever holds it.
+nlohmann::json measure_growth(const std::string& scene, const Settings& settings, int rank, int ranks) {
+    const auto [name, parameters] = parse(scene);
+    if (name != "cloth" || parameters.triangles == 0)
+        throw Error(ErrorCode::invalid_argument, "--growth takes cloth:TRIANGLES, of which each rank makes its block");
+    const Growth many = grow_on_ranks(parameters, settings, rank, ranks);
+    Resident::reset_peak();
+    Growth one;
+    if (rank == 0) one = grow_alone(parameters);
     meet_asleep();
-    if (rank == 0)
-        fmt::print(
-            "{}: {} triangles, {} pairs{}; largest rank of {}: {:.0f} MiB, one process {:.0f} MiB: {:.2f} times its "
-            "share\n",
-            scene, triangles, total, agree ? "" : ", WHICH DIFFER FROM ONE PROCESS", ranks, of_rank, of_one,
-            of_rank * ranks / of_one);
-    return {
-        {"scene", scene}, {"ranks", ranks}, {"agree", agree}, {"rank_mebibytes", of_rank}, {"one_mebibytes", of_one}};
+    const bool agree = many.pairs == one.pairs && many.hash == one.hash && many.triangles == one.triangles;
+    if (rank == 0) {
+        fmt::print("{}: {} triangles, {} pairs{}; ranks {:016x}, one process {:016x}\n", scene, many.triangles,
+                   many.pairs, agree ? "" : ", WHICH DIFFER FROM ONE PROCESS", many.hash, one.hash);
+        fmt::print("  largest rank of {}: {:.0f} MiB, one process {:.0f} MiB: {:.2f} times its share\n", ranks,
+                   many.mebibytes, one.mebibytes, many.mebibytes * ranks / one.mebibytes);
+        fmt::print("  first call {:.0f} ms, second {:.0f} ms; one process on one thread {:.0f} and {:.0f} ms\n",
+                   many.milliseconds[0], many.milliseconds[1], one.milliseconds[0], one.milliseconds[1]);
+    }
+    const auto told = [](const Growth& growth) {
+        return nlohmann::json{{"hash", fmt::format("{:016x}", growth.hash)},
+                              {"mebibytes", growth.mebibytes},
+                              {"milliseconds", growth.milliseconds}};
+    };
+    return {{"scene", scene}, {"triangles", many.triangles}, {"pairs", many.pairs}, {"ranks", ranks},
+            {"agree", agree}, {"of_ranks", told(many)},      {"of_one", told(one)}};
 }
 
 void print(const nlohmann::json& row) {
@@ -222,16 +283,16 @@ int run(int count, char** arguments) {
     app.add_option("--rounds", settings.rounds, "frames at most")->check(CLI::Range(3, 100000));
     app.add_option("--budget", settings.budget, "seconds a scene");
     app.add_option("--parts", settings.parts, "DistributedOptions::parts");
-    app.add_flag("--memory", settings.memory, "peaks of memory, not times; scenes are workloads then");
+    app.add_flag("--growth", settings.growth, "memory, and a hash of the rows, of cloth:TRIANGLES made by the ranks");
     app.add_option("--json", settings.json, "file for the figures");
     CLI11_PARSE(app, count, arguments);
     nlohmann::json rows = nlohmann::json::array();
     bool agree = true;
     for (const std::string& scene : settings.scenes) {
-        rows.push_back(settings.memory ? measure_memory(scene, settings, rank, ranks)
+        rows.push_back(settings.growth ? measure_growth(scene, settings, rank, ranks)
                                        : race_ranks(scene, settings, rank, ranks));
-        agree = agree && rows.back()["agree"].get<bool>();
-        if (rank == 0 && !settings.memory) print(rows.back());
+        if (rank == 0) agree = agree && rows.back()["agree"].get<bool>();
+        if (rank == 0 && !settings.growth) print(rows.back());
     }
     if (rank == 0 && !settings.json.empty()) write_json(settings.json, {{"distributed", rows}});
     return agree ? 0 : 1;

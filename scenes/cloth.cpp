@@ -29,52 +29,75 @@ constexpr double wavelength = 20, wander = 20;     // of a wrinkle; size of its 
 constexpr double rise = 1, swing = 2.3;            // of a wrinkle: height and sideways, in wavelengths / 2 pi
 constexpr double crumple_size = 6, crumple = 0.6;  // random dents on top: size and depth
 
-struct Sheet {
-    int cells;
-    double spacing;
-    std::vector<std::array<double, 2>> flat;  // (u, v) of each vertex
-    std::vector<Vec3d> draped;
+/// The sheet's vertices by rows, of which three lie at hand: wrinkles look at the neighbours.
+class Sheet {
+   public:
+    Sheet(int cells, double folded, std::uint64_t seed)
+        : cells_(cells),
+          spacing_(2 * Drape::half_width / cells),
+          folded_(folded),
+          seed_(seed),
+          drape_(folded, 0.02 + 0.5 * spacing_, seed) {}
 
-    std::size_t index(int i, int j) const {
-        return static_cast<std::size_t>(j) * static_cast<std::size_t>(cells + 1) + static_cast<std::size_t>(i);
+    std::int64_t vertex_count() const { return std::int64_t{cells_ + 1} * (cells_ + 1); }
+    /// Rows [begin, end) of vertices.
+    void add_vertices(Soup& soup, int begin, int end);
+    /// Rows [begin, end) of cells, of which vertices begin with those of the first row.
+    void add_triangles(Soup& soup, int begin, int end) const;
+
+   private:
+    struct Row {
+        std::vector<std::array<double, 2>> flat;  // (u, v) of each vertex
+        std::vector<Vec3d> draped;
+    };
+    const Row& row(int j) const { return rows_[static_cast<std::size_t>(j % 3)]; }
+    Vec3d at(int i, int j) const {
+        return row(std::clamp(j, 0, cells_)).draped[static_cast<std::size_t>(std::clamp(i, 0, cells_))];
     }
-    Vec3d at(int i, int j) const { return draped[index(std::clamp(i, 0, cells), std::clamp(j, 0, cells))]; }
+    void make_row(int j);
+    Vec3d wrinkled(int i, int j) const;
+
+    int cells_;
+    double spacing_, folded_;
+    std::uint64_t seed_;
+    Drape drape_;
+    std::array<Row, 3> rows_;
 };
 
-Sheet make_sheet(int cells, double folded, std::uint64_t seed, Random& random) {
-    Sheet sheet{cells, 2 * Drape::half_width / cells, {}, {}};
-    const Drape drape(folded, 0.02 + 0.5 * sheet.spacing, seed);
-    for (int j = 0; j <= cells; ++j) {
-        for (int i = 0; i <= cells; ++i) {
-            const double u = (i - 0.5 * cells + random.uniform(-jitter, jitter)) * sheet.spacing;
-            const double v = (j - 0.5 * cells + random.uniform(-jitter, jitter)) * sheet.spacing;
-            sheet.flat.push_back({u, v});
-            sheet.draped.push_back(drape(u, v));
-        }
+// Two random numbers a vertex, row by row.
+void Sheet::make_row(int j) {
+    Random random(seed_);
+    random.skip(2 * static_cast<std::uint64_t>(j) * static_cast<std::uint64_t>(cells_ + 1));
+    Row& row = rows_[static_cast<std::size_t>(j % 3)];
+    row.flat.clear();
+    row.draped.clear();
+    for (int i = 0; i <= cells_; ++i) {
+        const double u = (i - 0.5 * cells_ + random.uniform(-jitter, jitter)) * spacing_;
+        const double v = (j - 0.5 * cells_ + random.uniform(-jitter, jitter)) * spacing_;
+        row.flat.push_back({u, v});
+        row.draped.push_back(drape_(u, v));
     }
-    return sheet;
 }
 
 /// Vertex (i, j) with wrinkles and dents.
-Vec3d wrinkled(const Sheet& sheet, int i, int j, double folded, std::uint64_t seed) {
-    const double u = sheet.flat[sheet.index(i, j)][0], v = sheet.flat[sheet.index(i, j)][1];
-    const double distance = std::sqrt(u * u + v * v), h = sheet.spacing;
+Vec3d Sheet::wrinkled(int i, int j) const {
+    const auto [u, v] = row(j).flat[static_cast<std::size_t>(i)];
+    const double distance = std::sqrt(u * u + v * v), h = spacing_;
     const double belt = smooth_step(5.5, 8.5, distance) * (1 - smooth_step(10, 13, distance));
-    const double patches = smooth_step(-0.5, 0.3, noise(seed + 1, u / 4, v / 4));
-    const double strength = folded * belt * patches;
-    if (strength == 0) return sheet.at(i, j);
+    const double patches = smooth_step(-0.5, 0.3, noise(seed_ + 1, u / 4, v / 4));
+    const double strength = folded_ * belt * patches;
+    if (strength == 0) return at(i, j);
 
-    const Vec3d along_u = sheet.at(i + 1, j) - sheet.at(i - 1, j), along_v = sheet.at(i, j + 1) - sheet.at(i, j - 1);
+    const Vec3d along_u = at(i + 1, j) - at(i - 1, j), along_v = at(i, j + 1) - at(i, j - 1);
     const Vec3d normal = normalised(cross(along_u, along_v));
     const Vec3d across = normalised(u * along_v - v * along_u);  // around the axis
     const double belt_wrinkles = std::floor(2 * pi * 11 / (wavelength * h) + 0.5);
-    const double phase = belt_wrinkles * angle(v, u) + 0.1 * noise(seed + 2, u / (wander * h), v / (wander * h));
+    const double phase = belt_wrinkles * angle(v, u) + 0.1 * noise(seed_ + 2, u / (wander * h), v / (wander * h));
     const double unit = strength * wavelength * h / (2 * pi);
 
-    const auto dent = [&](std::uint64_t axis) {
-        return noise(seed + 3 + axis, u / (crumple_size * h), v / (crumple_size * h));
-    };
-    const Vec3d free = sheet.at(i, j) + (unit * rise * (1 - cosine(phase))) * normal +
+    const double x = u / (crumple_size * h), y = v / (crumple_size * h);
+    const auto dent = [&](std::uint64_t axis) { return noise(seed_ + 3 + axis, x, y); };
+    const Vec3d free = at(i, j) + (unit * rise * (1 - cosine(phase))) * normal +
                        (unit * swing * sine(2 * phase)) * across +
                        (strength * crumple * h) * Vec3d{dent(0), dent(1), dent(2)};
     // What would lie in the ball is pushed out of it.
@@ -83,25 +106,22 @@ Vec3d wrinkled(const Sheet& sheet, int i, int j, double folded, std::uint64_t se
     return length(from_ball) < nearest ? Drape::ball_centre + nearest * normalised(from_ball) : free;
 }
 
-}  // namespace
-
-void add_cloth(Soup& soup, const Parameters& parameters) {
-    const auto triangles = static_cast<double>(parameters.triangles);
-    const int cells = std::max(8, static_cast<int>(std::lround(std::sqrt(triangles * (1 - ball_share) / 2))));
-    const int slices = std::max(4, static_cast<int>(std::lround(std::sqrt(triangles * ball_share / 2))));
-    const double folded = smooth_step(0, 1, static_cast<double>(parameters.frame) / (cloth_frames - 1));
-    const std::uint64_t seed = mix(parameters.seed);
-
-    Random random(seed);
-    const Sheet sheet = make_sheet(cells, folded, seed, random);
-    soup.reserve(static_cast<std::int64_t>(sheet.flat.size()) + slices * slices,
-                 2LL * (cells * cells + slices * slices));
-    for (int j = 0; j <= cells; ++j) {
-        for (int i = 0; i <= cells; ++i) soup.vertex(wrinkled(sheet, i, j, folded, seed));
+void Sheet::add_vertices(Soup& soup, int begin, int end) {
+    for (int j = std::max(0, begin - 1); j <= begin; ++j) make_row(j);
+    for (int j = begin; j < end; ++j) {
+        if (j < cells_) make_row(j + 1);
+        for (int i = 0; i <= cells_; ++i) soup.vertex(wrinkled(i, j));
     }
-    for (int j = 0; j < cells; ++j) {
-        for (int i = 0; i < cells; ++i) {
-            const int a = j * (cells + 1) + i, b = a + 1, c = a + cells + 1, d = c + 1;
+}
+
+// A random bit a cell, after the numbers of all vertices.
+void Sheet::add_triangles(Soup& soup, int begin, int end) const {
+    Random random(seed_);
+    random.skip(2 * static_cast<std::uint64_t>(vertex_count()) +
+                static_cast<std::uint64_t>(begin) * static_cast<std::uint64_t>(cells_));
+    for (int j = begin; j < end; ++j) {
+        for (int i = 0; i < cells_; ++i) {
+            const int a = (j - begin) * (cells_ + 1) + i, b = a + 1, c = a + cells_ + 1, d = c + 1;
             if (random.bits() & 1) {
                 soup.triangle({a, b, d});
                 soup.triangle({a, d, c});
@@ -111,9 +131,39 @@ void add_cloth(Soup& soup, const Parameters& parameters) {
             }
         }
     }
+}
+
+/// Returns how many vertices of the sheet are before the first of the block.
+std::int64_t add_cloth(Soup& soup, const Parameters& parameters, int block, int blocks) {
+    const auto triangles = static_cast<double>(parameters.triangles);
+    const int cells = std::max(8, static_cast<int>(std::lround(std::sqrt(triangles * (1 - ball_share) / 2))));
+    const int slices = std::max(4, static_cast<int>(std::lround(std::sqrt(triangles * ball_share / 2))));
+    const double folded = smooth_step(0, 1, static_cast<double>(parameters.frame) / (cloth_frames - 1));
+
+    const auto row = [&](int b) { return static_cast<int>(std::int64_t{cells} * b / blocks); };
+    const int begin = row(block), end = row(block + 1);
+    const bool with_ball = block + 1 == blocks;
+    const std::int64_t ball = with_ball ? std::int64_t{slices} * slices : 0;
+    soup.reserve((end - begin + 1) * std::int64_t{cells + 1} + ball, 2 * ((end - begin) * std::int64_t{cells} + ball));
+    Sheet sheet(cells, folded, mix(parameters.seed));
+    sheet.add_vertices(soup, begin, end + 1);
+    sheet.add_triangles(soup, begin, end);
     soup.group(0);
-    add_globe(soup, slices, slices, {.origin = Drape::ball_centre, .scale = Drape::ball_radius});
+    if (with_ball) add_globe(soup, slices, slices, {.origin = Drape::ball_centre, .scale = Drape::ball_radius});
     soup.group(1);
+    return begin * std::int64_t{cells + 1};
+}
+
+}  // namespace
+
+void add_cloth(Soup& soup, const Parameters& parameters) { add_cloth(soup, parameters, 0, 1); }
+
+MeshBlock cloth_block(const Parameters& parameters, int block, int blocks) {
+    Soup soup;
+    MeshBlock made;
+    made.first_vertex = add_cloth(soup, parameters, block, blocks);
+    made.mesh = soup.take();
+    return made;
 }
 
 io::TriangleMesh make_cloth(const Parameters& parameters) {

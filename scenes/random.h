@@ -21,7 +21,9 @@ class Random {
    public:
     explicit Random(std::uint64_t seed) : state_(mix(seed + 1)) {}
 
-    std::uint64_t bits() { return mix(state_ += 0x9e3779b97f4a7c15u); }
+    std::uint64_t bits() { return mix(state_ += step); }
+    /// As if bits() had been called so often.
+    void skip(std::uint64_t calls) { state_ += calls * step; }
     /// In [0, 1).
     double uniform() { return static_cast<double>(bits() >> 11) * 0x1p-53; }
     double uniform(double low, double high) { return low + (high - low) * uniform(); }
@@ -41,6 +43,7 @@ class Random {
     }
 
    private:
+    static constexpr std::uint64_t step = 0x9e3779b97f4a7c15u;
     std::uint64_t state_;
 };
 

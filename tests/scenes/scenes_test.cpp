@@ -12,6 +12,7 @@
 #include <string>
 
 #include "crumple/error.h"
+#include "scenes/cloth.h"
 
 namespace crumple {
 namespace {
@@ -121,6 +122,25 @@ TEST(Scenes, AreTheSameBitsOnEveryMachine) {
         const auto actual =
             fingerprint(make(scene.name, {.triangles = triangles, .frame = late_frame(scene, triangles)}));
         EXPECT_EQ(actual, expected.at(scene.name)) << scene.name << " is 0x" << std::hex << actual;
+    }
+}
+
+TEST(ClothBlock, FollowEachOther) {
+    const scenes::Parameters parameters{.triangles = 3000, .frame = 93};
+    const io::TriangleMesh whole = make("cloth", parameters);
+    const std::vector<double> xyz = coordinates(whole);
+    for (const int blocks : {1, 2, 3, 50}) {
+        std::vector<std::int32_t> triangles, groups;
+        for (int b = 0; b < blocks; ++b) {
+            const auto [mesh, first] = scenes::cloth_block(parameters, b, blocks);
+            const std::vector<double> own = coordinates(mesh);
+            ASSERT_LE(3 * static_cast<std::size_t>(first) + own.size(), xyz.size());
+            EXPECT_TRUE(std::equal(own.begin(), own.end(), xyz.begin() + 3 * first)) << b << " of " << blocks;
+            for (const std::int32_t v : mesh.triangles) triangles.push_back(static_cast<std::int32_t>(first) + v);
+            groups.insert(groups.end(), mesh.groups.begin(), mesh.groups.end());
+        }
+        EXPECT_EQ(triangles, whole.triangles) << blocks;
+        EXPECT_EQ(groups, whole.groups) << blocks;
     }
 }
 
