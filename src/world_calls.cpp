@@ -73,7 +73,6 @@ template <class Question, class Answer>
 const Answer& WorldCalls::find_features(const Part& part, const Question& question, Answer& answer,
                                         std::stop_token stop) {
     return answered(answer, std::move(stop), [&](bool frugal) {
-        check(working != Backend::cuda, "parts of features need the cpu backend (Options::backend)");
         check_question(question, false);
         check_groups(question.rules, part.mesh.size(), !part.mesh.groups.empty());
         features.find(*backend, part, question, frugal, answer);

@@ -1,5 +1,7 @@
 #include "model/vertex_rings.h"
 
+#include <atomic>
+
 namespace crumple {
 namespace {
 
@@ -11,6 +13,11 @@ std::span<const std::int32_t> corners_of(const SceneFeatures& features) {
 
 bool same(std::span<const std::int32_t> a, std::span<const std::int32_t> b) {
     return a.size() == b.size() && std::equal(a.begin(), a.end(), b.begin());
+}
+
+std::uint64_t next_revision() {
+    static std::atomic<std::uint64_t> last{0};
+    return ++last;
 }
 
 }  // namespace
@@ -26,7 +33,7 @@ void VertexRings::release() {
 }
 
 void VertexRings::adopt(const PartFeatures& part) {
-    ++revision_;
+    revision_ = next_revision();
     vertices_ = -1;
     rings_ = part.rings;
     first_.resize_discard(part.first_ring.size());
@@ -101,7 +108,7 @@ void VertexRings::prepare(const SceneFeatures& features, std::int64_t vertices, 
                           ParallelFor& workers, Cancellation& cancellation) {
     if (known(features, vertices, rings)) return;
     vertices_ = -1;  // should memory end half-way
-    ++revision_;
+    revision_ = next_revision();
     rings_ = rings;
     find_next(features, vertices);
     first_.resize_discard(static_cast<std::size_t>(vertices) + 1);

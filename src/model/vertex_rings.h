@@ -44,7 +44,7 @@ class VertexRings {
     /// What about() reads: the rings of all, one after the other, and where those of each name begin.
     std::span<const std::int32_t> rings_of_all() const { return of_.span(); }
     std::span<const std::int64_t> firsts() const { return first_.span(); }
-    /// Another number whenever what is known has changed.
+    /// Another number whenever what is known has changed; no two have the same.
     std::uint64_t revision() const { return revision_; }
 
     /// Gives all memory back.

@@ -19,9 +19,13 @@ namespace {
 using distribute::RankDetector;
 using distribute::Transport;
 
+#ifndef CRUMPLE_TESTED_BACKEND
+#define CRUMPLE_TESTED_BACKEND cpu
+#endif
+
 DistributedOptions single_thread(int parts = 0) {
     DistributedOptions options;
-    options.detector.backend = Backend::cpu;
+    options.detector.backend = Backend::CRUMPLE_TESTED_BACKEND;
     options.detector.threads = 1;
     options.parts = parts;
     return options;

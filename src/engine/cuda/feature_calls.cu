@@ -2,6 +2,7 @@
 
 #include "crumple/error.h"
 #include "engine/cuda/host_shape.h"
+#include "engine/owned_features.h"
 
 namespace crumple::cuda {
 namespace {
@@ -39,8 +40,14 @@ void FeatureCalls::find_of_scene(Finder& finder, const Scene& scene, const Query
         finder.copy_to(answer);
     });
 }
+// Of a part all pairs are found, and those that another part owns are left out.
 void FeatureCalls::find(const Scene& scene, const FeatureQuery& query, FeatureAnswer& answer) {
-    find_of_scene(features_, scene, query, answer);
+    if (!query.part) return find_of_scene(features_, scene, query, answer);
+    FeatureQuery all = query;
+    all.part = nullptr;
+    all.extent = Extent::all;
+    find_of_scene(features_, scene, all, answer);
+    keep_owned(scene, query, answer);
 }
 void FeatureCalls::find(const Scene& scene, const CandidateQuery& query, CandidateAnswer& answer) {
     find_of_scene(candidates_, scene, query, answer);

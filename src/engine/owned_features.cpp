@@ -1,0 +1,60 @@
+#include "engine/owned_features.h"
+
+#include <vector>
+
+#include "model/levels.h"
+
+namespace crumple {
+namespace {
+
+/// The triangle that owns each feature; -1: it is in the part, and what owns it is not.
+struct OwnersInPart {
+    std::vector<std::int32_t> points, edges;
+
+    OwnersInPart(const Scene& scene, const SceneFeatures& features)
+        : points(static_cast<std::size_t>(features.points()), -1), edges(features.edges().size(), -1) {
+        for (std::int32_t t = 0; t < scene.triangle_count(); ++t) {
+            const std::uint8_t owned = features.owned(t);
+            for (int k = 0; k < 3; ++k) {
+                if (owned >> k & 1) points[static_cast<std::size_t>(features.point_of(t, k))] = t;
+                if (!(owned >> (3 + k) & 1)) continue;
+                edges[static_cast<std::size_t>(features.edges_of(t)[static_cast<std::size_t>(k)])] = t;
+            }
+        }
+    }
+    std::int32_t of(FeatureType type, std::int32_t feature) const {
+        if (type == FeatureType::face) return feature;
+        return (type == FeatureType::edge ? edges : points)[static_cast<std::size_t>(feature)];
+    }
+};
+
+}  // namespace
+
+void keep_owned(const Scene& scene, const FeatureQuery& query, FeatureAnswer& answer) {
+    const Levels levels(query.part);
+    const OwnersInPart owners(scene, query.features);
+    answer.any = false;
+    answer.first = {};
+    for (std::size_t k = 0; k < feature_kinds; ++k) {
+        const auto kind = static_cast<FeatureKind>(k);
+        const FeatureTypes types = types_of(kind);
+        FeatureRows& rows = answer.rows[k];
+        std::size_t kept = 0;
+        for (std::size_t i = 0; i < rows.pairs.size(); ++i) {
+            const Pair pair = rows.pairs[i];
+            if (!levels.own(owners.of(types.first, pair.a), owners.of(types.second, pair.b))) continue;
+            rows.pairs[kept] = pair, rows.value[kept] = rows.value[i], rows.flag[kept] = rows.flag[i];
+            ++kept;
+            answer.any = true;
+            if (query.motion && query.extent != Extent::any &&
+                (!answer.first.found || rows.value[i] < answer.first.toi))
+                answer.first = {true, kind, pair, {}, rows.value[i], rows.flag[i] != 0};
+        }
+        if (query.extent != Extent::all) kept = 0;
+        rows.pairs.resize(kept);
+        rows.value.resize(kept);
+        rows.flag.resize(kept);
+    }
+}
+
+}  // namespace crumple
