@@ -1,5 +1,6 @@
 #include "checks.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -24,6 +25,10 @@ void check_options(const Options& o) {
     check(!o.executor || (o.executor->concurrency() >= 1 && o.executor->concurrency() <= 1024),
           "an executor must have 1 to 1024 workers");
     check(o.device >= 0, "device must be 0 or more");
+    check(o.device == 0 || o.devices.empty(), "device and devices exclude each other");
+    check(o.devices.size() <= 64, "devices must be at most 64");
+    for (auto d = o.devices.begin(); d != o.devices.end(); ++d)
+        check(*d >= 0 && std::find(o.devices.begin(), d, *d) == d, "devices must be 0 or more, each once");
     check(o.memory_limit >= 0, "memory_limit must be 0 (none) or a number of bytes");
     check(o.clusters >= 0 && o.clusters <= max_clusters, "clusters must be 0 (chosen) to 64");
     check(o.leaf_size >= 1, "leaf_size must be at least 1");

@@ -67,6 +67,7 @@ struct DetectorState {
             case Backend::reference:
                 return make_reference_backend(options, meter, cancellation);
             case Backend::cuda:
+                if (!options.devices.empty()) return make_devices_backend(options, meter, cancellation);
                 return make_cuda_backend(options, meter, cancellation);
             default:
                 return make_cpu_backend(options, meter, cancellation);

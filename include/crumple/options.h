@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "crumple/executor.h"
 
@@ -43,6 +44,11 @@ struct Options {
     double first_stop = 1e-4;  ///< the same for a first frame
     Simd simd = Simd::automatic;
     int device = 0;  ///< of the cuda backend: its number among those of list_devices()
+    /// Instead of `device`: several, each once, which share the work. They share questions about one mesh in host
+    /// memory, about intersections, motion and nearness; the first does alone what is of two meshes, of worlds, in
+    /// device memory, in blocks or in parts, of listed edges and points, radii, rings or a shape at rest, welded by
+    /// position where features are asked about, candidates, and all under a memory limit.
+    std::vector<int> devices = {};
 
     /// Whose threads the cpu backend works on, in place of `threads` of its own; null: oneTBB's.
     std::shared_ptr<Executor> executor = {};

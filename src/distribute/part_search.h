@@ -33,6 +33,10 @@ class PartSearch : private DetectorState {
     void set_poll(std::function<void()> poll) { cancellation.set_poll(std::move(poll)); }
 
     ParallelFor& workers() { return *backend; }
+    /// Throws Error where the backend is not cuda.
+    void copy_to_host(const DeviceShape& there, HostShape& here) {
+        backend->features_there().copy_to_host(there, Copied::all, here);
+    }
     MemoryMeter& memory() { return meter; }
     void release() { forget(); }
 

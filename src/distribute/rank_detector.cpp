@@ -40,6 +40,7 @@ RankDetector::RankDetector(Transport& transport, const DistributedOptions& optio
     agree_(Phase::question, [&] {
         check(options.parts >= 0 && options.parts <= max_parts, "parts must be 0 (chosen) to 262144");
         check(options.round_bytes >= 1024, "round_bytes must be at least 1024");
+        check(options.detector.devices.empty(), "devices must be empty: a rank has one device");
         engine_.emplace(options_.detector);
         rounds_.reserve();
     });
@@ -119,8 +120,18 @@ void RankDetector::settle_question(const MeshShare& share, const VertexView* end
 void RankDetector::read(const MeshShare& share, const VertexView* end) {
     agree_(Phase::input, [&] {
         share_.number(share, triangle_ids_, vertex_ids_, counts_, transport_.rank());
-        share_.read(share, engine_->workers());
-        if (end) share_.read_end(*end, engine_->workers());
+        if (share.mesh.memory == MemorySpace::host) {
+            share_.read(share, engine_->workers());
+            if (end) share_.read_end(*end, engine_->workers());
+            return;
+        }
+        DeviceShape there{Shape(share.mesh), share.mesh.stream};
+        if (end) there.shape.end = *end;
+        engine_->copy_to_host(there, staged_);
+        MeshShare here = share;
+        here.mesh = MeshView(staged_.shape.vertices, staged_.shape.triangles, staged_.shape.groups);
+        share_.read(here, engine_->workers());
+        if (end) share_.read_end(staged_.shape.end, engine_->workers());
     });
     const Scene& scene = share_.scene();
     const bool empty = scene.vertex_count() == 0;

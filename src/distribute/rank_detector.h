@@ -32,6 +32,7 @@
 #include "distribute/placement.h"
 #include "distribute/rounds.h"
 #include "distribute/share.h"
+#include "engine/device_shape.h"
 
 namespace crumple::distribute {
 
@@ -106,6 +107,7 @@ class RankDetector {
 
     // From call to call:
     std::optional<PartSearch> engine_;
+    HostShape staged_;  ///< a share that lies on a device
     Share share_;
     SharedVertices copies_;
     Placement placement_;

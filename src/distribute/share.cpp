@@ -75,7 +75,6 @@ class Fingerprint {
 }  // namespace
 
 void Share::check_shape(const MeshShare& share) {
-    if (share.mesh.memory != MemorySpace::host) refuse("the arrays of a share lie in host memory", Element::option);
     if (share.mesh.triangles.rows < 0 || share.mesh.vertices.rows < 0) refuse("a share has fewer than no rows");
     check_count(share.triangle_ids, share.mesh.triangles.rows, "triangle");
     check_count(share.vertex_ids, share.mesh.vertices.rows, "vertex");

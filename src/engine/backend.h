@@ -108,6 +108,9 @@ std::unique_ptr<BackendBase> make_reference_backend(const Options& options, Memo
 /// Whether this build has more of the cuda backend than what stands in for it.
 bool has_cuda_backend();
 std::unique_ptr<BackendBase> make_cuda_backend(const Options& options, MemoryMeter& meter, Cancellation& cancellation);
+/// One on each of Options::devices, of which there is one at least.
+std::unique_ptr<BackendBase> make_devices_backend(const Options& options, MemoryMeter& meter,
+                                                  Cancellation& cancellation);
 std::unique_ptr<BackendBase> make_cpu_backend(const Options& options, MemoryMeter& meter, Cancellation& cancellation);
 
 }  // namespace crumple

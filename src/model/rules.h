@@ -41,12 +41,13 @@ class GroupRule {
     WantedPairs wanted() const { return bodies_ ? bodies_->wanted() : WantedPairs{of_groups(), {}, nullptr}; }
     bool operator()(std::int32_t g, std::int32_t h) const { return bodies_ ? (*bodies_)(g, h) : of_groups()(g, h); }
 
-   private:
+    /// What the query says of groups; likewise.
     WantedGroups of_groups() const {
         return {wanted_ == Wanted::between, wanted_ == Wanted::within, excluded_.data(),
                 static_cast<std::int64_t>(excluded_.size())};
     }
 
+   private:
     const BodyRules* bodies_ = nullptr;
     bool classes_apart_ = false;
     Wanted wanted_ = Wanted::both;

@@ -33,13 +33,14 @@ namespace {
 class CudaBackend final : public BackendBase {
    public:
     CudaBackend(const Options& options, MemoryMeter& meter, Cancellation& cancellation)
-        : meter_(meter),
+        : options_(options),
+          meter_(meter),
           cancellation_(cancellation),
           device_(options.device),
           geometry_(device_.geometry()),
-          search_(device_, geometry_, stream_.get(), options, meter, cancellation, turns_.flights),
+          search_(device_, geometry_, stream_.get(), options_, meter, cancellation, turns_.flights),
           worlds_(search_, stream_.get(), meter),
-          features_(device_, geometry_, stream_.get(), options, meter, cancellation, turns_, search_.inputs()) {
+          features_(device_, geometry_, stream_.get(), options_, meter, cancellation, turns_, search_.inputs()) {
         reserve_stacks();
     }
     ~CudaBackend() override {
@@ -391,6 +392,7 @@ class CudaBackend final : public BackendBase {
     DeviceCollisions& shown() { return shown_[search_.current()]; }
     DeviceWorldCollisions& shown_worlds() { return shown_worlds_[search_.current()]; }
 
+    Options options_;  // the others refer to it
     MemoryMeter& meter_;
     Cancellation& cancellation_;
     Device device_;

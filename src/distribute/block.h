@@ -1,0 +1,52 @@
+#pragma once
+
+// A block of a scene's triangles as the share of one rank, for ranks that are threads of the process that has all of
+// it.
+//
+//     triangles   [r m / ranks, (r + 1) m / ranks) of m
+//     vertices    those that these name, and the r-th block of all vertices, so that every vertex is there on some rank
+
+#include <cstdint>
+#include <span>
+#include <variant>
+#include <vector>
+
+#include "crumple/distributed.h"
+#include "model/scene.h"
+
+namespace crumple::distribute {
+
+class Block {
+   public:
+    Block(int rank, int ranks) : rank_(rank), ranks_(ranks) {}
+
+    /// Takes coordinates, and numbers vertices anew where triangles have changed. The share is valid until the next
+    /// call.
+    MeshShare take(const Scene& scene);
+    /// Where the share's vertices are at the end, if the scene moves.
+    VertexView end() const { return view_of(end_); }
+
+   private:
+    using Coordinates = std::variant<std::vector<float>, std::vector<double>>;
+    struct Range {
+        std::int64_t begin, end;
+        std::int64_t size() const { return end - begin; }
+        friend bool operator==(const Range&, const Range&) = default;
+    };
+    Range mine(std::int64_t all) const { return {rank_ * all / ranks_, (rank_ + 1) * all / ranks_}; }
+    std::span<const std::int32_t> corners_in(const Scene& scene) const;
+    bool names_the_same(const Scene& scene) const;
+    void number(const Scene& scene);
+    void gather(const VertexReader& reader, Coordinates& xyz) const;
+    template <class Scalar>
+    void gather_as(const VertexReader& reader, Coordinates& xyz) const;
+    static VertexView view_of(const Coordinates& xyz);
+
+    int rank_, ranks_;
+    Range triangles_{0, 0}, vertices_{0, 0};
+    std::vector<std::int32_t> corners_;  ///< 3 a triangle, in the list of vertices
+    std::vector<std::int64_t> ids_;      ///< of the list's vertices in the scene; the block of all comes first
+    Coordinates start_, end_;
+};
+
+}  // namespace crumple::distribute
