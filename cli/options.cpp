@@ -162,9 +162,19 @@ void add_cost_options(CLI::App& app, Options& options) {
          {"cuda", Backend::cuda}},
         "Who does the work; auto is cuda where it was built and a device is there, else cpu; reference is brute force "
         "in rational arithmetic, slow and simple");
-    app.add_option("--device", options.device,
-                   "Device of the cuda backend, from 0; crumple info --devices lists them. Without it the first")
+    app.add_option_function<std::vector<int>>(
+           "--device",
+           [&options](const std::vector<int>& devices) {
+               if (devices.size() == 1)
+                   options.device = devices[0];
+               else
+                   options.devices = devices;
+           },
+           "Device of the cuda backend, from 0, or several that share the work, as in 0,1; crumple info --devices "
+           "lists them. Without it the first")
         ->type_name("N")
+        ->delimiter(',')
+        ->allow_extra_args(false)
         ->check(integer(0, std::numeric_limits<int>::max()));
     app.add_option("--threads", options.threads, "Threads; without it as many as the machine has")
         ->type_name("N")
@@ -185,7 +195,8 @@ void add_cost_options(CLI::App& app, Options& options) {
 void check_cost_options(const Options& options) {
     if (options.count_bytes_needed && !options.memory_limit)
         fail("--count-bytes-needed changes nothing without --memory-limit");
-    if (options.device && (options.backend == Backend::reference || options.backend == Backend::cpu))
+    if ((options.device || !options.devices.empty()) &&
+        (options.backend == Backend::reference || options.backend == Backend::cpu))
         fail("--device applies to --backend cuda only");
     if (options.threads && options.backend == Backend::cuda)
         fail("--threads does not apply to --backend cuda: the device has its own");

@@ -50,6 +50,9 @@ struct Options {
     /// position where features are asked about, candidates, and all under a memory limit.
     std::vector<int> devices = {};
 
+    /// The device whose memory the detector's arrays there are in.
+    int first_device() const { return devices.empty() ? device : devices.front(); }
+
     /// Whose threads the cpu backend works on, in place of `threads` of its own; null: oneTBB's.
     std::shared_ptr<Executor> executor = {};
 };

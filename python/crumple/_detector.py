@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any, Literal, overload
 
 from . import _core
@@ -79,6 +79,8 @@ class Detector(_core.Detector):
         first_stop: the same for a first frame.
         simd: instruction set: "automatic" takes the best that the machine has.
         device: number of the device that the cuda backend works on.
+        devices: instead, the numbers of several, which share questions about one mesh on the host; arrays on a device
+            are on the first, which does alone what the others cannot share (docs/distributed.md).
 
     No option changes an answer, only its cost. A detector keeps its options: a second __init__ is refused. Raises
     InvalidInput for options out of range, BackendUnavailable for what this machine or build lacks.
@@ -107,6 +109,7 @@ class Detector(_core.Detector):
         first_stop: float = 1e-4,
         simd: Simd = "automatic",
         device: int = 0,
+        devices: Sequence[int] = (),
     ) -> None:
         options = {
             "backend": backend,
@@ -122,6 +125,7 @@ class Detector(_core.Detector):
             "first_stop": first_stop,
             "simd": simd,
             "device": device,
+            "devices": devices,
         }
         super().__init__(options)
         self._options = options

@@ -40,9 +40,10 @@ void check_device(const SharedDetector& detector, int device) {
         refuse("the arrays lie in CUDA memory, which needs the cuda backend" + (reason.empty() ? "" : "; " + reason) +
                ": " + copy_to_host);
     }
-    if (device != detector.options().device)
+    const int own = detector.options().first_device();
+    if (device != own)
         refuse("the arrays lie in the memory of CUDA device " + std::to_string(device) +
-               ", but the detector works on device " + std::to_string(detector.options().device));
+               ", but the detector works on device " + std::to_string(own));
 }
 
 SharedDetector::SharedDetector(const Options& options) : detector_(options) { detector_.set_poll(handle_signals); }

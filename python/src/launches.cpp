@@ -179,7 +179,7 @@ nb::object dlpack_capsule(nb::handle detector, std::uintptr_t address, const nb:
                                      : type == "<i4" ? nb::dtype<std::int32_t>()
                                                      : nb::dtype<std::uint8_t>();
     return nb::cast(nb::ndarray<>(reinterpret_cast<void*>(address), dimensions, of.data(), detector, nullptr, number,
-                                  nb::device::cuda::value, detector_of(detector).options().device));
+                                  nb::device::cuda::value, detector_of(detector).options().first_device()));
 }
 
 // Waits, and gives what `tell` makes of the answer.

@@ -1,6 +1,7 @@
 #include "options.h"
 
 #include <cstdint>
+#include <vector>
 
 #include "arguments.h"
 #include "names.h"
@@ -8,6 +9,19 @@
 namespace nb = nanobind;
 
 namespace crumple::python {
+namespace {
+
+std::vector<int> devices_of(const nb::dict& given) {
+    std::vector<int> devices;
+    if (!given.contains("devices")) return devices;
+    const nb::object numbers = given["devices"];
+    if (!nb::isinstance<nb::sequence>(numbers) || nb::isinstance<nb::str>(numbers))
+        refuse_type("devices", "a sequence of integers", numbers);
+    for (const nb::handle number : numbers) devices.push_back(integer<int>("devices", number));
+    return devices;
+}
+
+}  // namespace
 
 Options options_of(const nb::dict& given) {
     return {
@@ -24,6 +38,7 @@ Options options_of(const nb::dict& given) {
         .first_stop = real("first_stop", given["first_stop"]),
         .simd = named(simd_names, "simd", given["simd"]),
         .device = integer<int>("device", given["device"]),
+        .devices = devices_of(given),
     };
 }
 

@@ -81,6 +81,18 @@ def test_every_type(cuda, cpu, scalar, index):
     assert_same(cuda.find_self(mesh_on_device(crumple.Mesh(*mesh)), contacts=True), expected)
 
 
+def test_devices(cpu):
+    """One that is listed is a device as any other; several are shared by C++'s tests, which play them."""
+    listed = crumple.Detector(backend="cuda", devices=[0])
+    assert_same(listed.find_self(*MESH), cpu.find_self(*MESH))
+    with pytest.raises(crumple.InvalidInput, match="each once"):
+        crumple.Detector(backend="cuda", devices=(0, 0))
+    with pytest.raises(TypeError, match="devices must be a sequence of integers"):
+        crumple.Detector(backend="cuda", devices=1)
+    with pytest.raises(TypeError, match="devices"):
+        crumple.Detector(backend="cuda", devices=[0.5])
+
+
 @pytest.mark.skipif(ON_CPU, reason="their arrays need a device")
 @pytest.mark.parametrize("place", [_cupy, _jax])
 def test_other_packages(cuda, cpu, place):

@@ -48,6 +48,16 @@ TEST_F(CudaCli, refuses_a_device_that_is_asked_for_and_is_not_there) {
     }
 }
 
+TEST_F(CudaCli, works_on_several_devices) {
+    const Outcome two = shell("CUDA_ON_CPU_DEVICES=2 $crumple detect --backend cuda --device 1,0 five.off");
+    EXPECT_EQ(two.status, 0) << two.err;
+    EXPECT_EQ(two.out, five_pairs);
+    const Outcome twice = crumple("detect five.off --backend cuda --device 0,0");
+    EXPECT_TRUE(contains(twice.err, "each once")) << twice.err;
+    EXPECT_NE(twice.status, 0);
+    EXPECT_EQ(crumple("detect five.off --backend cpu --device 0,1").status, 2);
+}
+
 TEST_F(CudaCli, lists_devices) {
     const Outcome two = shell("CUDA_ON_CPU_DEVICES=2 $crumple info --devices");
     EXPECT_EQ(two.status, 0);
