@@ -175,6 +175,8 @@ Command add_impacts(CLI::App& app) {
         "Candidates are listed likewise, without T and S: `vf V F`, `ee A B C D`, `ef A B F`, `ff F G`, `ve V A B`,\n"
         "`vv V W`. Two features are one if no vertex is common and on every axis the gap between their boxes, which\n"
         "hold start and end, is at most twice --inflation.\n"
+        "Processes that mpirun has started share the work, as of crumple detect; not --kind pairs and candidates,\n"
+        "--stream, coloured meshes, lines and points.\n"
         "Example: crumple impacts cloth_092.ply cloth_093.ply -o impacts.csv -o impacts.glb\n"
         "         crumple impacts cloth_092.ply cloth_093.ply --kind candidates --inflation 0.001 -o candidates.npz");
     return {&command, [impacts] { return impacts->run(); }, true};
