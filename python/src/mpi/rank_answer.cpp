@@ -67,9 +67,9 @@ void bind_features(nb::class_<A>& type, const char* value, const char* flag) {
     for (const auto& [kind, name, pairs] : {std::tuple(FeatureKind::vertex_face, "vertex_face", "vertex_faces"),
                                             std::tuple(FeatureKind::edge_edge, "edge_edge", "edge_edges")}) {
         const std::string of = std::string(name) + '_';
-        show(pairs, [kind](const A& a) { return view<std::int32_t>(a.found[kind].pairs, 2U); });
-        show(of + value, [kind](const A& a) { return view<double>(values(a.found[kind])); });
-        show(of + flag, [kind](const A& a) { return view<bool>(flags(a.found[kind])); });
+        show(pairs, [kind = kind](const A& a) { return view<std::int32_t>(a.found[kind].pairs, 2U); });
+        show(of + value, [kind = kind](const A& a) { return view<double>(values(a.found[kind])); });
+        show(of + flag, [kind = kind](const A& a) { return view<bool>(flags(a.found[kind])); });
     }
     show("edges", [](const A& a) { return view<std::int32_t>(a.found.edges, 2U); });
     show("edge_ids", [](const A& a) { return view<std::int32_t>(a.found.edge_ids); });
@@ -101,9 +101,9 @@ void bind_nearby(nb::module_& module) {
     for (const auto& [kind, type, at] : {std::tuple(FeatureKind::vertex_face, "vertex_face_type", "vertex_face_at"),
                                          std::tuple(FeatureKind::edge_edge, "edge_edge_type", "edge_edge_at")}) {
         nearby.def_prop_ro(
-            type, [kind](const N& a) { return view<std::uint8_t>(a.found[kind].type); }, owner);
+            type, [kind = kind](const N& a) { return view<std::uint8_t>(a.found[kind].type); }, owner);
         nearby.def_prop_ro(
-            at, [kind](const N& a) { return view<double>(a.found[kind].at, 2U); }, owner);
+            at, [kind = kind](const N& a) { return view<double>(a.found[kind].at, 2U); }, owner);
     }
 }
 
