@@ -125,6 +125,41 @@ void add_feature_command_options(CLI::App& app, FeatureCommand& command, const s
     add_cost_options(app, command.options);
 }
 
+std::string kinds_of(const Tally& tally) {
+    const auto count = [&](FeatureKind kind) { return tally.by_kind[static_cast<std::size_t>(kind)]; };
+    std::string text = fmt::format("{} vertex-face, {} edge-edge", grouped(count(FeatureKind::vertex_face)),
+                                   grouped(count(FeatureKind::edge_edge)));
+    if (count(FeatureKind::vertex_edge) > 0)
+        text += fmt::format(", {} vertex-edge", grouped(count(FeatureKind::vertex_edge)));
+    if (count(FeatureKind::vertex_vertex) > 0)
+        text += fmt::format(", {} vertex-vertex", grouped(count(FeatureKind::vertex_vertex)));
+    return text;
+}
+
+std::string summary_of(const Tally& tally, const std::string& kinds, const char* one, const char* none,
+                       std::int64_t triangles, const std::string& more) {
+    if (tally.count == 0)
+        return fmt::format("{}: {} triangles, {:.1f} ms\n", none, grouped(triangles), tally.milliseconds);
+    return fmt::format("{} {}{} ({}){}, {:.1f} ms\n", grouped(tally.count), one, tally.count == 1 ? "" : "s", kinds,
+                       more, tally.milliseconds);
+}
+
+Impacts only_first(const Impacts& impacts) {
+    Impacts one = impacts;
+    if (!one.first.found) return one;
+    ImpactList& list = one[one.first.kind];
+    list.pairs.push_back(one.first.pair);
+    list.toi.push_back(one.first.toi);
+    list.start.push_back(one.first.start ? 1 : 0);
+    return one;
+}
+
+std::string summary_of_impacts(const Tally& tally, const FirstImpact& first, bool earliest, std::int64_t triangles) {
+    const std::string time = fmt::format("{:.6g}", first.toi);
+    if (earliest && first.found) return fmt::format("the first impact is at {}, {:.1f} ms\n", time, tally.milliseconds);
+    return summary_of(tally, kinds_of(tally), "impact", "nothing touches", triangles, ", the first at " + time);
+}
+
 std::string kinds_of(const CandidateLists& answer) {
     std::string text;
     for (const CandidateKind kind : io::all_kinds) {

@@ -2,6 +2,8 @@
 
 // Options, outputs and words that the commands on impacts, candidates and near pairs share.
 
+#include <array>
+#include <cstdint>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -116,31 +118,39 @@ struct FeatureCommand {
 /// `--check` with this help, `--stats`, and all that changes how files are read and what an answer costs.
 void add_feature_command_options(CLI::App& app, FeatureCommand& command, const std::string& check);
 
-/// "27 vertex-face, 107 edge-edge"
+/// How much there is of an answer, for what is said about it.
+struct Tally {
+    std::int64_t count = 0;
+    std::array<std::int64_t, feature_kinds> by_kind{};  ///< by FeatureKind
+    double milliseconds = 0;
+};
 template <class Answer>
-std::string kinds_of(const Answer& answer) {
-    const auto count = [](const auto& list) { return grouped(static_cast<std::int64_t>(list.pairs.size())); };
-    std::string text =
-        fmt::format("{} vertex-face, {} edge-edge", count(answer.vertex_faces()), count(answer.edge_edges()));
-    if (!answer.vertex_edges().pairs.empty()) text += fmt::format(", {} vertex-edge", count(answer.vertex_edges()));
-    if (!answer.vertex_vertices().pairs.empty())
-        text += fmt::format(", {} vertex-vertex", count(answer.vertex_vertices()));
-    return text;
+Tally tally_of(const Answer& answer) {
+    Tally tally{answer.count, {}, answer.statistics.milliseconds};
+    for (std::size_t k = 0; k < tally.by_kind.size(); ++k)
+        tally.by_kind[k] = static_cast<std::int64_t>(answer.lists[k].pairs.size());
+    return tally;
 }
 
+/// "27 vertex-face, 107 edge-edge"
+std::string kinds_of(const Tally& tally);
 /// The same of those that are listed.
 std::string kinds_of(const CandidateLists& answer);
 
 /// "134 impacts (27 vertex-face, 107 edge-edge), 3.1 ms", or "nothing touches: 28 triangles, 3.1 ms". `one`: "impact";
-/// `more`: what follows the kinds.
-template <class Answer>
-std::string summary_of(const Answer& found, const char* one, const char* none, std::int64_t triangles,
-                       const std::string& more = {}) {
-    const double milliseconds = found.statistics.milliseconds;
-    if (found.count == 0) return fmt::format("{}: {} triangles, {:.1f} ms\n", none, grouped(triangles), milliseconds);
-    return fmt::format("{} {}{} ({}){}, {:.1f} ms\n", grouped(found.count), one, found.count == 1 ? "" : "s",
-                       kinds_of(found), more, milliseconds);
+/// `kinds`: as kinds_of says them; `more`: what follows them.
+std::string summary_of(const Tally& tally, const std::string& kinds, const char* one, const char* none,
+                       std::int64_t triangles, const std::string& more = {});
+/// "134 impacts (27 vertex-face, 107 edge-edge), the first at 0.045, 3.1 ms"
+std::string summary_of_impacts(const Tally& tally, const FirstImpact& first, bool earliest, std::int64_t triangles);
+inline std::string summary_of_near(const Tally& tally, std::int64_t triangles) {
+    return summary_of(tally, kinds_of(tally), "near pair", "nothing is near", triangles);
 }
+
+/// Of the lists only their first impact.
+Impacts only_first(const Impacts& impacts);
+/// What --stats says of impacts where one is enough.
+inline constexpr const char* only_first_remark = "only the first was looked for";
 
 /// A row as a list of text has it: "vf 8481 17305 0.25", "vf 8481 17305".
 std::string text_of(const io::FeatureRow& row, bool has_bodies);

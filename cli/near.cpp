@@ -6,8 +6,10 @@
 
 #include "cli/bodies.h"
 #include "cli/commands.h"
+#include "cli/feature_ranks.h"
 #include "cli/features.h"
 #include "cli/near_filters.h"
+#include "cli/ranks.h"
 #include "cli/search.h"
 #include "cli/statistics_table.h"
 
@@ -19,20 +21,30 @@ struct NearCommand : FeatureCommand {
     NearOptions near;
     NearFilterOptions filters;
 
+    NearWants wants() const { return only_status() && !stats ? NearWants::any : NearWants::pairs; }
+
+    int list_on_ranks() const {
+        if (files.size() > 1) refuse_on_ranks("a second mesh");
+        if (!filters.radii.empty()) refuse_on_ranks("--radii");
+        if (!filters.rest.empty()) refuse_on_ranks("--rest");
+        if (filters.rings > 0) refuse_on_ranks("--rings");
+        return near_on_ranks(*this, files[0], near.question(answer, wants()));
+    }
+
     int run() const {
         outputs.check("near pairs");
         check_stream();
         if (!near.radius && filters.radii.empty()) refuse("near: --radius is required, or --radii");
         std::vector<std::string> inputs = files;
         for (const std::string& file : filters.files()) inputs.push_back(file);
+        if (Ranks::count() > 1) return list_on_ranks();
         check_outputs(outputs.paths, inputs, answer);
         check_standard_input(inputs);
         Search search(answer, feature_options(options));
         const AnswerOptions reading = with_lines_and_points(filters.rest.empty() ? answer : reading_of_motion(answer));
         const Input input = read_input(files, reading);
         const NearFilters given(filters, input, reading);
-        const NearWants wants = only_status() && !stats ? NearWants::any : NearWants::pairs;
-        Near question = near.question(answer, wants);
+        Near question = near.question(answer, wants());
         given.tell(question);
         if (stream) {
             const auto find = [&](auto take) { return search.stream(input, question, take); };
@@ -40,11 +52,11 @@ struct NearCommand : FeatureCommand {
                                         input.triangle_count());
         }
         const Nearby& found = search.find(input, question);
-        if (stats) print_statistics(found.statistics, kinds_of(found));
+        if (stats) print_statistics(found.statistics, kinds_of(tally_of(found)));
         if (only_status()) return report(found.any, "something is near", "nothing is near");
         outputs.write([&](auto& to, io::PairFormat format) { io::write_near(to, found, format); },
                       [&](auto& to) { io::write_coloured(to, input.first, input.second_or_null(), found); });
-        return finish(found.any, summary_of(found, "near pair", "nothing is near", input.triangle_count()));
+        return finish(found.any, summary_of_near(tally_of(found), input.triangle_count()));
     }
 };
 
@@ -76,8 +88,10 @@ Command add_near(CLI::App& app) {
         "`ee A B C D Q`: the edge from A to B and that from C to D. Between two files an id is 0:ID or 1:ID. What\n"
         "shares a vertex is not near. Lines and points of OBJ (l, p) count, too: `ve V A B Q`, `vv V W Q`.\n"
         "Cloth of some thickness: --radii with half of it, --rings 2, and the cloth as it was cut as --rest.\n"
+        "Processes that mpirun has started share the work on one mesh, as of crumple detect; not --radii, --rest,\n"
+        "--rings, --stream, coloured meshes, lines and points.\n"
         "Example: crumple near dress.ply body.obj --radius 0.005 -o near.csv");
-    return {&command, [near] { return near->run(); }};
+    return {&command, [near] { return near->run(); }, true};
 }
 
 }  // namespace crumple::cli

@@ -16,6 +16,7 @@ namespace crumple::cli {
 
 struct RankInput {
     io::TriangleMesh mesh;                 ///< corners count in its vertices
+    io::TriangleMesh end;                  ///< of a step: the same vertices at its end
     std::vector<std::int64_t> vertex_ids;  ///< over all ranks; empty where each triangle has its own
     io::Blocks triangles;                  ///< of all ranks
     bool weld = false;                     ///< vertices at equal positions are to be one
@@ -26,5 +27,13 @@ struct RankInput {
 /// Collective. Each rank reads its rows, where the file is binary PLY of triangles or binary STL; else, and from
 /// standard input, rank 0 reads all and hands them out. Throws the same Error on all ranks.
 RankInput read_on_ranks(RankLink& link, const std::string& file, const AnswerOptions& answer);
+
+/// The same for an answer that names vertices: where equal ones are to become one as they are read, rank 0 reads all.
+/// Refuses lines and points.
+RankInput read_features_on_ranks(RankLink& link, const std::string& file, const AnswerOptions& answer);
+
+/// The same of a mesh at two times, as read_moving_input reads it.
+RankInput read_step_on_ranks(RankLink& link, const std::string& start, const std::string& end,
+                             const AnswerOptions& answer);
 
 }  // namespace crumple::cli

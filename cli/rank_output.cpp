@@ -5,16 +5,14 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <optional>
+#include <numeric>
 #include <streambuf>
 #include <system_error>
 #include <utility>
-#include <vector>
 
-#include "cli/terminal.h"
+#include "cli/commands.h"
 #include "io/atomic_file.h"
 #include "io/file_buffer.h"
-#include "io/pairs.h"
 
 namespace crumple::cli {
 namespace {
@@ -31,17 +29,22 @@ class Counter : public std::streambuf {
 
 constexpr int piece_bytes = 1 << 20;
 
-/// Sends what is written to rank 0, in pieces that are full but for the last.
+/// Sends what is written to rank 0, in pieces that are full but for the last one before each flush. An empty piece says
+/// that no more will come.
 class Sender : public std::streambuf {
    public:
-    explicit Sender(MPI_Comm communicator) : communicator_(communicator), piece_(piece_bytes) { begin(); }
+    /// `piece`: room for one.
+    Sender(MPI_Comm communicator, std::vector<char>& piece) : communicator_(communicator), piece_(piece) { begin(); }
+
+    void give_up() { send(0); }
 
    private:
     void begin() { setp(piece_.data(), piece_.data() + piece_.size()); }
+    void send(int bytes) const {
+        distribute::check_mpi(MPI_Send(piece_.data(), bytes, MPI_CHAR, 0, 0, communicator_), "MPI_Send");
+    }
     int sync() override {
-        if (pptr() == pbase()) return 0;
-        distribute::check_mpi(MPI_Send(pbase(), static_cast<int>(pptr() - pbase()), MPI_CHAR, 0, 0, communicator_),
-                              "MPI_Send");
+        if (pptr() > pbase()) send(static_cast<int>(pptr() - pbase()));
         begin();
         return 0;
     }
@@ -52,55 +55,119 @@ class Sender : public std::streambuf {
     }
 
     MPI_Comm communicator_;
-    std::vector<char> piece_;
+    std::vector<char>& piece_;
 };
 
-/// Writes what a rank sends. All of it is received, whether or not it can be written.
-void receive(RankLink& link, int rank, std::int64_t bytes, std::vector<char>& piece, std::ostream& out) {
-    while (bytes > 0) {
-        const int size = static_cast<int>(std::min<std::int64_t>(bytes, piece_bytes));
-        distribute::check_mpi(MPI_Recv(piece.data(), size, MPI_CHAR, rank, 0, link.communicator(), MPI_STATUS_IGNORE),
-                              "MPI_Recv");
-        out.write(piece.data(), size);
-        bytes -= size;
+/// Where each rank's piece of each section begins, section by section, and the end.
+class Places {
+   public:
+    Places(RankLink& link, const RankText& text) : ranks_(static_cast<std::size_t>(link.ranks())) {
+        link.agree([&] {
+            begins_.assign(text.size() * ranks_ + 1, 0);
+            for (std::size_t section = 0; section < text.size(); ++section) {
+                Counter counter;
+                std::ostream out(&counter);
+                text[section](out);
+                begins_[at(section, link.rank()) + 1] = counter.bytes;
+            }
+        });
+        link.transport().reduce(begins_, distribute::Reduction::sum);
+        std::partial_sum(begins_.begin(), begins_.end(), begins_.begin());
+    }
+    std::int64_t begin(std::size_t section, int rank) const { return begins_[at(section, rank)]; }
+    std::int64_t bytes(std::size_t section, int rank) const {
+        return begins_[at(section, rank) + 1] - begins_[at(section, rank)];
+    }
+
+   private:
+    std::size_t at(std::size_t section, int rank) const { return section * ranks_ + static_cast<std::size_t>(rank); }
+
+    std::size_t ranks_;
+    std::vector<std::int64_t> begins_;
+};
+
+/// What the other ranks send to rank 0. All of it is received, whether or not it can be written, for they wait until it
+/// is; nothing is allocated for that.
+class Receiver {
+   public:
+    Receiver(RankLink& link, const Places& places, std::size_t sections, std::vector<char>& piece,
+             std::vector<std::int64_t>& left)
+        : link_(link), piece_(piece), left_(left) {
+        for (int rank = 1; rank < link.ranks(); ++rank)
+            for (std::size_t section = 0; section < sections; ++section)
+                left_[static_cast<std::size_t>(rank)] += places.bytes(section, rank);
+    }
+    Receiver(const Receiver&) = delete;
+    Receiver& operator=(const Receiver&) = delete;
+    ~Receiver() {
+        for (int rank = 1; rank < link_.ranks(); ++rank)
+            while (left_[static_cast<std::size_t>(rank)] > 0) next(rank);
+    }
+
+    /// Writes what a rank sends next. A rank that has given up tells all why.
+    void write(int rank, std::int64_t bytes, std::ostream& out) {
+        while (bytes > 0 && left_[static_cast<std::size_t>(rank)] > 0) {
+            const int size = next(rank);
+            out.write(piece_.data(), size);
+            bytes -= size;
+        }
+    }
+
+   private:
+    /// Receives one piece. Where that fails, nothing more comes.
+    int next(int rank) {
+        std::int64_t& left = left_[static_cast<std::size_t>(rank)];
+        MPI_Status status;
+        int size = 0;
+        if (MPI_Recv(piece_.data(), piece_bytes, MPI_CHAR, rank, 0, link_.communicator(), &status) != MPI_SUCCESS ||
+            MPI_Get_count(&status, MPI_CHAR, &size) != MPI_SUCCESS)
+            abort_all_ranks("MPI_Recv failed", failed);
+        left = size > 0 ? left - size : 0;
+        return size;
+    }
+
+    RankLink& link_;
+    std::vector<char>& piece_;
+    std::vector<std::int64_t>& left_;
+};
+
+void send(RankLink& link, const RankText& text, std::vector<char>& piece) {
+    Sender sender(link.communicator(), piece);
+    try {
+        std::ostream out(&sender);
+        for (const auto& section : text) {
+            section(out);
+            out.flush();
+        }
+        if (!out) throw Error(ErrorCode::communication, "MPI_Send failed");
+    } catch (...) {
+        sender.give_up();
+        throw;
     }
 }
 
-/// Where each rank's text begins, and the end.
-std::vector<std::int64_t> places(RankLink& link, const RankText& text) {
-    std::vector<std::int64_t> place(static_cast<std::size_t>(link.ranks()) + 1, 0);
-    link.agree([&] {
-        const std::int64_t bytes = text.bytes();
-        for (std::size_t r = static_cast<std::size_t>(link.rank()) + 1; r < place.size(); ++r) place[r] = bytes;
-    });
-    link.transport().reduce(place, distribute::Reduction::sum);
-    return place;
-}
-
 /// On rank 0 to(write) calls write(stream).
-void through_first(RankLink& link, const RankText& text, const std::vector<std::int64_t>& place,
-                   const std::function<void(const std::function<void(std::ostream&)>&)>& to) {
+template <class To>
+void through_first(RankLink& link, const RankText& text, const Places& places, To to) {
     std::vector<char> piece;
-    link.agree([&] { piece.resize(piece_bytes); });
+    std::vector<std::int64_t> left;
     link.agree([&] {
-        if (!link.is_first()) {
-            Sender sender(link.communicator());
-            std::ostream out(&sender);
-            text.write(out);
-            out.flush();
-            return;
-        }
+        piece.resize(piece_bytes);
+        left.resize(static_cast<std::size_t>(link.ranks()), 0);
+    });
+    link.agree([&] {
+        if (!link.is_first()) return send(link, text, piece);
+        Receiver receiver(link, places, text.size(), piece, left);
         to([&](std::ostream& out) {
-            text.write(out);
-            for (int r = 1; r < link.ranks(); ++r) {
-                const auto at = static_cast<std::size_t>(r);
-                receive(link, r, place[at + 1] - place[at], piece, out);
+            for (std::size_t section = 0; section < text.size(); ++section) {
+                text[section](out);
+                for (int rank = 1; rank < link.ranks(); ++rank) receiver.write(rank, places.bytes(section, rank), out);
             }
         });
     });
 }
 
-/// A descriptor of another rank's file.
+/// A descriptor of its own for a file that rank 0 has made.
 class Opened {
    public:
     explicit Opened(const std::string& path) : descriptor_(::open(path.c_str(), O_WRONLY | O_CLOEXEC)) {}
@@ -112,12 +179,14 @@ class Opened {
     bool is_open() const { return descriptor_ >= 0; }
 
     /// Throws Error that names the target.
-    void write(std::int64_t place, const RankText& text, const std::string& target) {
+    void write(const RankText& text, const Places& places, int rank, const std::string& target) {
         io::FileBuffer buffer(descriptor_);
-        if (::lseek(descriptor_, static_cast<off_t>(place), SEEK_SET) < 0) buffer.fail(errno);
         std::ostream out(&buffer);
-        text.write(out);
-        out.flush();
+        for (std::size_t section = 0; section < text.size() && !buffer.reason(); ++section) {
+            if (::lseek(descriptor_, static_cast<off_t>(places.begin(section, rank)), SEEK_SET) < 0) buffer.fail(errno);
+            text[section](out);
+            out.flush();
+        }
         if (::close(std::exchange(descriptor_, -1)) != 0 && !buffer.reason()) buffer.fail(errno);
         if (const int reason = buffer.reason())
             throw Error(ErrorCode::file, "cannot write " + target + ": " + std::generic_category().message(reason),
@@ -130,36 +199,8 @@ class Opened {
 
 }  // namespace
 
-// In blocks: rows are text as they are made, and are never copied as a whole.
-void RankText::write(std::ostream& out) const {
-    constexpr std::size_t most = std::size_t{1} << 14;
-    if (first_) io::write_heading_of_pairs(out, contacts_, format_);
-    Collisions block;
-    for (std::size_t begin = 0; begin < found_.pairs.size(); begin += most) {
-        const std::size_t n = std::min(most, found_.pairs.size() - begin);
-        std::copy_n(found_.pairs.data() + begin, n, block.pairs.resize_discard(n));
-        if (contacts_) {
-            const Contacts& all = found_.contacts;
-            const std::int64_t first = all.offsets[begin];
-            std::copy_n(all.kinds.data() + begin, n, block.contacts.kinds.resize_discard(n));
-            std::transform(all.offsets.data() + begin, all.offsets.data() + begin + n + 1,
-                           block.contacts.offsets.resize_discard(n + 1), [&](std::int64_t i) { return i - first; });
-            const auto points = static_cast<std::size_t>(block.contacts.offsets[n]);
-            std::copy_n(all.points.data() + first, points, block.contacts.points.resize_discard(points));
-        }
-        io::write_rows_of_pairs(out, block, format_);
-    }
-}
-
-std::int64_t RankText::bytes() const {
-    Counter counter;
-    std::ostream out(&counter);
-    write(out);
-    return counter.bytes;
-}
-
-void write_on_ranks(RankLink& link, const std::string& path, const RankText& text) {
-    const std::vector<std::int64_t> place = places(link, text);
+void write_text(RankLink& link, const std::string& path, const RankText& text) {
+    const Places places(link, text);
     std::optional<io::AtomicFile> file;  // rank 0's
     std::string temporary;
     link.agree([&] {
@@ -168,24 +209,18 @@ void write_on_ranks(RankLink& link, const std::string& path, const RankText& tex
         temporary = file->temporary().string();
     });
     temporary = link.text_of_first(temporary);
-    std::optional<Opened> opened;
-    if (!link.is_first()) opened.emplace(temporary);
-    if (link.least(!temporary.empty() && (link.is_first() || opened->is_open()))) {
-        link.agree([&] {
-            if (opened) return opened->write(place[static_cast<std::size_t>(link.rank())], text, path);
-            text.write(file->stream());
-            file->complete();
-        });
-    } else {
-        through_first(link, text, place, [&](const auto& write) { write(file->stream()); });
-    }
+    Opened opened(temporary);
+    if (link.least(!temporary.empty() && opened.is_open()))
+        link.agree([&] { opened.write(text, places, link.rank(), path); });
+    else
+        through_first(link, text, places, [&](const auto& write) { write(file->stream()); });
     link.agree([&] {
         if (file) file->commit();
     });
 }
 
-void print_on_ranks(RankLink& link, const RankText& text) {
-    through_first(link, text, places(link, text), [](const auto& write) { to_standard_output(write); });
+void print_text(RankLink& link, const RankText& text) {
+    through_first(link, text, Places(link, text), [](const auto& write) { to_standard_output(write); });
 }
 
 }  // namespace crumple::cli

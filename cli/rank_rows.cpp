@@ -5,6 +5,9 @@
 #include <span>
 #include <vector>
 
+#include "cli/rank_gather.h"
+#include "io/pairs.h"
+
 namespace crumple::cli {
 namespace {
 
@@ -12,23 +15,24 @@ using distribute::Traffic;
 
 std::size_t place(std::int64_t i) { return static_cast<std::size_t>(i); }
 
-/// Rank 0 gets the rows of all ranks, one behind the other.
-template <class Row>
-void gather(RankLink& link, std::span<const Row> mine, Array<Row>& all) {
-    Traffic traffic(link.ranks());
-    traffic.out[0] = static_cast<std::int64_t>(mine.size());
-    link.transport().all_to_all(traffic.out, traffic.in);
-    std::vector<std::int64_t> first(traffic.in.size() + 1, 0);
-    std::partial_sum(traffic.in.begin(), traffic.in.end(), first.begin() + 1);
-    link.agree([&] { all.resize_discard(place(first.back())); });
-    link.rounds().exchange<Row>(
-        traffic,
-        [&](int, std::int64_t begin, std::span<Row> rows) {
-            std::copy_n(mine.begin() + begin, rows.size(), rows.begin());
-        },
-        [&](int rank, std::int64_t begin, std::span<const Row> rows) {
-            std::copy(rows.begin(), rows.end(), all.data() + first[place(rank)] + begin);
-        });
+// In blocks: rows are text as they are made, and are never copied as a whole.
+void write_rows(std::ostream& out, const DistributedCollisions& found, bool contacts, io::PairFormat format) {
+    constexpr std::size_t most = std::size_t{1} << 14;
+    Collisions block;
+    for (std::size_t begin = 0; begin < found.pairs.size(); begin += most) {
+        const std::size_t n = std::min(most, found.pairs.size() - begin);
+        std::copy_n(found.pairs.data() + begin, n, block.pairs.resize_discard(n));
+        if (contacts) {
+            const Contacts& all = found.contacts;
+            const std::int64_t first = all.offsets[begin];
+            std::copy_n(all.kinds.data() + begin, n, block.contacts.kinds.resize_discard(n));
+            std::transform(all.offsets.data() + begin, all.offsets.data() + begin + n + 1,
+                           block.contacts.offsets.resize_discard(n + 1), [&](std::int64_t i) { return i - first; });
+            const auto points = static_cast<std::size_t>(block.contacts.offsets[n]);
+            std::copy_n(all.points.data() + first, points, block.contacts.points.resize_discard(points));
+        }
+        io::write_rows_of_pairs(out, block, format);
+    }
 }
 
 /// Offsets by first triangle and hit flags, as a detector makes them.
@@ -76,6 +80,13 @@ std::int64_t count_hits(RankLink& link, const DistributedCollisions& found, io::
             for (const std::int32_t triangle : rows) hit[place(triangle - begin)] = 1;
         });
     return link.sum(std::count(hit.begin(), hit.end(), std::uint8_t{1}));
+}
+
+RankText text_of(const RankLink& link, const DistributedCollisions& found, bool contacts, io::PairFormat format) {
+    return {[&found, contacts, format, first = link.is_first()](std::ostream& out) {
+        if (first) io::write_heading_of_pairs(out, contacts, format);
+        write_rows(out, found, contacts, format);
+    }};
 }
 
 Collisions collect(RankLink& link, const DistributedCollisions& found, io::Blocks triangles) {

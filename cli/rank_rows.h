@@ -1,10 +1,11 @@
 #pragma once
 
-// The rows of all ranks together.
+// Pairs of triangles: the rows of all ranks together.
 
 #include <cstdint>
 
 #include "cli/rank_link.h"
+#include "cli/rank_output.h"
 #include "crumple/distributed.h"
 #include "io/slice.h"
 
@@ -12,6 +13,9 @@ namespace crumple::cli {
 
 /// Collective. How many triangles of all ranks are in some pair. `triangles`: whose rows are whose.
 std::int64_t count_hits(RankLink& link, const DistributedCollisions& found, io::Blocks triangles);
+
+/// The rows of this rank as .txt or .csv; rank 0 begins with what stands before all rows. `found`: kept by reference.
+RankText text_of(const RankLink& link, const DistributedCollisions& found, bool contacts, io::PairFormat format);
 
 /// Collective. On rank 0 the answer as one process has it, but for its statistics; on the others nothing.
 Collisions collect(RankLink& link, const DistributedCollisions& found, io::Blocks triangles);

@@ -55,7 +55,7 @@ RankTotals total(RankLink& link, const DistributedStatistics& mine, std::int64_t
     return totals;
 }
 
-void print_statistics(const RankLink& link, const RankTotals& totals, std::int64_t hits) {
+void print_statistics(const RankLink& link, const RankTotals& totals, const std::string& remark) {
     const DistributedStatistics& s = totals.statistics;
     const double sum = std::accumulate(s.phase_milliseconds.begin(), s.phase_milliseconds.end(), 0.0);
     say(on_terminal(2, fmt::emphasis::bold), "{:<15}{:>12}{:>9}\n", "phase", "time", "share");
@@ -75,7 +75,7 @@ void print_statistics(const RankLink& link, const RankTotals& totals, std::int64
     table_row("bytes sent", grouped(s.bytes_sent), fmt::format("in {} messages", grouped(s.messages)));
     table_row("exact tests", grouped(s.search.exact_tests),
               fmt::format("{} in rational numbers", grouped(s.search.rational_tests)));
-    table_row("pairs", grouped(s.search.pairs), fmt::format("{} triangles collide", grouped(hits)));
+    table_row("pairs", grouped(s.search.pairs), remark);
 }
 
 }  // namespace crumple::cli

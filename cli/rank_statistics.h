@@ -3,6 +3,7 @@
 // What the ranks did, all together.
 
 #include <cstdint>
+#include <string>
 
 #include "cli/rank_link.h"
 #include "crumple/distributed.h"
@@ -19,7 +20,7 @@ struct RankTotals {
 RankTotals total(RankLink& link, const DistributedStatistics& mine, std::int64_t triangles, std::int64_t pairs,
                  int threads);
 
-/// What --stats prints, to standard error of rank 0. `hits`: colliding triangles.
-void print_statistics(const RankLink& link, const RankTotals& totals, std::int64_t hits);
+/// What --stats prints, to standard error of rank 0, with this remark on the pairs.
+void print_statistics(const RankLink& link, const RankTotals& totals, const std::string& remark);
 
 }  // namespace crumple::cli

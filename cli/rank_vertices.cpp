@@ -82,7 +82,8 @@ class Fetch {
 
 }  // namespace
 
-std::vector<std::int64_t> bring_named_vertices(RankLink& link, io::Blocks blocks, io::TriangleMesh& mesh) {
+std::vector<std::int64_t> bring_named_vertices(RankLink& link, io::Blocks blocks, io::TriangleMesh& mesh,
+                                               io::TriangleMesh* moved) {
     const std::int64_t begin = blocks.begin(link.rank()), end = blocks.end(link.rank());
     std::vector<std::int32_t> wanted;
     std::vector<std::int64_t> ids;
@@ -95,6 +96,7 @@ std::vector<std::int64_t> bring_named_vertices(RankLink& link, io::Blocks blocks
     Fetch fetch(link, blocks);
     fetch.ask(wanted);
     std::visit([&](auto& xyz) { fetch.answer(xyz); }, mesh.vertices);
+    if (moved) std::visit([&](auto& xyz) { fetch.answer(xyz); }, moved->vertices);
     for (std::int32_t& corner : mesh.triangles) {
         std::int64_t place = corner - begin;
         if (corner < begin || corner >= end)

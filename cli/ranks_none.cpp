@@ -1,6 +1,7 @@
 // A build without MPI: nobody else is there.
 
 #include "cli/detect_ranks.h"
+#include "cli/feature_ranks.h"
 #include "cli/ranks.h"
 #include "crumple/error.h"
 
@@ -10,8 +11,19 @@ Ranks::Ranks(int&, char**&) {}
 Ranks::~Ranks() = default;
 int Ranks::count() { return 1; }
 
-int detect_on_ranks(const RanksDetection&) {
+namespace {
+
+[[noreturn]] void nobody_is_there() {
     throw Error(ErrorCode::communication, "this program was built without CRUMPLE_MPI");
 }
+
+}  // namespace
+
+void refuse_on_ranks(const std::string&) { nobody_is_there(); }
+int detect_on_ranks(const RanksDetection&) { nobody_is_there(); }
+int impacts_on_ranks(const FeatureCommand&, const std::string&, const std::string&, const Motion&, bool) {
+    nobody_is_there();
+}
+int near_on_ranks(const FeatureCommand&, const std::string&, const Near&) { nobody_is_there(); }
 
 }  // namespace crumple::cli

@@ -127,26 +127,33 @@ Input made_input(const std::string& name, io::TriangleMesh mesh, const AnswerOpt
     return input;
 }
 
+void refuse_other_faces(const std::string& start_name, const std::string& end_name, const std::string& what) {
+    const bool stl = extension_of(start_name) == ".stl" || extension_of(end_name) == ".stl";
+    throw Error(
+        ErrorCode::invalid_argument,
+        start_name + " and " + end_name + " are to be one mesh at two times, but " + what +
+            (stl ? " (vertices of STL that coincide are one in each file; not so with --weld or --no-weld)" : ""));
+}
+
+void check_same_counts(const std::string& start_name, const std::string& end_name, const char* of, std::int64_t start,
+                       std::int64_t end) {
+    if (start == end) return;
+    refuse_other_faces(start_name, end_name,
+                       "have " + std::to_string(start) + " and " + std::to_string(end) + ' ' + of);
+}
+
 void check_same_faces(const Input& start, const std::string& end_name, const io::TriangleMesh& end) {
     const io::TriangleMesh& mesh = start.first;
-    const bool stl = extension_of(start.name) == ".stl" || extension_of(end_name) == ".stl";
-    const auto refuse = [&](const std::string& what) {
-        throw Error(
-            ErrorCode::invalid_argument,
-            start.name + " and " + end_name + " are to be one mesh at two times, but " + what +
-                (stl ? " (vertices of STL that coincide are one in each file; not so with --weld or --no-weld)" : ""));
-    };
-    const auto differ = [&](const char* what, std::int64_t a, std::int64_t b) {
-        if (a != b) refuse("have " + std::to_string(a) + " and " + std::to_string(b) + ' ' + what);
-    };
-    differ("vertices", mesh.vertex_count(), end.vertex_count());
-    differ("triangles", mesh.triangle_count(), end.triangle_count());
-    if (mesh.lines != end.lines || mesh.points != end.points) refuse("lines or points name other vertices");
+    check_same_counts(start.name, end_name, "vertices", mesh.vertex_count(), end.vertex_count());
+    check_same_counts(start.name, end_name, "triangles", mesh.triangle_count(), end.triangle_count());
+    if (mesh.lines != end.lines || mesh.points != end.points)
+        refuse_other_faces(start.name, end_name, "lines or points name other vertices");
     const io::Polygons &a = mesh.polygons, &b = end.polygons;
     if (!a.empty() && a.offsets == b.offsets && a.corners == b.corners) return;
     const auto other = std::mismatch(mesh.triangles.begin(), mesh.triangles.end(), end.triangles.begin()).first;
     if (other != mesh.triangles.end())
-        refuse("triangle " + std::to_string((other - mesh.triangles.begin()) / 3) + " has other vertices");
+        refuse_other_faces(start.name, end_name,
+                           "triangle " + std::to_string((other - mesh.triangles.begin()) / 3) + " has other vertices");
 }
 
 AnswerOptions reading_of_motion(AnswerOptions options) {

@@ -50,6 +50,12 @@ struct MovingInput {
 /// Throws Error (invalid_argument) unless both have the same faces. How the end's polygons were cut does not matter.
 void check_same_faces(const Input& start, const std::string& end_name, const io::TriangleMesh& end);
 
+/// The first thing that differs, in these words. Throws Error (invalid_argument) unless the counts are equal.
+[[noreturn]] void refuse_other_faces(const std::string& start_name, const std::string& end_name,
+                                     const std::string& what);
+void check_same_counts(const std::string& start_name, const std::string& end_name, const char* of, std::int64_t start,
+                       std::int64_t end);
+
 /// With --weld vertices stay as they are in the files, for those that coincide in one of them need not in another.
 AnswerOptions reading_of_motion(AnswerOptions options);
 

@@ -1,4 +1,5 @@
 """A sheet of cloth, in blocks of rows on the ranks of MPI, for some frames: each rank gets the pairs of its triangles.
+At the end also what touches on the way to the next frame, and what is near.
 
 mpirun -n 2 python ranks.py
 """
@@ -41,6 +42,12 @@ def main():
             lines = comm.gather(f"{len(result)} on rank {comm.rank}")
             if comm.rank == 0:
                 print(f"frame {frame}: {result.total} pairs, {', '.join(lines)}")
+
+        ids = dict(triangle_ids=triangle_ids, vertex_ids=vertex_ids)
+        impacts = detector.find_impacts(here, vertices_of(vertex_ids, frame + 1), faces_here, **ids)
+        near = detector.find_near(here, faces_here, radius=1e-4, **ids)
+        if comm.rank == 0:
+            print(f"to frame {frame + 1}: {impacts.total} impacts; {near.total} pairs of features are near")
 
     # One process alone finds the same.
     all_faces = comm.gather(faces)

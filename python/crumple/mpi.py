@@ -8,7 +8,8 @@
         print(result.pairs, result.total)                 # its rows of the answer; pairs over all ranks
 
 Each rank brings triangles of its own, with all vertices that they name, and gets the pairs whose first triangle it has
-brought. The rows of all ranks, merged, are the bytes of crumple.Detector.find_self of the whole scene.
+brought. The rows of all ranks, merged, are the bytes of crumple.Detector.find_self of the whole scene. find_impacts and
+find_near do the same for motion and nearness.
 
 The package has this module where it was built with MPI: `pip install .
 --config-settings=cmake.define.CRUMPLE_MPI=ON`. mpi4py must use the same MPI; importing this module checks that, and
@@ -17,21 +18,19 @@ initialises MPI as mpi4py does. Raises ImportError.
 
 from __future__ import annotations
 
+import functools
 import importlib.util
+import inspect
 from collections.abc import Callable
-from functools import cached_property
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 from . import _core
 from ._detector import Backend, GroupPairs, Intersections, Neighbours, Simd, Wanted
 from ._errors import Error, InvalidInput, InvalidType
 from ._mesh import soup_of
 from ._names import suggesting
-from ._result import Contacts
-
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
+from ._rank_features import find_impacts, find_near, is_free, time_of_first_impact
+from ._rank_results import Impacts, Nearby, Result
 
 if importlib.util.find_spec("crumple._mpi") is None:
     raise ImportError(
@@ -47,8 +46,9 @@ from . import _mpi  # after mpi4py, which chooses how MPI is loaded
 
 Statistics = _mpi.Statistics
 Answered = TypeVar("Answered")
+Method = TypeVar("Method", bound=Callable[..., Any])
 
-__all__ = ["Detector", "Result", "Statistics"]
+__all__ = ["Detector", "Impacts", "Nearby", "Result", "Statistics"]
 
 
 def _check_library() -> None:
@@ -65,50 +65,51 @@ def _check_library() -> None:
 _check_library()
 
 
-class Result:
-    """This rank's rows of an answer: the pairs whose first triangle it has brought, in lexicographic order.
+def _collective(fail: Callable[..., None]) -> Callable[[Method], Method]:
+    """For methods that all ranks call: where the arguments of one are none of the method, fail(error, self, *arguments,
+    **named) tells the others, who would wait for it."""
 
-    The rows of all ranks, merged, are what crumple.Detector.find_self gives for the whole scene. A result outlives its
-    detector, and no later call changes it. Its arrays are read-only views that keep their memory alive.
+    def decorate(method: Method) -> Method:
+        asked = suggesting(method)
+        signature = inspect.signature(method)
 
-    `len(result)` is the number of this rank's pairs, and a result without any is false.
-    """
+        @functools.wraps(method)
+        def call(self: Any, *arguments: Any, **named: Any) -> Any:
+            try:
+                signature.bind(self, *arguments, **named)
+            except TypeError:
+                try:
+                    return asked(self, *arguments, **named)  # which says what is wrong
+                except TypeError as error:
+                    fail(error, self, *arguments, **named)
+                    raise
+            return asked(self, *arguments, **named)
 
-    def __init__(self, answer: _mpi.Answer) -> None:
-        self._answer = answer
+        return call  # type: ignore[return-value]
 
-    @cached_property
-    def pairs(self) -> NDArray[np.int32]:
-        """(k, 2) int32: colliding pairs, first < second, sorted. Triangles have their numbers over all ranks."""
-        return self._answer.pairs
+    return decorate
 
-    @cached_property
-    def contacts(self) -> Contacts | None:
-        """Where these pairs meet, or None if `contacts=True` was not asked for."""
-        a = self._answer
-        return Contacts(a.contact_kinds, a.contact_offsets, a.contact_points) if a.has_contacts else None
 
-    @property
-    def total(self) -> int:
-        """How many pairs there are over all ranks."""
-        return self._answer.total
+def _fail_call(error: BaseException, detector: Detector, *_: Any, **__: Any) -> None:
+    detector._open().fail(error)
 
-    @property
-    def statistics(self) -> Statistics:
-        """What the call did on this rank."""
-        return self._answer.statistics
 
-    def __len__(self) -> int:
-        """How many pairs of this rank."""
-        return len(self._answer)
+def _fail_making(error: BaseException, _: Detector, comm: Any = None, *__: Any, **___: Any) -> None:
+    def failing() -> None:
+        raise error
 
-    def __repr__(self) -> str:
-        ms = self.statistics.milliseconds
-        return f"<crumple.mpi.Result: {len(self)} colliding pairs here, {self.total} over all ranks, {ms:.3g} ms>"
+    if isinstance(comm, MPI.Intracomm) and comm != MPI.COMM_NULL and MPI.Is_initialized() and not MPI.Is_finalized():
+        _together(comm, failing)
+
+
+_in_call = _collective(_fail_call)
 
 
 class Detector:
     """Finds all pairs of triangles that intersect, exactly, in a scene of which each rank brings a share.
+
+    And what touches on its way from one frame to the next (find_impacts and its short forms), and what is near
+    (find_near).
 
     The answer depends neither on the number of ranks nor on how triangles are shared out. A detector keeps parts of the
     scene and their centres between calls: where only vertices have moved, little more than their coordinates travels.
@@ -142,7 +143,7 @@ class Detector:
     Cost: as that of crumple.Detector, shared by the ranks, and the way of triangles to the ranks that search them.
     """
 
-    @suggesting
+    @_collective(_fail_making)
     def __init__(
         self,
         comm: MPI.Intracomm,
@@ -211,7 +212,7 @@ class Detector:
         """What the last call did on this rank."""
         return self._open().statistics
 
-    @suggesting
+    @_in_call
     def find_self(
         self,
         vertices: Any,
@@ -247,11 +248,11 @@ class Detector:
         Cost: see Detector. result.statistics tells what travelled, and how evenly the work was shared out. Source:
         Mainzer and Zachmann, sec. 1.1, for parts on several machines.
         """
-        query = (neighbours, intersections, weld, contacts, wanted, excluded_groups)
+        query = functools.partial(_core.Query, neighbours, intersections, weld, contacts, wanted, excluded_groups)
         share = (vertices, faces, groups, triangle_ids, vertex_ids)
         return Result(self._ask("find", share, query))
 
-    @suggesting
+    @_in_call
     def count(
         self,
         vertices: Any,
@@ -270,10 +271,10 @@ class Detector:
 
         Cost: that of find_self, less that of rows, which do not travel. Source: as of find_self.
         """
-        query = (neighbours, intersections, weld, False, wanted, excluded_groups)
+        query = functools.partial(_core.Query, neighbours, intersections, weld, False, wanted, excluded_groups)
         return self._ask("count", (vertices, faces, groups, triangle_ids, vertex_ids), query)
 
-    @suggesting
+    @_in_call
     def has_collision(
         self,
         vertices: Any,
@@ -293,8 +294,13 @@ class Detector:
         Cost: as find_self if nothing collides, usually less if something does: each rank stops at its first pair.
         Source: as of find_self.
         """
-        query = (neighbours, intersections, weld, False, wanted, excluded_groups)
+        query = functools.partial(_core.Query, neighbours, intersections, weld, False, wanted, excluded_groups)
         return self._ask("any", (vertices, faces, groups, triangle_ids, vertex_ids), query)
+
+    find_impacts = _in_call(find_impacts)
+    time_of_first_impact = _in_call(time_of_first_impact)
+    is_free = _in_call(is_free)
+    find_near = _in_call(find_near)
 
     def close(self) -> None:
         """Frees the duplicate of the communicator and all memory. Collective. No call may follow but another close.
@@ -322,16 +328,16 @@ class Detector:
             raise Error("the detector is closed", code="communication")
         return self._ranks
 
-    def _ask(self, call: str, share: tuple[Any, ...], query: tuple[Any, ...]) -> Any:
+    def _ask(self, call: str, share: tuple[Any, ...], question: Callable[[], Any], end: tuple[Any, ...] = ()) -> Any:
         ranks = self._open()
         try:
             vertices, faces, groups, triangle_ids, vertex_ids = share
             brought = _mpi.Share(soup_of(vertices, faces, groups), triangle_ids, vertex_ids)
-            question = _core.Query(*query)
+            arguments = (brought, *(_mpi.End(moved, brought) for moved in end), question())
         except BaseException as error:
             ranks.fail(error)  # which raises what is crumple's on all ranks, for they wait for this one
             raise
-        return getattr(ranks, call)(brought, question)
+        return getattr(ranks, call)(*arguments)
 
 
 def _together(comm: MPI.Intracomm, work: Callable[[], Answered]) -> Answered:

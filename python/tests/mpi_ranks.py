@@ -79,6 +79,36 @@ def check_rows(found, share, expected):
             assert points.tobytes() == expected.contacts[row].tobytes()
 
 
+def lowest_triangles(faces, corners):
+    """Of each vertex, or of each edge (two vertices), the lowest of the faces that name it."""
+    lowest = {}
+    for triangle, face in enumerate(np.asarray(faces).reshape(-1, 3).tolist()):
+        names = face if corners == 1 else [tuple(sorted((face[k], face[k - 1]))) for k in range(3)]
+        for name in names:
+            lowest.setdefault(name, triangle)
+    return lowest
+
+
+def check_features(found, share, expected, columns):
+    """That these are the rows of the whole answer whose first feature is owned by one of this rank's triangles."""
+    vertices, edges = (lowest_triangles(share.mesh.faces, corners) for corners in (1, 2))
+    ends = [tuple(edge) for edge in expected.edges.tolist()]
+    owners = {
+        "vertex_face": [vertices[v] for v in expected.vertex_faces[:, 0].tolist()],
+        "edge_edge": [edges[ends[e]] for e in expected.edge_edges[:, 0].tolist()],
+    }
+    for kind, triangles in owners.items():
+        mine = np.isin(triangles, share.triangle_ids) if triangles else np.zeros(0, bool)
+        for name in (kind + "s", *(f"{kind}_{column}" for column in columns)):
+            rows, all_rows = getattr(found, name), getattr(expected, name)
+            assert rows.dtype == all_rows.dtype and not (len(rows) and rows.flags.writeable), name
+            assert rows.tobytes() == np.ascontiguousarray(all_rows[mine]).tobytes(), name
+    np.testing.assert_array_equal(found.edge_ids, np.unique(found.edge_edges))
+    np.testing.assert_array_equal(found.edges, expected.edges[found.edge_ids])
+    assert found.total == expected.count and found.any == expected.any == bool(found)
+    assert COMM.allreduce(len(found)) == found.total
+
+
 def error_of(call, *arguments, **named):
     try:
         call(*arguments, **named)
@@ -107,6 +137,132 @@ def the_answer_is_that_of_one_detector():
                     check_rows(share.call(detector.find_self, **question), share, expected)
                     assert share.call(detector.count, **without_contacts) == len(expected)
                     assert share.call(detector.has_collision, **without_contacts) is bool(expected)
+
+
+def motion_is_that_of_one_detector():
+    sheets = soup(200, size=0.3)
+    questions = [
+        (cloth(60), cloth(61).vertices, {}),
+        (cloth(60), np.asarray(cloth(61).vertices, np.float64), dict(separation=1e-3, separation_share=0.1, weld=True)),
+        (grouped(), np.flip(grouped().vertices, 1), dict(wanted="between", excluded_groups=[(0, 1)])),
+        (sheets, sheets.vertices, {}),
+        (soup(1), soup(1).vertices, {}),
+    ]
+    for mesh, end, question in questions:
+        expected = crumple.Detector(**ONE).find_impacts(mesh, end, **question)
+        for distribution in (round_robin, all_on_the_last):
+            share = Share(mesh, distribution(mesh))
+            moved = np.asarray(end)[share.vertex_ids]
+            ids = dict(triangle_ids=share.triangle_ids, vertex_ids=share.vertex_ids)
+            given = (share.vertices, moved, share.faces, share.groups)
+            with crumple.mpi.Detector(COMM, **ONE) as detector:
+                found = detector.find_impacts(*given, **ids, **question)
+                check_features(found, share, expected, ("toi", "start"))
+                assert found.first == expected.first
+                first = detector.find_impacts(*given, **ids, wants="earliest", **question)
+                assert first.first == expected.first and first.any == expected.any
+                assert "earliest" not in repr(first) and "wants" in str(error_of(getattr, first, "vertex_faces"))
+                time = detector.time_of_first_impact(*given, **ids, **question)
+                assert time == (expected.first.toi if expected.any else None)
+                assert detector.is_free(*given, **ids, **question) is not expected.any
+                some = detector.find_impacts(*given, **ids, wants="any", **question)
+                assert some.any == expected.any and 'wants="earliest"' in str(error_of(getattr, some, "first"))
+                for answer in (found, first, some):
+                    assert repr(answer).startswith("<crumple.mpi.Impacts: "), answer
+
+
+def nearness_is_that_of_one_detector():
+    questions = [
+        (cloth(), dict(radius=0.02)),
+        (cloth(), dict(radius=0.02, strict=True, closest=True, weld=True)),
+        (grouped(), dict(radius=0.2, wanted="within", closest=True)),
+        (soup(1), dict(radius=0.1)),
+    ]
+    for mesh, question in questions:
+        expected = crumple.Detector(**ONE).find_near(mesh, **question)
+        columns = ("squared_distance", "touching", *(("type", "at") if question.get("closest") else ()))
+        for distribution in (round_robin, all_on_the_last):
+            share = Share(mesh, distribution(mesh))
+            with crumple.mpi.Detector(COMM, **ONE) as detector:
+                found = share.call(detector.find_near, **question)
+                check_features(found, share, expected, columns)
+                if "closest" not in question:
+                    assert "closest=True" in str(error_of(getattr, found, "edge_edge_type"))
+                some = share.call(detector.find_near, wants="any", **question)
+                assert some.any == expected.any and 'wants="pairs"' in str(error_of(getattr, some, "total"))
+                for answer in (found, some):
+                    assert repr(answer).startswith("<crumple.mpi.Nearby: "), answer
+
+
+def features_are_refused_together():
+    mesh = soup(60, size=0.4)
+    share = Share(mesh, round_robin(mesh))
+    _, ids = share.arguments()
+    with crumple.mpi.Detector(COMM, **ONE) as detector:
+        for failing in range(COMM.size):
+            here = COMM.rank == failing
+            end = share.vertices.copy()
+            end[3, 0] = np.nan if here else end[3, 0]
+            error = error_of(detector.find_impacts, share.vertices, end, share.faces, **ids)
+            assert (error.code, error.rank) == ("not_finite", failing), error
+            for message, end in {
+                "end vertices must be as many as those at the start": share.vertices[:-1],
+                "end vertices must have shape (n, 3)": "no",
+            }.items():
+                end = end if here else share.vertices
+                error = error_of(detector.find_impacts, share.vertices, end, share.faces, **ids)
+                assert error.rank == failing and message in str(error), error
+            for message, question in {
+                "wants must be one of": dict(radius=0.1, wants="some" if here else "any"),
+                "asked of a world": dict(radius=0.1, wants="any_by_world" if here else "any"),
+                "find_near needs a radius": dict(radius=None if here else 0.1),
+                "radius must be a number": dict(radius="far" if here else 0.1),
+            }.items():
+                error = error_of(share.call, detector.find_near, **question)
+                assert error.rank == failing and message in str(error), error
+        if COMM.size > 1:
+            error = error_of(share.call, detector.find_near, radius=0.1 + COMM.rank)
+            assert "the ranks ask different questions" in str(error)
+        check_features(
+            share.call(detector.find_near, radius=0.1),
+            share,
+            crumple.Detector(**ONE).find_near(mesh, radius=0.1),
+            ("squared_distance", "touching"),
+        )
+
+
+def a_misspelt_argument_ends_the_call_on_all_ranks():
+    mesh = soup(60, size=0.4)
+    share = Share(mesh, round_robin(mesh))
+    arrays, ids = share.arguments()
+
+    def check(failing, call, *given, known, unknown, suggestion):
+        try:
+            call(*given, **(unknown if COMM.rank == failing else known))
+            raise AssertionError("no error was raised")
+        except TypeError as error:
+            assert COMM.rank == failing and suggestion in str(error), error
+        except crumple.Error as error:
+            assert COMM.rank != failing and (error.code, error.rank) == ("cancelled", failing)
+            assert "TypeError" in str(error), error
+
+    with crumple.mpi.Detector(COMM, **ONE) as detector:
+        for failing in range(COMM.size):
+            for call in (detector.find_self, detector.count, detector.has_collision):
+                check(failing, call, *arrays, known=ids, unknown=ids | {"welt": True}, suggestion="mean 'weld'")
+            near = ids | {"radius": 0.1}
+            check(failing, detector.find_near, *arrays, known=near, unknown=near | {"radios": 1}, suggestion="'radius'")
+            step = (share.vertices, *arrays)
+            check(failing, detector.is_free, *step, known=ids, unknown={"wanting": 1}, suggestion="'wanted'")
+            check(
+                failing,
+                detector.count,
+                known={"vertices": arrays[0], "faces": arrays[1]} | ids,
+                unknown={},
+                suggestion="missing",
+            )
+            check(failing, crumple.mpi.Detector, COMM, known=ONE, unknown={"thread": 1}, suggestion="mean 'threads'")
+        check_rows(share.call(detector.find_self), share, crumple.Detector(**ONE).find_self(mesh))
 
 
 def triangles_are_numbered_by_rank_without_ids():

@@ -25,7 +25,8 @@ SAYS = {
     "parts_in_processes": r"together: \d+ pairs, each once, the same bytes as from one detector",
     "cloth_that_never_passes_through_itself": r"2330 triangles, 18 frames: 0 pairs .*\nimpacts held back: \d+;",
     "cloth_on_a_device": r"on the (host|device): \d+ questions, \d\d+ times a vertex stayed\n0 pairs of triangles",
-    "ranks": r"(frame \d: \d{3,} pairs, \d+ on rank 0, \d+ on rank 1\n){4}one process alone: \d{3,} pairs\n",
+    "ranks": r"(frame \d: \d{3,} pairs, \d+ on rank 0, \d+ on rank 1\n){4}"
+    r"to frame 4: \d{3,} impacts; \d{3,} pairs of features are near\none process alone: \d{3,} pairs\n",
     "ipc_toolkit": r"LBVH .* intersects at the start\nCrumple        2 candidates, .* intersects .*\nexact    0.164",
 }
 MORE_ARGUMENTS = {"cloth_that_never_passes_through_itself": ["0.6"]}

@@ -103,6 +103,13 @@ def test_options_are_those_of_a_detector():
         "    assert set(one) - set(many) <= {'copy'} | (set() if call == 'find_self' else {'contacts'})\n"
         "    assert set(many) - set(one) == {'triangle_ids', 'vertex_ids'}\n"
         "    assert all(many[name].default == one[name].default for name in one if name in many)\n"
+        "left_out = {'copy', 'edges', 'points', 'index', 'triangle_pairs'}\n"
+        "left_out |= {'radii', 'least', 'rings', 'rest', 'rest_radius'}\n"
+        "for call in 'find_impacts', 'time_of_first_impact', 'is_free', 'find_near':\n"
+        "    one = inspect.signature(getattr(crumple.Detector, call)).parameters\n"
+        "    many = inspect.signature(getattr(crumple.mpi.Detector, call)).parameters\n"
+        "    assert set(one) - set(many) <= left_out and set(many) - set(one) == {'triangle_ids', 'vertex_ids'}, call\n"
+        "    assert all(many[name].default == one[name].default for name in one if name in many), call\n"
     )
     assert done.returncode == 0, done.stderr
 

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "io/bytes.h"
-#include "run.h"
+#include "moving.h"
 
 namespace crumple::cli::test {
 namespace {
@@ -33,18 +33,20 @@ class Ranks : public Cli {
         EXPECT_EQ(crumple("make " + scene + " -o " + name).status, 0);
     }
 
-    /// All lists of one process, from as many ranks.
-    void expect_same(const std::string& arguments) const {
+    /// All lists of one process, from as many ranks. A command other than detect is named.
+    void expect_same(const std::string& arguments) const { expect_same("detect", arguments); }
+    void expect_same(const std::string& command, const std::string& arguments) const {
         const std::string lists = " -o NAME.txt -o NAME.csv -o NAME.npz -o NAME.json -o - --format csv";
         const auto named = [&](const std::string& name) {
             std::string text = lists;
             for (std::size_t at; (at = text.find("NAME")) != text.npos;) text.replace(at, 4, name);
-            return "detect " + arguments + text;
+            return command + ' ' + arguments + text;
         };
         const Outcome one = crumple(named("one"));
         ASSERT_EQ(one.status, 0) << one.err;
+        EXPECT_TRUE(command == "detect" || !read("one.txt").empty()) << arguments;
         for (const int count : {1, 2, 3}) {
-            const std::string what = arguments + ", " + std::to_string(count) + " ranks";
+            const std::string what = command + ' ' + arguments + ", " + std::to_string(count) + " ranks";
             const Outcome outcome = ranks(count, named("ranks"));
             EXPECT_EQ(outcome.status, 0) << what << outcome.err;
             EXPECT_EQ(outcome.out, one.out) << what;
@@ -111,6 +113,12 @@ std::string sheets(std::endian order, std::uint8_t corners = 3) {
     return bytes;
 }
 
+/// The same with the corners of the last face in another order.
+std::string turned(std::string ply) {
+    std::swap_ranges(ply.end() - 12, ply.end() - 8, ply.end() - 8);
+    return ply;
+}
+
 TEST_F(Ranks, ReadLittleEndianPly) {
     make("cloth --triangles 3000", "a.ply");
     expect_same("a.ply --contacts");
@@ -161,6 +169,36 @@ TEST_F(Ranks, TakeOptionsOfTheAnswer) {
     expect_same("a.ply --groups groups.txt --wanted within");
 }
 
+TEST_F(Ranks, ListWhatIsNear) {
+    write("a.ply", sheets(std::endian::big));
+    expect_same("near", "a.ply --radius 0.3");
+    expect_same("near", "a.ply --radius 0.5 --below --precision float32 --groups sheet --wanted between");
+    make("lattice --triangles 1000", "a.obj");
+    expect_same("near", "a.obj --radius 0.05");
+}
+
+// Equal vertices are one, which gives the others new numbers.
+TEST_F(Ranks, NameVerticesOfStlAsOneProcessDoes) {
+    make("cloth --triangles 1000", "a.stl");
+    expect_same("near", "a.stl --radius 0.02 --threads 2");
+}
+
+TEST_F(Ranks, ListImpacts) {
+    make("cloth --triangles 3000 --frame 60", "a.ply");
+    make("cloth --triangles 3000 --frame 61", "b.ply");
+    expect_same("impacts", "a.ply b.ply");
+    expect_same("impacts", "a.ply b.ply --earliest");
+    expect_same("impacts", "a.ply b.ply --weld --separation 0.001 --separation-share 0.1 --backend cpu");
+}
+
+TEST_F(Ranks, ListImpactsOfWhatHasNoSlices) {
+    make("cloth --triangles 1000 --frame 60", "a.ply");
+    make("cloth --triangles 1000 --frame 61", "b.obj");
+    expect_same("impacts", "a.ply b.obj");
+    write("above.off", above_off), write("below.off", below_off);
+    expect_same("impacts", "above.off below.off");
+}
+
 TEST_F(Ranks, PrintPairsInOrder) {
     write("a.ply", sheets(std::endian::little));
     const Outcome one = crumple("detect a.ply"), two = ranks(2, "detect a.ply");
@@ -180,6 +218,12 @@ TEST_F(Ranks, CheckTogether) {
     const Outcome none = ranks(2, "detect none.off --check");
     EXPECT_EQ(none.status, 0);
     EXPECT_EQ(none.out, "nothing collides\n");
+    const Outcome near = ranks(2, "near five.off --radius 0.5 --check");
+    EXPECT_EQ(near.status, 1);
+    EXPECT_EQ(near.out, "something is near\n");
+    const Outcome free = ranks(2, "impacts none.off none.off --check");
+    EXPECT_EQ(free.status, 0);
+    EXPECT_EQ(free.out, "nothing touches\n");
 }
 
 TEST_F(Ranks, TellWhatTheyDid) {
@@ -191,6 +235,8 @@ TEST_F(Ranks, TellWhatTheyDid) {
                              "bytes sent", "triangles collide"})
         EXPECT_TRUE(contains(outcome.err, word)) << word << outcome.err;
     EXPECT_EQ(outcome.err.find("balance"), outcome.err.rfind("balance"));
+    EXPECT_TRUE(contains(ranks(2, "near a.ply --radius 0.3 --stats").err, "vertex-face"));
+    EXPECT_TRUE(contains(ranks(2, "impacts a.ply a.ply --earliest --stats").err, "only the first was looked for"));
 }
 
 TEST_F(Ranks, RefuseWhatTheyDoNotShare) {
@@ -202,7 +248,17 @@ TEST_F(Ranks, RefuseWhatTheyDoNotShare) {
     expect_refused("detect five.off --part 1/2", "--part is not shared among ranks");
     expect_refused("detect five.off --polygons", "--polygons is not shared among ranks");
     expect_refused("detect five.off --stream", "--stream is not shared among ranks");
-    expect_refused("near five.off --radius 1", "near is not shared among ranks");
+    expect_refused("info five.off", "info is not shared among ranks");
+    for (const std::string option : {"--radii r.txt", "--radius 1 --rest five.off", "--radius 1 --rings 1",
+                                     "--radius 1 --stream", "--radius 1 -o a.glb"})
+        expect_refused("near five.off " + option, " is not shared among ranks");
+    expect_refused("near five.off five.off --radius 1", "a second mesh is not shared among ranks");
+    for (const std::string option :
+         {"--kind pairs", "--kind candidates", "--stream", "-o a.glb", "--groups components --wanted within"})
+        expect_refused("impacts five.off five.off " + option, " is not shared among ranks");
+    write("rod.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 5 5 5\nf 1 2 3\nl 3 4\n");
+    expect_refused("near rod.obj --radius 1", "a mesh with lines (l) is not shared among ranks");
+    expect_refused("impacts rod.obj rod.obj", "a mesh with lines (l) is not shared among ranks");
 }
 
 TEST_F(Ranks, RunAloneIfAsked) {
@@ -225,6 +281,21 @@ TEST_F(Ranks, FailAsOneProcess) {
     expect_as_one_process("detect cut.ply");
     write("corners.ply", sheets(std::endian::little, 2));
     expect_as_one_process("detect corners.ply");
+    write("quads.off", "OFF\n4 2 0\n0 0 0\n4 0 0\n4 4 0\n0 4 0\n3 0 1 2\n3 0 2 3\n");
+    write("turned.ply", turned(ply));
+    write("sheets.ply", ply);
+    expect_as_one_process("near five.off");
+    expect_as_one_process("near cut.ply --radius 1");
+    expect_as_one_process("near missing.ply --radius 1 -o a.csv");
+    expect_as_one_process("near five.off --radius 1 -o nowhere/a.csv");
+    expect_as_one_process("near bad.txt --radius 1 -o bad.txt");
+    expect_as_one_process("impacts five.off");
+    expect_as_one_process("impacts five.off quads.off");
+    expect_as_one_process("impacts sheets.ply five.off");
+    expect_as_one_process("impacts sheets.ply turned.ply");
+    expect_as_one_process("impacts sheets.ply cut.ply");
+    expect_as_one_process("impacts - -");
+    EXPECT_EQ(ranks(2, "near five.off --radius 1 --memory-limit 1000").status, 3);
     EXPECT_TRUE(contains(ranks(2, "detect five.off --memory-limit 1000").err, "five.off: rank "));
     EXPECT_EQ(ranks(2, "detect five.off --memory-limit 1000").status, 3);
 }
@@ -232,6 +303,8 @@ TEST_F(Ranks, FailAsOneProcess) {
 TEST_F(Ranks, LeaveNothingBehindWhereTheyFail) {
     write("old.txt", "as it was\n");
     EXPECT_EQ(ranks(2, "detect missing.ply -o old.txt").status, 2);
+    EXPECT_EQ(read("old.txt"), "as it was\n");
+    EXPECT_EQ(ranks(2, "impacts five.off missing.ply -o old.txt").status, 2);
     EXPECT_EQ(read("old.txt"), "as it was\n");
     EXPECT_EQ(ranks(2, "detect five.off -o old.txt -o nowhere/b.txt").status, 2);
     for (const auto& entry : fs::directory_iterator(file("."))) EXPECT_NE(entry.path().extension(), ".tmp");

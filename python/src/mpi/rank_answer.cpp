@@ -1,8 +1,13 @@
 #include "mpi/rank_answer.h"
 
 #include <cstdint>
+#include <string>
 #include <string_view>
+#include <tuple>
 
+#include <nanobind/stl/string_view.h>
+
+#include "names.h"
 #include "views.h"
 
 namespace nb = nanobind;
@@ -48,11 +53,66 @@ void bind_statistics(nb::module_& module) {
         });
 }
 
+constexpr auto owner = nb::rv_policy::reference_internal;
+
+const Array<double>& values(const ImpactList& list) { return list.toi; }
+const Array<double>& values(const NearList& list) { return list.squared_distance; }
+const Array<std::uint8_t>& flags(const ImpactList& list) { return list.start; }
+const Array<std::uint8_t>& flags(const NearList& list) { return list.touching; }
+
+// What both answers about features have. Ranks have lists of two kinds: no others occur where nothing is listed.
+template <class A>
+void bind_features(nb::class_<A>& type, const char* value, const char* flag) {
+    const auto show = [&](const std::string& name, auto as_numpy) { type.def_prop_ro(name.c_str(), as_numpy, owner); };
+    for (const auto& [kind, name, pairs] : {std::tuple(FeatureKind::vertex_face, "vertex_face", "vertex_faces"),
+                                            std::tuple(FeatureKind::edge_edge, "edge_edge", "edge_edges")}) {
+        const std::string of = std::string(name) + '_';
+        show(pairs, [kind = kind](const A& a) { return view<std::int32_t>(a.found[kind].pairs, 2U); });
+        show(of + value, [kind = kind](const A& a) { return view<double>(values(a.found[kind])); });
+        show(of + flag, [kind = kind](const A& a) { return view<bool>(flags(a.found[kind])); });
+    }
+    show("edges", [](const A& a) { return view<std::int32_t>(a.found.edges, 2U); });
+    show("edge_ids", [](const A& a) { return view<std::int32_t>(a.found.edge_ids); });
+    type.def_prop_ro("any", [](const A& a) { return a.found.any; })
+        .def_prop_ro("total", [](const A& a) { return a.found.total; })
+        .def_prop_ro("statistics", [](const A& a) { return DistributedStatistics(a.found.statistics); })
+        .def_ro("has_closest", &A::has_closest);
+}
+
+void bind_impacts(nb::module_& module) {
+    using I = RankImpacts;
+    nb::class_<I> impacts(module, "ImpactsAnswer", "One rank's answer about motion; crumple.mpi.Impacts shows it.");
+    bind_features(impacts, "toi", "start");
+    impacts.def_prop_ro("wants", [](const I& a) { return name_of(motion_wants_names, a.wants); })
+        .def_prop_ro("first", [](const I& a) -> nb::object {
+            const FirstImpact& first = a.found.first;
+            if (!first.found) return nb::none();
+            const std::string_view kind = feature_kind_name(first.kind);
+            return nb::make_tuple(nb::str(kind.data(), kind.size()), nb::make_tuple(first.pair.a, first.pair.b),
+                                  nb::none(), first.toi, first.start);
+        });
+}
+
+void bind_nearby(nb::module_& module) {
+    using N = RankNearby;
+    nb::class_<N> nearby(module, "NearbyAnswer", "One rank's answer about nearness; crumple.mpi.Nearby shows it.");
+    bind_features(nearby, "squared_distance", "touching");
+    nearby.def_prop_ro("wants", [](const N& a) { return name_of(near_wants_names, a.wants); });
+    for (const auto& [kind, type, at] : {std::tuple(FeatureKind::vertex_face, "vertex_face_type", "vertex_face_at"),
+                                         std::tuple(FeatureKind::edge_edge, "edge_edge_type", "edge_edge_at")}) {
+        nearby.def_prop_ro(
+            type, [kind = kind](const N& a) { return view<std::uint8_t>(a.found[kind].type); }, owner);
+        nearby.def_prop_ro(
+            at, [kind = kind](const N& a) { return view<double>(a.found[kind].at, 2U); }, owner);
+    }
+}
+
 }  // namespace
 
 void bind_rank_answer(nb::module_& module) {
     bind_statistics(module);
-    constexpr auto owner = nb::rv_policy::reference_internal;
+    bind_impacts(module);
+    bind_nearby(module);
     using A = RankAnswer;
     nb::class_<A>(module, "Answer", "One rank's answer to a call; crumple.mpi.Result gives access to it.")
         .def("__len__", [](const A& a) { return a.found.pairs.size(); })

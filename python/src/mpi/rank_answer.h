@@ -1,6 +1,7 @@
 #pragma once
 
-// A rank's rows on their way out: a DistributedCollisions that Python owns, shown as NumPy arrays without a copy.
+// A rank's rows on their way out: a DistributedCollisions, DistributedImpacts or DistributedNearby that Python owns,
+// shown as NumPy arrays without a copy.
 
 #include <nanobind/nanobind.h>
 
@@ -13,6 +14,16 @@ struct RankAnswer {
     DistributedCollisions found;
     bool has_contacts = false;
 };
+
+/// What a crumple.mpi.Impacts or crumple.mpi.Nearby shows.
+template <class Found, class Wants>
+struct RankFeatures {
+    Found found;
+    Wants wants{};
+    bool has_closest = false;  ///< of nearness
+};
+using RankImpacts = RankFeatures<DistributedImpacts, MotionWants>;
+using RankNearby = RankFeatures<DistributedNearby, NearWants>;
 
 void bind_rank_answer(nanobind::module_& module);
 

@@ -131,6 +131,19 @@ bool RankDetector::any(const BorrowedShare& share, const Query& query) {
     return alone([&](std::stop_token stop) { return detector_.has_collision(share.view(), query, std::move(stop)); });
 }
 
+RankImpacts RankDetector::find_impacts(const BorrowedShare& share, const BorrowedEnd& end, const Motion& question) {
+    return alone([&](std::stop_token stop) {
+        return RankImpacts{detector_.find_impacts(share.view(), end.view(), question, std::move(stop)), question.wants};
+    });
+}
+
+RankNearby RankDetector::find_near(const BorrowedShare& share, const Near& question) {
+    return alone([&](std::stop_token stop) {
+        const DistributedNearby& found = detector_.find_near(share.view(), question, std::move(stop));
+        return RankNearby{found, question.wants, found.closest};
+    });
+}
+
 void RankDetector::fail(nb::handle exception) {
     const std::exception_ptr failed = failure_of(exception);
     try {
@@ -168,6 +181,13 @@ void bind_rank_detector(nb::module_& module) {
     nb::class_<BorrowedShare>(module, "Share", "What one rank brings to a call.")
         .def(nb::init<const nb::tuple&, nb::handle, nb::handle>(), "mesh"_a, "triangle_ids"_a.none(),
              "vertex_ids"_a.none());
+    nb::class_<BorrowedEnd>(module, "End", "Where the vertices of a share are at the end of a step.")
+        .def(
+            "__init__",
+            [](BorrowedEnd* self, nb::handle end, const BorrowedShare& share) {
+                new (self) BorrowedEnd(end, share.mesh);
+            },
+            "end"_a.none(), "share"_a);
     nb::class_<RankDetector>(module, "Detector", "The library's detector of one rank; crumple.mpi.Detector has one.")
         .def(nb::init<std::uintptr_t, const DistributedOptions&>(), "communicator"_a, "options"_a)
         .def(
@@ -179,6 +199,8 @@ void bind_rank_detector(nb::module_& module) {
         .def(
             "any", [](RankDetector& d, const BorrowedShare& s, const OwningQuery& q) { return d.any(s, q.query); },
             "share"_a, "query"_a)
+        .def("find_impacts", &RankDetector::find_impacts, "share"_a, "end"_a, "question"_a)
+        .def("find_near", &RankDetector::find_near, "share"_a, "question"_a)
         .def("fail", &RankDetector::fail, "exception"_a)
         .def("close", &RankDetector::close)
         .def_prop_ro("rank", [](const RankDetector& d) { return d.detector().rank(); })

@@ -33,6 +33,9 @@ class RankDetector {
     RankAnswer find(const BorrowedShare& share, const Query& query);
     std::int64_t count(const BorrowedShare& share, const Query& query);
     bool any(const BorrowedShare& share, const Query& query);
+    /// `end`: where the share's vertices are at the end of the step.
+    RankImpacts find_impacts(const BorrowedShare& share, const BorrowedEnd& end, const Motion& question);
+    RankNearby find_near(const BorrowedShare& share, const Near& question);
     /// A call for a rank that failed before its own: all ranks raise the same. Returns, here alone, if `exception` is
     /// none of crumple's, for the caller to raise it.
     void fail(nanobind::handle exception);
