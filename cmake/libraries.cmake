@@ -14,8 +14,8 @@ function(crumple_library target)
     endif()
 endfunction()
 
-# crumple_names(TARGET NAME): calls the library crumple::NAME, once it has all that it links. The project's own programs and
-# tests see what shared libraries hide: for them that is a static library of the same objects.
+# crumple_names(TARGET NAME): calls the library crumple::NAME, once it has all that it links. The project's own programs
+# and tests see what shared libraries hide: for them that is a static library of the same objects.
 function(crumple_names target name)
     if(NOT BUILD_SHARED_LIBS OR NOT PROJECT_IS_TOP_LEVEL)
         add_library(crumple::${name} ALIAS ${target})

@@ -2,7 +2,7 @@
 # Makes a release of what is checked out, in dist/: an sdist, wheels and a Debian package, each installed and run where
 # there is nothing else (docs/releasing.md). On Debian 12; takes some ten minutes on two cores.
 #   scripts/release.sh [--python PATH]... [--cuda] [--no-deb] [--no-roots]
-# --python   an interpreter to build for, and to try the wheel of the stable ABI with: 3.10, 3.11, one or more from 3.12 on.
+# --python   an interpreter to build for: 3.10, 3.11, 3.12 or later; more than one of the latter try the wheel of the stable ABI.
 #            By default python3.10, python3.11 and python3.12, as far as they are on the path.
 # --cuda     also wheels with the cuda backend; needs nvcc
 # --no-deb   no Debian package
@@ -39,7 +39,7 @@ for python in "${pythons[@]}"; do
 done
 if [[ $roots ]]; then
     ((EUID == 0)) || fail "bare roots take root; --no-roots leaves them out"
-    command -v debootstrap >/dev/null || fail "bare roots take debootstrap (apt install debootstrap); --no-roots leaves them out"
+    command -v debootstrap >/dev/null || fail "bare roots take the package debootstrap; --no-roots leaves them out"
 fi
 
 "$top/scripts/install_dependencies.sh" --python
@@ -53,6 +53,7 @@ step "sdist"
 "$here/wheels.sh" "${pythons[@]}"
 [[ ! $cuda ]] || "$here/wheels.sh" --cuda "${pythons[@]}"
 [[ ! $deb ]] || "$here/deb.sh"
+"$here/shared.sh"
 [[ ! $roots ]] || "$here/roots.sh"
 
 step "made in $dist"

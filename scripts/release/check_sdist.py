@@ -1,6 +1,6 @@
 """Holds an sdist to what it should have: what builds the package, and nothing else.
 
-    python check_sdist.py SDIST VERSION CHECKOUT
+python check_sdist.py SDIST VERSION CHECKOUT
 """
 
 import subprocess

@@ -32,7 +32,10 @@ def faults(path: Path, version: str) -> list[str]:
     hold(of == version, f"its version is {of}, not {version}")
     tag = re.search(r"manylinux_(\d+)_(\d+)_", platform)
     hold(bool(tag) and tuple(map(int, tag.groups())) <= NEWEST, f"its platform is {platform}, beyond manylinux_2_34")
-    hold(cuda or path.stat().st_size < LARGEST, f"it takes {path.stat().st_size:,} bytes, of which {LARGEST:,} are allowed")
+    hold(
+        cuda or path.stat().st_size < LARGEST,
+        f"it takes {path.stat().st_size:,} bytes, of which {LARGEST:,} are allowed",
+    )
     libraries = sorted(name.split("/")[-1] for name in files if ".libs/" in name and not name.endswith("/"))
     hold(any(name.startswith("libtbb-") for name in libraries), "oneTBB is not in it")
     for name in libraries:

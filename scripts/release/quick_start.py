@@ -1,5 +1,5 @@
-"""What anybody does first with an installed wheel, run where it is: the program of docs/python.md, given as argument, the
-command line, and errors that C++ throws.
+"""What anybody does first with an installed wheel, run where it is: the program of docs/python.md, given as argument,
+the command line, and errors that C++ throws.
 """
 
 import re
@@ -35,4 +35,7 @@ with tempfile.TemporaryDirectory() as folder:
             sys.exit(f"{error.__name__} was not raised")
         except error:
             pass
-print(f"crumple {crumple.__version__} works in Python {sys.version.split()[0]}: {len(expected)} pairs; {crumple.list_devices().reason}")
+print(
+    f"crumple {crumple.__version__} works in Python {sys.version.split()[0]}: {len(expected)} pairs; "
+    f"{crumple.list_devices().reason or crumple.Detector().backend}"
+)

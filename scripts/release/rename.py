@@ -1,6 +1,6 @@
-"""Gives a pyproject.toml another name of the distribution, and marks it as one that is not to be uploaded: PyPI refuses it.
+"""Names the distribution of a pyproject.toml anew, and marks it as one that is not to be uploaded: PyPI refuses it.
 
-    python rename.py PYPROJECT NAME
+python rename.py PYPROJECT NAME
 """
 
 import sys

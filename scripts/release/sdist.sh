@@ -6,9 +6,8 @@ set -euo pipefail
 mkdir -p "$2"
 out=$(cd "$2" && pwd)
 cd "$top"
-"$1" -W ignore -c 'import sys; from scikit_build_core.build import build_sdist; build_sdist(sys.argv[1])' "$out" >"$out/sdist.log" 2>&1 ||
-    { cat "$out/sdist.log" >&2; exit 1; }
-rm "$out/sdist.log"
+program='import sys; from scikit_build_core.build import build_sdist; build_sdist(sys.argv[1])'
+said=$("$1" -W ignore -c "$program" "$out" 2>&1) || { echo "$said" >&2; exit 1; }
 "$1" "$here/check_sdist.py" "$out/crumple-$version.tar.gz" "$version" "$top"
 # And to being enough for CMake, which wants each file that is compiled; wheels are built from it, too.
 unpacked=$(mktemp -d)
