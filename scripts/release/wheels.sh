@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Builds wheels from the sdist in dist/, and installs each where no compiler is on the path:
-#   scripts/release/wheels.sh PYTHON...          one for each of 3.10 and 3.11, one of the stable ABI for all from 3.12 on
-#   scripts/release/wheels.sh --cuda PYTHON...   the same with the cuda backend, named by the major version of CUDA
+#   scripts/release/wheels.sh PYTHON...         one for each of 3.10 and 3.11, one of the stable ABI for 3.12 and later
+#   scripts/release/wheels.sh --cuda PYTHON...  the same with the cuda backend, named by the major version of CUDA
 # CRUMPLE_CUDA_ARCHITECTURES (CMake's CMAKE_CUDA_ARCHITECTURES) builds for fewer devices, to try it.
 set -euo pipefail
 . "$(dirname "$0")/common.sh"
@@ -46,10 +46,28 @@ try() {
     local environment=$work/try-$name-$2
     rm -rf "$environment"
     environment "$environment" "$1"
-    "$environment/bin/python" -m pip --quiet --disable-pip-version-check download --dest "$numpy" --only-binary=:all: numpy
-    "$environment/bin/python" -m pip --quiet --disable-pip-version-check install --no-index --find-links "$dist" \
-        --find-links "$numpy" "$name==$version"
-    env -i PATH="$environment/bin" HOME="$work" "$environment/bin/python" -I "$here/quick_start.py" "$top/docs/python.md"
+    pip() { "$environment/bin/python" -m pip --quiet --disable-pip-version-check "$@"; }
+    pip download --dest "$numpy" --only-binary=:all: numpy
+    pip install --no-index --find-links "$dist" --find-links "$numpy" "$name==$version"
+    env -i PATH="$environment/bin" HOME="$work" "$environment/bin/python" -I "$here/quick_start.py" \
+        "$top/docs/python.md"
+    [[ $(uname -m) != x86_64 ]] || try_baseline "$environment"
+}
+# The command line of an environment on a processor without any instructions beyond the baseline: the same bytes.
+try_baseline() {
+    local program folder
+    if ! command -v qemu-x86_64-static >/dev/null; then
+        echo "Not tried on an old processor, for qemu-x86_64-static is missing (apt install qemu-user-static)"
+        return
+    fi
+    program=$(echo "$1"/lib/python*/site-packages/crumple/crumple)
+    folder=$(mktemp -d)
+    "$program" make cloth --triangles 2000 -o "$folder/cloth.ply"
+    "$program" detect "$folder/cloth.ply" -o "$folder/here.csv"
+    qemu-x86_64-static -cpu qemu64 "$program" detect "$folder/cloth.ply" -o "$folder/there.csv" --backend cpu
+    cmp "$folder/here.csv" "$folder/there.csv"
+    rm -r "$folder"
+    echo "The same pairs on a processor without SSE4"
 }
 
 unpack
