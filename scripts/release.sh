@@ -2,7 +2,7 @@
 # Makes a release of what is checked out, in dist/: an sdist, wheels and a Debian package, each installed and run where
 # there is nothing else (docs/releasing.md). On Debian 12; takes some ten minutes on two cores.
 #   scripts/release.sh [--python PATH]... [--cuda] [--no-deb] [--no-roots]
-# --python   an interpreter to build for: 3.10, 3.11, 3.12 or later; others from 3.12 on try its wheel.
+# --python   an interpreter to build for: 3.10, 3.11, and one from 3.12 on, whose wheel further ones try.
 #            By default python3.10, python3.11 and python3.12, as far as they are on the path.
 # --cuda     also wheels with the cuda backend; needs nvcc
 # --no-deb   no Debian package

@@ -18,7 +18,10 @@ UNWANTED = ("libcrypto", "libssl", "libgnutls", "libmbedcrypto")
 
 def faults(path: Path, version: str) -> list[str]:
     found = []
-    _, of, _, abi, platform = path.stem.split("-")
+    parts = path.stem.split("-")
+    if path.suffix != ".whl" or len(parts) != 5 or not path.is_file():
+        return [f"{path} is no wheel"]
+    _, of, _, abi, platform = parts
     cuda = "cuda" in path.name
     with zipfile.ZipFile(path) as wheel:
         files = {info.filename: info for info in wheel.infolist()}

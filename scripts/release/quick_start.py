@@ -25,6 +25,7 @@ with tempfile.TemporaryDirectory() as folder:
     found = subprocess.run([*command, "detect", mesh], check=True, capture_output=True, text=True).stdout
     expected = crumple.find_self_intersections(crumple.read_mesh(mesh))
     assert found == "".join(f"{a} {b}\n" for a, b in expected) and len(expected), "both find the same"
+    assert "\n" not in crumple.Detector().fallback, "without a device, one line says why"
     for call, error in (
         (lambda: crumple.read_mesh("no such file.ply"), crumple.FileError),
         (lambda: crumple.find_self_intersections([[0, 0, 0]], [[0, 0, 1]]), crumple.InvalidInput),

@@ -24,7 +24,7 @@ fi
 # Unpacks the sdist into $work/$name, where it is built: what is not in it cannot be in a wheel.
 unpack() {
     rm -rf "${work:?}/$name"
-    mkdir -p "$work/$name" "$work/raw" "$numpy"
+    mkdir -p "$work/$name" "$numpy"
     tar xzf "$dist/crumple-$version.tar.gz" -C "$work/$name" --strip-components=1
     [[ $name == crumple ]] || python3 "$here/rename.py" "$work/$name/pyproject.toml" "$name"
 }
@@ -33,12 +33,12 @@ unpack() {
 build() {
     local environment=$work/build-$2 folder=$work/$name/build-python-$2
     environment "$environment" "$1" 'scikit-build-core>=0.11' 'nanobind>=3' 'numpy>=2'
-    rm -rf "${work:?}/raw/$2"
+    rm -rf "${work:?}/raw/$name-$2"
     cd "$work/$name"
     quietly "$work/$name-$2.log" "$environment/bin/python" -m pip --disable-pip-version-check --verbose wheel . \
-        --no-build-isolation --no-deps --wheel-dir "$work/raw/$2" \
+        --no-build-isolation --no-deps --wheel-dir "$work/raw/$name-$2" \
         --config-settings=build-dir="$folder" --config-settings=cmake.args=-GNinja "${backend[@]}"
-    "$work/tools/bin/python" "$here/finish_wheel.py" "$work/raw/$2"/*.whl "$folder" "$dist"
+    "$work/tools/bin/python" "$here/finish_wheel.py" "$work/raw/$name-$2"/*.whl "$folder" "$dist"
 }
 
 # try PYTHON VERSION: in an environment of its own, without a compiler or anything else of this machine's path.
