@@ -78,6 +78,19 @@ def embedded(path: Path) -> tuple[str, str] | None:
     return path.parts[path.parts.index("ext") + 1], text
 
 
+def toolkit(path: Path) -> Path | None:
+    """The folder of the CUDA toolkit that a header is of, whoever has installed it."""
+    return next((folder for folder in path.parents if (folder / "bin" / "nvcc").exists()), None)
+
+
+def toolkit_licence(folder: Path) -> str:
+    """NVIDIA's installer has one text; its packages for PyPI one each, of which the runtime and headers are used."""
+    files = [folder / "EULA.txt"]
+    for part in ("cuda_runtime", "cuda_cccl"):
+        files += sorted(folder.glob(f"dist-info/nvidia_{part}-*/licenses/*"))
+    return "\n\n".join(file.read_text() for file in files if file.is_file())
+
+
 def is_licence(path: Path) -> bool:
     return path.is_file() and path.name.upper().startswith(("LICENSE", "LICENCE", "COPYING"))
 
@@ -94,6 +107,9 @@ def texts(paths: set[Path]) -> dict[str, str]:
             if name not in found:
                 files = [*filter(is_licence, sorted(metadata.rglob("*")))]
                 found[name] = "\n\n".join(file.read_text() for file in files)
+        elif package is None and (folder := toolkit(path)):
+            if "CUDA toolkit" not in found:
+                found["CUDA toolkit"] = toolkit_licence(folder)
         elif package is None:
             strangers.append(str(path))
         elif not package.startswith(SYSTEM) and package not in found:
