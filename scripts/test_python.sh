@@ -25,7 +25,7 @@ python=$environment/bin/python
 [[ -x $python ]] || "${PYTHON:-python3}" -m venv "$environment"
 pip() { "$python" -m pip --disable-pip-version-check --quiet "$@"; }
 "$python" -c 'import hypothesis, meshio, nanobind, pytest, scikit_build_core, trimesh, xdist' 2>/dev/null ||
-    pip install 'scikit-build-core>=0.10' 'nanobind>=3' numpy pytest pytest-xdist hypothesis trimesh meshio
+    pip install 'scikit-build-core>=0.11' 'nanobind>=3' numpy pytest pytest-xdist hypothesis trimesh meshio
 if ((${#all[@]})); then
     for package in pyvista open3d jax warp-lang mypy pillow ipctk libigl meshlib trueform python-fcl scipy coal; do
         pip install "$package" || echo "Left out, for pip cannot install it here: $package" >&2

@@ -12,6 +12,7 @@
 #include "crumple/candidates.h"
 #include "crumple/collisions.h"
 #include "crumple/device_features.h"
+#include "crumple/export.h"
 #include "crumple/function_ref.h"
 #include "crumple/mesh.h"
 #include "crumple/motion.h"
@@ -33,7 +34,7 @@ namespace crumple {
 /// A call that is given a std::stop_token ends soon after a stop is requested, from any thread: it throws Error
 /// (cancelled) within some milliseconds, or returns its answer if that was all but there. A request that was made
 /// before the call ends it at once.
-class Detector {
+class CRUMPLE_API Detector {
    public:
     /// Lets `has_collision(mesh, {})` mean the default Query, not a mesh, and `find_candidates(mesh, {})` the default
     /// CandidateQuestion, not vertices at the end.

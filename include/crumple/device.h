@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "crumple/export.h"
+
 namespace crumple {
 
 /// A device that the cuda backend can work on.
@@ -21,6 +23,6 @@ struct DeviceList {
 
 /// The devices that CUDA lists. Without a device, a driver or the backend the list is empty and says why: no Error is
 /// thrown. The first call in a process starts the driver, which takes some tenths of a second.
-DeviceList list_devices();
+CRUMPLE_API DeviceList list_devices();
 
 }  // namespace crumple

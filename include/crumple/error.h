@@ -4,6 +4,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "crumple/export.h"
+
 namespace crumple {
 
 enum class ErrorCode : std::uint8_t {
@@ -24,7 +26,7 @@ enum class Element : std::uint8_t { none, vertex, triangle, group, option, line,
 
 /// Every failure of the library. The message is a sentence that names the place, e.g.
 /// "vertex 17 is not finite" or "triangle 4 names vertex 90 of 80". The detector that threw stays usable.
-class Error : public std::runtime_error {
+class CRUMPLE_API Error : public std::runtime_error {
    public:
     explicit Error(ErrorCode code, const std::string& message, Element element = Element::none, std::int64_t index = -1,
                    std::int64_t bytes_needed = 0, int system_error = 0, bool bytes_needed_at_least = false)

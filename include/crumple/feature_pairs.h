@@ -5,6 +5,7 @@
 #include <stop_token>
 
 #include "crumple/array.h"
+#include "crumple/export.h"
 #include "crumple/mesh.h"
 
 namespace crumple {
@@ -37,14 +38,14 @@ struct PairImpacts {
 
 /// What the pairs do while each point goes straight from its start to its end. Cost: some 0.3 us for a pair that is
 /// apart, some 2 us for one that touches, 5 to 200 us where only rational arithmetic can tell.
-PairImpacts vertex_face_impacts(const VertexView& start, const VertexView& end, const PairMotion& question = {},
-                                std::stop_token stop = {});
-PairImpacts edge_edge_impacts(const VertexView& start, const VertexView& end, const PairMotion& question = {},
-                              std::stop_token stop = {});
-PairImpacts vertex_edge_impacts(const VertexView& start, const VertexView& end, const PairMotion& question = {},
-                                std::stop_token stop = {});
-PairImpacts vertex_vertex_impacts(const VertexView& start, const VertexView& end, const PairMotion& question = {},
-                                  std::stop_token stop = {});
+CRUMPLE_API PairImpacts vertex_face_impacts(const VertexView& start, const VertexView& end,
+                                            const PairMotion& question = {}, std::stop_token stop = {});
+CRUMPLE_API PairImpacts edge_edge_impacts(const VertexView& start, const VertexView& end,
+                                          const PairMotion& question = {}, std::stop_token stop = {});
+CRUMPLE_API PairImpacts vertex_edge_impacts(const VertexView& start, const VertexView& end,
+                                            const PairMotion& question = {}, std::stop_token stop = {});
+CRUMPLE_API PairImpacts vertex_vertex_impacts(const VertexView& start, const VertexView& end,
+                                              const PairMotion& question = {}, std::stop_token stop = {});
 
 /// One element a pair.
 struct PairDistances {
@@ -59,9 +60,9 @@ struct PairDistances {
 };
 
 /// How far apart the pairs are, at rest. `threads`: 0: as many as the machine has. Cost: some 0.6 us a pair.
-PairDistances vertex_face_distances(const VertexView& points, int threads = 0, std::stop_token stop = {});
-PairDistances edge_edge_distances(const VertexView& points, int threads = 0, std::stop_token stop = {});
-PairDistances vertex_edge_distances(const VertexView& points, int threads = 0, std::stop_token stop = {});
-PairDistances vertex_vertex_distances(const VertexView& points, int threads = 0, std::stop_token stop = {});
+CRUMPLE_API PairDistances vertex_face_distances(const VertexView& points, int threads = 0, std::stop_token stop = {});
+CRUMPLE_API PairDistances edge_edge_distances(const VertexView& points, int threads = 0, std::stop_token stop = {});
+CRUMPLE_API PairDistances vertex_edge_distances(const VertexView& points, int threads = 0, std::stop_token stop = {});
+CRUMPLE_API PairDistances vertex_vertex_distances(const VertexView& points, int threads = 0, std::stop_token stop = {});
 
 }  // namespace crumple

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "crumple/collisions.h"
+#include "crumple/export.h"
 #include "crumple/mesh.h"
 #include "crumple/world.h"
 
@@ -49,7 +50,7 @@ struct Polygons {
 };
 
 /// A triangle soup that owns its arrays, triangles in the order of the file's faces.
-struct TriangleMesh {
+struct CRUMPLE_API TriangleMesh {
     std::variant<std::vector<float>, std::vector<double>> vertices;  ///< 3n coordinates
     std::vector<std::int32_t> triangles;                             ///< 3m indices
     std::vector<std::int32_t> groups = {};                           ///< m ids or empty
@@ -70,7 +71,7 @@ struct MeshFeatures {
     std::vector<Edge> edges;
     std::vector<std::int32_t> points;
 };
-MeshFeatures features_of(const TriangleMesh& mesh);
+CRUMPLE_API MeshFeatures features_of(const TriangleMesh& mesh);
 
 /// Reads PLY (ascii, both binary orders), OBJ, STL (ascii, binary) or OFF, told apart by content first and extension
 /// second. Every number is rounded once, directly to the precision used; what underflows becomes subnormal or zero.
@@ -83,10 +84,10 @@ MeshFeatures features_of(const TriangleMesh& mesh);
 ///
 /// One pass over the file, which is held in memory meanwhile: hundreds of MB a second. A concave polygon of n corners
 /// takes O(n log n) as a rule, O(n^2) at worst.
-TriangleMesh read_mesh(const std::filesystem::path& path, const ReadOptions& options = {});
+CRUMPLE_API TriangleMesh read_mesh(const std::filesystem::path& path, const ReadOptions& options = {});
 
 /// The same of a stream, to its end. `name` stands in messages, and its extension for the file's.
-TriangleMesh read_mesh(std::istream& in, const std::string& name, const ReadOptions& options = {});
+CRUMPLE_API TriangleMesh read_mesh(std::istream& in, const std::string& name, const ReadOptions& options = {});
 
 /// A body of a file: its name, which shape it has, and where that is.
 struct NamedBody {
@@ -105,7 +106,7 @@ struct WorldView {
 };
 
 /// A world that owns its arrays. Several bodies may have one shape.
-struct WorldMesh {
+struct CRUMPLE_API WorldMesh {
     std::vector<TriangleMesh> shapes;
     std::vector<NamedBody> bodies;           ///< every name once
     std::vector<std::string> warnings = {};  ///< what was odd about the file, a sentence each
@@ -125,23 +126,24 @@ struct WorldMesh {
 /// of its normals, so `Weld::automatic` welds by exact position. Names that are missing are those of the meshes, or
 /// node7; the second of a name becomes NAME_2. Throws as read_mesh does, also for a node with a transform that is not
 /// finite or not affine, and for nodes in a cycle. docs/input.md tells what is read, skipped and refused.
-WorldMesh read_world(const std::filesystem::path& path, const ReadOptions& options = {});
+CRUMPLE_API WorldMesh read_world(const std::filesystem::path& path, const ReadOptions& options = {});
 
 /// The same of a stream, to its end; glTF must hold its buffers itself.
-WorldMesh read_world(std::istream& in, const std::string& name, const ReadOptions& options = {});
+CRUMPLE_API WorldMesh read_world(std::istream& in, const std::string& name, const ReadOptions& options = {});
 
 /// Reads poses, a row for each of `bodies` (their names) in turn, configuration after configuration. A row is 12
 /// numbers, those of Pose::rows, or 16 that end with 0 0 0 1. .npy by extension: float32 or float64, of a shape that
 /// ends with 12 or 3, 4 (16 or 4, 4); any other file is text, a row a line, with commas or blanks between its numbers;
 /// a first line of words, blank lines and comments (#) are skipped. Throws crumple::Error (file, format) that names the
 /// row and its body: too few or too many numbers, numbers that are not finite, a last configuration that lacks bodies.
-std::vector<Pose> read_poses(const std::filesystem::path& path, std::span<const std::string> bodies);
+CRUMPLE_API std::vector<Pose> read_poses(const std::filesystem::path& path, std::span<const std::string> bodies);
 
 /// The same of a stream, to its end. `name` stands in messages, and its extension for the file's.
-std::vector<Pose> read_poses(std::istream& in, const std::string& name, std::span<const std::string> bodies);
+CRUMPLE_API std::vector<Pose> read_poses(std::istream& in, const std::string& name,
+                                         std::span<const std::string> bodies);
 
 /// All bodies as one mesh, one after the other, with each vertex where Detector::find has it; groups are the bodies.
-TriangleMesh posed_mesh(const WorldMesh& world);
+CRUMPLE_API TriangleMesh posed_mesh(const WorldMesh& world);
 
 /// Writes .ply (binary little endian), .obj, .stl (binary) or .off by extension. Throws crumple::Error (file,
 /// invalid_argument, index_out_of_range, not_finite); the file then stays as it was.
@@ -149,12 +151,12 @@ TriangleMesh posed_mesh(const WorldMesh& world);
 /// Coordinates keep every bit, except in .stl, which holds float32 and no shared vertices. Text holds the shortest
 /// decimals that give the same number back in the mesh's own precision: read a float32 mesh's .obj or .off with
 /// Precision::float32. Groups are kept by .ply only, as the face property `group`.
-void write_mesh(const std::filesystem::path& path, const TriangleMesh& mesh);
+CRUMPLE_API void write_mesh(const std::filesystem::path& path, const TriangleMesh& mesh);
 
 enum class MeshFormat : std::uint8_t { automatic, ply, obj, stl, off, glb, html };
 
 /// The same to a stream, as ply, obj, stl or off. Throws as well if the stream fails.
-void write_mesh(std::ostream& out, const TriangleMesh& mesh, MeshFormat format);
+CRUMPLE_API void write_mesh(std::ostream& out, const TriangleMesh& mesh, MeshFormat format);
 
 /// Writes a mesh with colliding triangles coloured, the others grey: .ply, .obj (with .mtl beside it), .glb or .html.
 /// `second` may be null; its triangles follow those of the first. Throws as write_mesh does, also if the .mtl beside an
@@ -163,37 +165,39 @@ void write_mesh(std::ostream& out, const TriangleMesh& mesh, MeshFormat format);
 /// .ply colours faces, and vertices of colliding faces, because some viewers show only either. .glb holds float32: a
 /// float64 mesh far from the origin is moved there, by its node's translation. .html is a page that shows the meshes
 /// and contacts in WebGL, to turn and zoom, without a network; about 100 bytes a triangle.
-void write_coloured(const std::filesystem::path& path, const TriangleMesh& mesh, const TriangleMesh* second,
-                    const Collisions& collisions);
+CRUMPLE_API void write_coloured(const std::filesystem::path& path, const TriangleMesh& mesh, const TriangleMesh* second,
+                                const Collisions& collisions);
 
 /// The same to a stream, as ply, glb or html.
-void write_coloured(std::ostream& out, const TriangleMesh& mesh, const TriangleMesh* second,
-                    const Collisions& collisions, MeshFormat format);
+CRUMPLE_API void write_coloured(std::ostream& out, const TriangleMesh& mesh, const TriangleMesh* second,
+                                const Collisions& collisions, MeshFormat format);
 
 /// A world with its colliding triangles coloured. .glb keeps bodies, with names and poses, as nodes, and shapes that
 /// they share; the other formats hold the mesh that posed_mesh makes. The collisions are those of the world's view,
 /// with Intersect::index. Throws as write_coloured does, also for collisions of another world.
-void write_coloured(const std::filesystem::path& path, const WorldMesh& world, const WorldCollisions& collisions);
+CRUMPLE_API void write_coloured(const std::filesystem::path& path, const WorldMesh& world,
+                                const WorldCollisions& collisions);
 
 /// The same to a stream, as ply, glb or html.
-void write_coloured(std::ostream& out, const WorldMesh& world, const WorldCollisions& collisions, MeshFormat format);
+CRUMPLE_API void write_coloured(std::ostream& out, const WorldMesh& world, const WorldCollisions& collisions,
+                                MeshFormat format);
 
 /// A piece of HTML as high as this many pixels, of which a page may hold several; otherwise as write_coloured makes it.
-std::string to_html(const TriangleMesh& mesh, const TriangleMesh* second, const Collisions& collisions,
-                    int height = 480);
+CRUMPLE_API std::string to_html(const TriangleMesh& mesh, const TriangleMesh* second, const Collisions& collisions,
+                                int height = 480);
 
 /// What collides, by polygons of the files instead of triangles: ids, offsets and hits are those of polygons, each pair
 /// once. (p, p) is a polygon of which two triangles collide. The collisions are those of all triangles of the meshes;
 /// `second` may be null. Contacts are left out: they belong to triangles. O(pairs log pairs). Throws crumple::Error
 /// (invalid_argument) unless the collisions are of these meshes.
-Collisions by_polygon(const TriangleMesh& mesh, const TriangleMesh* second, const Collisions& collisions);
+CRUMPLE_API Collisions by_polygon(const TriangleMesh& mesh, const TriangleMesh* second, const Collisions& collisions);
 
 /// Writes bytes into a file, which appears whole or stays as it was. Throws crumple::Error (file).
-void write_bytes(const std::filesystem::path& path, std::string_view bytes);
+CRUMPLE_API void write_bytes(const std::filesystem::path& path, std::string_view bytes);
 
 /// Frames with their colliding triangles coloured, as one animated .glb that common viewers play. Frames may differ in
 /// everything, their topology as well. Holds all frames in memory: 12 bytes a vertex and 12 a triangle each.
-class ColouredAnimation {
+class CRUMPLE_API ColouredAnimation {
    public:
     /// Throws Error (invalid_argument) unless 0 < frames_per_second <= 10^6.
     explicit ColouredAnimation(double frames_per_second = 30);
@@ -224,14 +228,15 @@ enum class PairFormat : std::uint8_t {
 
 /// Writes the pairs, and contacts if there are any. Numbers are the shortest decimals that give the same float64 back.
 /// Throws crumple::Error (file, invalid_argument); the file then stays as it was.
-void write_pairs(const std::filesystem::path& path, const Collisions& collisions,
-                 PairFormat format = PairFormat::automatic);
+CRUMPLE_API void write_pairs(const std::filesystem::path& path, const Collisions& collisions,
+                             PairFormat format = PairFormat::automatic);
 
 /// The same to a stream; `automatic` is txt.
-void write_pairs(std::ostream& out, const Collisions& collisions, PairFormat format = PairFormat::automatic);
+CRUMPLE_API void write_pairs(std::ostream& out, const Collisions& collisions,
+                             PairFormat format = PairFormat::automatic);
 
 /// Pairs written block by block (Detector::stream_self), as .txt or .csv; together they are what write_pairs writes.
-class PairWriter {
+class CRUMPLE_API PairWriter {
    public:
     /// `contacts`: whether the blocks have them. Throws crumple::Error (file; invalid_argument for other formats).
     explicit PairWriter(const std::filesystem::path& path, bool contacts, PairFormat format = PairFormat::automatic);
@@ -255,9 +260,9 @@ class PairWriter {
 /// or 64 bits, by extension; any other is text, the first two numbers of each line, with or without a comma between,
 /// with what follows them, blank lines and comments (#) skipped. Throws crumple::Error (file, format) that names the
 /// place.
-std::vector<Pair> read_pairs(const std::filesystem::path& path);
+CRUMPLE_API std::vector<Pair> read_pairs(const std::filesystem::path& path);
 
 /// The same of a stream, to its end. `name` stands in messages, and its extension for the file's.
-std::vector<Pair> read_pairs(std::istream& in, const std::string& name);
+CRUMPLE_API std::vector<Pair> read_pairs(std::istream& in, const std::string& name);
 
 }  // namespace crumple::io

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "crumple/candidates.h"
+#include "crumple/export.h"
 #include "crumple/features.h"
 #include "crumple/io.h"
 #include "crumple/motion.h"
@@ -45,9 +46,9 @@ struct CandidateRows {
 };
 
 /// The answer as a list, in its order. Throws Error (invalid_argument) unless its arrays fit together.
-FeatureList list_of(const Impacts& impacts);
-FeatureList list_of(const Nearby& nearby);
-CandidateRows list_of(const CandidateLists& candidates);
+CRUMPLE_API FeatureList list_of(const Impacts& impacts);
+CRUMPLE_API FeatureList list_of(const Nearby& nearby);
+CRUMPLE_API CandidateRows list_of(const CandidateLists& candidates);
 
 /// Writes impacts in the order of the answer, as txt, csv, json or npz.
 ///
@@ -62,25 +63,27 @@ CandidateRows list_of(const CandidateLists& candidates);
 /// face_face_start. An answer of several bodies has ids `body:id` in txt and csv; json and npz have also
 /// vertex_face_bodies and so on, and first_edge. Numbers are the shortest decimals that give the same float64 back.
 /// Throws crumple::Error (file, invalid_argument); the file then stays as it was.
-void write_impacts(const std::filesystem::path& path, const Impacts& impacts,
-                   PairFormat format = PairFormat::automatic);
+CRUMPLE_API void write_impacts(const std::filesystem::path& path, const Impacts& impacts,
+                               PairFormat format = PairFormat::automatic);
 
 /// The same to a stream; `automatic` is txt.
-void write_impacts(std::ostream& out, const Impacts& impacts, PairFormat format = PairFormat::automatic);
+CRUMPLE_API void write_impacts(std::ostream& out, const Impacts& impacts, PairFormat format = PairFormat::automatic);
 
 /// Writes pairs of triangles alone, in the same way.
-void write_triangle_pairs(const std::filesystem::path& path, const Impacts& impacts,
-                          PairFormat format = PairFormat::automatic);
+CRUMPLE_API void write_triangle_pairs(const std::filesystem::path& path, const Impacts& impacts,
+                                      PairFormat format = PairFormat::automatic);
 
 /// The same to a stream; `automatic` is txt.
-void write_triangle_pairs(std::ostream& out, const Impacts& impacts, PairFormat format = PairFormat::automatic);
+CRUMPLE_API void write_triangle_pairs(std::ostream& out, const Impacts& impacts,
+                                      PairFormat format = PairFormat::automatic);
 
 /// The same of near pairs: a squared distance in place of the time, and `touching` in place of `start`, which txt does
 /// without. A squared distance beyond float64 is `inf`, in json null.
-void write_near(const std::filesystem::path& path, const Nearby& nearby, PairFormat format = PairFormat::automatic);
+CRUMPLE_API void write_near(const std::filesystem::path& path, const Nearby& nearby,
+                            PairFormat format = PairFormat::automatic);
 
 /// The same to a stream; `automatic` is txt.
-void write_near(std::ostream& out, const Nearby& nearby, PairFormat format = PairFormat::automatic);
+CRUMPLE_API void write_near(std::ostream& out, const Nearby& nearby, PairFormat format = PairFormat::automatic);
 
 /// The same of candidates, which have neither a number nor a flag; of those kinds that are listed.
 ///
@@ -88,18 +91,19 @@ void write_near(std::ostream& out, const Nearby& nearby, PairFormat format = Pai
 ///     csv   kind,vertex,face,a,b,c,d
 ///     json  vertex_faces, edge_edges, edge_faces, face_faces, vertex_edges, vertex_vertices; edges; statistics
 ///     npz   the same arrays, without statistics
-void write_candidates(const std::filesystem::path& path, const CandidateLists& candidates,
-                      PairFormat format = PairFormat::automatic);
+CRUMPLE_API void write_candidates(const std::filesystem::path& path, const CandidateLists& candidates,
+                                  PairFormat format = PairFormat::automatic);
 
 /// The same to a stream; `automatic` is txt.
-void write_candidates(std::ostream& out, const CandidateLists& candidates, PairFormat format = PairFormat::automatic);
+CRUMPLE_API void write_candidates(std::ostream& out, const CandidateLists& candidates,
+                                  PairFormat format = PairFormat::automatic);
 
 /// Which answers a FeatureWriter writes.
 enum class ListKind : std::uint8_t { impacts, near, candidates };
 
 /// Answers written block by block (Detector::stream_impacts and its like, in order, of a single mesh or of one world),
 /// as .txt or .csv; together they are what write_impacts, write_near or write_candidates writes.
-class FeatureWriter {
+class CRUMPLE_API FeatureWriter {
    public:
     /// Throws crumple::Error (file; invalid_argument for other formats).
     explicit FeatureWriter(const std::filesystem::path& path, ListKind of, PairFormat format = PairFormat::automatic);
@@ -125,36 +129,37 @@ class FeatureWriter {
 /// other is text, where blank lines and comments (#) are skipped. START may be missing: then a time of 0 is one. Which
 /// of two edges, and which of an edge's vertices, comes first does not matter. Throws crumple::Error (file, format)
 /// that names the place: ids that are none, an edge that names a vertex twice, times that do not lie in [0, 1].
-FeatureList read_impacts(const std::filesystem::path& path);
+CRUMPLE_API FeatureList read_impacts(const std::filesystem::path& path);
 
 /// The same of a stream, to its end. `name` stands in messages, and its extension for the file's.
-FeatureList read_impacts(std::istream& in, const std::string& name);
+CRUMPLE_API FeatureList read_impacts(std::istream& in, const std::string& name);
 
 /// The same of near pairs; squared distances are 0 or more.
-FeatureList read_near(const std::filesystem::path& path);
+CRUMPLE_API FeatureList read_near(const std::filesystem::path& path);
 
 /// The same of a stream, to its end.
-FeatureList read_near(std::istream& in, const std::string& name);
+CRUMPLE_API FeatureList read_near(std::istream& in, const std::string& name);
 
 /// The same of candidates, of whatever kinds are there.
-CandidateRows read_candidates(const std::filesystem::path& path);
+CRUMPLE_API CandidateRows read_candidates(const std::filesystem::path& path);
 
 /// The same of a stream, to its end.
-CandidateRows read_candidates(std::istream& in, const std::string& name);
+CRUMPLE_API CandidateRows read_candidates(std::istream& in, const std::string& name);
 
 /// Writes the mesh at the start as .glb. Triangles that are hit, or whose vertex or edge is, are coloured by their
 /// first time of contact, from dark red at the start to pale yellow at the end; the others are grey. Throws as
 /// write_coloured does for collisions.
-void write_coloured(const std::filesystem::path& path, const TriangleMesh& start, const Impacts& impacts);
+CRUMPLE_API void write_coloured(const std::filesystem::path& path, const TriangleMesh& start, const Impacts& impacts);
 
 /// The same to a stream.
-void write_coloured(std::ostream& out, const TriangleMesh& start, const Impacts& impacts);
+CRUMPLE_API void write_coloured(std::ostream& out, const TriangleMesh& start, const Impacts& impacts);
 
 /// The same by the least distance, from 0 to the largest one listed. `second`, which may be null, is body 1.
-void write_coloured(const std::filesystem::path& path, const TriangleMesh& mesh, const TriangleMesh* second,
-                    const Nearby& nearby);
+CRUMPLE_API void write_coloured(const std::filesystem::path& path, const TriangleMesh& mesh, const TriangleMesh* second,
+                                const Nearby& nearby);
 
 /// The same to a stream.
-void write_coloured(std::ostream& out, const TriangleMesh& mesh, const TriangleMesh* second, const Nearby& nearby);
+CRUMPLE_API void write_coloured(std::ostream& out, const TriangleMesh& mesh, const TriangleMesh* second,
+                                const Nearby& nearby);
 
 }  // namespace crumple::io

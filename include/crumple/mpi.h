@@ -17,6 +17,7 @@
 
 #include "crumple/distributed.h"
 #include "crumple/error.h"
+#include "crumple/export.h"
 
 namespace crumple::mpi {
 
@@ -29,7 +30,7 @@ namespace crumple::mpi {
 /// (Error::rank), and leaves the detectors usable. A stop that is requested on one rank ends the call on all. A process
 /// that dies ends the job, as MPI does. One thread makes the calls; if MPI was initialised with less than
 /// MPI_THREAD_SERIALIZED, the one that initialised it, and with MPI_THREAD_SINGLE only a detector of one thread works.
-class Detector {
+class CRUMPLE_API Detector {
    public:
     /// Of a duplicate of the communicator, so that messages of others never get mixed up with these.
     explicit Detector(MPI_Comm communicator, const DistributedOptions& options = {});

@@ -6,13 +6,14 @@
 #include <variant>
 #include <vector>
 
+#include "crumple/export.h"
 #include "crumple/features.h"
 #include "crumple/mesh.h"
 
 namespace crumple {
 
 /// A part's share of one mesh: copies of the triangles that belong to the part, and of their vertices.
-struct PartMesh {
+struct CRUMPLE_API PartMesh {
     std::variant<std::vector<float>, std::vector<double>> vertices;  ///< 3n coordinates, in the mesh's own precision
     std::vector<std::int32_t> corners;                               ///< 3m indices into `vertices`
     std::vector<std::int32_t> ids;     ///< m: which triangles of the mesh these are, strictly ascending

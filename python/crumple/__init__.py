@@ -19,6 +19,7 @@ Vertices are (n, 3) float32 or float64, faces (m, 3) integers or flat: NumPy arr
 Any triangle soup will do. What counts as a collision: docs/contract.md.
 """
 
+from . import _distribution  # noqa: F401, refuses two that overwrite each other
 from ._candidates import Candidates
 from ._core import Part, Statistics, __version__
 from ._detector import Detector

@@ -23,7 +23,8 @@ template <class Block, class Make, class Stream>
 Statistics hand_over_blocks(SharedDetector& detector, nanobind::handle take, Make make, Stream stream) {
     const auto hand_over = [&](const Block& block) {
         const nanobind::object answer = nanobind::cast(make(std::make_shared<Block>(block)), nanobind::rv_policy::move);
-        PyObject* const done = in_python([&] { return PyObject_CallOneArg(take.ptr(), answer.ptr()); });
+        PyObject* const done =
+            in_python([&] { return PyObject_CallFunctionObjArgs(take.ptr(), answer.ptr(), nullptr); });
         if (!done) throw nanobind::python_error();
         Py_DECREF(done);
     };

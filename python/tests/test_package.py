@@ -1,6 +1,8 @@
 """The package as it is installed: command line, types, documentation, what it imports."""
 
 import inspect
+import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -9,6 +11,7 @@ import crumple
 from conftest import peer, soup
 
 PACKAGE = Path(crumple.__file__).parent
+TOP = Path(__file__).parents[2]
 
 
 def run(*arguments, **options):
@@ -29,6 +32,31 @@ def test_the_version_is_that_of_the_distribution():
     from importlib.metadata import version
 
     assert version("crumple") == crumple.__version__
+
+
+def test_the_version_has_one_place():
+    header = (TOP / "include" / "crumple" / "version.h").read_text()
+    numbers = re.findall(r"^#define CRUMPLE_VERSION_(?:MAJOR|MINOR|PATCH) (\d+)$", header, flags=re.M)
+    assert crumple.__version__ == ".".join(numbers)
+    citation = re.findall(r"^version: (.*)$", (TOP / "CITATION.cff").read_text(), flags=re.M)
+    assert citation == [crumple.__version__], "CITATION.cff repeats it, for it cannot read it elsewhere"
+    for name in ("CMakeLists.txt", "pyproject.toml", "cmake/package.cmake"):
+        assert crumple.__version__ not in (TOP / name).read_text(), f"{name} reads include/crumple/version.h"
+
+
+def test_two_distributions_are_refused(tmp_path):
+    """With and without the cuda backend they have the same files."""
+    (tmp_path / "crumple").symlink_to(PACKAGE)
+    environment = os.environ | {"PYTHONPATH": str(tmp_path)}
+    for name in ("crumple-0.2.0", "numpy_cuda13-1.0", "crumple_tools-1.0"):
+        (tmp_path / f"{name}.dist-info").mkdir()
+    assert run("-c", "import crumple", env=environment).returncode == 0
+    (tmp_path / "crumple_cuda13-0.2.0.dist-info").mkdir()
+    refused = run("-c", "import crumple", env=environment)
+    assert refused.returncode == 1
+    last = refused.stderr.splitlines()[-1]
+    assert last.startswith("ImportError: crumple and crumple-cuda13 are both installed in ")
+    assert "pip uninstall crumple crumple-cuda13" in last
 
 
 def test_devices_or_a_reason():

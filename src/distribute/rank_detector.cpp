@@ -52,6 +52,8 @@ RankDetector::RankDetector(Transport& transport, const DistributedOptions& optio
     };
 }
 
+RankDetector::~RankDetector() = default;
+
 void RankDetector::set_poll(std::function<void()> poll) { engine_->set_poll(std::move(poll)); }
 
 void RankDetector::answer(const MeshShare& share, const VertexView* end, FunctionRef<Asked()> ask, std::stop_token stop,

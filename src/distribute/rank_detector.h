@@ -20,6 +20,7 @@
 
 #include "base/stopwatch.h"
 #include "crumple/distributed.h"
+#include "crumple/export.h"
 #include "crumple/function_ref.h"
 #include "distribute/agreement.h"
 #include "distribute/asked.h"
@@ -36,10 +37,12 @@
 
 namespace crumple::distribute {
 
-class RankDetector {
+/// Shown by a shared library, for crumple::mpi is another one.
+class CRUMPLE_API RankDetector {
    public:
     /// Collective. The transport must outlive this.
     RankDetector(Transport& transport, const DistributedOptions& options);
+    ~RankDetector();
 
     const DistributedCollisions& find_self(const MeshShare& share, const Query& query, std::stop_token stop = {});
     std::int64_t count(const MeshShare& share, const Query& query, std::stop_token stop = {});

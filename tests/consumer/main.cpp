@@ -1,10 +1,26 @@
-// Two crossing triangles and one that is far away: one pair.
+// Two crossing triangles and one that is far away: one pair. Errors come through, whichever library threw them.
 
 #include <array>
 #include <cstdio>
+#include <string_view>
 #include <vector>
 
 #include "crumple/crumple.h"
+#include "crumple/io.h"
+
+namespace {
+
+template <class Call>
+bool fails_with(crumple::ErrorCode code, Call call) {
+    try {
+        call();
+    } catch (const crumple::Error& error) {
+        return error.code == code;
+    }
+    return false;
+}
+
+}  // namespace
 
 int main() {
     const std::vector<std::array<float, 3>> vertices{{0, 0, 0},        {1, 0, 0},       {0, 1, 0},
@@ -14,5 +30,15 @@ int main() {
     crumple::Detector detector;
     const crumple::Collisions& collisions = detector.find_self({vertices, triangles});
     for (const crumple::Pair& pair : collisions.pairs) std::printf("%d %d\n", pair.a, pair.b);
-    return collisions.pairs.size() == 1 && collisions.pairs[0] == crumple::Pair{0, 1} ? 0 : 1;
+    const bool found = collisions.pairs.size() == 1 && collisions.pairs[0] == crumple::Pair{0, 1};
+
+    const std::vector<std::array<std::int32_t, 3>> wrong{{0, 1, 9}};
+    const bool refused = fails_with(crumple::ErrorCode::index_out_of_range, [&] {
+        detector.find_self({vertices, wrong});
+    });
+    const bool missing = fails_with(crumple::ErrorCode::file, [] { crumple::io::read_mesh("no such file.ply"); });
+    const bool same_version = std::string_view(CRUMPLE_VERSION) == CRUMPLE_PACKAGE_VERSION;
+    if (!refused || !missing) std::puts("an error did not come through as a crumple::Error");
+    if (!same_version) std::puts("the headers have another version than the package");
+    return found && refused && missing && same_version ? 0 : 1;
 }

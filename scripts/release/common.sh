@@ -1,0 +1,25 @@
+# Sourced by the scripts of a release: where everything lies, and how to say what happens.
+top=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
+here=$top/scripts/release
+dist=$top/dist
+work=$top/build-release
+numbers='s/^#define CRUMPLE_VERSION_(MAJOR|MINOR|PATCH) ([0-9]+)$/\2/p'
+version=$(sed -nE "$numbers" "$top/include/crumple/version.h" | paste -sd.)
+numpy=$work/numpy  # wheels of NumPy, for installations that are to reach no index
+
+step() { printf "\n== %s (%s)\n" "$1" "$(date +%T)"; }
+fail() { echo "release: $1" >&2; exit 1; }
+# What is long and of no interest unless it fails: quietly LOG COMMAND...
+quietly() {
+    local log=$1
+    shift
+    "$@" >"$log" 2>&1 || { tail -n 100 "$log" >&2; fail "$* failed; all that it said is in $log"; }
+}
+version_of() { "$1" -c 'import sys; print("%d.%d" % sys.version_info[:2])'; }
+# environment FOLDER PYTHON PACKAGES...: a virtual environment with these packages.
+environment() {
+    local folder=$1 python=$2
+    shift 2
+    [[ -x $folder/bin/python ]] || "$python" -m venv "$folder"
+    (($# == 0)) || "$folder/bin/python" -m pip --quiet --disable-pip-version-check install "$@"
+}

@@ -1,0 +1,18 @@
+"""Names the distribution of a pyproject.toml anew, and marks it as one that is not to be uploaded: PyPI refuses it.
+
+python rename.py PYPROJECT NAME
+"""
+
+import sys
+from pathlib import Path
+
+path, name = Path(sys.argv[1]), sys.argv[2]
+text = path.read_text()
+for before, after in (
+    ('name = "crumple"\n', f'name = "{name}"\n'),
+    ("classifiers = [\n", 'classifiers = [\n    "Private :: Do Not Upload",\n'),
+):
+    if text.count(before) != 1:
+        sys.exit(f"rename.py: {path} has not one line {before!r}")
+    text = text.replace(before, after)
+path.write_text(text)

@@ -1,0 +1,75 @@
+#!/usr/bin/env bash
+# Installs what is in dist/ on bare Debian, where no compiler is, and runs it: on Debian 12 a wheel and the package,
+# which brings its dependencies, and, with a compiler at last, a project that finds it; on Debian 13 the wheel of the
+# stable ABI. Takes root and debootstrap; $MIRROR is Debian's mirror. All is in a temporary folder.
+set -euo pipefail
+. "$(dirname "$0")/common.sh"
+mirror=${MIRROR:-http://deb.debian.org/debian}
+# /proc of a root is mounted below; in a name space of our own it is gone with us, whatever happens.
+[[ ${CRUMPLE_ROOTS_APART-} ]] || CRUMPLE_ROOTS_APART=1 exec unshare --mount --propagation private "$0" "$@"
+
+folder=$(mktemp -d)
+cleanup() {
+    local root
+    for root in "$folder"/*/proc; do ! mountpoint -q "$root" || umount "$root"; done
+    rm -rf --one-file-system "$folder"
+}
+trap cleanup EXIT
+in_root() {
+    local settings=(PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LC_ALL=C.UTF-8 DEBIAN_FRONTEND=noninteractive)
+    env -i "${settings[@]}" chroot "$root" "$@"
+}
+no_compiler() {
+    local name
+    for name in cc c++ gcc g++ clang clang++; do
+        ! in_root sh -c "command -v $name" >/dev/null || fail "$suite has a compiler: $name"
+    done
+}
+
+# bare SUITE: a root with Python alone, into which dist/ and what is to be run are copied.
+bare() {
+    suite=$1 root=$folder/$1
+    step "bare Debian, $suite"
+    quietly "$work/$suite.log" debootstrap --variant=minbase --include=python3,python3-venv "$suite" "$root" "$mirror"
+    mount -t proc proc "$root/proc"
+    cp --remove-destination "$(readlink -f /etc/resolv.conf)" "$root/etc/resolv.conf"
+    cp -r "$dist" "$numpy" "$here/quick_start.py" "$top/docs/python.md" "$top/tests/consumer" "$root/root"
+    no_compiler
+}
+
+# wheel: whichever of those in dist/ fits the root's Python.
+wheel() {
+    local of
+    of=$(in_root python3 -c 'import sys; print("%d.%d" % sys.version_info[:2])')
+    "$work/tools/bin/python" -m pip --quiet --disable-pip-version-check download --dest "$root/root/numpy" --no-deps \
+        --only-binary=:all: --python-version "$of" --platform manylinux_2_28_x86_64 --platform manylinux_2_27_x86_64 \
+        --platform manylinux2014_x86_64 numpy
+    in_root python3 -m venv /root/venv
+    in_root /root/venv/bin/python -m pip --quiet --disable-pip-version-check install --no-index \
+        --find-links /root/dist --find-links /root/numpy "crumple==$version"
+    in_root sh -c 'cd /root && ls -d venv/lib/*/site-packages/crumple/_core*.so &&
+        venv/bin/python quick_start.py python.md'
+    no_compiler
+}
+
+# package: first as it is, then for those who build with it.
+package() {
+    in_root apt-get -qq update
+    quietly "$work/$suite-apt.log" in_root apt-get -qq install --no-install-recommends -y "/root/dist/${deb##*/}"
+    no_compiler
+    in_root sh -ec 'cd /root
+        crumple --version
+        crumple make cloth --triangles 2000 -o cloth.ply
+        crumple detect cloth.ply --stats -o hits.glb -o pairs.csv
+        test -s hits.glb && test -s pairs.csv
+        ls /usr/share/doc/crumple'
+    quietly "$work/$suite-apt.log" in_root apt-get -qq install --no-install-recommends -y cmake ninja-build g++
+    in_root sh -c 'cd /root && cmake -G Ninja -S consumer -B build >/dev/null && cmake --build build && build/consumer'
+}
+
+bare bookworm
+wheel
+deb=$(compgen -G "$dist/crumple_*.deb" || true)
+if [[ $deb ]]; then package; else echo "No package in $dist, so none is tried"; fi
+bare trixie
+wheel
