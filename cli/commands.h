@@ -30,5 +30,6 @@ Command add_sequence(CLI::App& app);
 Command add_info(CLI::App& app);
 Command add_verify(CLI::App& app);
 Command add_make(CLI::App& app);
+Command add_convert(CLI::App& app);
 
 }  // namespace crumple::cli

@@ -31,7 +31,7 @@ int run(int argc, char** argv) {
         "2 wrong use or bad input; 3 out of memory, with the bytes that are needed; 130 interrupted.\n\n"
         "Example: crumple detect bunny.ply -o pairs.txt --stats");
     const std::array commands{add_detect(app), add_impacts(app), add_near(app), add_sequence(app),
-                              add_info(app),   add_verify(app),  add_make(app)};
+                              add_info(app),   add_verify(app),  add_make(app), add_convert(app)};
     try {
         app.parse(argc, argv);
     } catch (const CLI::Success& success) {
@@ -48,7 +48,7 @@ int run(int argc, char** argv) {
         print_error(command.app->get_name() + " is not shared among ranks: run it in one process");
         return failed;
     }
-    print_error("a subcommand is required: detect, impacts, near, sequence, info, verify or make");
+    print_error("a subcommand is required: detect, impacts, near, sequence, info, verify, make or convert");
     return failed;
 }
 

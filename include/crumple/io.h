@@ -54,7 +54,7 @@ struct CRUMPLE_API TriangleMesh {
     std::variant<std::vector<float>, std::vector<double>> vertices;  ///< 3n coordinates
     std::vector<std::int32_t> triangles;                             ///< 3m indices
     std::vector<std::int32_t> groups = {};                           ///< m ids or empty
-    Polygons polygons = {};                                          ///< of the file; writers of meshes ignore them
+    Polygons polygons = {};                                          ///< of the file; written where WriteOptions asks
     std::vector<std::string> warnings = {};                          ///< what was odd about the file, a sentence each
     std::vector<Edge> lines = {};                                    ///< segments of lines, as ReadOptions asks for
     std::vector<std::int32_t> points = {};                           ///< the same of points
@@ -145,18 +145,24 @@ CRUMPLE_API std::vector<Pose> read_poses(std::istream& in, const std::string& na
 /// All bodies as one mesh, one after the other, with each vertex where Detector::find has it; groups are the bodies.
 CRUMPLE_API TriangleMesh posed_mesh(const WorldMesh& world);
 
+struct WriteOptions {
+    bool polygons = false;  ///< the mesh's polygons instead of their triangles; .stl holds triangles only
+};
+
 /// Writes .ply (binary little endian), .obj, .stl (binary) or .off by extension. Throws crumple::Error (file,
 /// invalid_argument, index_out_of_range, not_finite); the file then stays as it was.
 ///
 /// Coordinates keep every bit, except in .stl, which holds float32 and no shared vertices. Text holds the shortest
 /// decimals that give the same number back in the mesh's own precision: read a float32 mesh's .obj or .off with
 /// Precision::float32. Groups are kept by .ply only, as the face property `group`.
-CRUMPLE_API void write_mesh(const std::filesystem::path& path, const TriangleMesh& mesh);
+CRUMPLE_API void write_mesh(const std::filesystem::path& path, const TriangleMesh& mesh,
+                            const WriteOptions& options = {});
 
 enum class MeshFormat : std::uint8_t { automatic, ply, obj, stl, off, glb, html };
 
 /// The same to a stream, as ply, obj, stl or off. Throws as well if the stream fails.
-CRUMPLE_API void write_mesh(std::ostream& out, const TriangleMesh& mesh, MeshFormat format);
+CRUMPLE_API void write_mesh(std::ostream& out, const TriangleMesh& mesh, MeshFormat format,
+                            const WriteOptions& options = {});
 
 /// Writes a mesh with colliding triangles coloured, the others grey: .ply, .obj (with .mtl beside it), .glb or .html.
 /// `second` may be null; its triangles follow those of the first. Throws as write_mesh does, also if the .mtl beside an

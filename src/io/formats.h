@@ -63,10 +63,11 @@ struct Colour {
 inline constexpr Colour free_colour{178, 178, 178};
 inline constexpr Colour colliding_colour{213, 94, 0};  // vermilion: strong on grey, also to the colour-blind
 
-void write_ply(std::ostream& out, const TriangleMesh& mesh);
-void write_obj(std::ostream& out, const TriangleMesh& mesh);
-void write_stl(std::ostream& out, const TriangleMesh& mesh);
-void write_off(std::ostream& out, const TriangleMesh& mesh);
+/// `polygons`: faces are the mesh's polygons.
+void write_ply(std::ostream& out, const TriangleMesh& mesh, bool polygons);
+void write_obj(std::ostream& out, const TriangleMesh& mesh, bool polygons);
+void write_stl(std::ostream& out, const TriangleMesh& mesh, bool);
+void write_off(std::ostream& out, const TriangleMesh& mesh, bool polygons);
 
 void write_coloured_ply(std::ostream& out, const ColouredMesh& coloured);
 void write_coloured_obj(std::ostream& out, const ColouredMesh& coloured, const std::string& material_file);

@@ -207,11 +207,11 @@ TriangleMesh read_obj(const Source& source, const ReadOptions& options, Warnings
                         [&](auto zero) { return ObjReader<decltype(zero)>(source, options, warnings).read(); });
 }
 
-void write_obj(std::ostream& out, const TriangleMesh& mesh) {
+void write_obj(std::ostream& out, const TriangleMesh& mesh, bool polygons) {
     Sink sink(out);
     if (mesh.vertex_count() == 0) sink << "# nothing\n";  // an empty file is none
     write_vertices(sink, mesh);
-    for (std::size_t i = 0; i < mesh.triangles.size(); i += 3) write_face(sink, {&mesh.triangles[i], 3});
+    for_each_face(mesh, polygons, [&](auto corners, std::size_t) { write_face(sink, corners); });
 }
 
 void write_coloured_obj(std::ostream& out, const ColouredMesh& coloured, const std::string& material_file) {

@@ -99,9 +99,10 @@ TriangleMesh read_off(const Source& source, const ReadOptions& options, Warnings
                         [&](auto zero) { return OffReader<decltype(zero)>(source).read(options, warnings); });
 }
 
-void write_off(std::ostream& out, const TriangleMesh& mesh) {
+void write_off(std::ostream& out, const TriangleMesh& mesh, bool polygons) {
     Sink sink(out);
-    sink << "OFF\n" << mesh.vertex_count() << ' ' << mesh.triangle_count() << " 0\n";
+    sink << "OFF\n"
+         << mesh.vertex_count() << ' ' << (polygons ? mesh.polygons.count() : mesh.triangle_count()) << " 0\n";
     std::visit(
         [&](const auto& xyz) {
             for (std::size_t i = 0; i < xyz.size(); i += 3) {
@@ -109,9 +110,11 @@ void write_off(std::ostream& out, const TriangleMesh& mesh) {
             }
         },
         mesh.vertices);
-    for (std::size_t i = 0; i < mesh.triangles.size(); i += 3) {
-        sink << "3 " << mesh.triangles[i] << ' ' << mesh.triangles[i + 1] << ' ' << mesh.triangles[i + 2] << '\n';
-    }
+    for_each_face(mesh, polygons, [&](auto corners, std::size_t) {
+        sink << std::int64_t(corners.size());
+        for (const std::int32_t corner : corners) sink << ' ' << corner;
+        sink << '\n';
+    });
 }
 
 }  // namespace crumple::io

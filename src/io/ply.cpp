@@ -252,7 +252,7 @@ TriangleMesh read_ply(const Source& source, const ReadOptions& options, Warnings
                                                  : read<BinaryBody>(source, header, options, warnings);
 }
 
-void write_ply(std::ostream& out, const TriangleMesh& mesh) { write(out, mesh, false, nullptr); }
+void write_ply(std::ostream& out, const TriangleMesh& mesh, bool polygons) { write(out, mesh, polygons, nullptr); }
 
 void write_coloured_ply(std::ostream& out, const ColouredMesh& coloured) {
     write(out, coloured.mesh, coloured.has_polygons(), &coloured.hit);

@@ -174,7 +174,7 @@ void add_rows(const Source& source, const NumberArrays& arrays, FeatureRows& row
 }
 
 void read_features_npz(const Source& source, FeatureRows& rows) {
-    const NpzReader archive(source);
+    NpzReader archive(source);
     NumberArrays arrays;
     for (const auto& [name, columns, wanted] : arrays_of(rows.words())) {
         if (!wanted) {

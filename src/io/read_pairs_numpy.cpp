@@ -58,7 +58,7 @@ std::vector<Pair> read_pairs_npy(const Source& source) {
 }
 
 std::vector<Pair> read_pairs_npz(const Source& source) {
-    const NpzReader archive(source);
+    NpzReader archive(source);
     NpzReader::Entry entry(archive, "pairs");
     if (!entry) fail(source, "the archive has no array 'pairs' that can be read");
     return read_npy(source, entry);

@@ -151,7 +151,7 @@ TriangleMesh read_stl(const Source& source, const ReadOptions& options, Warnings
                         [&](auto zero) { return read_binary<decltype(zero)>(source); });
 }
 
-void write_stl(std::ostream& out, const TriangleMesh& mesh) {
+void write_stl(std::ostream& out, const TriangleMesh& mesh, bool) {
     Sink sink(out);
     constexpr std::string_view title = "binary STL, written by Crumple";  // must not begin with "solid"
     sink << title;

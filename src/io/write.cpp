@@ -75,7 +75,7 @@ void validate(const TriangleMesh& mesh) {
 
 namespace {
 
-using Writer = void (*)(std::ostream&, const TriangleMesh&);
+using Writer = void (*)(std::ostream&, const TriangleMesh&, bool polygons);
 
 Writer writer_of(MeshFormat format) {
     switch (format) {
@@ -107,16 +107,16 @@ MeshFormat mesh_format_of(std::string_view extension) {
     return MeshFormat::automatic;
 }
 
-void write_mesh(std::ostream& out, const TriangleMesh& mesh, MeshFormat format) {
+void write_mesh(std::ostream& out, const TriangleMesh& mesh, MeshFormat format, const WriteOptions& options) {
     const FloatEnvironment environment;
     const Writer write = writer_of(format);
     if (!write) throw Error(ErrorCode::invalid_argument, "meshes are written as ply, obj, stl or off");
     validate(mesh);
-    write(out, mesh);
+    write(out, mesh, options.polygons && !mesh.polygons.empty());
     if (!out.flush()) throw Error(ErrorCode::file, "cannot write a mesh to the stream");
 }
 
-void write_mesh(const std::filesystem::path& path, const TriangleMesh& mesh) {
+void write_mesh(const std::filesystem::path& path, const TriangleMesh& mesh, const WriteOptions& options) {
     const FloatEnvironment environment;
     const Writer write = writer_of(mesh_format_of(extension_of(path)));
     if (!write) {
@@ -125,7 +125,7 @@ void write_mesh(const std::filesystem::path& path, const TriangleMesh& mesh) {
     }
     validate(mesh);
     AtomicFile file(path);
-    write(file.stream(), mesh);
+    write(file.stream(), mesh, options.polygons && !mesh.polygons.empty());
     file.commit();
 }
 

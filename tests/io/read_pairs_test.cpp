@@ -1,11 +1,10 @@
 // Lists of pairs come back as they were written; what is no list is an error that names the place.
 
-#include <zip.h>
-
 #include <cstring>
 
 #include "collisions.h"
 #include "files.h"
+#include "io/zip.h"
 #include "numpy.h"
 
 namespace crumple::io::test {
@@ -103,14 +102,13 @@ TEST(ReadPairs, MistakesInJsonAreErrors) {
 
 /// A .npz with one file, stored or compressed.
 std::string archive_of(const std::string& name, const std::string& bytes, bool compressed = false) {
-    const Folder folder;
-    int error = 0;
-    zip_t* const archive = zip_open((folder / "a.npz").c_str(), ZIP_CREATE, &error);
-    const auto entry =
-        zip_file_add(archive, name.c_str(), zip_source_buffer(archive, bytes.data(), bytes.size(), 0), 0);
-    zip_set_file_compression(archive, static_cast<zip_uint64_t>(entry), compressed ? ZIP_CM_DEFLATE : ZIP_CM_STORE, 0);
-    EXPECT_EQ(zip_close(archive), 0);
-    return bytes_of(folder / "a.npz");
+    ZipWriter archive("test");
+    archive.begin(name, compressed ? ZipWriter::Method::deflate : ZipWriter::Method::store);
+    archive.add(bytes);
+    archive.end();
+    std::ostringstream out;
+    archive.write(out);
+    return out.str();
 }
 
 TEST(ReadPairs, NpzMayHoldIntegersOfAnyOrderAndSize) {
@@ -160,7 +158,14 @@ TEST(ReadPairs, MistakesInNpzAreErrors) {
     expect_bad(npy("<i8", "(1, 2)", packed(std::endian::little, 0l, 1l << 40)), "pair 0 names no triangle");
     std::string damaged = archive_of("pairs.npy", npy("<i4", "(2, 2)", two));
     damaged[damaged.find("NUMPY") + 75] ^= 1;
-    expect_bad_list(damaged, "a.npz", "");  // the checksum tells
+    expect_bad_list(damaged, "a.npz", "truncated or damaged");  // the checksum tells
+    std::string locked = archive_of("pairs.npy", npy("<i4", "(2, 2)", two));
+    locked[6] ^= 1;
+    locked[locked.find("PK\1\2") + 8] ^= 1;
+    expect_bad_list(locked, "a.npz", "no array 'pairs' that can be read");
+    const std::string deflated = archive_of("pairs.npy", npy("<i4", "(2, 2)", two), true);
+    for (std::size_t size = 0; size < deflated.size(); ++size)
+        expect_bad_list(deflated.substr(0, size), "a.npz", "archive");
 }
 
 }  // namespace

@@ -1,0 +1,74 @@
+#pragma once
+
+// Zip archives in memory, by minizip: entries are stored or compressed by deflate, and have their checksums verified.
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <ostream>
+#include <string>
+#include <string_view>
+
+#include "io/source.h"
+
+namespace crumple::io {
+
+/// Made in memory: the sizes that stand before an entry are known after it. Entries have the date 1980-01-01, so that
+/// equal contents give equal archives.
+class ZipWriter {
+   public:
+    /// `kind` is what messages call the archive. Throws Error (file), as all calls do.
+    explicit ZipWriter(std::string kind);
+    ZipWriter(const ZipWriter&) = delete;
+    ZipWriter& operator=(const ZipWriter&) = delete;
+    ~ZipWriter();
+
+    enum class Method : std::uint8_t { store, deflate };
+    /// Begins an entry that will be no longer than `size` before compression.
+    void begin(const std::string& name, Method method, std::uint64_t size = UINT64_MAX);
+    void add(std::string_view bytes);
+    void end();
+
+    /// After the last entry.
+    void write(std::ostream& out);
+
+   private:
+    struct Memory;
+    void check(int status) const;
+
+    std::string kind_;
+    std::unique_ptr<Memory> memory_;
+    void* archive_ = nullptr;
+};
+
+/// Refers to the source. One entry is open at a time.
+class ZipReader {
+   public:
+    /// Throws Error (format): "NAME: this is not a KIND archive".
+    ZipReader(const Source& source, const std::string& kind);
+    ZipReader(const ZipReader&) = delete;
+    ZipReader& operator=(const ZipReader&) = delete;
+    ~ZipReader();
+
+    /// Opens an entry; false if there is none of the name that can be read: another method, a password, damage.
+    bool open(const std::string& name, bool any_case = false);
+    /// The next bytes of the open entry, at most so many; none at its end. Nothing if it is truncated or damaged, which
+    /// a wrong checksum tells at the end.
+    bool read(char* to, std::size_t size, std::size_t& got);
+
+   private:
+    struct Memory;
+    void close();
+
+    std::unique_ptr<Memory> memory_;
+    void* archive_ = nullptr;
+    bool is_open_ = false;
+};
+
+/// Whether the content is that of a zip archive.
+inline bool is_zip(const Source& source) {
+    using namespace std::string_view_literals;
+    return source.text().starts_with("PK\3\4"sv) || source.text().starts_with("PK\5\6"sv);
+}
+
+}  // namespace crumple::io

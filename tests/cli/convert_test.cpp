@@ -1,0 +1,99 @@
+// crumple convert: what comes out is what went in, as far as the format holds it.
+
+#include "crumple/io.h"
+#include "run.h"
+
+namespace crumple::cli::test {
+namespace {
+
+using Convert = Cli;
+
+constexpr std::string_view quad_and_triangle = "v 0 0 0\nv 0.1 0 0\nv 0.1 1 0\nv 0 1 0\nv 0 0 1\nf 1 2 3 4\nf 1 2 5\n";
+
+void expect_same(const io::TriangleMesh& mesh, const io::TriangleMesh& other) {
+    EXPECT_EQ(mesh.vertices, other.vertices);
+    EXPECT_EQ(mesh.triangles, other.triangles);
+    EXPECT_EQ(mesh.polygons.offsets, other.polygons.offsets);
+    EXPECT_EQ(mesh.polygons.corners, other.polygons.corners);
+}
+
+TEST_F(Convert, KeepsPolygonsAndEveryBit) {
+    write("a.obj", quad_and_triangle);
+    const io::TriangleMesh original = io::read_mesh(file("a.obj"));
+    ASSERT_EQ(original.polygons.count(), 2);
+    for (const char* const name : {"b.ply", "b.off", "b.obj"}) {
+        EXPECT_EQ(crumple(std::string("convert a.obj ") + name).status, 0) << name;
+        expect_same(io::read_mesh(file(name)), original);
+    }
+    EXPECT_EQ(crumple("convert b.ply c.off").status, 0);
+    EXPECT_EQ(read("c.off"), "OFF\n5 2 0\n0 0 0\n0.1 0 0\n0.1 1 0\n0 1 0\n0 0 1\n4 0 1 2 3\n3 0 1 4\n");
+}
+
+TEST_F(Convert, StlHoldsTrianglesInFloat32) {
+    write("a.obj", quad_and_triangle);
+    EXPECT_EQ(crumple("convert a.obj a.stl").status, 0);
+    const io::TriangleMesh stl = io::read_mesh(file("a.stl"));
+    EXPECT_EQ(stl.triangle_count(), 3);
+    EXPECT_EQ(stl.precision(), ScalarType::float32);
+    write("far.obj", "v 1e300 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    const Outcome refused = crumple("convert far.obj far.stl");
+    EXPECT_EQ(refused.status, 2);
+    EXPECT_TRUE(is_error_line(refused.err) && contains(refused.err, "overflows float32")) << refused.err;
+    EXPECT_FALSE(fs::exists(file("far.stl")));
+}
+
+TEST_F(Convert, WeldsAsAsked) {
+    write("a.off", "OFF\n6 2 0\n0 0 0\n1 0 0\n0 1 0\n1 0 0\n0 1 0\n1 1 0\n3 0 1 2\n3 3 5 4\n");
+    EXPECT_EQ(crumple("convert a.off apart.ply").status, 0);
+    EXPECT_EQ(io::read_mesh(file("apart.ply")).vertex_count(), 6);
+    EXPECT_EQ(crumple("convert --weld a.off one.ply").status, 0);
+    EXPECT_EQ(io::read_mesh(file("one.ply")).vertex_count(), 4);
+}
+
+TEST_F(Convert, GoesThroughPipes) {
+    write("a.obj", quad_and_triangle);
+    EXPECT_EQ(crumple("convert a.obj a.off").status, 0);
+    EXPECT_EQ(shell("$crumple convert - - --format ply < a.obj | $crumple convert - - --format off").out,
+              read("a.off"));
+}
+
+TEST_F(Convert, PutsBodiesWhereTheyAre) {
+    write("a.gltf", R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0, "translation": [1, 2, 4]}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}],
+        "bufferViews": [{"buffer": 0, "byteLength": 36}],
+        "buffers": [{"byteLength": 36,
+            "uri": "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]})");
+    const Outcome outcome = crumple("convert a.gltf a.off");
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_EQ(read("a.off"), "OFF\n3 1 0\n1 2 4\n2 2 4\n1 3 4\n3 0 1 2\n");
+}
+
+TEST_F(Convert, TellsWhatIsOdd) {
+    write("a.obj", std::string(quad_and_triangle) + "hello 1\n");
+    EXPECT_TRUE(contains(crumple("convert a.obj a.ply").err, "'hello'"));
+    EXPECT_EQ(crumple("convert --strict a.obj b.ply").status, 2);
+    EXPECT_FALSE(fs::exists(file("b.ply")));
+}
+
+TEST_F(Convert, RefusesWhatItCannotWrite) {
+    write("a.obj", quad_and_triangle);
+    const auto expect_refused = [&](const std::string& arguments, const std::string& reason) {
+        const Outcome outcome = crumple("convert " + arguments);
+        EXPECT_EQ(outcome.status, 2) << arguments;
+        EXPECT_TRUE(is_error_line(outcome.err) && contains(outcome.err, reason)) << outcome.err;
+    };
+    for (const char* const name : {"a.glb", "a.html", "a.txt", "a"})
+        expect_refused(std::string("a.obj ") + name, ".ply, .obj, .stl or .off");
+    expect_refused("a.obj - --format glb", ".ply, .obj, .stl or .off");
+    expect_refused("a.obj -", "--format");
+    expect_refused("a.obj b.ply --format ply", "--format");
+    expect_refused("a.obj ./a.obj", "the file that is read");
+    expect_refused("missing.obj b.ply", "missing.obj");
+    expect_refused("a.obj", "OUT");
+    EXPECT_EQ(read("a.obj"), quad_and_triangle);
+}
+
+}  // namespace
+}  // namespace crumple::cli::test
