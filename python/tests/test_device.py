@@ -84,7 +84,7 @@ def test_every_type(cuda, cpu, scalar, index):
 def test_devices(cpu):
     """One that is listed is a device as any other; several are shared by C++'s tests, which play them."""
     listed = crumple.Detector(backend="cuda", devices=[0])
-    assert_same(listed.find_self(*MESH), cpu.find_self(*MESH))
+    assert_same(listed.find_self(MESH), cpu.find_self(MESH))
     with pytest.raises(crumple.InvalidInput, match="each once"):
         crumple.Detector(backend="cuda", devices=(0, 0))
     with pytest.raises(TypeError, match="devices must be a sequence of integers"):
