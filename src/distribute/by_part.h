@@ -1,6 +1,6 @@
 #pragma once
 
-// Rows that one rank has for another, part by part: where those of each part begin.
+// Rows that ranks have for each other, rank by rank and part by part: where those of each begin.
 
 #include <algorithm>
 #include <cstdint>

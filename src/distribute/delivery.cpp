@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstring>
 
+#include "distribute/exchange_lists.h"
+
 namespace crumple::distribute {
 namespace {
 
@@ -25,13 +27,19 @@ Delivery::Delivery(Rounds& rounds, Agreement& agree, const Owners& owners, Membe
                    const SharedVertices& copies, std::vector<AssembledPart>& mine, std::size_t depth)
     : rounds_(rounds),
       agree_(agree),
+      owners_(owners),
       members_(members),
       share_(share),
       copies_(copies),
       all_mine_(mine),
       depth_(static_cast<std::int64_t>(depth)),
       ranks_(rounds.transport().size()) {
-    for (int r = 0; r < ranks_; ++r) all_parts_of_.push_back(owners.parts_of(r));
+    std::vector<std::int32_t> owned(static_cast<std::size_t>(ranks_), 0);
+    for (const int owner : owners.all()) {
+        std::int32_t& so_far = owned[static_cast<std::size_t>(owner)];
+        place_.push_back(so_far++);
+        most_parts_ = std::max(most_parts_, so_far);
+    }
 }
 
 void Delivery::run(const What& what, FunctionRef<void(std::int64_t bytes)> room) {
@@ -45,25 +53,20 @@ int Delivery::choose_groups() {
     std::int64_t most = 0;
     agree_(Phase::members, [&] { most = members_.bytes_of_changes(); });
     rounds_.transport().reduce({&most, 1}, Reduction::max);
-    std::size_t parts = 1;
-    for (const auto& of_rank : all_parts_of_) parts = std::max(parts, of_rank.size());
-    return most > rounds_.bytes() ? static_cast<int>(parts) : 1;
+    return most > rounds_.bytes() ? most_parts_ : 1;
 }
 
 void Delivery::run_group(int group, int groups, FunctionRef<void(std::int64_t bytes)> room) {
-    const auto begin = static_cast<std::size_t>(group), step = static_cast<std::size_t>(groups);
     agree_(Phase::members, [&] {
-        std::vector<std::int32_t> parts;
-        parts_of_.assign(static_cast<std::size_t>(ranks_), {});
-        for (std::size_t r = 0; r < parts_of_.size(); ++r)
-            for (std::size_t i = begin; i < all_parts_of_[r].size(); i += step) {
-                parts_of_[r].push_back(all_parts_of_[r][i]);
-                parts.push_back(all_parts_of_[r][i]);
-            }
-        members_.make_rows(parts, share_, copies_);
+        parts_.clear();
+        for (const std::int32_t part : members_.parts())
+            if (place_[static_cast<std::size_t>(part)] % groups == group) parts_.push_back(part);
+        members_.make_rows(parts_, share_, copies_);
+        list_leaving();
         mine_.clear();
-        for (std::size_t m = begin; m < all_mine_.size(); m += step) mine_.push_back(&all_mine_[m]);
-        coming_.assign(mine_.size() * static_cast<std::size_t>(ranks_), {});
+        for (std::size_t m = static_cast<std::size_t>(group); m < all_mine_.size();
+             m += static_cast<std::size_t>(groups))
+            mine_.push_back(&all_mine_[m]);
     });
     exchange_counts();
     agree_(Phase::room, [&] {
@@ -72,11 +75,9 @@ void Delivery::run_group(int group, int groups, FunctionRef<void(std::int64_t by
     });
     exchange_news();
     agree_(Phase::room, [&] {
-        for (std::size_t m = 0; m < mine_.size(); ++m) {
-            mine_[m]->take(news_[m]);
-            news_[m].clear();
-            news_[m].shrink_to_fit();
-        }
+        for (std::size_t m = 0; m < mine_.size(); ++m)
+            if (!news_[m].empty()) mine_[m]->take(news_[m]);
+        news_.clear();
     });
     const Scene& scene = share_.scene();
     const auto exchange = [&](const VertexReader& reader, bool at_end) {
@@ -84,93 +85,113 @@ void Delivery::run_group(int group, int groups, FunctionRef<void(std::int64_t by
     };
     exchange(scene.reader[0], false);
     if (what_.moving) exchange(scene.end, true);
-    for (const auto& parts : parts_of_) members_.sent(parts);
+    members_.sent(parts_);
+}
+
+void Delivery::list_leaving() {
+    leaving_.clear();
+    for (const std::int32_t part : parts_)
+        if (const DeltaCounts counts = members_.counts_of_delta(part); counts != DeltaCounts{})
+            leaving_.push_back({owners_.of(part), part, counts});
+    std::stable_sort(leaving_.begin(), leaving_.end(),
+                     [](const Leaving& a, const Leaving& b) { return a.rank < b.rank; });
 }
 
 void Delivery::exchange_counts() {
     Traffic traffic(ranks_);
-    for (std::size_t r = 0; r < traffic.out.size(); ++r) {
-        traffic.out[r] = static_cast<std::int64_t>(parts_of_[r].size());
-        traffic.in[r] = static_cast<std::int64_t>(mine_.size());
-    }
-    rounds_.exchange<DeltaCounts>(
+    for (const Leaving& some : leaving_) ++traffic.out[static_cast<std::size_t>(some.rank)];
+    rounds_.transport().all_to_all(traffic.out, traffic.in);
+    agree_(Phase::members, [&] {
+        coming_.clear();
+        coming_.reserve(all(traffic.in));
+    });
+    const auto first = first_of_each(traffic.out);
+    // Each round appends rows of rank after rank, so those of one rank may lie apart.
+    rounds_.exchange<CountsRow>(
         traffic,
-        [&](int rank, std::int64_t first, std::span<DeltaCounts> rows) {
-            const std::vector<std::int32_t>& parts = parts_of_[static_cast<std::size_t>(rank)];
-            for (std::size_t i = 0; i < rows.size(); ++i)
-                rows[i] = members_.counts_of_delta(parts[static_cast<std::size_t>(first) + i]);
+        [&](int rank, std::int64_t begin, std::span<CountsRow> rows) {
+            const auto at = static_cast<std::size_t>(first[static_cast<std::size_t>(rank)] + begin);
+            for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = {leaving_[at + i].part, leaving_[at + i].counts};
         },
-        [&](int rank, std::int64_t first, std::span<const DeltaCounts> rows) {
-            for (std::size_t i = 0; i < rows.size(); ++i)
-                coming_[(static_cast<std::size_t>(first) + i) * static_cast<std::size_t>(ranks_) +
-                        static_cast<std::size_t>(rank)] = rows[i];
+        [&](int rank, std::int64_t, std::span<const CountsRow> rows) {
+            for (const CountsRow& row : rows) {
+                const auto part = std::lower_bound(
+                    mine_.begin(), mine_.end(), row.part,
+                    [](const AssembledPart* mine, std::int64_t index) { return mine->index() < index; });
+                coming_.push_back({rank, static_cast<std::size_t>(part - mine_.begin()), row.counts, nullptr});
+            }
         });
+    std::stable_sort(coming_.begin(), coming_.end(), [](const Coming& a, const Coming& b) { return a.rank < b.rank; });
 }
 
 // An id, a group, three corners and a rank a triangle, its masks, and a vertex; merging has the old and the new lists.
 std::int64_t Delivery::bytes_coming() const {
     std::int64_t bytes = 0;
-    for (const DeltaCounts& some : coming_)
-        bytes += some.added * (24 + 8 * depth_ + (what_.features ? 40 : 0)) +
-                 some.vertices * (what_.float32 ? 12 : 24) * (what_.moving ? 2 : 1);
+    for (const Coming& some : coming_)
+        bytes += some.counts.added * (24 + 8 * depth_ + (what_.features ? 40 : 0)) +
+                 some.counts.vertices * (what_.float32 ? 12 : 24) * (what_.moving ? 2 : 1);
     return bytes;
 }
 
 void Delivery::make_room() {
-    news_.assign(mine_.size(), {});
     const auto size = [](std::int64_t n) { return static_cast<std::size_t>(n); };
-    for (std::size_t m = 0; m < mine_.size(); ++m) {
-        news_[m].resize(static_cast<std::size_t>(ranks_));
-        for (int r = 0; r < ranks_; ++r) {
-            const DeltaCounts& counts = counts_from(m, r);
-            PartNews& news = news_[m][static_cast<std::size_t>(r)];
-            news.rank = r;
-            news.delta.removed.resize(size(counts.removed));
-            news.delta.changed.resize(size(counts.changed));
-            news.delta.changed_masks.resize(size(depth_ * counts.changed));
-            news.delta.added.resize(size(counts.added));
-            news.delta.added_masks.resize(size(depth_ * counts.added));
-            if (what_.features) news.delta.added_features.resize(size(counts.added));
-            news.delta.vertices.resize(size(counts.vertices));
-        }
+    const auto is_news = [](const DeltaCounts& c) { return c.removed + c.changed + c.added + c.vertices > 0; };
+    std::vector<std::size_t> of_part(mine_.size(), 0);
+    for (const Coming& some : coming_) of_part[some.mine] += is_news(some.counts);
+    news_.assign(mine_.size(), {});
+    for (std::size_t m = 0; m < mine_.size(); ++m) news_[m].reserve(of_part[m]);
+    for (Coming& some : coming_) {
+        const DeltaCounts& counts = some.counts;
+        if (!is_news(counts)) continue;
+        some.news = &news_[some.mine].emplace_back();
+        some.news->rank = some.rank;
+        PartDelta& delta = some.news->delta;
+        delta.removed.resize(size(counts.removed));
+        delta.changed.resize(size(counts.changed));
+        delta.changed_masks.resize(size(depth_ * counts.changed));
+        delta.added.resize(size(counts.added));
+        delta.added_masks.resize(size(depth_ * counts.added));
+        if (what_.features) delta.added_features.resize(size(counts.added));
+        delta.vertices.resize(size(counts.vertices));
     }
 }
 
 template <class Row, class Count, class Pack, class Unpack>
 void Delivery::stream(Count count, Pack pack, Unpack unpack) {
-    const auto ranks = static_cast<std::size_t>(ranks_);
-    std::vector<ByPart> out(ranks), in(ranks);
     Traffic traffic(ranks_);
-    for (std::size_t r = 0; r < ranks; ++r) {
-        for (const std::int32_t part : parts_of_[r]) out[r].add(count(members_.counts_of_delta(part)));
-        for (std::size_t m = 0; m < mine_.size(); ++m) in[r].add(count(counts_from(m, static_cast<int>(r))));
-        traffic.out[r] = out[r].rows(), traffic.in[r] = in[r].rows();
-    }
+    ByPart out, in;
+    const auto add = [&](const auto& some, ByPart& rows, std::vector<std::int64_t>& to) {
+        rows.add(count(some.counts));
+        to[static_cast<std::size_t>(some.rank)] += count(some.counts);
+    };
+    for (const Leaving& some : leaving_) add(some, out, traffic.out);
+    for (const Coming& some : coming_) add(some, in, traffic.in);
+    const auto first_out = first_of_each(traffic.out), first_in = first_of_each(traffic.in);
     rounds_.exchange<Row>(
         traffic,
         [&](int rank, std::int64_t first, std::span<Row> rows) {
-            const auto r = static_cast<std::size_t>(rank);
-            out[r].visit(first, rows.size(), [&](std::size_t p, std::int64_t of_part, std::size_t at, std::size_t n) {
-                pack(parts_of_[r][p], of_part, rows.subspan(at, n));
-            });
+            out.visit(first_out[static_cast<std::size_t>(rank)] + first, rows.size(),
+                      [&](std::size_t i, std::int64_t of_part, std::size_t at, std::size_t n) {
+                          pack(leaving_[i], of_part, rows.subspan(at, n));
+                      });
         },
         [&](int rank, std::int64_t first, std::span<const Row> rows) {
-            in[static_cast<std::size_t>(rank)].visit(
-                first, rows.size(), [&](std::size_t m, std::int64_t of_part, std::size_t at, std::size_t n) {
-                    unpack(m, rank, of_part, rows.subspan(at, n));
-                });
+            in.visit(first_in[static_cast<std::size_t>(rank)] + first, rows.size(),
+                     [&](std::size_t i, std::int64_t of_part, std::size_t at, std::size_t n) {
+                         unpack(coming_[i], of_part, rows.subspan(at, n));
+                     });
         });
 }
 
 template <class Element, class Count, class List>
 void Delivery::stream_list(Count count, std::int64_t each, List list) {
     stream<Element>([&](const DeltaCounts& counts) { return each * count(counts); },
-                    [&](std::int32_t part, std::int64_t first, std::span<Element> rows) {
-                        const auto& from = list(members_.delta(part));
+                    [&](const Leaving& some, std::int64_t first, std::span<Element> rows) {
+                        const auto& from = list(members_.delta(some.part));
                         std::copy_n(from.begin() + static_cast<std::ptrdiff_t>(first), rows.size(), rows.begin());
                     },
-                    [&](std::size_t m, int rank, std::int64_t first, std::span<const Element> rows) {
-                        auto& to = list(news_[m][static_cast<std::size_t>(rank)].delta);
+                    [&](const Coming& some, std::int64_t first, std::span<const Element> rows) {
+                        auto& to = list(some.news->delta);
                         std::copy(rows.begin(), rows.end(), to.begin() + static_cast<std::ptrdiff_t>(first));
                     });
 }
@@ -200,18 +221,19 @@ void Delivery::exchange_news() {
 template <class Scalar>
 void Delivery::exchange_coordinates(const VertexReader& reader, bool at_end) {
     using Position = std::array<Scalar, 3>;
-    stream<Position>([](const DeltaCounts& c) { return c.coordinates; },
-                     [&](std::int32_t part, std::int64_t first, std::span<Position> rows) {
-                         gather(reader, members_.vertices(part).subspan(static_cast<std::size_t>(first), rows.size()),
-                                rows);
-                     },
-                     [&](std::size_t m, int rank, std::int64_t first, std::span<const Position> rows) {
-                         Position* const to = mine_[m]->template coordinates<Scalar>(at_end);
-                         mine_[m]->visit_coordinates(
-                             rank, first, rows.size(), [&](std::int64_t place, std::size_t at, std::size_t n) {
-                                 std::copy_n(rows.begin() + static_cast<std::ptrdiff_t>(at), n, to + place);
-                             });
-                     });
+    stream<Position>(
+        [](const DeltaCounts& c) { return c.coordinates; },
+        [&](const Leaving& some, std::int64_t first, std::span<Position> rows) {
+            gather(reader, members_.vertices(some.part).subspan(static_cast<std::size_t>(first), rows.size()), rows);
+        },
+        [&](const Coming& some, std::int64_t first, std::span<const Position> rows) {
+            AssembledPart& part = *mine_[some.mine];
+            Position* const to = part.template coordinates<Scalar>(at_end);
+            part.visit_coordinates(some.rank, first, rows.size(),
+                                   [&](std::int64_t place, std::size_t at, std::size_t n) {
+                                       std::copy_n(rows.begin() + static_cast<std::ptrdiff_t>(at), n, to + place);
+                                   });
+        });
 }
 
 }  // namespace crumple::distribute

@@ -25,16 +25,36 @@ class Delivery {
     Delivery(Rounds& rounds, Agreement& agree, const Owners& owners, Members& members, const Share& share,
              const SharedVertices& copies, std::vector<AssembledPart>& mine, std::size_t depth);
 
-    /// `room(bytes)` is told, before they are taken, what the parts of this rank will need more.
     /// What travels. `features`: what triangles own is told, too. `moving`: so are vertices at their ends.
     struct What {
         bool float32 = true, features = false, moving = false;
     };
+    /// `room(bytes)` is told, before they are taken, what the parts of this rank will need more.
     void run(const What& what, FunctionRef<void(std::int64_t bytes)> room);
 
    private:
+    /// What this rank has for a part of another, or of its own. Ranks that have nothing for a part do not speak of it.
+    struct Leaving {
+        int rank;  ///< the owner
+        std::int32_t part;
+        DeltaCounts counts;
+    };
+    /// What another rank, or this one, has for a part of this.
+    struct Coming {
+        int rank;
+        std::size_t mine;
+        DeltaCounts counts;
+        PartNews* news;  ///< null: coordinates alone
+    };
+    /// As it travels.
+    struct CountsRow {
+        std::int64_t part;
+        DeltaCounts counts;
+    };
+
     int choose_groups();
     void run_group(int group, int groups, FunctionRef<void(std::int64_t bytes)> room);
+    void list_leaving();
     void exchange_counts();
     std::int64_t bytes_coming() const;
     void make_room();
@@ -42,19 +62,16 @@ class Delivery {
     template <class Scalar>
     void exchange_coordinates(const VertexReader& reader, bool at_end);
 
-    /// Of each part `count(counts)` rows: pack(part, first, rows), unpack(which of mine, rank, first, rows).
+    /// Of each part `count(counts)` rows: pack(what leaves, first, rows), unpack(what comes, first, rows).
     template <class Row, class Count, class Pack, class Unpack>
     void stream(Count count, Pack pack, Unpack unpack);
     /// A list of each delta: `list(delta)`, with `each` elements for each of `count(counts)`.
     template <class Element, class Count, class List>
     void stream_list(Count count, std::int64_t each, List list);
 
-    const DeltaCounts& counts_from(std::size_t m, int rank) const {
-        return coming_[m * static_cast<std::size_t>(ranks_) + static_cast<std::size_t>(rank)];
-    }
-
     Rounds& rounds_;
     Agreement& agree_;
+    const Owners& owners_;
     Members& members_;
     const Share& share_;
     const SharedVertices& copies_;
@@ -62,12 +79,14 @@ class Delivery {
     std::int64_t depth_;
     What what_;
     int ranks_;
-    std::vector<std::vector<std::int32_t>> all_parts_of_;  ///< by rank
+    std::vector<std::int32_t> place_;  ///< of each part among those of its owner
+    int most_parts_ = 1;               ///< that a rank owns
 
     // Of the group that is on its way:
-    std::vector<std::vector<std::int32_t>> parts_of_;  ///< by rank
+    std::vector<std::int32_t> parts_;  ///< that this rank has something for, or had
     std::vector<AssembledPart*> mine_;
-    std::vector<DeltaCounts> coming_;          ///< of my part m from rank r, at m * ranks + r
+    std::vector<Leaving> leaving_;             ///< by owner, then part
+    std::vector<Coming> coming_;               ///< by rank, then part
     std::vector<std::vector<PartNews>> news_;  ///< of each of my parts, by rank
 };
 

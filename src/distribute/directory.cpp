@@ -7,6 +7,7 @@
 #include <type_traits>
 
 #include "crumple/error.h"
+#include "distribute/exchange_lists.h"
 
 namespace crumple::distribute {
 namespace {
@@ -21,13 +22,6 @@ Traffic traffic_of(Rounds& rounds, const ByKeeper& elements) {
     for (std::size_t r = 0; r < traffic.out.size(); ++r) traffic.out[r] = elements.first[r + 1] - elements.first[r];
     rounds.transport().all_to_all(traffic.out, traffic.in);
     return traffic;
-}
-
-// Where the rows from each rank begin, and the end.
-std::vector<std::int64_t> sums(const std::vector<std::int64_t>& counts) {
-    std::vector<std::int64_t> first(1, 0);
-    for (const std::int64_t count : counts) first.push_back(first.back() + count);
-    return first;
 }
 
 // All ids that ranks tell this one, those of rank 0 first.
@@ -78,7 +72,7 @@ void check_each_once(Rounds& rounds, Agreement& agree, const Ids& ids, std::int6
     ByKeeper elements;
     agree(Phase::ids, [&] { elements = ByKeeper(ids, count, nullptr, ranks); });
     const Traffic traffic = traffic_of(rounds, elements);
-    const std::vector<std::int64_t> from = sums(traffic.in);
+    const std::vector<std::int64_t> from = first_of_each(traffic.in);
     std::vector<std::int32_t> told, seen;
     const std::int64_t per = ByKeeper::block(ids.all, ranks), begin = per * rounds.transport().rank();
     agree(Phase::ids, [&] {
@@ -114,7 +108,7 @@ void SharedVertices::learn(Rounds& rounds, Agreement& agree, const Ids& ids, std
     ByKeeper all;
     agree(Phase::ids, [&] { all = ByKeeper(ids, count, nullptr, ranks); });
     const Traffic traffic = traffic_of(rounds, all);
-    const std::vector<std::int64_t> from = sums(traffic.in);
+    const std::vector<std::int64_t> from = first_of_each(traffic.in);
     std::vector<std::int32_t> told, ranks_with;
     std::vector<std::uint8_t> flags;
     agree(Phase::ids, [&] {
@@ -153,7 +147,7 @@ void SharedVertices::learn(Rounds& rounds, Agreement& agree, const Ids& ids, std
     if (!any_) return;
     agree(Phase::ids, [&] { told_ = ByKeeper(ids, count, &shared_, ranks); });
     traffic_ = traffic_of(rounds, told_);
-    first_from_ = sums(traffic_.in);
+    first_from_ = first_of_each(traffic_.in);
     agree(Phase::ids, [&] { kept_.resize(static_cast<std::size_t>(first_from_.back())); });
     exchange_ids(rounds, told_, ids, traffic_, first_from_, kept_);
     for (std::int32_t& id : kept_) id -= static_cast<std::int32_t>(block_begin_);

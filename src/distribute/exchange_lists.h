@@ -25,11 +25,17 @@ inline std::size_t all(const std::vector<std::int64_t>& counts) {
     return static_cast<std::size_t>(std::accumulate(counts.begin(), counts.end(), std::int64_t{0}));
 }
 
+/// Where the rows of each rank begin, and the end.
+inline std::vector<std::int64_t> first_of_each(const std::vector<std::int64_t>& counts) {
+    std::vector<std::int64_t> first(1, 0);
+    for (const std::int64_t count : counts) first.push_back(first.back() + count);
+    return first;
+}
+
 /// list(rank) is a vector; all that come lie in `coming`, which has their size, those of rank 0 first.
 template <class Row, class List>
 void exchange_lists(Rounds& rounds, const Traffic& traffic, List list, std::vector<Row>& coming) {
-    std::vector<std::int64_t> first(1, 0);
-    for (const std::int64_t rows : traffic.in) first.push_back(first.back() + rows);
+    const std::vector<std::int64_t> first = first_of_each(traffic.in);
     rounds.exchange<Row>(
         traffic,
         [&](int rank, std::int64_t begin, std::span<Row> rows) {

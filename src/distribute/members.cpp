@@ -33,6 +33,7 @@ double follow(const VertexReader& reader, const Normaliser& normalise, std::vect
 
 void Members::forget() {
     entries_.clear(), part_.clear(), masks_.clear(), slack_.clear();
+    parts_.clear(), is_listed_.clear();
     counts_.clear(), changes_.clear(), delta_.clear(), list_.clear(), anew_.clear();
     before_ = {}, before_at_end_ = {};
     way_ = 0;
@@ -45,6 +46,7 @@ void Members::update(const Share& share, const Placement& placement, ParallelFor
     depth_ = static_cast<std::size_t>(placement.tree().depth);
     entries_.resize(triangles);
     slack_.resize(triangles, -1.0f);
+    is_listed_.resize(parts, 0);
     counts_.resize(parts, 0);
     changes_.resize(parts);
     delta_.resize(parts);
@@ -68,6 +70,7 @@ void Members::update(const Share& share, const Placement& placement, ParallelFor
         }
         slice = {};
     }
+    std::sort(parts_.begin(), parts_.end());
     if (entries_at_first_ == 0) entries_at_first_ = part_.size();
 }
 
@@ -139,6 +142,7 @@ void Members::take(std::int32_t triangle, std::span<const std::int32_t> parts, s
         const bool only_old = i == parts.size() || (j < end && part_[j] < parts[i]);
         if (only_new) {
             change(parts[i]).added.push_back(triangle);
+            if (!std::exchange(is_listed_[static_cast<std::size_t>(parts[i])], 1)) parts_.push_back(parts[i]);
             ++counts_[static_cast<std::size_t>(parts[i++])];
             same = false;
         } else if (only_old) {
@@ -169,8 +173,10 @@ void Members::take(std::int32_t triangle, std::span<const std::int32_t> parts, s
 std::int64_t Members::bytes_of_changes() {
     tell_all_of_some();
     std::size_t rows = 0;
-    for (const Changes& changes : changes_)
+    for (const std::int32_t part : parts_) {
+        const Changes& changes = changes_[static_cast<std::size_t>(part)];
         rows += changes.removed.size() + changes.changed.size() + changes.added.size();
+    }
     return static_cast<std::int64_t>(rows * (sizeof(MemberRow) + depth_ * sizeof(std::uint64_t)));
 }
 
@@ -259,7 +265,10 @@ void Members::sent(std::span<const std::int32_t> parts) {
 
 bool Members::stale() const {
     std::size_t at_first = 0, now = 0;
-    for (const VertexList& list : list_) at_first += list.at_first, now += list.vertices.size();
+    for (const std::int32_t part : parts_) {
+        const VertexList& list = list_[static_cast<std::size_t>(part)];
+        at_first += list.at_first, now += list.vertices.size();
+    }
     return now > at_first + at_first / 2 + 1000 || part_.size() > 2 * entries_at_first_ + 1000;
 }
 

@@ -39,6 +39,7 @@ struct MemberRow {
 /// How many rows of each sort one rank has for one part.
 struct DeltaCounts {
     std::int64_t removed = 0, changed = 0, added = 0, vertices = 0, coordinates = 0;
+    friend bool operator==(const DeltaCounts&, const DeltaCounts&) = default;
 };
 
 /// What one part's owner is told by this rank.
@@ -59,6 +60,8 @@ class Members {
     void set_features(const FeatureOwners* features) { features_ = features; }
     /// How many members of each part this rank has.
     std::span<const std::int64_t> counts() const { return counts_; }
+    /// The parts that it has, or has had, members of; ascending. Others are not looked at: there may be thousands.
+    std::span<const std::int32_t> parts() const { return parts_; }
 
     /// The part gets an owner that knows nothing of it.
     void tell_anew(std::int32_t part) { anew_[static_cast<std::size_t>(part)] = 1; }
@@ -124,6 +127,8 @@ class Members {
     double way_ = 0;                      ///< that vertices may have moved since the first frame
     Coordinates before_, before_at_end_;  ///< of the call before
 
+    std::vector<std::int32_t> parts_;
+    std::vector<std::uint8_t> is_listed_;  ///< in parts_
     std::vector<std::int64_t> counts_;
     std::vector<Changes> changes_;
     std::vector<PartDelta> delta_;
