@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <limits>
 #include <numeric>
+#include <set>
+#include <utility>
 
 namespace crumple::distribute {
 namespace {
@@ -88,27 +90,28 @@ std::vector<std::int32_t> Owners::parts_of(int rank) const {
     return parts;
 }
 
-void Owners::give_out(std::span<const std::int64_t> work, int ranks, Nearness nearness) {
-    const std::size_t parts = work.size(), n = static_cast<std::size_t>(ranks);
-    std::vector<std::size_t> order(parts);
+void Owners::give_out(std::span<const std::int64_t> work, int ranks, Near near) {
+    std::vector<std::size_t> order(work.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return work[a] > work[b]; });
     const std::int64_t all = std::accumulate(work.begin(), work.end(), std::int64_t{0});
     const std::int64_t fair = all / ranks + all / (20 * ranks);
-    std::vector<std::int64_t> load(n, 0);
-    owner_.assign(parts, 0);
+    std::vector<std::int64_t> load(static_cast<std::size_t>(ranks), 0);
+    std::set<std::pair<std::int64_t, int>> by_load;
+    for (int r = 0; r < ranks; ++r) by_load.emplace_hint(by_load.end(), 0, r);
+    owner_.assign(work.size(), 0);
     for (const std::size_t k : order) {
-        std::size_t least = 0, best = n;
-        std::int64_t nearest = 0;
-        for (std::size_t r = 0; r < n; ++r) {
-            if (load[r] < load[least]) least = r;
-            if (load[r] + work[k] > fair) continue;
-            const std::int64_t near = nearness(k, r);
-            if (best == n || near > nearest || (near == nearest && load[r] < load[best])) best = r, nearest = near;
-        }
-        if (best == n) best = least;
-        owner_[k] = static_cast<int>(best);
-        load[best] += work[k];
+        int owner = by_load.begin()->second;
+        for (const int r : near(k))
+            if (load[static_cast<std::size_t>(r)] + work[k] <= fair) {
+                owner = r;
+                break;
+            }
+        owner_[k] = owner;
+        std::int64_t& loaded = load[static_cast<std::size_t>(owner)];
+        by_load.erase({loaded, owner});
+        loaded += work[k];
+        by_load.emplace(loaded, owner);
     }
 }
 

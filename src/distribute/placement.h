@@ -67,10 +67,10 @@ class Owners {
     /// The parts of a rank, ascending.
     std::vector<std::int32_t> parts_of(int rank) const;
 
-    /// Gives out parts by the work that each is, heaviest first, each to the rank that is nearest to it among those
-    /// with room for it; if none has room, to the one that has least.
-    using Nearness = FunctionRef<std::int64_t(std::size_t part, std::size_t rank)>;
-    void give_out(std::span<const std::int64_t> work, int ranks, Nearness nearness);
+    /// Gives out parts by the work that each is, heaviest first, each to the first of the ranks that are near to it
+    /// that has room for it; if none has, to the rank that has least.
+    using Near = FunctionRef<std::span<const int>(std::size_t part)>;
+    void give_out(std::span<const std::int64_t> work, int ranks, Near near);
     /// What the heaviest rank has to do, over what each has in the mean.
     double balance(std::span<const std::int64_t> work, int ranks) const;
 

@@ -217,20 +217,29 @@ void RankDetector::list_members() {
 // By members for a start, each part to a rank that has many of them; by measured work where that is far from even.
 void RankDetector::give_out() {
     if (owners_.known()) return give_out_anew();
-    const auto ranks = static_cast<std::size_t>(transport_.size()),
-               parts = static_cast<std::size_t>(placement_.parts());
-    std::vector<std::int64_t> all(members_.counts().begin(), members_.counts().end()), by_rank;
+    std::vector<std::int64_t> all(members_.counts().begin(), members_.counts().end());
     reduce(all, Reduction::sum);
-    constexpr std::size_t most = std::size_t{1} << 16;  // numbers in one reduction
-    if (parts * ranks <= most) {
-        by_rank.assign(parts * ranks, 0);
-        for (std::size_t k = 0; k < parts; ++k)
-            by_rank[k * ranks + static_cast<std::size_t>(transport_.rank())] = members_.counts()[k];
-        reduce(by_rank, Reduction::sum);
+    const std::vector<std::vector<int>> near = ranks_near_parts();
+    owners_.give_out(all, transport_.size(), [&](std::size_t part) { return std::span<const int>(near[part]); });
+}
+
+// Of each part the ranks that have most of its members, up to four. A table of all ranks would be too large for many.
+std::vector<std::vector<int>> RankDetector::ranks_near_parts() {
+    const std::span<const std::int64_t> mine = members_.counts();
+    const std::int64_t ranks = transport_.size(), rank = transport_.rank();
+    std::vector<std::vector<int>> near(mine.size());
+    std::vector<std::int64_t> next(mine.size());
+    for (int round = 0; round < std::min<std::int64_t>(4, ranks); ++round) {
+        // A count and a rank in one number, so that one reduction finds the rank that has most.
+        for (std::size_t k = 0; k < mine.size(); ++k) {
+            const bool is_told = std::find(near[k].begin(), near[k].end(), rank) != near[k].end();
+            next[k] = is_told || mine[k] == 0 ? -1 : (mine[k] << 32) + (ranks - 1 - rank);
+        }
+        reduce(next, Reduction::max);
+        for (std::size_t k = 0; k < mine.size(); ++k)
+            if (next[k] >= 0) near[k].push_back(static_cast<int>(ranks - 1 - (next[k] & 0xffffffff)));
     }
-    owners_.give_out(all, transport_.size(), [&](std::size_t part, std::size_t rank) {
-        return by_rank.empty() ? 0 : by_rank[part * ranks + rank];
-    });
+    return near;
 }
 
 // Parts that change hands begin anew, so few should.
@@ -239,9 +248,8 @@ void RankDetector::give_out_anew() {
     const double balance = owners_.balance(expected_work_, transport_.size());
     if (balance < 1.2) return;
     Owners others;
-    others.give_out(expected_work_, transport_.size(), [&](std::size_t part, std::size_t rank) {
-        return std::int64_t{owners_.all()[part] == static_cast<int>(rank)};
-    });
+    others.give_out(expected_work_, transport_.size(),
+                    [&](std::size_t part) { return owners_.all().subspan(part, 1); });
     if (others.balance(expected_work_, transport_.size()) > 0.9 * balance) return;
     for (std::int32_t k = 0; k < placement_.parts(); ++k)
         if (others.of(k) != owners_.of(k)) members_.tell_anew(k);

@@ -74,6 +74,7 @@ class CRUMPLE_API RankDetector {
     void place();
     void list_members();
     void give_out();
+    std::vector<std::vector<int>> ranks_near_parts();
     void give_out_anew();
     void own_parts();
     void deliver();
