@@ -99,8 +99,8 @@ nlohmann::json study_ranks(const StudySettings& settings) {
                      "first MB sent", "MB sent a frame", "messages"});
         nlohmann::json counts = nlohmann::json::array();
         for (const int ranks : {2, 4, 8, 16, 32, 64})
-            for (const int each : {1, 2, 4}) {
-                if (settings.quick && (ranks > 8 || each == 4)) continue;
+            for (const int each : {1, 2, 4, 8}) {
+                if (settings.quick && (ranks > 8 || each >= 4)) continue;
                 const nlohmann::json& row = counts.emplace_back(share_scene(workload, ranks, each * ranks, alone));
                 const auto megabytes = [&](const char* what) { return number(1e-6 * row[what].get<double>()); };
                 table.row({std::to_string(ranks), std::to_string(each * ranks), number(row["balance"]),

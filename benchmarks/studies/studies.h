@@ -50,6 +50,7 @@ nlohmann::json study_membership(const StudySettings& settings);
 nlohmann::json study_axes(const StudySettings& settings);
 nlohmann::json study_parts(const StudySettings& settings);
 nlohmann::json study_ranks(const StudySettings& settings);
+nlohmann::json study_scaling(const StudySettings& settings);
 nlohmann::json study_streaming(const StudySettings& settings);
 nlohmann::json study_two_clusters(const StudySettings& settings);
 nlohmann::json study_threads(const StudySettings& settings);
