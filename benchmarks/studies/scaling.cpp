@@ -12,6 +12,7 @@
 
 #include <time.h>
 
+#include "crumple/error.h"
 #include "distribute/in_process.h"
 #include "distribute/rank_detector.h"
 #include "report.h"
@@ -33,8 +34,9 @@ struct Told {
     double bytes = 0, messages = 0, neighbours = 0;  // sent in exchanges; the ranks sent to
     double reductions = 0, reduced = 0, broadcasts = 0, all_to_alls = 0, exchanges = 0;  // calls; bytes reduced
     double members = 0;
+    double moved = 0;  // 1: little more than coordinates travelled
 };
-constexpr std::array<std::pair<const char*, double Told::*>, 11> columns{{{"work", &Told::work},
+constexpr std::array<std::pair<const char*, double Told::*>, 12> columns{{{"work", &Told::work},
                                                                           {"rest", &Told::rest},
                                                                           {"bytes", &Told::bytes},
                                                                           {"messages", &Told::messages},
@@ -44,7 +46,8 @@ constexpr std::array<std::pair<const char*, double Told::*>, 11> columns{{{"work
                                                                           {"broadcasts", &Told::broadcasts},
                                                                           {"all_to_alls", &Told::all_to_alls},
                                                                           {"exchanges", &Told::exchanges},
-                                                                          {"members", &Told::members}}};
+                                                                          {"members", &Told::members},
+                                                                          {"moved", &Told::moved}}};
 
 /// The in-process transport, whose calls are counted, and their time is known.
 class Counted final : public distribute::Transport {
@@ -80,6 +83,7 @@ class Counted final : public distribute::Transport {
     Told end(double milliseconds, const DistributedStatistics& statistics) {
         told_.work = statistics.work_milliseconds;
         told_.rest = milliseconds - inside_ - told_.work;
+        told_.moved = statistics.moved;
         told_.members = static_cast<double>(statistics.members);
         told_.neighbours = static_cast<double>(std::ranges::count(spoken_to_, true));
         inside_ = 0;
@@ -100,7 +104,7 @@ class Counted final : public distribute::Transport {
     double inside_ = 0;
 };
 
-constexpr int frames = 6, warm = 2;  // the first ones make parts and give them out
+constexpr int frames = 9, warm = 3;  // the first ones make parts and give them out
 
 /// A block of the cloth in two frames, in turns.
 struct MovingBlock {
@@ -184,6 +188,13 @@ nlohmann::json study_scaling(const StudySettings& settings) {
                                {10'000, true, {1, 4, 16, 64, 256, 1024}},
                                {10'000'000, false, {2, 4, 8, 16, 32, 64, 256, 1024}}};
     if (settings.quick) series = {{2000, true, {1, 2, 4, 8}}};
+    if (!settings.scenes.empty()) series.clear();
+    for (const std::string& name : settings.scenes) {
+        const auto [scene, parameters] = parse(name);
+        if (scene != "cloth" || parameters.triangles == 0)
+            throw Error(ErrorCode::invalid_argument, "study scaling takes cloth:TRIANGLES");
+        series.push_back({parameters.triangles, false, {16, 64, 256, 1024}});
+    }
     nlohmann::json rows = nlohmann::json::array();
     for (const auto& [triangles, of_rank, counts] : series) {
         Table table(fmt::format("scaling: cloth, {} triangles {}; a frame", triangles, of_rank ? "a rank" : "in all"),

@@ -246,11 +246,11 @@ std::vector<std::vector<int>> RankDetector::ranks_near_parts() {
 void RankDetector::give_out_anew() {
     if (transport_.size() == 1 || expected_work_.empty()) return;
     const double balance = owners_.balance(expected_work_, transport_.size());
-    if (balance < 1.2) return;
+    if (balance < 1.1) return;
     Owners others;
     others.give_out(expected_work_, transport_.size(),
                     [&](std::size_t part) { return owners_.all().subspan(part, 1); });
-    if (others.balance(expected_work_, transport_.size()) > 0.9 * balance) return;
+    if (others.balance(expected_work_, transport_.size()) > 0.93 * balance) return;
     for (std::int32_t k = 0; k < placement_.parts(); ++k)
         if (others.of(k) != owners_.of(k)) members_.tell_anew(k);
     owners_ = std::move(others);

@@ -1,0 +1,115 @@
+"""Predicts the time of a frame on 64 to 4,096 ranks from what pretended ranks have computed and said.
+
+python predict_ranks.py RESULTS [--latency SECONDS] [--overhead SECONDS] [--bandwidth BYTES_PER_SECOND] [--cores N]
+
+RESULTS is the JSON of `crumple_benchmark --study scaling`. Each quantity is fitted over the rows of 16 ranks and more, by
+triangles of a rank (n) and ranks (P); of the slowest rank, but for bytes, which all ranks of a machine send together:
+
+    work        a n^b, times what the slowest has over the mean
+    rest        n (a + b sqrt(P)) + c, at most LOOK for each triangle: the smaller parts are, the more triangles may have
+                reached a further one since the last frame, and are looked at
+    messages    a P^b: a rank speaks to the owners of the parts that it has members of
+    bytes       a n^b P^c, at most the most for each triangle that was seen: in the end all coordinates travel
+
+Machines have N ranks of one core each and one link, which sends while it receives. A frame then takes work, rest, and
+
+    messages x overhead + exchanges x latency + (2 reductions + broadcasts + all-to-alls) x log2(P) latency
+    + (N x mean + largest bytes + 2 bytes reduced + all-to-alls x log2(P) 4 P bytes) / bandwidth
+
+Needs NumPy. docs/scaling.md shows the tables.
+"""
+
+import argparse
+import json
+from pathlib import Path
+
+import numpy as np
+
+SMALLEST = 16  # ranks, of rows that are fitted
+LOOK = 300e-6  # milliseconds to find the parts of one triangle on three levels
+
+
+def fit(columns, values):
+    """Least squares of relative errors: factors of the columns, and the largest error."""
+    columns, values = np.array(columns, float).T, np.array(values, float)
+    factors = np.linalg.lstsq(columns / values[:, None], np.ones(len(values)), rcond=None)[0]
+    return factors, np.max(np.abs(columns @ factors / values - 1))
+
+
+def fit_power(bases, values):
+    """log(value) = log(a) + b log(base) + ...: the exponents, and the largest relative error."""
+    columns = np.array([np.ones(len(values)), *(np.log(base) for base in bases)]).T
+    logs = np.log(np.array(values, float))
+    factors = np.linalg.lstsq(columns, logs, rcond=None)[0]
+    return factors, np.max(np.abs(np.exp(columns @ factors - logs) - 1))
+
+
+class Model:
+    def __init__(self, rows):
+        self.rows = [row for row in rows if row["ranks"] >= SMALLEST]
+        n, ranks = self.column("members"), self.column(None)
+        slowest = self.column("work", "largest") / self.column("work")
+        self.imbalance = float(np.median(slowest))
+        self.work, self.work_error = fit_power([n], self.column("work"))
+        self.rest, self.rest_error = fit([n, n * np.sqrt(ranks), np.ones(len(n))], self.column("rest", "largest"))
+        self.messages, self.messages_error = fit_power([ranks], self.column("messages", "largest"))
+        self.bytes, self.bytes_error = fit_power([n, ranks], self.column("bytes"))
+        self.most_bytes = float(np.max(self.column("bytes") / n))
+        self.largest_bytes = float(np.median(self.column("bytes", "largest") / self.column("bytes")))
+        # Of each part that there are on P ranks, eight bytes: what a frame adds up.
+        self.reduced = float(np.median(self.column("reduced") / ranks))
+        self.counts = {name: float(np.median(self.column(name)))
+                       for name in ("reductions", "broadcasts", "all_to_alls", "exchanges")}
+
+    def column(self, name, which="mean"):
+        return np.array([row["frame"][name][which] if name else row["ranks"] for row in self.rows], float)
+
+    def frame(self, n, ranks, network):
+        """Milliseconds of work, rest, latency and bytes of the slowest rank."""
+        log = np.log2(ranks)
+        work = self.imbalance * np.exp(self.work @ [1, np.log(n)])
+        rest = min(self.rest @ [n, n * np.sqrt(ranks), 1], LOOK * n + self.rest @ [n, 0, 1])
+        messages = np.exp(self.messages @ [1, np.log(ranks)])
+        sent = min(np.exp(self.bytes @ [1, np.log(n), np.log(ranks)]), self.most_bytes * n)
+        count = self.counts
+        latency = (messages * network.overhead + count["exchanges"] * network.latency
+                   + (2 * count["reductions"] + count["broadcasts"] + count["all_to_alls"]) * log * network.latency)
+        of_machine = (network.cores + self.largest_bytes) * sent
+        volume = of_machine + 2 * self.reduced * ranks + count["all_to_alls"] * log * 4 * ranks
+        return work, rest, 1e3 * latency, 1e3 * volume / network.bandwidth
+
+
+def table(title, model, sizes, network):
+    print(f"\n{title}\n")
+    print("| ranks | triangles a rank | in all | work ms | rest ms | messages ms | bytes ms | frame ms | of it work |")
+    print("|---|---|---|---|---|---|---|---|---|")
+    for ranks, n in sizes:
+        work, rest, latency, volume = model.frame(n, ranks, network)
+        frame = work + rest + latency + volume
+        print(f"| {ranks:,} | {n:,.0f} | {n * ranks / 1e6:,.0f}M | {work:.3g} | {rest:.3g} | {latency:.3g} | {volume:.3g} "
+              f"| {frame:.3g} | {100 * work / frame:.0f} % |")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("results", type=Path)
+    parser.add_argument("--latency", type=float, default=2e-6, help="seconds from one rank to another")
+    parser.add_argument("--overhead", type=float, default=1e-6, help="seconds that a rank spends on a message")
+    parser.add_argument("--bandwidth", type=float, default=12.5e9, help="bytes a second of a machine")
+    parser.add_argument("--cores", type=int, default=64, help="ranks of a machine")
+    network = parser.parse_args()
+    figures = json.loads(network.results.read_text())
+    model = Model(figures["studies"]["scaling"]["figures"])
+    print(f"largest errors of the fits: work {model.work_error:.0%}, rest {model.rest_error:.0%}, "
+          f"messages {model.messages_error:.0%}, bytes {model.bytes_error:.0%}; "
+          f"the slowest rank's work is {model.imbalance:.2f} times the mean")
+    counts = [64, 128, 256, 512, 1024, 2048, 4096]
+    for n in (100_000, 400_000):
+        table(f"Weak: {n:,} triangles a rank", model, [(ranks, n) for ranks in counts], network)
+    for all_triangles in (100_000_000, 1_000_000_000):
+        table(f"Strong: {all_triangles // 1_000_000:,} million triangles", model,
+              [(ranks, all_triangles / ranks) for ranks in counts], network)
+
+
+if __name__ == "__main__":
+    main()
