@@ -298,6 +298,37 @@ TEST(RankErrors, tell_what_memory_the_rank_that_lacks_most_needs) {
     EXPECT_EQ(seen[2], seen[0]);
 }
 
+// Triangles enter parts and leave them, frame by frame, within a quarter more memory than the first frame needs. What
+// leaves is given back to the meter, or it would be full after some frames.
+TEST(RankErrors, stay_within_their_memory_while_a_scene_moves_through_the_parts) {
+    const WholeMesh mesh(wavy_sheet<float>(60));
+    const auto answer_frames = [&](std::int64_t limit, int frames) {
+        std::vector<Seen> seen(ranks);
+        run_ranks(ranks, [&](Transport& transport) {
+            WholeMesh now = mesh;
+            MeshPiece piece(now, Distribution::blocks, transport.rank(), ranks);
+            DistributedOptions options = small();
+            options.parts = 9;
+            options.detector.memory_limit = limit;
+            RankDetector detector(transport, options);
+            detector.set_clock([] { return 0.0; });  // no part changes hands
+            for (int f = 0; f < frames; ++f) {
+                auto& xyz = std::get<std::vector<float>>(now.vertices);
+                const auto& start = std::get<std::vector<float>>(mesh.vertices);
+                for (std::size_t i = 0; i < xyz.size(); i += 3)
+                    xyz[i] = start[i] * (1 + 0.2f * std::sin(1.5f * static_cast<float>(f)));
+                piece.follow();
+                Seen& mine = seen[static_cast<std::size_t>(transport.rank())];
+                if (mine == Seen{}) mine = seen_by([&] { detector.find_self(piece.share(), {}); });
+            }
+        });
+        return seen[0];
+    };
+    std::int64_t limit = 20000;
+    while (answer_frames(limit, 1).code == ErrorCode::memory_limit) limit += limit / 8;
+    EXPECT_EQ(answer_frames(limit + limit / 4, 300), Seen{});
+}
+
 TEST(RankErrors, keep_nobody_waiting_for_a_rank_that_has_ended) {
     std::vector<Seen> seen(ranks);
     EXPECT_THROW(run_ranks(ranks,
