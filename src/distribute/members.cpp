@@ -10,12 +10,14 @@ namespace {
 
 constexpr std::size_t vertices_at_once = 8192;
 
-// The largest square of a way from `before` to where the vertices are now, which it becomes; normalised before it is
-// squared, so that nothing that matters underflows.
+// Rounded down by more than one product or difference of float32 may round up.
+constexpr float rounded_down = 1 - 1.0f / (1 << 22);
+
+// How far each vertex is from where it was `before`, which becomes where it is: the longest of this and what `step`
+// holds. Normalised before it is squared, so that nothing that matters underflows; not less than the truth.
 template <class Scalar>
-double follow(const VertexReader& reader, const Normaliser& normalise, std::vector<Scalar>& before, std::size_t begin,
-              std::size_t end) {
-    double largest = 0;
+void follow(const VertexReader& reader, const Normaliser& normalise, std::vector<Scalar>& before,
+            std::vector<float>& step, std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v) {
         const Vec3d p = reader(static_cast<std::int64_t>(v));
         Scalar* const old = before.data() + 3 * v;
@@ -24,9 +26,8 @@ double follow(const VertexReader& reader, const Normaliser& normalise, std::vect
             way[axis] = (p[axis] * normalise.pre - static_cast<double>(old[axis]) * normalise.pre) * normalise.post;
             old[axis] = static_cast<Scalar>(p[axis]);
         }
-        largest = std::max(largest, dot(way, way));
+        step[v] = std::max(step[v], static_cast<float>(1.000001 * std::sqrt(dot(way, way))));
     }
-    return largest;
 }
 
 }  // namespace
@@ -36,7 +37,6 @@ void Members::forget() {
     parts_.clear(), is_listed_.clear();
     counts_.clear(), changes_.clear(), delta_.clear(), list_.clear(), anew_.clear();
     before_ = {}, before_at_end_ = {};
-    way_ = 0;
     entries_at_first_ = 0;
 }
 
@@ -52,7 +52,7 @@ void Members::update(const Share& share, const Placement& placement, ParallelFor
     delta_.resize(parts);
     list_.resize(parts);
     anew_.resize(parts, 0);
-    measure_way(share, placement, workers);
+    measure_steps(share, placement, workers);
 
     const std::size_t slices = std::clamp<std::size_t>(triangles / 4096, 1, 256);
     std::vector<Found> found(slices);
@@ -74,29 +74,26 @@ void Members::update(const Share& share, const Placement& placement, ParallelFor
     if (entries_at_first_ == 0) entries_at_first_ = part_.size();
 }
 
-// In normalised coordinates, as slack is, and not less than the truth.
-void Members::measure_way(const Share& share, const Placement& placement, ParallelFor& workers) {
+// In normalised coordinates, as slack is.
+void Members::measure_steps(const Share& share, const Placement& placement, ParallelFor& workers) {
     const Scene& scene = share.scene();
-    const auto n = static_cast<std::size_t>(scene.vertex_count());
-    const Normaliser& normalise = placement.normaliser();
-    double way = longest_way(scene.reader[0], normalise, n, before_, workers);
-    if (scene.moving) way = std::max(way, longest_way(scene.end, normalise, n, before_at_end_, workers));
-    way_ += 1.000001 * way;
+    step_.assign(static_cast<std::size_t>(scene.vertex_count()), 0);
+    measure_steps(scene.reader[0], placement.normaliser(), before_, workers);
+    if (scene.moving) measure_steps(scene.end, placement.normaliser(), before_at_end_, workers);
 }
 
 // From `before`, if that is known, which becomes what is now.
-double Members::longest_way(const VertexReader& reader, const Normaliser& normalise, std::size_t n, Coordinates& before,
+void Members::measure_steps(const VertexReader& reader, const Normaliser& normalise, Coordinates& before,
                             ParallelFor& workers) {
+    const std::size_t n = step_.size();
     const auto measure = [&](auto& known) {
         const bool comparable = known.size() == 3 * n;
         known.resize(3 * n);
         const std::size_t slices = (n + vertices_at_once - 1) / vertices_at_once;
-        std::vector<double> largest(slices, 0);
         workers.parallel_for(slices, [&](std::size_t s) {
-            largest[s] =
-                follow(reader, normalise, known, s * vertices_at_once, std::min(n, (s + 1) * vertices_at_once));
+            follow(reader, normalise, known, step_, s * vertices_at_once, std::min(n, (s + 1) * vertices_at_once));
         });
-        return comparable && n > 0 ? std::sqrt(*std::max_element(largest.begin(), largest.end())) : 0;
+        if (!comparable) std::fill(step_.begin(), step_.end(), 0.0f);
     };
     if (reader.float32) {
         if (!std::holds_alternative<std::vector<float>>(before)) before = std::vector<float>();
@@ -106,12 +103,19 @@ double Members::longest_way(const VertexReader& reader, const Normaliser& normal
     return measure(std::get<std::vector<double>>(before));
 }
 
+bool Members::may_have_reached_a_part(const Scene& scene, std::int64_t t) {
+    const std::int32_t* const corners = scene.corners + 3 * t;
+    const auto step = [&](int c) { return step_[static_cast<std::size_t>(corners[c])]; };
+    float& slack = slack_[static_cast<std::size_t>(t)];
+    slack = rounded_down * (slack - std::max({step(0), step(1), step(2)}));
+    return !(slack > 0);
+}
+
 Members::Found Members::look(const Share& share, const Placement& placement, std::int64_t begin, std::int64_t end) {
     Found found;
     const PartTree tree = placement.tree();
     for (std::int64_t t = begin; t < end; ++t) {
-        float& until = slack_[static_cast<std::size_t>(t)];
-        if (static_cast<double>(until) > way_) continue;
+        if (!may_have_reached_a_part(share.scene(), t)) continue;
         double slack = std::numeric_limits<float>::max();
         std::int32_t count = 0;
         tree.for_each_part(
@@ -122,8 +126,8 @@ Members::Found Members::look(const Share& share, const Placement& placement, std
                 found.masks.insert(found.masks.end(), masks, masks + depth_);
             },
             &slack);
-        // Rounded down by more than the conversion may round up.
-        until = static_cast<float>(std::min(0.999999 * (way_ + placement.slack_of_way() * slack), 1e30));
+        slack_[static_cast<std::size_t>(t)] =
+            rounded_down * static_cast<float>(std::min(placement.slack_of_way() * slack, 1e30));
         found.triangle.push_back(static_cast<std::int32_t>(t));
         found.count.push_back(count);
     }

@@ -13,8 +13,8 @@
 //                              coordinates  of the whole list
 //
 // A triangle is looked at again when it may have reached a further part: each knows how far its corners may move until
-// then (PartTree::mask), and how far any vertex has moved is one number, added up frame by frame. In between it may
-// belong to a part that it has left, which costs a little and changes nothing.
+// then (PartTree::mask), and the longest step of the three is taken off that frame by frame. In between it may belong
+// to a part that it has left, which costs a little and changes nothing.
 
 #include <array>
 #include <cstdint>
@@ -99,9 +99,10 @@ class Members {
         std::size_t at_first = 0;
     };
 
-    void measure_way(const Share& share, const Placement& placement, ParallelFor& workers);
-    static double longest_way(const VertexReader& reader, const Normaliser& normalise, std::size_t n,
-                              Coordinates& before, ParallelFor& workers);
+    void measure_steps(const Share& share, const Placement& placement, ParallelFor& workers);
+    void measure_steps(const VertexReader& reader, const Normaliser& normalise, Coordinates& before,
+                       ParallelFor& workers);
+    bool may_have_reached_a_part(const Scene& scene, std::int64_t t);
     Found look(const Share& share, const Placement& placement, std::int64_t begin, std::int64_t end);
     void take(std::int32_t triangle, std::span<const std::int32_t> parts, std::span<const std::uint64_t> masks);
     void tell_all_of_some();
@@ -123,8 +124,8 @@ class Members {
     std::vector<std::int32_t> part_;
     std::vector<std::uint64_t> masks_;  ///< of each entry, one a level
     std::size_t entries_at_first_ = 0;
-    std::vector<float> slack_;            ///< by triangle: the way at which it is looked at again
-    double way_ = 0;                      ///< that vertices may have moved since the first frame
+    std::vector<float> slack_;            ///< by triangle: how far corners may go until it is looked at again
+    std::vector<float> step_;             ///< by vertex: how far it has gone since the call before
     Coordinates before_, before_at_end_;  ///< of the call before
 
     std::vector<std::int32_t> parts_;
