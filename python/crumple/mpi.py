@@ -9,7 +9,7 @@
 
 Each rank brings triangles of its own, with all vertices that they name, and gets the pairs whose first triangle it has
 brought. The rows of all ranks, merged, are the bytes of crumple.Detector.find_self of the whole scene. find_impacts and
-find_near do the same for motion and nearness.
+find_near do the same for motion and nearness. Ranks may bring bodies, too (crumple.World): `find`, and the same two.
 
 The package has this module where it was built with MPI: `pip install .
 --config-settings=cmake.define.CRUMPLE_MPI=ON`. mpi4py must use the same MPI; importing this module checks that, and
@@ -24,13 +24,14 @@ import inspect
 from collections.abc import Callable
 from typing import Any, TypeVar
 
-from . import _core
+from . import _core, _rank_worlds
 from ._detector import Backend, GroupPairs, Intersections, Neighbours, Simd, Wanted
 from ._errors import Error, InvalidInput, InvalidType
 from ._mesh import soup_of
 from ._names import suggesting
 from ._rank_features import find_impacts, find_near, is_free, time_of_first_impact
-from ._rank_results import Impacts, Nearby, Result
+from ._rank_results import Impacts, Nearby, Result, WorldResult
+from ._rank_worlds import or_of_world, share_of
 
 if importlib.util.find_spec("crumple._mpi") is None:
     raise ImportError(
@@ -48,7 +49,7 @@ Statistics = _mpi.Statistics
 Answered = TypeVar("Answered")
 Method = TypeVar("Method", bound=Callable[..., Any])
 
-__all__ = ["Detector", "Impacts", "Nearby", "Result", "Statistics"]
+__all__ = ["Detector", "Impacts", "Nearby", "Result", "Statistics", "WorldResult"]
 
 
 def _check_library() -> None:
@@ -297,10 +298,11 @@ class Detector:
         query = functools.partial(_core.Query, neighbours, intersections, weld, False, wanted, excluded_groups)
         return self._ask("any", (vertices, faces, groups, triangle_ids, vertex_ids), query)
 
-    find_impacts = _in_call(find_impacts)
+    find = _in_call(_rank_worlds.find)
+    find_impacts = or_of_world(_in_call(_rank_worlds.find_impacts), _in_call(find_impacts))
     time_of_first_impact = _in_call(time_of_first_impact)
     is_free = _in_call(is_free)
-    find_near = _in_call(find_near)
+    find_near = or_of_world(_in_call(_rank_worlds.find_near), _in_call(find_near))
 
     def close(self) -> None:
         """Frees the duplicate of the communicator and all memory. Collective. No call may follow but another close.
@@ -336,6 +338,15 @@ class Detector:
             arguments = (brought, *(_mpi.End(moved, brought) for moved in end), question())
         except BaseException as error:
             ranks.fail(error)  # which raises what is crumple's on all ranks, for they wait for this one
+            raise
+        return getattr(ranks, call)(*arguments)
+
+    def _ask_world(self, call: str, share: tuple[Any, ...], question: Callable[[], Any]) -> Any:
+        ranks = self._open()
+        try:
+            arguments = (share_of(_mpi.WorldShare, *share), question())
+        except BaseException as error:
+            ranks.fail(error)
             raise
         return getattr(ranks, call)(*arguments)
 

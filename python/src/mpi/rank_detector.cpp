@@ -144,6 +144,28 @@ RankNearby RankDetector::find_near(const BorrowedShare& share, const Near& quest
     });
 }
 
+RankWorldAnswer RankDetector::find_world(const BorrowedWorldShare& share, const Intersect& question) {
+    const Intersect asked = share.with_excluded(question);
+    return alone([&](std::stop_token stop) {
+        return RankWorldAnswer{detector_.find(share.view(), asked, std::move(stop)), asked.wants};
+    });
+}
+
+RankImpacts RankDetector::find_impacts_in_world(const BorrowedWorldShare& share, const Motion& question) {
+    const Motion asked = share.with_excluded(question);
+    return alone([&](std::stop_token stop) {
+        return RankImpacts{detector_.find_impacts(share.view(), asked, std::move(stop)), asked.wants, false, true};
+    });
+}
+
+RankNearby RankDetector::find_near_in_world(const BorrowedWorldShare& share, const Near& question) {
+    const Near asked = share.with_excluded(question);
+    return alone([&](std::stop_token stop) {
+        const DistributedNearby& found = detector_.find_near(share.view(), asked, std::move(stop));
+        return RankNearby{found, asked.wants, found.closest, true};
+    });
+}
+
 void RankDetector::fail(nb::handle exception) {
     const std::exception_ptr failed = failure_of(exception);
     try {
@@ -201,6 +223,9 @@ void bind_rank_detector(nb::module_& module) {
             "share"_a, "query"_a)
         .def("find_impacts", &RankDetector::find_impacts, "share"_a, "end"_a, "question"_a)
         .def("find_near", &RankDetector::find_near, "share"_a, "question"_a)
+        .def("find_world", &RankDetector::find_world, "share"_a, "question"_a)
+        .def("find_impacts_in_world", &RankDetector::find_impacts_in_world, "share"_a, "question"_a)
+        .def("find_near_in_world", &RankDetector::find_near_in_world, "share"_a, "question"_a)
         .def("fail", &RankDetector::fail, "exception"_a)
         .def("close", &RankDetector::close)
         .def_prop_ro("rank", [](const RankDetector& d) { return d.detector().rank(); })
