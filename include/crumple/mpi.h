@@ -63,7 +63,8 @@ class CRUMPLE_API Detector {
     /// with the rank of their first body. Rules speak of bodies (Body::self, too) or of groups, not of both. Throws
     /// Error (invalid_argument), beside what calls on triangles have not, for `index`, Body::world other than 0, poses
     /// on a device, and shapes with listed edges or points, radii, or a shape at rest. Wants::any_by_world is as
-    /// Wants::any. An Error about a body has its number over all ranks (Element::body).
+    /// Wants::any. An Error about a body has its number over all ranks (Element::body); where there are no ids, and it
+    /// is not about coordinates or triangles, the rank's own.
     const DistributedWorldCollisions& find(const WorldShare& share, const Intersect& question = {},
                                            std::stop_token stop = {});
     const DistributedImpacts& find_impacts(const WorldShare& share, const Motion& question = {},

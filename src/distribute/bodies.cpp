@@ -76,7 +76,24 @@ void Bodies::forget() {
     first_edge_.clear();
 }
 
+void Bodies::fail_with_id(const Error& error, std::int64_t body, std::int64_t id) {
+    std::string message = error.what();
+    if (id != body) message += " (body " + std::to_string(id) + " over all ranks)";
+    throw Error(error.code, message, Element::body, id);
+}
+
 void Bodies::outline(const WorldShare& share, const Rules& rules, bool moving) {
+    given_ = share.body_ids;
+    try {
+        look_at(share, rules, moving);
+    } catch (const Error& error) {
+        const std::int64_t b = error.index;
+        if (error.element != Element::body || b < 0 || b >= static_cast<std::int64_t>(given_.size())) throw;
+        fail_with_id(error, b, std::max<std::int64_t>(given_[static_cast<std::size_t>(b)], 0));
+    }
+}
+
+void Bodies::look_at(const WorldShare& share, const Rules& rules, bool moving) {
     // What is about one rank's numbers; excluded bodies have those of all ranks.
     check(!lies_on_device(share.world), "poses of ranks lie in host memory");
     Rules known;
@@ -84,7 +101,6 @@ void Bodies::outline(const WorldShare& share, const Rules& rules, bool moving) {
     outline_.read(share.world, known);
     rules_ = rules;
     by_groups_ = rules.groups != Wanted::both || !rules.excluded_groups.empty();
-    given_ = share.body_ids;
     const std::int32_t bodies = outline_.bodies();
     if (!given_.empty() && given_.size() != static_cast<std::size_t>(bodies))
         throw Error(ErrorCode::invalid_argument, "there are " + std::to_string(given_.size()) + " body ids for " +
@@ -251,10 +267,7 @@ void Bodies::pose(ParallelFor& workers) {
         try {
             pose_body(b, vertex, triangle, workers);
         } catch (const Error& error) {
-            const std::int64_t id = id_of(b);
-            std::string message = error.what();
-            if (id != b) message += " (body " + std::to_string(id) + " over all ranks)";
-            throw Error(error.code, message, Element::body, id);
+            fail_with_id(error, b, id_of(b));
         }
         vertex += outline_.shape(b).vertices.rows;
         triangle += outline_.shape(b).triangles.rows;

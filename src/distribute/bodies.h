@@ -17,6 +17,7 @@
 
 #include "base/parallel_for.h"
 #include "crumple/distributed.h"
+#include "crumple/error.h"
 #include "distribute/agreement.h"
 #include "distribute/feature_owners.h"
 #include "model/world.h"
@@ -26,7 +27,7 @@ namespace crumple::distribute {
 class Bodies {
    public:
     /// Looks at all but coordinates, and makes a share of the right size. `moving`: with vertices at the end. Throws
-    /// Error for what makes no sense, or is not for ranks.
+    /// Error for what makes no sense, or is not for ranks; about a body by its id, if ids are given.
     void outline(const WorldShare& share, const Rules& rules, bool moving);
     /// Collective: each body once. Numbers and groups of the share follow. Throws the same Error on all ranks.
     void number(Transport& transport, Agreement& agree);
@@ -70,6 +71,9 @@ class Bodies {
     std::int64_t id_of(std::int32_t body) const {
         return given_.empty() ? first_body_ + body : given_[static_cast<std::size_t>(body)];
     }
+    /// Throws an error about one of this rank's bodies with the body's id.
+    [[noreturn]] static void fail_with_id(const Error& error, std::int64_t body, std::int64_t id);
+    void look_at(const WorldShare& share, const Rules& rules, bool moving);
     void check_shape(const Shape& shape, std::int32_t body) const;
     bool settle_ids(Transport& transport, Agreement& agree);
     void tabulate(Transport& transport, Agreement& agree);

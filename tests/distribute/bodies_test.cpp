@@ -320,12 +320,12 @@ TEST(RankBodies, are_refused_alike_on_all_ranks) {
     EXPECT_EQ(refused([](int rank, WorldPiece& piece, Share& share, Intersect&) {
                   if (rank == 2) piece.bodies[1].world = 1, share = piece.share();
               }),
-              "rank 2: body 1: its world must be 0, for ranks share one world");
+              "rank 2: body 1: its world must be 0, for ranks share one world (body 5 over all ranks)");
     EXPECT_EQ(refused([](int rank, WorldPiece& piece, Share& share, Intersect&) {
                   static const std::vector<Edge> edges{{0, 1}};
                   if (rank == 1) piece.shapes[0].edges = edges, share = piece.share();
               }),
-              "rank 1: body 0: ranks do not read a shape's list of edges or points");
+              "rank 1: body 0: ranks do not read a shape's list of edges or points (body 1 over all ranks)");
     EXPECT_EQ(refused([](int, WorldPiece&, Share&, Intersect& question) { question.rules.groups = Wanted::within; }),
               "rank 0: rules about groups and rules about bodies (Body::self, too) exclude each other on ranks");
     EXPECT_EQ(refused(
