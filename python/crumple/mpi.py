@@ -190,12 +190,12 @@ class Detector:
             raise Error("MPI is not initialised: call MPI.Init() before", code="communication")
         options = _together(comm, lambda: _mpi.Options(of_each, parts, round_bytes))
         self._ranks: _mpi.Detector | None = _mpi.Detector(MPI._handleof(comm), options)
-        of_each["threads"] = self._ranks.threads
+        of_each["threads"], of_each["device"] = self._ranks.threads, self._ranks.device
         self._options = {"parts": parts, "round_bytes": round_bytes, **of_each}
 
     @property
     def options(self) -> dict[str, Any]:
-        """What the detector was made with on this rank; threads: how many it has come to."""
+        """What the detector was made with on this rank; threads: how many it has come to; device: which."""
         return dict(self._options)
 
     @property
@@ -242,9 +242,10 @@ class Detector:
             neighbours, intersections, weld, contacts, wanted, excluded_groups: the question, as of
                 crumple.Detector.find_self, and the same on all ranks.
 
-        Arrays lie on the host; they are read in place and must not change until the call returns. There may be
-        2^31 - 1 triangles, and as many vertices, over all ranks. Raises InvalidInput, which names the argument and the
-        place, and MemoryLimit, on all ranks; see Detector.
+        Arrays lie on the host, or, but for ids, all on the rank's device (options["device"]) where the cuda backend
+        works, which copies them to the host first. They must not change until the call returns. There may be 2^31 - 1
+        triangles, and as many vertices, over all ranks. Raises InvalidInput, which names the argument and the place,
+        and MemoryLimit, on all ranks; see Detector.
 
         Cost: see Detector. result.statistics tells what travelled, and how evenly the work was shared out. Source:
         Mainzer and Zachmann, sec. 1.1, for parts on several machines.
@@ -334,7 +335,7 @@ class Detector:
         ranks = self._open()
         try:
             vertices, faces, groups, triangle_ids, vertex_ids = share
-            brought = _mpi.Share(soup_of(vertices, faces, groups), triangle_ids, vertex_ids)
+            brought = _mpi.Share(ranks, soup_of(vertices, faces, groups), triangle_ids, vertex_ids)
             arguments = (brought, *(_mpi.End(moved, brought) for moved in end), question())
         except BaseException as error:
             ranks.fail(error)  # which raises what is crumple's on all ranks, for they wait for this one

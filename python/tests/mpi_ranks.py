@@ -3,6 +3,8 @@
 Every rank makes the answer of one machine itself and looks for its own rows in it.
 """
 
+import ctypes
+import os
 import signal
 import sys
 import threading
@@ -13,7 +15,7 @@ from mpi4py import MPI
 
 import crumple
 import crumple.mpi
-from conftest import soup
+from conftest import OnDevice, soup
 
 COMM = MPI.COMM_WORLD
 ONE = {"backend": "cpu", "threads": 1}
@@ -222,6 +224,48 @@ def world_share(distribution, **named):
     end_poses = poses.copy()
     end_poses[:, :, 3] += 0.2 * random.random((8, 3))
     return WorldShare(shapes, distribution, poses, end_poses, **named)
+
+
+def on_device(array):
+    """A copy in the memory of the device that the CPU plays for crumple.mpi."""
+    allocate = ctypes.CDLL(crumple._mpi.__file__).crumple_test_device_memory
+    allocate.restype, allocate.argtypes = ctypes.c_void_p, [ctypes.c_size_t]
+    memory = (ctypes.c_byte * max(array.nbytes, 1)).from_address(allocate(max(array.nbytes, 1)))
+    copy = np.frombuffer(memory, array.dtype, array.size).reshape(array.shape)
+    copy[...] = array
+    return OnDevice(copy)
+
+
+def arrays_may_lie_on_a_device():
+    mesh = grouped()
+    share = Share(mesh, round_robin(mesh))
+    ids = dict(triangle_ids=share.triangle_ids, vertex_ids=share.vertex_ids)
+    on_host = (share.vertices, share.faces, share.groups.astype(np.int32))
+    with crumple.mpi.Detector(COMM, **ONE) as detector:
+        for failing in range(COMM.size):
+            given = map(OnDevice, on_host) if COMM.rank == failing else on_host
+            error = error_of(detector.find_self, *given, **ids)
+            assert error.rank == failing and "CUDA memory, which needs the cuda backend" in str(error), error
+        check_rows(share.call(detector.find_self), share, crumple.Detector(**ONE).find_self(mesh))
+    if "CRUMPLE_CUDA_ON_CPU" not in os.environ:
+        return
+    one = crumple.Detector(**ONE)
+    question = dict(wanted="between")
+    with crumple.mpi.Detector(COMM, backend="cuda", threads=1) as detector:
+        for some in (COMM.rank == 0, True):  # on one rank alone, and on all
+            given = tuple(on_device(array) for array in on_host) if some else on_host
+            found = detector.find_self(*given, **ids, **question)
+            check_rows(found, share, one.find_self(mesh, **question))
+            end = share.vertices[:, ::-1].copy()
+            found = detector.find_impacts(given[0], on_device(end) if some else end, *given[1:], **ids, **question)
+            expected = one.find_impacts(mesh, np.asarray(mesh.vertices)[:, ::-1].copy(), **question)
+            check_features(found, share, expected, ("toi", "start"))
+            found = detector.find_near(*given, **ids, radius=0.1, **question)
+            expected = one.find_near(mesh, radius=0.1, **question)
+            check_features(found, share, expected, ("squared_distance", "touching"))
+        elsewhere = tuple(OnDevice(array, device=99) for array in on_host)
+        error = error_of(detector.find_self, *elsewhere, **ids)
+        assert "CUDA device 99, but the detector of this rank works on device " in str(error), error
 
 
 def bodies_by_turns(count):

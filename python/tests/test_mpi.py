@@ -15,7 +15,7 @@ import mpi
 
 RANKS = Path(__file__).with_name("mpi_ranks.py")
 CASES = re.findall(r"^def (\w+)\(\):$", RANKS.read_text().partition("def error_of")[2], flags=re.M)
-# In some, ranks wait for each other; of bodies one rank alone is tested in C++.
+# In some, ranks wait for each other; others need no test of one rank alone.
 RANKS_OF = {
     "a_signal_ends_the_call_on_all_ranks": (3,),
     "a_signal_is_seen_within_a_search": (1,),
@@ -23,6 +23,7 @@ RANKS_OF = {
     "bodies_have_the_answer_of_one_detector": (3,),
     "moving_bodies_have_the_answer_of_one_detector": (3,),
     "bodies_are_refused_together": (3,),
+    "arrays_may_lie_on_a_device": (3,),
 }
 needs_mpi = pytest.mark.skipif(bool(mpi.missing()), reason=mpi.missing())
 

@@ -16,9 +16,13 @@
 
 namespace crumple::python {
 
+class RankDetector;
+
 /// What one rank brings, in place. Needs the GIL to come and go.
 struct BorrowedShare {
-    BorrowedShare(const nanobind::tuple& mesh, nanobind::handle triangle_ids, nanobind::handle vertex_ids);
+    /// Throws where the detector cannot read the memory that the arrays lie in.
+    BorrowedShare(const RankDetector& detector, const nanobind::tuple& mesh, nanobind::handle triangle_ids,
+                  nanobind::handle vertex_ids);
     MeshShare view() const { return {mesh.view(), triangle_ids.view(), vertex_ids.view()}; }
 
     const BorrowedMesh mesh;
