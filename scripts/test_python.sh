@@ -5,8 +5,8 @@
 # --all also installs the packages that it works with (PyVista, Open3D, JAX, Warp, IPC Toolkit, ...: about 3 GB), whose
 # tests are skipped otherwise; PyTorch is tested where it is installed. --sanitize builds with AddressSanitizer and runs
 # what concerns arrays, their lifetimes and threads. --cuda builds the module alone, with the cuda backend that the CPU
-# plays (docs/cuda_on_cpu.md), and runs what concerns arrays on a device. --mpi builds crumple.mpi's, too, and runs what
-# concerns ranks. PYTHON names the interpreter.
+# plays (docs/cuda_on_cpu.md), and runs what concerns arrays on a device, those of ranks, too, where there is MPI. --mpi
+# builds crumple.mpi's, too, and runs what concerns ranks. PYTHON names the interpreter.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 all=() sanitize='' cuda='' mpi=()
@@ -45,8 +45,11 @@ modules() {
     export PYTHONPATH=$PWD/$folder/package PYTHONDONTWRITEBYTECODE=1
 }
 if [[ $cuda ]]; then
-    modules build-python-cuda
-    CRUMPLE_CUDA_ON_CPU=1 exec "$python" -m pytest -q -n "$(nproc)" python/tests/test_{arguments,device,input}.py "$@"
+    with_mpi=OFF
+    ! command -v mpirun >/dev/null || ! "$python" -c 'import mpi4py' 2>/dev/null || with_mpi=ON
+    modules build-python-cuda -DCRUMPLE_MPI=$with_mpi
+    CRUMPLE_CUDA_ON_CPU=1 exec "$python" -m pytest -q -n "$(nproc)" python/tests/test_{arguments,device,input}.py \
+        "python/tests/test_mpi.py::test_ranks[arrays_may_lie_on_a_device-3]" "$@"
 fi
 if ((${#mpi[@]})); then
     "$python" -c 'import mpi4py' 2>/dev/null || pip install 'mpi4py>=4'

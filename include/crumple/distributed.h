@@ -13,6 +13,7 @@
 #include "crumple/motion.h"
 #include "crumple/near.h"
 #include "crumple/options.h"
+#include "crumple/world.h"
 
 namespace crumple {
 
@@ -28,6 +29,18 @@ struct MeshShare {
     std::span<const std::int64_t> triangle_ids;
     /// The same of the vertices. Empty on all ranks: no rank has a copy of another's.
     std::span<const std::int64_t> vertex_ids;
+};
+
+/// The bodies that one rank brings, whole, and the shapes that these need. Views, as in MeshShare. All ranks share one
+/// world, so Body::world is 0, and bodies have numbers over all ranks, 0 to B - 1, each once: those by which rules and
+/// answers name them. Every rank keeps a table of all bodies, some 70 bytes each.
+///
+/// A body that only moves (another pose, other vertices of its shape) is no new body: only coordinates travel. Names of
+/// shapes are not used; poses lie in host memory.
+struct WorldShare {
+    World world;
+    /// Which ones the bodies are. Empty on all ranks: those of rank 0, then those of rank 1, and so on.
+    std::span<const std::int64_t> body_ids;
 };
 
 /// How ranks work together. The same on all ranks, but for `detector`. None of these changes an answer.
@@ -80,10 +93,21 @@ struct DistributedCollisions {
     DistributedStatistics statistics;
 };
 
+/// The same of bodies: a rank's rows are those whose first body it has brought, in the order of WorldCollisions. Merged
+/// by first body, the rows of all ranks are those of one machine, byte for byte.
+struct DistributedWorldCollisions {
+    bool any = false;        ///< over all ranks
+    std::int64_t count = 0;  ///< pairs of triangles over all ranks, where they are counted or listed; else 0
+    Array<BodyPair> bodies;  ///< for each pair its bodies; for Wants::body_pairs the colliding ones, each once
+    Array<Pair> pairs;       ///< triangles, as they count within their bodies
+    Contacts contacts;
+    DistributedStatistics statistics;
+};
+
 /// A rank's share of the impacts of a step: those whose first feature is its own, in order. A vertex and an edge belong
 /// to the rank with the lowest triangle that names them. Features have the numbers that they have over all ranks: faces
-/// those of triangles, edges as Impacts numbers them. Merged, the rows of all ranks are those of one machine, byte for
-/// byte.
+/// those of triangles, edges as Impacts numbers them; of bodies those that they have within their bodies. Merged, the
+/// rows of all ranks are those of one machine, byte for byte.
 struct DistributedImpacts {
     bool any = false;                             ///< over all ranks
     FirstImpact first;                            ///< over all ranks (from MotionWants::earliest on)
@@ -92,6 +116,7 @@ struct DistributedImpacts {
     /// The edges that this rank's rows name: their numbers, ascending, and the numbers of their vertices.
     Array<std::int32_t> edge_ids;
     Array<Edge> edges;
+    Array<std::int32_t> edge_bodies;  ///< of bodies: whose edges these are, ascending before the numbers; else empty
     DistributedStatistics statistics;
 
     const ImpactList& operator[](FeatureKind kind) const { return lists[static_cast<std::size_t>(kind)]; }
@@ -104,6 +129,7 @@ struct DistributedNearby {
     std::int64_t total = 0;
     Array<std::int32_t> edge_ids;
     Array<Edge> edges;
+    Array<std::int32_t> edge_bodies;
     bool closest = false;  ///< Near::closest was asked for
     DistributedStatistics statistics;
 

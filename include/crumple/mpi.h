@@ -59,6 +59,17 @@ class CRUMPLE_API Detector {
                                            std::stop_token stop = {});
     /// What is near what; as crumple::Detector::find_near, but for `radii`, `rest`, `rings`, `least` and `index`.
     const DistributedNearby& find_near(const MeshShare& share, const Near& question, std::stop_token stop = {});
+    /// Of bodies that each rank brings, as crumple::Detector answers for a world; pairs, impacts and near pairs lie
+    /// with the rank of their first body. Rules speak of bodies (Body::self, too) or of groups, not of both. Throws
+    /// Error (invalid_argument), beside what calls on triangles have not, for `index`, Body::world other than 0, poses
+    /// on a device, and shapes with listed edges or points, radii, or a shape at rest. Wants::any_by_world is as
+    /// Wants::any. An Error about a body has its number over all ranks (Element::body); where there are no ids, and it
+    /// is not about coordinates or triangles, the rank's own.
+    const DistributedWorldCollisions& find(const WorldShare& share, const Intersect& question = {},
+                                           std::stop_token stop = {});
+    const DistributedImpacts& find_impacts(const WorldShare& share, const Motion& question = {},
+                                           std::stop_token stop = {});
+    const DistributedNearby& find_near(const WorldShare& share, const Near& question, std::stop_token stop = {});
     /// Has `poll` called at the beginning of each phase, and about every 20 ms while this rank searches, in the thread
     /// that made the call. What it throws ends the call on all ranks: an Error is thrown on all of them, anything else
     /// as it is here, and as an Error (cancelled) elsewhere. Not collective; it must not call this detector.

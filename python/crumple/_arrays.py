@@ -55,6 +55,7 @@ def refuse_masked(array: Any, kind: str, which: str) -> None:
         "points": ("points are", "point"),
         "triangle_ids": ("triangle_ids are", "triangle"),
         "vertex_ids": ("vertex_ids are", "vertex"),
+        "body_ids": ("body_ids are", "body"),
     }[kind]
     _refuse_mask(array, which + name, element=element)
 
@@ -277,6 +278,11 @@ def triangle_ids(array: Any, which: str) -> np.ndarray:
 def vertex_ids(array: Any, which: str) -> np.ndarray:
     """The same of its vertices."""
     return _ids(array, which + "vertex_ids")
+
+
+def body_ids(array: Any, which: str) -> np.ndarray:
+    """The same of its bodies."""
+    return _ids(array, which + "body_ids")
 
 
 def poses(array: Any, which: str) -> np.ndarray:

@@ -46,6 +46,9 @@ def find_impacts(
         separation, separation_share, weld, wanted, excluded_groups: the question, as of crumple.Detector.find_impacts,
             and the same on all ranks. Pairs of triangles, listed edges and points, and offsets are for one process.
 
+    Of bodies: find_impacts(world), with a crumple.World of this rank's and poses at the end of the step; body_ids,
+        bodies, groups, excluded, excluded_groups, poses: as `find` has them; end_poses: instead of world.end_poses.
+
     Returns crumple.mpi.Impacts: each impact on one rank, the one whose triangle owns its first feature. Parts of the
     scene are made for one question: another separation, or a question of another kind, begins them anew.
 
@@ -159,6 +162,9 @@ def find_near(
         strict, closest, weld, wanted, excluded_groups: as of crumple.Detector.find_near, and the same on all ranks.
             Radii of vertices, shapes at rest, rings, least distances, listed edges and points, and offsets are for one
             process.
+
+    Of bodies: find_near(world, radius=r), as they are at the start of a step; body_ids, bodies, groups, excluded,
+        excluded_groups, poses: as `find` has them.
 
     Returns crumple.mpi.Nearby: each pair on one rank, the one whose triangle owns its first feature. Raises
     InvalidInput, which names the argument and the place, and MemoryLimit, on all ranks; see Detector.

@@ -1,4 +1,4 @@
-"""What ranks of MPI answer: crumple.mpi.Result, Impacts and Nearby."""
+"""What ranks of MPI answer: crumple.mpi.Result, WorldResult, Impacts and Nearby."""
 
 from __future__ import annotations
 
@@ -58,6 +58,73 @@ class Result:
         return f"<crumple.mpi.Result: {len(self)} colliding pairs here, {self.total} over all ranks, {ms:.3g} ms>"
 
 
+class WorldResult:
+    """This rank's rows of an answer for a world: those whose first body it has brought.
+
+    Rows are in the order of first body, its triangle, second body, its triangle. Merged by first body, the rows of all
+    ranks are what crumple.Detector.find gives for the whole world. Bodies have their numbers over all ranks, triangles
+    count within their bodies. What was not asked for is an InvalidInput that says how to ask. A result is true if
+    anything collides on any rank; `len(result)` is the number of this rank's rows. It outlives its detector, and its
+    arrays are read-only views.
+    """
+
+    def __init__(self, answer: _mpi.WorldAnswer) -> None:
+        self._answer = answer
+
+    def _asked(self, name: str, *wants: str) -> Any:
+        if self._answer.wants not in wants:
+            raise InvalidInput(f'{name} was not asked for: find(..., wants="{wants[0]}")')
+        return getattr(self._answer, name)
+
+    @property
+    def any(self) -> bool:
+        """Whether anything collides, on any rank."""
+        return self._answer.any
+
+    @property
+    def count(self) -> int:
+        """How many pairs of triangles collide, over all ranks. From wants="count" on."""
+        return self._asked("count", "count", "pairs", "contacts")
+
+    @cached_property
+    def bodies(self) -> NDArray[np.int32]:
+        """(k, 2) int32: the bodies of each pair of triangles; of wants="body_pairs" the colliding ones, each once."""
+        return self._asked("bodies", "body_pairs", "pairs", "contacts")
+
+    @cached_property
+    def pairs(self) -> NDArray[np.int32]:
+        """(k, 2) int32: the colliding triangles, as they count within their bodies. From wants="pairs" on."""
+        return self._asked("pairs", "pairs", "contacts")
+
+    @cached_property
+    def contacts(self) -> Contacts | None:
+        """Where these pairs meet, or None if wants="contacts" was not asked for."""
+        a = self._answer
+        return Contacts(a.contact_kinds, a.contact_offsets, a.contact_points) if a.wants == "contacts" else None
+
+    @property
+    def statistics(self) -> _mpi.Statistics:
+        """What the call did on this rank."""
+        return self._answer.statistics
+
+    def __len__(self) -> int:
+        """How many rows of this rank."""
+        return len(self._answer)
+
+    def __bool__(self) -> bool:
+        """Whether anything collides, on any rank."""
+        return self._answer.any
+
+    def __repr__(self) -> str:
+        found = {
+            "any": _whether(self.any, "collides"),
+            "any_by_world": _whether(self.any, "collides"),
+            "body_pairs": f"{len(self)} pairs of bodies here",
+            "count": f"{self._answer.count} colliding pairs",
+        }.get(self._answer.wants, f"{len(self)} colliding pairs here, {self._answer.count} over all ranks")
+        return f"<crumple.mpi.WorldResult: {found}, {self.statistics.milliseconds:.3g} ms>"
+
+
 class _Features:
     """Base of Impacts and Nearby."""
 
@@ -72,6 +139,11 @@ class _Features:
             raise InvalidInput(f'{name} was not asked for: {self._find}(..., wants="{self._all}")')
         return getattr(self._answer, name)
 
+    def _of_world(self, name: str) -> Any:
+        if not self._answer.of_world:
+            raise InvalidInput(f"{name} is told of a crumple.World, and this was asked of a mesh")
+        return self._rows(name)
+
     @cached_property
     def vertex_faces(self) -> NDArray[np.int32]:
         """(k, 2) int32: each a vertex of this rank and a face that does not name it, sorted; numbers over all ranks."""
@@ -81,6 +153,21 @@ class _Features:
     def edge_edges(self) -> NDArray[np.int32]:
         """(k, 2) int32: each an edge of this rank and a higher one without a common vertex, sorted; see `edge_ids`."""
         return self._rows("edge_edges")
+
+    @cached_property
+    def vertex_face_bodies(self) -> NDArray[np.int32]:
+        """(k, 2) int32: of a world, the bodies of each vertex and face, whose numbers then count within them."""
+        return self._of_world("vertex_face_bodies")
+
+    @cached_property
+    def edge_edge_bodies(self) -> NDArray[np.int32]:
+        """(k, 2) int32: of a world, the bodies of the two edges, whose numbers then count within them."""
+        return self._of_world("edge_edge_bodies")
+
+    @cached_property
+    def edge_bodies(self) -> NDArray[np.int32]:
+        """(n,) int32: of a world, the bodies of `edge_ids`, ascending; numbers ascend within each."""
+        return self._of_world("edge_bodies")
 
     @cached_property
     def edge_ids(self) -> NDArray[np.int32]:
@@ -236,5 +323,5 @@ def _whether(any_: bool, what: str) -> str:
     return f"{'something' if any_ else 'nothing'} {what}"
 
 
-for _public in (Result, Impacts, Nearby):
+for _public in (Result, WorldResult, Impacts, Nearby):
     _public.__module__ = "crumple.mpi"

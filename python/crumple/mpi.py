@@ -9,7 +9,7 @@
 
 Each rank brings triangles of its own, with all vertices that they name, and gets the pairs whose first triangle it has
 brought. The rows of all ranks, merged, are the bytes of crumple.Detector.find_self of the whole scene. find_impacts and
-find_near do the same for motion and nearness.
+find_near do the same for motion and nearness. Ranks may bring bodies, too (crumple.World): `find`, and the same two.
 
 The package has this module where it was built with MPI: `pip install .
 --config-settings=cmake.define.CRUMPLE_MPI=ON`. mpi4py must use the same MPI; importing this module checks that, and
@@ -24,13 +24,14 @@ import inspect
 from collections.abc import Callable
 from typing import Any, TypeVar
 
-from . import _core
+from . import _core, _rank_worlds
 from ._detector import Backend, GroupPairs, Intersections, Neighbours, Simd, Wanted
 from ._errors import Error, InvalidInput, InvalidType
 from ._mesh import soup_of
 from ._names import suggesting
 from ._rank_features import find_impacts, find_near, is_free, time_of_first_impact
-from ._rank_results import Impacts, Nearby, Result
+from ._rank_results import Impacts, Nearby, Result, WorldResult
+from ._rank_worlds import or_of_world, share_of
 
 if importlib.util.find_spec("crumple._mpi") is None:
     raise ImportError(
@@ -48,7 +49,7 @@ Statistics = _mpi.Statistics
 Answered = TypeVar("Answered")
 Method = TypeVar("Method", bound=Callable[..., Any])
 
-__all__ = ["Detector", "Impacts", "Nearby", "Result", "Statistics"]
+__all__ = ["Detector", "Impacts", "Nearby", "Result", "Statistics", "WorldResult"]
 
 
 def _check_library() -> None:
@@ -189,12 +190,12 @@ class Detector:
             raise Error("MPI is not initialised: call MPI.Init() before", code="communication")
         options = _together(comm, lambda: _mpi.Options(of_each, parts, round_bytes))
         self._ranks: _mpi.Detector | None = _mpi.Detector(MPI._handleof(comm), options)
-        of_each["threads"] = self._ranks.threads
+        of_each["threads"], of_each["device"] = self._ranks.threads, self._ranks.device
         self._options = {"parts": parts, "round_bytes": round_bytes, **of_each}
 
     @property
     def options(self) -> dict[str, Any]:
-        """What the detector was made with on this rank; threads: how many it has come to."""
+        """What the detector was made with on this rank; threads: how many it has come to; device: which."""
         return dict(self._options)
 
     @property
@@ -241,9 +242,10 @@ class Detector:
             neighbours, intersections, weld, contacts, wanted, excluded_groups: the question, as of
                 crumple.Detector.find_self, and the same on all ranks.
 
-        Arrays lie on the host; they are read in place and must not change until the call returns. There may be
-        2^31 - 1 triangles, and as many vertices, over all ranks. Raises InvalidInput, which names the argument and the
-        place, and MemoryLimit, on all ranks; see Detector.
+        Arrays lie on the host, or, but for ids, all on the rank's device (options["device"]) where the cuda backend
+        works, which copies them to the host first. They must not change until the call returns. There may be 2^31 - 1
+        triangles, and as many vertices, over all ranks. Raises InvalidInput, which names the argument and the place,
+        and MemoryLimit, on all ranks; see Detector.
 
         Cost: see Detector. result.statistics tells what travelled, and how evenly the work was shared out. Source:
         Mainzer and Zachmann, sec. 1.1, for parts on several machines.
@@ -297,10 +299,11 @@ class Detector:
         query = functools.partial(_core.Query, neighbours, intersections, weld, False, wanted, excluded_groups)
         return self._ask("any", (vertices, faces, groups, triangle_ids, vertex_ids), query)
 
-    find_impacts = _in_call(find_impacts)
+    find = _in_call(_rank_worlds.find)
+    find_impacts = or_of_world(_in_call(_rank_worlds.find_impacts), _in_call(find_impacts))
     time_of_first_impact = _in_call(time_of_first_impact)
     is_free = _in_call(is_free)
-    find_near = _in_call(find_near)
+    find_near = or_of_world(_in_call(_rank_worlds.find_near), _in_call(find_near))
 
     def close(self) -> None:
         """Frees the duplicate of the communicator and all memory. Collective. No call may follow but another close.
@@ -332,10 +335,19 @@ class Detector:
         ranks = self._open()
         try:
             vertices, faces, groups, triangle_ids, vertex_ids = share
-            brought = _mpi.Share(soup_of(vertices, faces, groups), triangle_ids, vertex_ids)
+            brought = _mpi.Share(ranks, soup_of(vertices, faces, groups), triangle_ids, vertex_ids)
             arguments = (brought, *(_mpi.End(moved, brought) for moved in end), question())
         except BaseException as error:
             ranks.fail(error)  # which raises what is crumple's on all ranks, for they wait for this one
+            raise
+        return getattr(ranks, call)(*arguments)
+
+    def _ask_world(self, call: str, share: tuple[Any, ...], question: Callable[[], Any]) -> Any:
+        ranks = self._open()
+        try:
+            arguments = (share_of(_mpi.WorldShare, *share), question())
+        except BaseException as error:
+            ranks.fail(error)
             raise
         return getattr(ranks, call)(*arguments)
 

@@ -313,7 +313,10 @@ BorrowedIds::BorrowedIds(nb::handle ids, const char* what, std::int64_t wanted) 
     const BorrowedArray array = borrow_array(ids, are_ids, name.c_str(), "", kept_);
     if (array.shape[0] != wanted)
         refuse(name + " must be one for each of the " + std::to_string(wanted) +
-               (name == "vertex_ids" ? " vertices, not " : " faces, not ") + std::to_string(array.shape[0]));
+               (name == "vertex_ids" ? " vertices, not "
+                : name == "body_ids" ? " bodies, not "
+                                     : " faces, not ") +
+               std::to_string(array.shape[0]));
     view_ = {static_cast<const std::int64_t*>(array.data), static_cast<std::size_t>(wanted)};
 }
 

@@ -118,7 +118,7 @@ class BorrowedRadii {
 /// Numbers that the triangles or vertices of a share have over all ranks: (n) of int64 on the host, in place.
 class BorrowedIds {
    public:
-    /// `ids` may be None. `what`: "triangle" or "vertex". Throws where they are not `wanted` ids.
+    /// `ids` may be None. `what`: "triangle", "vertex" or "body". Throws where they are not `wanted` ids.
     BorrowedIds(nanobind::handle ids, const char* what, std::int64_t wanted);
     std::span<const std::int64_t> view() const { return view_; }
 

@@ -3,6 +3,8 @@
 Every rank makes the answer of one machine itself and looks for its own rows in it.
 """
 
+import ctypes
+import os
 import signal
 import sys
 import threading
@@ -13,7 +15,7 @@ from mpi4py import MPI
 
 import crumple
 import crumple.mpi
-from conftest import soup
+from conftest import OnDevice, soup
 
 COMM = MPI.COMM_WORLD
 ONE = {"backend": "cpu", "threads": 1}
@@ -192,6 +194,179 @@ def nearness_is_that_of_one_detector():
                 assert some.any == expected.any and 'wants="pairs"' in str(error_of(getattr, some, "total"))
                 for answer in (found, some):
                     assert repr(answer).startswith("<crumple.mpi.Nearby: "), answer
+
+
+class WorldShare:
+    """The bodies of a world that a rank has."""
+
+    def __init__(self, shapes, distribution, poses, end_poses=None, self_collisions=True):
+        count = len(shapes)
+        self.body_ids = np.flatnonzero(distribution(count))
+        all_self = np.broadcast_to(self_collisions, count)
+        self.whole = crumple.World(shapes, poses=poses, end_poses=end_poses, self_collisions=all_self)
+        mine = self.body_ids
+        self.world = crumple.World(
+            [shapes[b] for b in mine],
+            poses=poses[mine],
+            end_poses=None if end_poses is None else end_poses[mine],
+            self_collisions=all_self[mine],
+        )
+
+    def rows(self, bodies):
+        return np.isin(bodies[:, 0], self.body_ids)
+
+
+def world_share(distribution, **named):
+    shapes = [crumple.Shape(soup(20, size=0.5)), crumple.Shape(soup(30, size=0.3, seed=2, dtype=np.float64))] * 4
+    random = np.random.default_rng(3)
+    poses = np.tile(np.eye(3, 4), (8, 1, 1))
+    poses[:, :, 3] = 0.4 * random.random((8, 3))
+    end_poses = poses.copy()
+    end_poses[:, :, 3] += 0.2 * random.random((8, 3))
+    return WorldShare(shapes, distribution, poses, end_poses, **named)
+
+
+def on_device(array):
+    """A copy in the memory of the device that the CPU plays for crumple.mpi."""
+    allocate = ctypes.CDLL(crumple._mpi.__file__).crumple_test_device_memory
+    allocate.restype, allocate.argtypes = ctypes.c_void_p, [ctypes.c_size_t]
+    memory = (ctypes.c_byte * max(array.nbytes, 1)).from_address(allocate(max(array.nbytes, 1)))
+    copy = np.frombuffer(memory, array.dtype, array.size).reshape(array.shape)
+    copy[...] = array
+    return OnDevice(copy)
+
+
+def arrays_may_lie_on_a_device():
+    mesh = grouped()
+    share = Share(mesh, round_robin(mesh))
+    ids = dict(triangle_ids=share.triangle_ids, vertex_ids=share.vertex_ids)
+    on_host = (share.vertices, share.faces, share.groups.astype(np.int32))
+    with crumple.mpi.Detector(COMM, **ONE) as detector:
+        for failing in range(COMM.size):
+            given = map(OnDevice, on_host) if COMM.rank == failing else on_host
+            error = error_of(detector.find_self, *given, **ids)
+            assert error.rank == failing and "CUDA memory, which needs the cuda backend" in str(error), error
+        check_rows(share.call(detector.find_self), share, crumple.Detector(**ONE).find_self(mesh))
+    if "CRUMPLE_CUDA_ON_CPU" not in os.environ:
+        return
+    one = crumple.Detector(**ONE)
+    question = dict(wanted="between")
+    with crumple.mpi.Detector(COMM, backend="cuda", threads=1) as detector:
+        for some in (COMM.rank == 0, True):  # on one rank alone, and on all
+            given = tuple(on_device(array) for array in on_host) if some else on_host
+            found = detector.find_self(*given, **ids, **question)
+            check_rows(found, share, one.find_self(mesh, **question))
+            end = share.vertices[:, ::-1].copy()
+            found = detector.find_impacts(given[0], on_device(end) if some else end, *given[1:], **ids, **question)
+            expected = one.find_impacts(mesh, np.asarray(mesh.vertices)[:, ::-1].copy(), **question)
+            check_features(found, share, expected, ("toi", "start"))
+            found = detector.find_near(*given, **ids, radius=0.1, **question)
+            expected = one.find_near(mesh, radius=0.1, **question)
+            check_features(found, share, expected, ("squared_distance", "touching"))
+        elsewhere = tuple(OnDevice(array, device=99) for array in on_host)
+        error = error_of(detector.find_self, *elsewhere, **ids)
+        assert "CUDA device 99, but the detector of this rank works on device " in str(error), error
+
+
+def bodies_by_turns(count):
+    return np.arange(count) % COMM.size == COMM.rank
+
+
+def bodies_of_the_last(count):
+    return np.full(count, COMM.rank == COMM.size - 1)
+
+
+def bodies_have_the_answer_of_one_detector():
+    one = crumple.Detector(**ONE)
+    questions = [
+        dict(wants="contacts"),
+        dict(wants="pairs", bodies="between", excluded=[(0, 1), (2, 2)], weld=True),
+        dict(wants="body_pairs", groups="within"),
+        dict(wants="count", neighbours="skip"),
+        dict(wants="any"),
+    ]
+    for distribution in (bodies_by_turns, bodies_of_the_last):
+        share = world_share(distribution)
+        with crumple.mpi.Detector(COMM, **ONE) as detector:
+            for question in questions:
+                expected = one.find(share.whole, **question)
+                found = detector.find(share.world, body_ids=share.body_ids, **question)
+                assert found.any == expected.any == bool(found) and repr(found).startswith("<crumple.mpi.WorldResult: ")
+                wants = question["wants"]
+                if wants in ("count", "pairs", "contacts"):
+                    assert found.count == expected.count > 0
+                else:
+                    assert 'wants="count"' in str(error_of(getattr, found, "count"))
+                if wants in ("body_pairs", "pairs", "contacts"):
+                    mine = share.rows(expected.bodies)
+                    np.testing.assert_array_equal(found.bodies, expected.bodies[mine])
+                    assert len(found) == mine.sum() and not (len(found) and found.bodies.flags.writeable)
+                if wants in ("pairs", "contacts"):
+                    np.testing.assert_array_equal(found.pairs, expected.pairs[mine])
+                assert (found.contacts is None) == (wants != "contacts")
+                for points, row in zip(found.contacts or [], np.flatnonzero(mine) if found.contacts else []):
+                    assert points.tobytes() == expected.contacts[row].tobytes()
+
+
+def moving_bodies_have_the_answer_of_one_detector():
+    one = crumple.Detector(**ONE)
+    for distribution in (bodies_by_turns, bodies_of_the_last):
+        share = world_share(distribution, self_collisions=[True, False] * 4)
+        ids = dict(body_ids=share.body_ids)
+        with crumple.mpi.Detector(COMM, **ONE) as detector:
+            searches = [
+                (detector.find_impacts(share.world, **ids), one.find_impacts(share.whole), ("toi", "start")),
+                (
+                    detector.find_near(share.world, **ids, radius=0.1, closest=True),
+                    one.find_near(share.whole, radius=0.1, closest=True),
+                    ("squared_distance", "touching", "type", "at"),
+                ),
+            ]
+            for found, expected, columns in searches:
+                for kind in ("vertex_face", "edge_edge"):
+                    mine = share.rows(getattr(expected, f"{kind}_bodies"))
+                    for name in (f"{kind}s", f"{kind}_bodies", *(f"{kind}_{column}" for column in columns)):
+                        rows = np.ascontiguousarray(getattr(expected, name)[mine])
+                        assert getattr(found, name).tobytes() == rows.tobytes(), name
+                first = expected.first_edge[found.edge_bodies]
+                np.testing.assert_array_equal(found.edges, expected.edges[first + found.edge_ids])
+                assert found.total == expected.count > 0 and found.any
+            assert searches[0][0].first == searches[0][1].first
+            earliest = detector.find_impacts(share.world, **ids, wants="earliest")
+            assert earliest.first == searches[0][1].first
+            found = detector.find(share.world, **ids, poses=share.world.end_poses)
+            expected = one.find(share.whole, poses=share.whole.end_poses)
+            np.testing.assert_array_equal(found.pairs, expected.pairs[share.rows(expected.bodies)])
+            found = detector.find(share.world, **ids)
+            assert found.statistics.moved
+            of_mesh = detector.find_near(np.zeros((0, 3)), np.zeros((0, 3), np.int32), radius=1)
+            assert "asked of a mesh" in str(error_of(getattr, of_mesh, "edge_bodies"))
+
+
+def bodies_are_refused_together():
+    share = world_share(bodies_by_turns)
+    one = crumple.Detector(**ONE)
+    with crumple.mpi.Detector(COMM, **ONE) as detector:
+        for failing in range(COMM.size):
+            here = COMM.rank == failing
+            listed = crumple.World([crumple.Shape(soup(2), points=[0])] * len(share.body_ids))
+            for message, world, question in (
+                ("world must be a crumple.World, not str", "world" if here else share.world, {}),
+                ("body_ids must be one for each of the ", share.world, dict(body_ids=[1] * 99 if here else None)),
+                ("excluded must be (n, 2) integers", share.world, dict(excluded=[0, 1] if here else None)),
+                ("wants must be one of", share.world, dict(wants="some" if here else "any")),
+                ("do not read a shape's list of edges or points", listed if here else share.world, {}),
+            ):
+                ids = dict(body_ids=share.body_ids) if "body_ids" not in question else {}
+                error = error_of(detector.find, world, **ids, **question)
+                assert error.rank == failing and message in str(error), error
+        error = error_of(detector.find, share.world, body_ids=np.zeros_like(share.body_ids))
+        assert "body 0 is brought 8 times" in str(error) and (error.element, error.index) == ("body", 0), error
+        error = error_of(detector.find, share.world, body_ids=share.body_ids, excluded=[(0, 8)])
+        assert "excluded_bodies names body 8 of 8" in str(error), error
+        found = detector.find(share.world, body_ids=share.body_ids)
+        expected = one.find(share.whole)
+        np.testing.assert_array_equal(found.pairs, expected.pairs[share.rows(expected.bodies)])
 
 
 def features_are_refused_together():

@@ -10,7 +10,7 @@ namespace crumple::distribute {
 namespace {
 
 // Kinds of questions, which are told apart by the first number.
-enum class Kind : std::uint8_t { intersections, motion, nearness };
+enum class Kind : std::uint8_t { intersections, motion, nearness, of_bodies };
 
 // All bits, in two numbers whose negatives are numbers, too.
 void tell(double x, std::vector<std::int64_t>& told) {
@@ -20,20 +20,22 @@ void tell(double x, std::vector<std::int64_t>& told) {
 }
 
 // A word that differs, all but surely, where the lists do.
-std::int64_t word_of(std::span<const GroupPair> pairs) {
+template <class Pairs>
+std::int64_t word_of(const Pairs& pairs) {
     std::uint64_t word = 0x9e3779b97f4a7c15ull;
-    for (const GroupPair& pair : pairs)
+    for (const auto& pair : pairs)
         for (const std::int32_t group : {std::min(pair.first, pair.second), std::max(pair.first, pair.second)})
             word = (word ^ static_cast<std::uint32_t>(group)) * 0xff51afd7ed558ccdull, word ^= word >> 32;
     return static_cast<std::int64_t>(word >> 1);
 }
 
-void tell(const Rules& rules, Asked& asked) {
-    check(rules.excluded_bodies.empty(), "excluded_bodies must be empty: a share is no world");
+void tell(const Rules& rules, bool world, Asked& asked) {
+    check(world || rules.excluded_bodies.empty(), "excluded_bodies must be empty: a share is no world");
     asked.told.insert(asked.told.end(),
                       {static_cast<std::int64_t>(rules.bodies), static_cast<std::int64_t>(rules.groups),
-                       static_cast<std::int64_t>(rules.excluded_groups.size()), word_of(rules.excluded_groups)});
-    asked.between_groups = rules.groups == Wanted::between;
+                       static_cast<std::int64_t>(rules.excluded_groups.size()), word_of(rules.excluded_groups),
+                       static_cast<std::int64_t>(rules.excluded_bodies.size()), word_of(rules.excluded_bodies), world});
+    asked.between_groups = !world && rules.groups == Wanted::between;
 }
 
 }  // namespace
@@ -53,7 +55,33 @@ Asked asked_by(const Query& query, Wants wants) {
     return asked;
 }
 
-Asked asked_by(const Motion& question) {
+Wants wants_of(const Intersect& question) {
+    switch (question.wants) {
+        case crumple::Wants::any:
+        case crumple::Wants::any_by_world:  // of one world
+            return Wants::any;
+        case crumple::Wants::body_pairs:
+            return Wants::body_pairs;
+        case crumple::Wants::count:
+            return Wants::count;
+        case crumple::Wants::pairs:
+        case crumple::Wants::contacts:
+            break;
+    }
+    return Wants::pairs;
+}
+
+Asked asked_by(const Intersect& question) {
+    check(!question.index, "index must be false: ranks have no offsets by body");
+    Asked asked;
+    asked.told = {static_cast<std::int64_t>(Kind::of_bodies), static_cast<std::int64_t>(question.wants),
+                  static_cast<std::int64_t>(question.neighbours), static_cast<std::int64_t>(question.intersections),
+                  question.weld};
+    tell(question.rules, true, asked);
+    return asked;
+}
+
+Asked asked_by(const Motion& question, bool world) {
     check_question(question, false);
     check(!question.triangle_pairs, "triangle_pairs must be false: ranks have none");
     check(!question.index, "index must be false: ranks have no offsets by feature");
@@ -62,11 +90,11 @@ Asked asked_by(const Motion& question) {
     tell(question.separation, asked.told);
     tell(question.separation_share, asked.told);
     asked.features = {true, question.separation, question.separation_share, question.weld};
-    tell(question.rules, asked);
+    tell(question.rules, world, asked);
     return asked;
 }
 
-Asked asked_by(const Near& question) {
+Asked asked_by(const Near& question, bool world) {
     check_question(question, false);
     check(question.radii.empty(), "radii must be empty: ranks take one radius");
     check(!question.rest.data && question.rest.rows == 0, "rest must be empty: ranks take no shape at rest");
@@ -78,7 +106,7 @@ Asked asked_by(const Near& question) {
                   question.closest, question.weld};
     tell(question.radius, asked.told);
     asked.features = {false, question.radius, 0, question.weld};
-    tell(question.rules, asked);
+    tell(question.rules, world, asked);
     return asked;
 }
 

@@ -13,7 +13,7 @@
 
 namespace crumple::distribute {
 
-enum class Wants : std::uint8_t { any, count, pairs };
+enum class Wants : std::uint8_t { any, count, pairs, body_pairs };
 
 struct Asked {
     std::vector<std::int64_t> told;         ///< numbers that have to be the same on all ranks
@@ -23,7 +23,11 @@ struct Asked {
 
 /// Throws Error (invalid_argument) for what makes no sense, or is not for ranks.
 Asked asked_by(const Query& query, Wants wants);
-Asked asked_by(const Motion& question);
-Asked asked_by(const Near& question);
+/// `world`: asked of bodies, of which rules may speak.
+Asked asked_by(const Motion& question, bool world);
+Asked asked_by(const Near& question, bool world);
+Asked asked_by(const Intersect& question);
+/// What of an answer for a world is made.
+Wants wants_of(const Intersect& question);
 
 }  // namespace crumple::distribute

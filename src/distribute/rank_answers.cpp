@@ -55,26 +55,28 @@ bool RankDetector::has_collision(const MeshShare& share, const Query& query, std
 
 void RankDetector::find(const MeshShare& share, const Query& query, Wants wants, std::stop_token stop) {
     result_ = {};
-    const auto work = [&] {
-        FoundRows rows(transport_.size());
-        std::int64_t found = 0;
-        const auto each = [&](AssembledPart& part) {
-            if (wants == Wants::any) {
-                found = engine_->any(part.part(), query, part.memory(), stop_);
-                return;
-            }
-            const Collisions& in_part = engine_->find(part.part(), query, part.memory(), stop_);
-            found += static_cast<std::int64_t>(in_part.pairs.size());
-            if (wants == Wants::pairs) rows.add(part, in_part);
-            add_pass(in_part.statistics, statistics_.search);
-        };
-        search(each, [&] { return wants == Wants::any && found > 0; });
-        if (wants == Wants::pairs) rows.exchange(rounds_, agree_, query.contacts, result_);
-        result_.total = add_up(found, wants == Wants::any);
-    };
     answer(
-        share, nullptr, [&] { return asked_by(query, wants); }, std::move(stop), work);
+        share, nullptr, [&] { return asked_by(query, wants); }, [] {}, std::move(stop),
+        [&] { search_rows(query, wants); });
     result_.statistics = statistics_;
+}
+
+void RankDetector::search_rows(const Query& query, Wants wants) {
+    FoundRows rows(transport_.size());
+    std::int64_t found = 0;
+    const auto each = [&](AssembledPart& part) {
+        if (wants == Wants::any) {
+            found = engine_->any(part.part(), query, part.memory(), stop_);
+            return;
+        }
+        const Collisions& in_part = engine_->find(part.part(), query, part.memory(), stop_);
+        found += static_cast<std::int64_t>(in_part.pairs.size());
+        if (wants == Wants::pairs) rows.add(part, in_part);
+        add_pass(in_part.statistics, statistics_.search);
+    };
+    search(each, [&] { return wants == Wants::any && found > 0; });
+    if (wants == Wants::pairs) rows.exchange(rounds_, agree_, query.contacts, result_);
+    result_.total = add_up(found, wants == Wants::any);
 }
 
 // each(part, part as the engine takes it) returns what is found in a part. `listed`: rows are wanted; `cut_short`: a
@@ -101,6 +103,14 @@ void RankDetector::search_features(Each each, bool listed, bool cut_short, Resul
 const DistributedImpacts& RankDetector::find_impacts(const MeshShare& share, const VertexView& end,
                                                      const Motion& question, std::stop_token stop) {
     impacts_ = {};
+    answer(
+        share, &end, [&] { return asked_by(question, false); }, [] {}, std::move(stop),
+        [&] { search_impacts(question); });
+    impacts_.statistics = statistics_;
+    return impacts_;
+}
+
+void RankDetector::search_impacts(const Motion& question) {
     const bool listed = question.wants == MotionWants::impacts;
     const bool any = question.wants == MotionWants::any || question.wants == MotionWants::any_by_world;
     FirstImpact first;
@@ -109,28 +119,26 @@ const DistributedImpacts& RankDetector::find_impacts(const MeshShare& share, con
         if (found.first.found && (!first.found || key_of(found.first) < key_of(first))) first = found.first;
         return found;
     };
-    const auto work = [&] {
-        search_features(each, listed, any, impacts_);
-        if (!any) impacts_.first = first_of_all(first);
-    };
-    answer(
-        share, &end, [&] { return asked_by(question); }, std::move(stop), work);
-    impacts_.statistics = statistics_;
-    return impacts_;
+    search_features(each, listed, any, impacts_);
+    if (!any) impacts_.first = first_of_all(first);
 }
 
 const DistributedNearby& RankDetector::find_near(const MeshShare& share, const Near& question, std::stop_token stop) {
     nearby_ = {};
+    answer(
+        share, nullptr, [&] { return asked_by(question, false); }, [] {}, std::move(stop),
+        [&] { search_near(question); });
+    nearby_.statistics = statistics_;
+    return nearby_;
+}
+
+void RankDetector::search_near(const Near& question) {
     nearby_.closest = question.closest && question.wants == NearWants::pairs;
     const bool listed = question.wants == NearWants::pairs;
     const auto each = [&](AssembledPart& part, const Part& of) -> const Nearby& {
         return engine_->find(of, question, part.memory(), stop_);
     };
-    answer(
-        share, nullptr, [&] { return asked_by(question); }, std::move(stop),
-        [&] { search_features(each, listed, !listed, nearby_); });
-    nearby_.statistics = statistics_;
-    return nearby_;
+    search_features(each, listed, !listed, nearby_);
 }
 
 // The least in time, then in the order of the lists: number by number, and whoever falls back is out.

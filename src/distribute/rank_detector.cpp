@@ -56,8 +56,8 @@ RankDetector::~RankDetector() = default;
 
 void RankDetector::set_poll(std::function<void()> poll) { engine_->set_poll(std::move(poll)); }
 
-void RankDetector::answer(const MeshShare& share, const VertexView* end, FunctionRef<Asked()> ask, std::stop_token stop,
-                          FunctionRef<void()> work) {
+void RankDetector::answer(const MeshShare& share, const VertexView* end, FunctionRef<Asked()> ask,
+                          FunctionRef<void()> prepare, std::stop_token stop, FunctionRef<void()> work) {
     const FloatEnvironment environment;
     Stopwatch whole;
     watch_.lap();
@@ -71,6 +71,7 @@ void RankDetector::answer(const MeshShare& share, const VertexView* end, Functio
             Share::check_shape(share);
         });
         settle_question(share, end);
+        prepare();
         read(share, end);
         settle_ids();
         place();
@@ -93,7 +94,7 @@ void RankDetector::settle_question(const MeshShare& share, const VertexView* end
     told.push_back(options_.parts);
     told.push_back(options_.round_bytes);
     // Of different questions there may be different numbers of numbers.
-    constexpr std::size_t n = 16;
+    constexpr std::size_t n = 20;
     told.resize(n, 0);
     for (std::size_t i = 0; i < n; ++i) told.push_back(-told[i]);
     const auto is_float64 = [](const VertexView& view) { return view.type == ScalarType::float64 && view.rows > 0; };
@@ -179,6 +180,7 @@ void RankDetector::settle_ids() {
         if (triangle_ids_) check_each_once(rounds_, agree_, share_.triangles(), share_.scene().triangle_count());
         copies_.learn(rounds_, agree_, share_.vertices(), share_.scene().vertex_count());
         features_.forget();
+        bodies_.forget_edges();
     }
     copies_.check(rounds_, agree_, share_.scene().reader[0], float32_, "");
     if (!asked_.features) return;
@@ -315,7 +317,8 @@ void RankDetector::forget() {
     drop_parts();
     expected_work_.clear();
     features_.forget();
-    result_ = {}, impacts_ = {}, nearby_ = {};
+    bodies_.forget();
+    result_ = {}, world_result_ = {}, impacts_ = {}, nearby_ = {};
     engine_->release();
 }
 

@@ -25,6 +25,7 @@
 #include "distribute/agreement.h"
 #include "distribute/asked.h"
 #include "distribute/assembled_part.h"
+#include "distribute/bodies.h"
 #include "distribute/directory.h"
 #include "distribute/feature_assembly.h"
 #include "distribute/feature_owners.h"
@@ -51,6 +52,12 @@ class CRUMPLE_API RankDetector {
                                            std::stop_token stop = {});
     const DistributedNearby& find_near(const MeshShare& share, const Near& question, std::stop_token stop = {});
 
+    // Of bodies:
+    const DistributedWorldCollisions& find(const WorldShare& share, const Intersect& question,
+                                           std::stop_token stop = {});
+    const DistributedImpacts& find_impacts(const WorldShare& share, const Motion& question, std::stop_token stop = {});
+    const DistributedNearby& find_near(const WorldShare& share, const Near& question, std::stop_token stop = {});
+
     const DistributedOptions& options() const { return options_; }
     const DistributedStatistics& statistics() const { return statistics_; }
     /// What tells how long a search took, in milliseconds; by default the time of day.
@@ -61,10 +68,20 @@ class CRUMPLE_API RankDetector {
     void set_poll(std::function<void()> poll);
 
    private:
-    /// All phases. ask() makes the question, and may throw; work() does the last three.
-    void answer(const MeshShare& share, const VertexView* end, FunctionRef<Asked()> ask, std::stop_token stop,
-                FunctionRef<void()> work);
+    /// All phases. ask() makes the question, and may throw; prepare(), which may communicate, is called once it is
+    /// settled; work() does the last three phases.
+    void answer(const MeshShare& share, const VertexView* end, FunctionRef<Asked()> ask, FunctionRef<void()> prepare,
+                std::stop_token stop, FunctionRef<void()> work);
+    void answer(const WorldShare& share, const Rules& rules, bool moving, FunctionRef<Asked()> ask,
+                std::stop_token stop, FunctionRef<void()> work);
     void find(const MeshShare& share, const Query& query, Wants wants, std::stop_token stop);
+    void search_rows(const Query& query, Wants wants);
+    void search_body_pairs(const Query& query);
+    void search_impacts(const Motion& question);
+    void search_near(const Near& question);
+    void name_bodies_of_rows();
+    template <class Answer>
+    void name_bodies_of_features(Answer& answer);
     template <class Each, class Result>
     void search_features(Each each, bool listed, bool cut_short, Result& result);
 
@@ -113,6 +130,7 @@ class CRUMPLE_API RankDetector {
     std::optional<PartSearch> engine_;
     HostShape staged_;  ///< a share that lies on a device
     Share share_;
+    Bodies bodies_;
     SharedVertices copies_;
     Placement placement_;
     Owners owners_;
@@ -124,6 +142,7 @@ class CRUMPLE_API RankDetector {
     FeatureOwners features_;
     std::map<std::int32_t, FeatureAssembly> assemblies_;  ///< of this rank's parts, of questions about features
     DistributedCollisions result_;
+    DistributedWorldCollisions world_result_;
     DistributedImpacts impacts_;
     DistributedNearby nearby_;
 };

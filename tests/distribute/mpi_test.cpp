@@ -16,9 +16,11 @@
 #include "agreement/hard_soups.h"
 #include "crumple/crumple.h"
 #include "distribute/feature_rows.h"
+#include "distribute/world_shares.h"
 #include "error_of.h"
 #include "io/files.h"
 #include "scenes/scenes.h"
+#include "worlds/random_worlds.h"
 
 namespace crumple::test {
 namespace {
@@ -108,6 +110,30 @@ TEST_F(MpiRanks, have_impacts_and_near_pairs_of_one_machine) {
             EXPECT_TRUE(rows_are(nearby, start.triangle_ids, one.find_near(step.start.view(), near), step.start))
                 << soup.name;
         }
+    detector.close();
+}
+
+TEST_F(MpiRanks, have_the_answer_of_one_machine_about_bodies) {
+    Detector one({.backend = Backend::cpu, .threads = 1});
+    mpi::Detector detector(MPI_COMM_WORLD, one_thread());
+    WorldKind kind;
+    kind.bodies = 9, kind.everywhere = 0, kind.named = 0, kind.reach = 0.3;
+    for (unsigned seed = 1; seed <= 3; ++seed) {
+        const auto random = random_world(seed, kind);
+        std::vector<Pose> ends(random->bodies.size());
+        for (std::size_t b = 0; b < ends.size(); ++b) ends[b].rows[3] = 0.1 * static_cast<double>(b);
+        World world = random->view();
+        world.end_poses = ends;
+        const WorldPiece piece(world, every_distribution[seed % 4], rank, ranks);
+        const Intersect question{.wants = seed % 2 ? Wants::contacts : Wants::body_pairs};
+        const DistributedWorldCollisions found = detector.find(piece.share(), question);
+        const DistributedImpacts impacts = detector.find_impacts(piece.share());
+        const Near near{.radius = 0.05, .closest = true};
+        const DistributedNearby nearby = detector.find_near(piece.share(), near);
+        EXPECT_TRUE(rows_are(found, piece, one.find(world, question))) << seed;
+        EXPECT_TRUE(feature_rows_are(impacts, piece, one.find_impacts(world))) << seed;
+        EXPECT_TRUE(feature_rows_are(nearby, piece, one.find_near(world, near))) << seed;
+    }
     detector.close();
 }
 

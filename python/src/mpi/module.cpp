@@ -8,6 +8,7 @@
 #include "gil.h"
 #include "mpi/rank_answer.h"
 #include "mpi/rank_detector.h"
+#include "mpi/world_share.h"
 #include "signals.h"
 
 NB_MODULE(_mpi, module) {
@@ -17,5 +18,6 @@ NB_MODULE(_mpi, module) {
     crumple::python::know_main_thread();
     crumple::python::translate_errors();
     crumple::python::bind_rank_answer(module);
+    crumple::python::bind_world_share(module);
     crumple::python::bind_rank_detector(module);
 }

@@ -68,15 +68,18 @@ void bind_features(nb::class_<A>& type, const char* value, const char* flag) {
                                             std::tuple(FeatureKind::edge_edge, "edge_edge", "edge_edges")}) {
         const std::string of = std::string(name) + '_';
         show(pairs, [kind = kind](const A& a) { return view<std::int32_t>(a.found[kind].pairs, 2U); });
+        show(of + "bodies", [kind = kind](const A& a) { return view<std::int32_t>(a.found[kind].bodies, 2U); });
         show(of + value, [kind = kind](const A& a) { return view<double>(values(a.found[kind])); });
         show(of + flag, [kind = kind](const A& a) { return view<bool>(flags(a.found[kind])); });
     }
     show("edges", [](const A& a) { return view<std::int32_t>(a.found.edges, 2U); });
     show("edge_ids", [](const A& a) { return view<std::int32_t>(a.found.edge_ids); });
+    show("edge_bodies", [](const A& a) { return view<std::int32_t>(a.found.edge_bodies); });
     type.def_prop_ro("any", [](const A& a) { return a.found.any; })
         .def_prop_ro("total", [](const A& a) { return a.found.total; })
         .def_prop_ro("statistics", [](const A& a) { return DistributedStatistics(a.found.statistics); })
-        .def_ro("has_closest", &A::has_closest);
+        .def_ro("has_closest", &A::has_closest)
+        .def_ro("of_world", &A::of_world);
 }
 
 void bind_impacts(nb::module_& module) {
@@ -88,8 +91,10 @@ void bind_impacts(nb::module_& module) {
             const FirstImpact& first = a.found.first;
             if (!first.found) return nb::none();
             const std::string_view kind = feature_kind_name(first.kind);
-            return nb::make_tuple(nb::str(kind.data(), kind.size()), nb::make_tuple(first.pair.a, first.pair.b),
-                                  nb::none(), first.toi, first.start);
+            nb::object bodies = nb::none();
+            if (a.of_world) bodies = nb::make_tuple(first.bodies.first, first.bodies.second);
+            return nb::make_tuple(nb::str(kind.data(), kind.size()), nb::make_tuple(first.pair.a, first.pair.b), bodies,
+                                  first.toi, first.start);
         });
 }
 
@@ -107,26 +112,47 @@ void bind_nearby(nb::module_& module) {
     }
 }
 
+template <class A>
+void bind_contacts(nb::class_<A>& type) {
+    type.def_prop_ro(
+            "contact_kinds", [](const A& a) { return view<std::uint8_t>(a.found.contacts.kinds); }, owner)
+        .def_prop_ro(
+            "contact_offsets", [](const A& a) { return view<std::int64_t>(a.found.contacts.offsets); }, owner)
+        .def_prop_ro(
+            "contact_points", [](const A& a) { return view<double>(a.found.contacts.points, 3U); }, owner);
+}
+
+void bind_world_answer_of_rank(nb::module_& module) {
+    using W = RankWorldAnswer;
+    nb::class_<W> answer(module, "WorldAnswer", "One rank's answer for a world; crumple.mpi.WorldResult shows it.");
+    answer.def("__len__", [](const W& a) { return a.found.bodies.size(); })
+        .def_prop_ro("wants", [](const W& a) { return name_of(wants_names, a.wants); })
+        .def_prop_ro("any", [](const W& a) { return a.found.any; })
+        .def_prop_ro("count", [](const W& a) { return a.found.count; })
+        .def_prop_ro(
+            "bodies", [](const W& a) { return view<std::int32_t>(a.found.bodies, 2U); }, owner)
+        .def_prop_ro(
+            "pairs", [](const W& a) { return view<std::int32_t>(a.found.pairs, 2U); }, owner)
+        .def_prop_ro("statistics", [](const W& a) { return DistributedStatistics(a.found.statistics); });
+    bind_contacts(answer);
+}
+
 }  // namespace
 
 void bind_rank_answer(nb::module_& module) {
     bind_statistics(module);
     bind_impacts(module);
     bind_nearby(module);
+    bind_world_answer_of_rank(module);
     using A = RankAnswer;
-    nb::class_<A>(module, "Answer", "One rank's answer to a call; crumple.mpi.Result gives access to it.")
-        .def("__len__", [](const A& a) { return a.found.pairs.size(); })
+    nb::class_<A> answer(module, "Answer", "One rank's answer to a call; crumple.mpi.Result gives access to it.");
+    answer.def("__len__", [](const A& a) { return a.found.pairs.size(); })
         .def_prop_ro(
             "pairs", [](const A& a) { return view<std::int32_t>(a.found.pairs, 2U); }, owner)
-        .def_prop_ro(
-            "contact_kinds", [](const A& a) { return view<std::uint8_t>(a.found.contacts.kinds); }, owner)
-        .def_prop_ro(
-            "contact_offsets", [](const A& a) { return view<std::int64_t>(a.found.contacts.offsets); }, owner)
-        .def_prop_ro(
-            "contact_points", [](const A& a) { return view<double>(a.found.contacts.points, 3U); }, owner)
         .def_prop_ro("total", [](const A& a) { return a.found.total; })
         .def_prop_ro("statistics", [](const A& a) { return DistributedStatistics(a.found.statistics); })
         .def_ro("has_contacts", &A::has_contacts);
+    bind_contacts(answer);
 }
 
 }  // namespace crumple::python

@@ -73,12 +73,18 @@ DistributedOptions distributed_options(const nb::dict& detector, nb::handle part
 
 }  // namespace
 
-BorrowedShare::BorrowedShare(const nb::tuple& given, nb::handle triangles, nb::handle vertices)
+BorrowedShare::BorrowedShare(const RankDetector& detector, const nb::tuple& given, nb::handle triangles,
+                             nb::handle vertices)
     : mesh(given),
       triangle_ids(triangles, "triangle", mesh.view().triangles.rows),
       vertex_ids(vertices, "vertex", mesh.view().vertices.rows) {
-    if (mesh.device() != BorrowedArray::on_host)
-        refuse("the arrays of a share must lie in host memory: " + std::string(copy_to_host));
+    const Options& own = detector.detector().options().detector;
+    if (mesh.device() == BorrowedArray::on_host) return;
+    if (own.backend != Backend::cuda && own.backend != Backend::automatic)
+        refuse("the arrays lie in CUDA memory, which needs the cuda backend: " + std::string(copy_to_host));
+    if (mesh.device() != own.device)
+        refuse("the arrays lie in the memory of CUDA device " + std::to_string(mesh.device()) +
+               ", but the detector of this rank works on device " + std::to_string(own.device));
 }
 
 RankDetector::RankDetector(std::uintptr_t communicator, const DistributedOptions& options)
@@ -144,6 +150,28 @@ RankNearby RankDetector::find_near(const BorrowedShare& share, const Near& quest
     });
 }
 
+RankWorldAnswer RankDetector::find_world(const BorrowedWorldShare& share, const Intersect& question) {
+    const Intersect asked = share.with_excluded(question);
+    return alone([&](std::stop_token stop) {
+        return RankWorldAnswer{detector_.find(share.view(), asked, std::move(stop)), asked.wants};
+    });
+}
+
+RankImpacts RankDetector::find_impacts_in_world(const BorrowedWorldShare& share, const Motion& question) {
+    const Motion asked = share.with_excluded(question);
+    return alone([&](std::stop_token stop) {
+        return RankImpacts{detector_.find_impacts(share.view(), asked, std::move(stop)), asked.wants, false, true};
+    });
+}
+
+RankNearby RankDetector::find_near_in_world(const BorrowedWorldShare& share, const Near& question) {
+    const Near asked = share.with_excluded(question);
+    return alone([&](std::stop_token stop) {
+        const DistributedNearby& found = detector_.find_near(share.view(), asked, std::move(stop));
+        return RankNearby{found, asked.wants, found.closest, true};
+    });
+}
+
 void RankDetector::fail(nb::handle exception) {
     const std::exception_ptr failed = failure_of(exception);
     try {
@@ -179,8 +207,8 @@ void bind_rank_detector(nb::module_& module) {
             },
             "detector"_a, "parts"_a.none(), "round_bytes"_a.none());
     nb::class_<BorrowedShare>(module, "Share", "What one rank brings to a call.")
-        .def(nb::init<const nb::tuple&, nb::handle, nb::handle>(), "mesh"_a, "triangle_ids"_a.none(),
-             "vertex_ids"_a.none());
+        .def(nb::init<const RankDetector&, const nb::tuple&, nb::handle, nb::handle>(), "detector"_a, "mesh"_a,
+             "triangle_ids"_a.none(), "vertex_ids"_a.none());
     nb::class_<BorrowedEnd>(module, "End", "Where the vertices of a share are at the end of a step.")
         .def(
             "__init__",
@@ -201,11 +229,15 @@ void bind_rank_detector(nb::module_& module) {
             "share"_a, "query"_a)
         .def("find_impacts", &RankDetector::find_impacts, "share"_a, "end"_a, "question"_a)
         .def("find_near", &RankDetector::find_near, "share"_a, "question"_a)
+        .def("find_world", &RankDetector::find_world, "share"_a, "question"_a)
+        .def("find_impacts_in_world", &RankDetector::find_impacts_in_world, "share"_a, "question"_a)
+        .def("find_near_in_world", &RankDetector::find_near_in_world, "share"_a, "question"_a)
         .def("fail", &RankDetector::fail, "exception"_a)
         .def("close", &RankDetector::close)
         .def_prop_ro("rank", [](const RankDetector& d) { return d.detector().rank(); })
         .def_prop_ro("ranks", [](const RankDetector& d) { return d.detector().ranks(); })
         .def_prop_ro("threads", [](const RankDetector& d) { return d.detector().options().detector.threads; })
+        .def_prop_ro("device", [](const RankDetector& d) { return d.detector().options().detector.device; })
         .def_prop_ro("statistics",
                      [](const RankDetector& d) { return DistributedStatistics(d.detector().statistics()); });
 }

@@ -12,12 +12,17 @@
 #include "arrays.h"
 #include "crumple/mpi.h"
 #include "mpi/rank_answer.h"
+#include "mpi/world_share.h"
 
 namespace crumple::python {
 
+class RankDetector;
+
 /// What one rank brings, in place. Needs the GIL to come and go.
 struct BorrowedShare {
-    BorrowedShare(const nanobind::tuple& mesh, nanobind::handle triangle_ids, nanobind::handle vertex_ids);
+    /// Throws where the detector cannot read the memory that the arrays lie in.
+    BorrowedShare(const RankDetector& detector, const nanobind::tuple& mesh, nanobind::handle triangle_ids,
+                  nanobind::handle vertex_ids);
     MeshShare view() const { return {mesh.view(), triangle_ids.view(), vertex_ids.view()}; }
 
     const BorrowedMesh mesh;
@@ -36,6 +41,9 @@ class RankDetector {
     /// `end`: where the share's vertices are at the end of the step.
     RankImpacts find_impacts(const BorrowedShare& share, const BorrowedEnd& end, const Motion& question);
     RankNearby find_near(const BorrowedShare& share, const Near& question);
+    RankWorldAnswer find_world(const BorrowedWorldShare& share, const Intersect& question);
+    RankImpacts find_impacts_in_world(const BorrowedWorldShare& share, const Motion& question);
+    RankNearby find_near_in_world(const BorrowedWorldShare& share, const Near& question);
     /// A call for a rank that failed before its own: all ranks raise the same. Returns, here alone, if `exception` is
     /// none of crumple's, for the caller to raise it.
     void fail(nanobind::handle exception);

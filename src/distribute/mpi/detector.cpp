@@ -167,6 +167,17 @@ const DistributedImpacts& Detector::find_impacts(const MeshShare& share, const V
 const DistributedNearby& Detector::find_near(const MeshShare& share, const Near& question, std::stop_token stop) {
     return open().detector.find_near(share, question, std::move(stop));
 }
+const DistributedWorldCollisions& Detector::find(const WorldShare& share, const Intersect& question,
+                                                 std::stop_token stop) {
+    return open().detector.find(share, question, std::move(stop));
+}
+const DistributedImpacts& Detector::find_impacts(const WorldShare& share, const Motion& question,
+                                                 std::stop_token stop) {
+    return open().detector.find_impacts(share, question, std::move(stop));
+}
+const DistributedNearby& Detector::find_near(const WorldShare& share, const Near& question, std::stop_token stop) {
+    return open().detector.find_near(share, question, std::move(stop));
+}
 void Detector::set_poll(std::function<void()> poll) {
     open().detector.set_poll(poll);
     open().poll = std::move(poll);
