@@ -73,8 +73,7 @@ void Source::fail_at_line(const char* place, const std::string& what) const { th
 
 void Source::fail_at_byte(const char* place, const std::string& what) const { throw error_at_byte(place, what); }
 
-std::string in_quotes(std::string_view word) {
-    constexpr std::size_t longest = 40;
+std::string in_quotes(std::string_view word, std::size_t longest) {
     std::string result = "'";
     for (const char c : word.substr(0, longest)) result += c >= ' ' && c <= '~' ? c : '?';
     return result + (word.size() > longest ? "...'" : "'");

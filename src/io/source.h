@@ -79,6 +79,6 @@ struct Tally {
 };
 
 /// A word of a file for a message: short and printable, whatever the file holds.
-std::string in_quotes(std::string_view word);
+std::string in_quotes(std::string_view word, std::size_t longest = 40);
 
 }  // namespace crumple::io
