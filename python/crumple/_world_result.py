@@ -161,7 +161,7 @@ class WorldResult:
 
         Of wants="pairs" and "contacts" triangles are coloured, of wants="body_pairs" whole bodies.
 
-        - .glb: bodies with names and poses as nodes, over shapes that they share
+        - .glb, .3mf: bodies with names and poses, over shapes that they share
         - .ply, .obj: all bodies as one mesh, as world.mesh makes it
         - .html: a page to turn and zoom, with contacts if there are any
         - .png, .jpg, .jpeg, .bmp, .tif, .tiff: a picture; needs PyVista. `options` as of Result.save
@@ -180,9 +180,9 @@ class WorldResult:
             image(self._painted(), **options).save(picture, format=PICTURES[extension])
             _core.write_bytes(path, picture.getvalue())
             return
-        if extension not in (".ply", ".obj", ".glb", ".html"):
+        if extension not in (".ply", ".obj", ".glb", ".3mf", ".html"):
             raise InvalidInput(
-                f"{name}: a result of a world is saved as .ply, .obj, .glb (coloured meshes), .html, or .png, .jpg, "
+                f"{name}: a result of a world is saved as .ply, .obj, .glb, .3mf (coloured meshes), .html, or .png, .jpg, "
                 ".bmp, .tif (pictures)"
             )
         for option in options:

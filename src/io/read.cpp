@@ -11,6 +11,7 @@
 #include "io/formats.h"
 #include "io/gltf.h"
 #include "io/gltf_file.h"
+#include "io/gzip.h"
 #include "io/names.h"
 #include "io/text.h"
 #include "io/weld.h"
@@ -143,7 +144,7 @@ WorldMesh read_world(const Source& source, std::optional<std::filesystem::path> 
     WorldMesh world;
     world.shapes.push_back(read(source, options));
     world.warnings = std::move(world.shapes[0].warnings);
-    world.bodies.push_back({std::filesystem::path(source.name()).stem().string()});
+    world.bodies.push_back({without_gzip_name(source.name()).stem().string()});
     return world;
 }
 

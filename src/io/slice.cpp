@@ -12,6 +12,7 @@
 #include "io/bytes.h"
 #include "io/formats.h"
 #include "io/gltf_file.h"
+#include "io/gzip.h"
 #include "io/ply_slice.h"
 #include "io/row_file.h"
 
@@ -63,6 +64,7 @@ std::optional<MeshSlice> read_slice(const std::filesystem::path& path, const Rea
     const RowFile file(path);
     if (!file.is_open()) return std::nullopt;
     const std::vector<char> bytes = file.read(0, longest_header);
+    if (is_gzip({bytes.data(), bytes.size()})) return std::nullopt;
     std::istringstream stream(std::string(bytes.begin(), bytes.end()));
     const Source beginning(stream, file.name());
     const std::string extension = extension_of(path);

@@ -85,8 +85,8 @@ TEST_F(Convert, RefusesWhatItCannotWrite) {
         EXPECT_TRUE(is_error_line(outcome.err) && contains(outcome.err, reason)) << outcome.err;
     };
     for (const char* const name : {"a.glb", "a.html", "a.txt", "a"})
-        expect_refused(std::string("a.obj ") + name, ".ply, .obj, .stl or .off");
-    expect_refused("a.obj - --format glb", ".ply, .obj, .stl or .off");
+        expect_refused(std::string("a.obj ") + name, ".ply, .obj, .stl, .off or .3mf");
+    expect_refused("a.obj - --format glb", ".ply, .obj, .stl, .off or .3mf");
     expect_refused("a.obj -", "--format");
     expect_refused("a.obj b.ply --format ply", "--format");
     expect_refused("a.obj ./a.obj", "the file that is read");
