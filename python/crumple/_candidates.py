@@ -110,7 +110,7 @@ class Candidates(PairLists):
         extensions; FileError.
         """
         name = file_name(path)
-        if Path(name).suffix.lower() not in (".txt", ".csv", ".json", ".npz"):
+        if extension_of(name) not in (".txt", ".csv", ".json", ".npz"):
             raise InvalidInput(f"{name}: candidates are saved as .txt, .csv, .json or .npz")
         _core.write_candidates(path, self._answer)
 

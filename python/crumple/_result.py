@@ -38,6 +38,12 @@ def file_name(path: Any) -> str:
     raise InvalidInput("path cannot be the name of a file")
 
 
+def extension_of(name: str) -> str:
+    """In lower case; .csv for pairs.csv.gz, whose contents are compressed."""
+    path = Path(name)
+    return (path.with_suffix("") if path.suffix.lower() == ".gz" else path).suffix.lower()
+
+
 class ContactKind(IntEnum):
     """What two triangles have in common: 1, 2 or 3 to 6 extreme points."""
 
@@ -219,7 +225,7 @@ class Result:
         not belong to the extension, FileError, and ModuleNotFoundError without PyVista.
         """
         name = file_name(path)
-        extension = Path(name).suffix.lower()
+        extension = extension_of(name)
         for option in options:
             if extension in _PAIR_FILES | _MESH_FILES and (extension, option) != (".html", "height"):
                 raise InvalidType(f"{option} is no option of {extension} files")

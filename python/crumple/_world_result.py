@@ -169,10 +169,10 @@ class WorldResult:
         Paints what shapes and poses hold by now; what does not fit the result any more is an InvalidInput. A file
         appears when it is complete. Otherwise as Result.save, errors included.
         """
-        from ._result import PICTURES, file_name
+        from ._result import PICTURES, extension_of, file_name
 
         name = file_name(path)
-        extension = Path(name).suffix.lower()
+        extension = extension_of(name)
         if extension in PICTURES:
             from ._pictures import image
 
@@ -182,8 +182,8 @@ class WorldResult:
             return
         if extension not in (".ply", ".obj", ".glb", ".3mf", ".html"):
             raise InvalidInput(
-                f"{name}: a result of a world is saved as .ply, .obj, .glb, .3mf (coloured meshes), .html, or .png, .jpg, "
-                ".bmp, .tif (pictures)"
+                f"{name}: a result of a world is saved as .ply, .obj, .glb, .3mf (coloured meshes), .html, or .png, "
+                ".jpg, .bmp, .tif (pictures)"
             )
         for option in options:
             raise InvalidType(f"{option} is no option of {extension} files")

@@ -17,8 +17,9 @@ namespace crumple::io {
 namespace {
 
 constexpr std::string_view model_relationship = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel";
-/// Of components of components, and of all that the build names: a few lines can name more than memory holds.
-constexpr std::size_t deepest = 64, most_references = std::size_t{1} << 20;
+constexpr std::size_t deepest = 64;  // of components of components
+/// A few lines can name more bodies than memory holds; more than these have to be as many bytes.
+constexpr std::uint64_t always_named = std::uint64_t{1} << 16;
 
 class Assembler {
    public:
@@ -60,8 +61,8 @@ class Assembler {
         const ModelObject& object = found->second;
         if (std::find(path_.begin(), path_.end(), &object) != path_.end()) fail(named + " is a component of itself");
         if (path_.size() == deepest) fail("components are nested more than " + std::to_string(deepest) + " deep");
-        if (++references_ > most_references)
-            fail("the build names more than " + std::to_string(most_references) + " objects, components included");
+        if (++references_ > std::max(always_named, package_.expanded()))
+            fail("the build names more than 65536 objects, and than the file has bytes");
         const Pose pose = product(outer, reference.pose);
         if (!is_finite(pose)) fail(named + " has a transform that is not finite");
         if (!object.name.empty()) name = object.name;
@@ -104,7 +105,7 @@ class Assembler {
     std::string root_;
     std::map<std::string, Part> parts_;  // references stay as they are when others come
     std::vector<const ModelObject*> path_;
-    std::size_t references_ = 0;
+    std::uint64_t references_ = 0;
     WorldMesh world_;
 };
 

@@ -25,6 +25,8 @@ class Package {
     void read(const std::string& part, XmlReader& reader);
     /// The one part that the package names for this, without a '/' before it.
     std::string target_of(std::string_view relationship);
+    /// Bytes of the parts read so far.
+    std::uint64_t expanded() const { return expanded_; }
 
    private:
     const Source& source_;

@@ -111,7 +111,9 @@ WorldMesh read_3mf(const Source& source, const ReadOptions& options) {
 
 /// The bodies of a 3MF file, where they are; one that has not been moved keeps its bits.
 TriangleMesh read_posed(const Source& source, const ReadOptions& options) {
-    WorldMesh world = read_3mf(source, options);
+    ReadOptions apart = options;
+    apart.weld = Weld::no;
+    WorldMesh world = read_3mf(source, apart);
     const bool in_place = world.bodies.size() == 1 && world.bodies[0].pose == Pose{};
     try {
         TriangleMesh mesh = in_place ? std::move(world.shapes.at(0)) : posed_mesh(world);
@@ -122,6 +124,7 @@ TriangleMesh read_posed(const Source& source, const ReadOptions& options) {
         };
         if (!std::visit(is_finite, mesh.vertices))
             throw Error(ErrorCode::format, source.name() + ": a transform takes a vertex beyond all numbers");
+        if (options.weld == Weld::yes) weld(mesh);
         return mesh;
     } catch (const std::bad_alloc&) {
         throw Error(ErrorCode::file, "cannot read " + source.name() + ": its mesh does not fit in memory");

@@ -82,6 +82,9 @@ void require_kept_by_stl(const TriangleMesh& mesh) {
     require_same(read_again(bytes, "again.stl", Precision::automatic), expected, "written as STL and read");
 }
 
+/// Without groups, which most formats do not hold.
+TriangleMesh as_triangles(const TriangleMesh& mesh) { return {mesh.vertices, mesh.triangles}; }
+
 /// As triangles or, if the mesh has them, as polygons, which are cut again.
 void require_kept_by_coloured(const TriangleMesh& mesh, io::Triangulation triangulation) {
     io::ColouredMesh coloured{mesh, std::vector<std::uint8_t>(mesh.triangles.size() / 3)};
@@ -91,6 +94,8 @@ void require_kept_by_coloured(const TriangleMesh& mesh, io::Triangulation triang
     require_same(read_again(ply, "again.ply", precision, "", triangulation), mesh, "written as coloured PLY and read");
     const std::string obj = written([&](std::ostream& out) { io::write_coloured_obj(out, coloured, "again.mtl"); });
     require_same(read_again(obj, "again.obj", precision, "", triangulation), mesh, "written as coloured OBJ and read");
+    const std::string package = written([&](std::ostream& out) { io::write_coloured_3mf(out, coloured); });
+    require_same(read_again(package, "again.3mf", precision), as_triangles(mesh), "written as coloured 3MF and read");
     try {
         written([&](std::ostream& out) { io::write_coloured_glb(out, coloured); });
     } catch (const Error& error) {

@@ -88,6 +88,10 @@ TEST(ThreeMf, VerticesAreWeldedOnRequestOnly) {
 <build><item objectid="1"/></build>)";
     EXPECT_EQ(read_model(children).shapes.at(0).vertex_count(), 4);
     EXPECT_EQ(read_model(children, {.weld = Weld::yes}).shapes.at(0).vertex_count(), 3);
+    std::string twice = children;
+    twice.insert(twice.find("</build>"), "<item objectid=\"1\"/>");
+    EXPECT_EQ(read_bytes(file_3mf(model_around(twice)), "a.3mf").vertex_count(), 8);
+    EXPECT_EQ(read_bytes(file_3mf(model_around(twice)), "a.3mf", {.weld = Weld::yes}).vertex_count(), 3);
 }
 
 TEST(ThreeMf, OtherPartsAreReadByTheProductionExtension) {

@@ -86,7 +86,7 @@ TEST(HostileThreeMf, DeepAndManifoldAssembliesAreRefused) {
     };
     EXPECT_EQ(read_bytes(file_3mf(chain(60, 1)), "a.3mf").triangle_count(), 4);
     expect_bad(file_3mf(chain(70, 1)), "a.3mf", Element::line, 5, "nested more than 64 deep");
-    expect_bad(file_3mf(chain(40, 2)), "a.3mf", Element::line, 5, "more than 1048576 objects");
+    expect_bad(file_3mf(chain(40, 2)), "a.3mf", Element::line, 5, "more than 65536 objects");
 }
 
 TEST(HostileThreeMf, DoctypesAndEntitiesAreRefused) {
