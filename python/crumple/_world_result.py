@@ -6,7 +6,6 @@ import io
 import os
 from copy import deepcopy
 from functools import cached_property
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from . import _core

@@ -405,7 +405,8 @@ def models():
 
 def compressed_files():
     for children, attributes in models():
-        model = b'<model xmlns="' + CORE + b'" xmlns:p="' + PRODUCTION + b'"' + attributes + b">" + children + b"</model>"
+        root = b'<model xmlns="' + CORE + b'" xmlns:p="' + PRODUCTION + b'"' + attributes + b">"
+        model = root + children + b"</model>"
         yield MODEL, model
         yield MODEL_AS_MESH, model
         relations = (b'<Relationships xmlns="http://schemas.openxmlformats.org/package/2006/relationships">'
