@@ -96,7 +96,7 @@ Command add_convert(CLI::App& app) {
         "Coordinates keep their precision, except in .stl, which holds float32. Polygons stay polygons, except\n"
         "in .stl and .3mf. Colours, normals, texture coordinates, lines and points of OBJ and, but for .3mf, names "
         "are\n"
-        "left out.\n\n"
+        "left out. Files named .gz are compressed, here and in all commands.\n\n"
         "Example: crumple convert --weld scan.stl scan.ply");
     return {&command, [convert] { return convert->run(); }};
 }
