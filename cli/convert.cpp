@@ -94,9 +94,8 @@ Command add_convert(CLI::App& app) {
     add_reading_options(command, convert->reading);
     command.footer(
         "Coordinates keep their precision, except in .stl, which holds float32. Polygons stay polygons, except\n"
-        "in .stl and .3mf. Colours, normals, texture coordinates, lines and points of OBJ and, but for .3mf, names "
-        "are\n"
-        "left out. Files named .gz are compressed, here and in all commands.\n\n"
+        "in .stl and .3mf. Colours, normals, texture coordinates, lines and points of OBJ and, but for .3mf,\n"
+        "names are left out. Files named .gz are compressed, here and in all commands.\n\n"
         "Example: crumple convert --weld scan.stl scan.ply");
     return {&command, [convert] { return convert->run(); }};
 }

@@ -17,7 +17,8 @@ inline std::string numbered(const std::string& path, std::size_t number, std::si
     const std::filesystem::path file = io::without_gzip_name(path);
     const std::size_t digits = std::to_string(count > 0 ? count - 1 : 0).size();
     return (file.parent_path() / fmt::format("{}{:0{}}{}{}", file.stem().string(), number, digits,
-                                             file.extension().string(), io::has_gzip_name(path) ? path.substr(path.size() - 3) : ""))
+                                             file.extension().string(),
+                                             io::has_gzip_name(path) ? path.substr(path.size() - 3) : ""))
         .string();
 }
 
