@@ -72,7 +72,7 @@ void require_kept_by_stl(const TriangleMesh& mesh) {
     const bool finite = as_stl(mesh, expected);
     std::string bytes;
     try {
-        bytes = written([&](std::ostream& out) { io::write_stl(out, mesh); });
+        bytes = written([&](std::ostream& out) { io::write_stl(out, mesh, false); });
     } catch (const Error& error) {
         require(!finite && error.code == ErrorCode::invalid_argument && error.element == Element::vertex,
                 "STL refuses what it can hold");
@@ -161,14 +161,14 @@ void require_welded(const TriangleMesh& mesh, const TriangleMesh& before) {
 void require_kept_by_writers(const TriangleMesh& mesh, io::Triangulation triangulation) {
     TriangleMesh without_groups = mesh;
     without_groups.groups.clear();
-    const std::string ply = written([&](std::ostream& out) { io::write_ply(out, mesh); });
+    const std::string ply = written([&](std::ostream& out) { io::write_ply(out, mesh, false); });
     require_same(read_again(ply, "again.ply", Precision::automatic, mesh.groups.empty() ? "" : "group"), mesh,
                  "written as PLY and read");
     if (mesh.vertex_count() > 0) {  // none makes an empty file, which is refused
-        const std::string obj = written([&](std::ostream& out) { io::write_obj(out, mesh); });
+        const std::string obj = written([&](std::ostream& out) { io::write_obj(out, mesh, false); });
         require_same(read_again(obj, "again.obj", precision_of(mesh)), without_groups, "written as OBJ and read");
     }
-    const std::string off = written([&](std::ostream& out) { io::write_off(out, mesh); });
+    const std::string off = written([&](std::ostream& out) { io::write_off(out, mesh, false); });
     require_same(read_again(off, "again", precision_of(mesh)), without_groups, "written as OFF and read");
     require_kept_by_stl(mesh);
     require_kept_by_coloured(without_groups, triangulation);
