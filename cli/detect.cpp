@@ -19,7 +19,7 @@ namespace crumple::cli {
 namespace {
 
 constexpr const char* formats =
-    "pairs are written as .txt, .csv, .json or .npz, coloured meshes as .ply, .obj, .glb or .html";
+    "pairs are written as .txt, .csv, .json or .npz, coloured meshes as .ply, .obj, .glb, .3mf or .html";
 
 struct Detect {
     std::vector<std::string> files, outputs;
@@ -156,8 +156,8 @@ Command add_detect(CLI::App& app) {
     command
         .add_option(
             "FILE", detect->files,
-            "A mesh (PLY, OBJ, STL, OFF) against itself, or two against each other; with --groups bodies any number "
-            "of them and of glTF scenes. - is standard input")
+            "A mesh (PLY, OBJ, STL, OFF, 3MF) against itself, or two against each other; with --groups bodies any "
+            "number of them and of glTF scenes. - is standard input")
         ->type_name("FILE [FILE_B]")
         ->required()
         ->expected(1, std::numeric_limits<int>::max());
@@ -165,12 +165,12 @@ Command add_detect(CLI::App& app) {
         .add_option(
             "-o,--output", detect->outputs,
             "Pairs as .txt, .csv, .json or .npz, or the mesh with colliding triangles coloured as .ply, .obj, "
-            ".glb or .html, a page to turn and zoom; may be repeated. - is standard output, see --format. "
+            ".glb, .3mf or .html, a page to turn and zoom; may be repeated. - is standard output, see --format. "
             "Without it pairs go there, `i j` a line. With --groups bodies: their names as .txt, .csv or .json, or "
             "the world coloured")
         ->type_name("OUT")
         ->allow_extra_args(false);
-    add_format_option(command, detect->format, "txt|csv|json|npz|ply|glb|html");
+    add_format_option(command, detect->format, "txt|csv|json|npz|ply|glb|3mf|html");
     add_answer_options(command, detect->answer);
     add_body_options(command, detect->bodies);
     add_polygons_option(command, detect->answer);

@@ -36,7 +36,7 @@ void check_output_formats(const BodyTask& task) {
         if (picture && !task.bodies.poses.empty()) refuse("-o " + path + ": --poses give rows, as .txt, .csv or .json");
         if (!picture)
             refuse("-o " + (path.empty() ? "''" : path) + (is_standard(path) ? " --format " + task.format : "") +
-                   ": bodies are written as .txt, .csv or .json, coloured as .glb, .ply, .obj or .html");
+                   ": bodies are written as .txt, .csv or .json, coloured as .glb, .3mf, .ply, .obj or .html");
         if (is_standard(path) && extension == ".obj")
             refuse("-o - --format obj: a coloured .obj needs a file beside it");
     }

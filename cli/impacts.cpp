@@ -142,7 +142,8 @@ Command add_impacts(CLI::App& app) {
     CLI::App& command =
         *app.add_subcommand("impacts", "Find what touches on the way from one mesh to another, and when");
     command
-        .add_option("START", impacts->start, "A mesh (PLY, OBJ, STL, OFF) at the start of a step. - is standard input")
+        .add_option("START", impacts->start,
+                    "A mesh (PLY, OBJ, STL, OFF, 3MF) at the start of a step. - is standard input")
         ->type_name("START")
         ->required();
     command

@@ -79,7 +79,7 @@ void print_information(std::ostream& out, const io::WorldMesh& world) {
 
 bool is_scene(const std::string& file) {
     const std::string extension = extension_of(file);
-    return !is_standard(file) && (extension == ".glb" || extension == ".gltf");
+    return !is_standard(file) && (extension == ".glb" || extension == ".gltf" || extension == ".3mf");
 }
 
 /// A line for each device, or the reason why there is none.
@@ -104,7 +104,8 @@ Command add_info(CLI::App& app) {
     const auto info = std::make_shared<Info>();
     CLI::App& command = *app.add_subcommand("info", "Tell what a mesh file holds, and what is odd about it");
     command
-        .add_option("FILE", info->file, "A mesh (PLY, OBJ, STL, OFF), a scene (.glb, .gltf), or - for standard input")
+        .add_option("FILE", info->file,
+                    "A mesh (PLY, OBJ, STL, OFF), a scene (.glb, .gltf, .3mf), or - for standard input")
         ->type_name("FILE")
         ->required();
     add_reading_options(command, info->reading);

@@ -41,7 +41,7 @@ struct Make {
         const io::MeshFormat mesh_format = io::mesh_format_of(extension_of(output, format));
         if (!io::holds_meshes(mesh_format)) {  // now, not after minutes of simulation
             throw Error(ErrorCode::invalid_argument,
-                        "cannot write " + output + ": meshes are written as .ply, .obj, .stl or .off");
+                        "cannot write " + output + ": meshes are written as .ply, .obj, .stl, .off or .3mf");
         }
         if (all_frames && frame) fail("--all-frames and --frame exclude each other");
         if (all_frames && is_standard(output)) fail("--all-frames needs files: -o FILE");
@@ -92,9 +92,9 @@ Command add_make(CLI::App& app) {
         ->check(integer(0, std::numeric_limits<std::int64_t>::max()));
     command
         .add_option("-o,--output", make->output,
-                    "Mesh file: .ply, .obj, .stl or .off; - is standard output, see --format")
+                    "Mesh file: .ply, .obj, .stl, .off or .3mf; - is standard output, see --format")
         ->type_name("FILE");
-    add_format_option(command, make->format, "ply|obj|stl|off");
+    add_format_option(command, make->format, "ply|obj|stl|off|3mf");
     command.footer(
         "A simulated scene takes seconds to minutes; its frames are kept under $XDG_CACHE_HOME/crumple or\n"
         "~/.cache/crumple for the next time.\n\n"

@@ -8,14 +8,17 @@
 
 #include <fmt/format.h>
 
+#include "io/gzip.h"
+
 namespace crumple::cli {
 
 /// cloth.ply as cloth07.ply: number 7 of, say, 94, with as many digits as the last one needs.
 inline std::string numbered(const std::string& path, std::size_t number, std::size_t count) {
-    const std::filesystem::path file(path);
+    const std::filesystem::path file = io::without_gzip_name(path);
     const std::size_t digits = std::to_string(count > 0 ? count - 1 : 0).size();
-    return (file.parent_path() /
-            fmt::format("{}{:0{}}{}", file.stem().string(), number, digits, file.extension().string()))
+    return (file.parent_path() / fmt::format("{}{:0{}}{}{}", file.stem().string(), number, digits,
+                                             file.extension().string(),
+                                             io::has_gzip_name(path) ? path.substr(path.size() - 3) : ""))
         .string();
 }
 

@@ -13,6 +13,8 @@
 
 #include "cli/choice.h"
 #include "crumple/error.h"
+#include "io/formats.h"
+#include "io/gzip.h"
 #include "io/text.h"
 
 namespace crumple::cli {
@@ -133,7 +135,8 @@ void add_group_options(CLI::App& app, AnswerOptions& options) {
            "--groups", options.groups,
            "What the groups of --wanted are: the connected components, the integers in a file (one a line for "
            "each triangle, those of FILE_B last), or an integer property of a PLY file's faces. `bodies` (detect "
-           "only): the nodes of glTF scenes, any other file being one body; the names of those that collide "
+           "only): the nodes of glTF scenes and the objects of 3MF, any other file being one body; the names of those "
+           "that collide "
            "are listed")
         ->type_name("components|bodies|FILE|PROPERTY");
     add_choice<std::optional<Wanted>, Wanted>(
@@ -211,7 +214,7 @@ void check_outputs(const std::vector<std::string>& outputs, std::vector<std::str
     std::vector<std::string> written = outputs;
     for (const std::string& output : outputs) {
         if (extension_of(output) == ".obj")
-            written.push_back(std::filesystem::path(output).replace_extension(".mtl").string());
+            written.push_back(io::without_gzip_name(output).replace_extension(".mtl").string());
     }
     for (const std::string& output : written) {
         if (is_standard(output)) continue;
@@ -237,10 +240,7 @@ void check_format(const std::vector<std::string>& outputs, const std::string& fo
 
 std::string extension_of(const std::string& path, const std::string& format) {
     if (is_standard(path)) return "." + format;
-    std::string extension = std::filesystem::path(path).extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return extension;
+    return io::extension_of(path);
 }
 
 }  // namespace crumple::cli

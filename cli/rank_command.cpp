@@ -6,6 +6,7 @@
 #include "cli/commands.h"
 #include "cli/terminal.h"
 #include "io/formats.h"
+#include "io/gzip.h"
 
 namespace crumple::cli {
 
@@ -21,6 +22,7 @@ void check_shared_groups(const AnswerOptions& answer) {
 
 void check_shared_outputs(const std::vector<std::string>& outputs, const std::string& format) {
     for (const std::string& path : outputs) {
+        if (io::has_gzip_name(path)) refuse_on_ranks("-o " + path + ", a compressed file,");
         const std::string extension = extension_of(path, format);
         if (io::pair_format_of(extension) == io::PairFormat::automatic) refuse_on_ranks("a coloured " + extension);
     }

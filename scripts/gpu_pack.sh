@@ -34,7 +34,7 @@ build_programs() {
 # The files of the packages, and of Boost only what is included.
 list_files() {
     local packages=(pkg-config pkgconf pkgconf-bin libpkgconf3 libtbb-dev libhwy-dev libcli11-dev libfmt-dev
-        nlohmann-json3-dev libtinygltf-dev libstb-dev libminizip-dev libgtest-dev googletest) package
+        nlohmann-json3-dev libtinygltf-dev libstb-dev libminizip-dev zlib1g-dev libexpat1-dev libgtest-dev googletest) package
     for package in "${packages[@]}"; do
         dpkg -L "$package" 2>/dev/null || true
     done | grep -E '^/usr/(bin/pkg|include/|lib/|share/(cmake|pkgconfig))' | sort -u |

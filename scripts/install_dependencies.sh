@@ -13,7 +13,7 @@ set -euo pipefail
 
 packages=(cmake ninja-build g++ pkg-config
     libtbb-dev libhwy-dev libboost-dev
-    libcli11-dev libfmt-dev nlohmann-json3-dev libtinygltf-dev libminizip-dev)
+    libcli11-dev libfmt-dev nlohmann-json3-dev libtinygltf-dev libminizip-dev zlib1g-dev libexpat1-dev)
 for option in "$@"; do
     case $option in
         --tests) packages+=(ccache libgtest-dev librapidcheck-dev libboost-context-dev) ;;

@@ -73,8 +73,9 @@ struct MeshFeatures {
 };
 CRUMPLE_API MeshFeatures features_of(const TriangleMesh& mesh);
 
-/// Reads PLY (ascii, both binary orders), OBJ, STL (ascii, binary) or OFF, told apart by content first and extension
-/// second. Every number is rounded once, directly to the precision used; what underflows becomes subnormal or zero.
+/// Reads PLY (ascii, both binary orders), OBJ, STL (ascii, binary), OFF or 3MF, of which it poses all bodies, told
+/// apart by content first and extension second. Every number is rounded once, directly to the precision used; what
+/// underflows becomes subnormal or zero.
 ///
 /// Throws crumple::Error (file, format) that names the file and the line or byte: truncated, hostile or absurd content,
 /// faces with fewer than three corners, indices out of range, coordinates that are not finite or overflow the
@@ -119,13 +120,15 @@ struct CRUMPLE_API WorldMesh {
 };
 
 /// Reads glTF 2.0 (.glb, .gltf) as a world: each node of the default scene that has a mesh is a body, in the order of
-/// the file's nodes, with the node's name and its transform from the root. Meshes over the same data are one shape. Any
-/// other mesh file is a world of one body in place, named like the file without its extension.
+/// the file's nodes, with the node's name and its transform from the root. Meshes over the same data are one shape.
+/// Reads 3MF, too: each mesh that an item of the build names, itself or by components, is a body, with the object's
+/// name. Any other mesh file is a world of one body in place, named like the file without its extension.
 ///
-/// Shapes are float32 unless Precision::float64 is asked for, and so are posed vertices. glTF repeats a vertex for each
-/// of its normals, so `Weld::automatic` welds by exact position. Names that are missing are those of the meshes, or
-/// node7; the second of a name becomes NAME_2. Throws as read_mesh does, also for a node with a transform that is not
-/// finite or not affine, and for nodes in a cycle. docs/input.md tells what is read, skipped and refused.
+/// Shapes of glTF are float32 unless Precision::float64 is asked for, and so are posed vertices. glTF repeats a vertex
+/// for each of its normals, so `Weld::automatic` welds by exact position. Names that are missing are those of the
+/// meshes, or node7, of 3MF those of the objects around, or `object 7`; the second of a name becomes NAME_2. Throws as
+/// read_mesh does, also for a node with a transform that is not finite or not affine, and for nodes in a cycle.
+/// docs/input.md tells what is read, skipped and refused.
 CRUMPLE_API WorldMesh read_world(const std::filesystem::path& path, const ReadOptions& options = {});
 
 /// The same of a stream, to its end; glTF must hold its buffers itself.
@@ -146,25 +149,34 @@ CRUMPLE_API std::vector<Pose> read_poses(std::istream& in, const std::string& na
 CRUMPLE_API TriangleMesh posed_mesh(const WorldMesh& world);
 
 struct WriteOptions {
-    bool polygons = false;  ///< the mesh's polygons instead of their triangles; .stl holds triangles only
+    bool polygons = false;  ///< the mesh's polygons instead of their triangles; .stl and .3mf hold triangles only
 };
 
-/// Writes .ply (binary little endian), .obj, .stl (binary) or .off by extension. Throws crumple::Error (file,
+/// Writes .ply (binary little endian), .obj, .stl (binary), .off or .3mf by extension. Throws crumple::Error (file,
 /// invalid_argument, index_out_of_range, not_finite); the file then stays as it was.
 ///
 /// Coordinates keep every bit, except in .stl, which holds float32 and no shared vertices. Text holds the shortest
 /// decimals that give the same number back in the mesh's own precision: read a float32 mesh's .obj or .off with
-/// Precision::float32. Groups are kept by .ply only, as the face property `group`.
+/// Precision::float32, and .3mf, too. Groups are kept by .ply only, as the face property `group`.
 CRUMPLE_API void write_mesh(const std::filesystem::path& path, const TriangleMesh& mesh,
                             const WriteOptions& options = {});
 
-enum class MeshFormat : std::uint8_t { automatic, ply, obj, stl, off, glb, html };
+enum class MeshFormat : std::uint8_t { automatic, ply, obj, stl, off, glb, html, threemf };
 
-/// The same to a stream, as ply, obj, stl or off. Throws as well if the stream fails.
+/// The same to a stream, as ply, obj, stl, off or 3mf. Throws as well if the stream fails.
 CRUMPLE_API void write_mesh(std::ostream& out, const TriangleMesh& mesh, MeshFormat format,
                             const WriteOptions& options = {});
 
-/// Writes a mesh with colliding triangles coloured, the others grey: .ply, .obj (with .mtl beside it), .glb or .html.
+/// Writes a world as .3mf: bodies are objects with names, put where their poses have them, and share the meshes of
+/// their shapes. The unit says millimetre, for it has to say something. Throws as write_mesh does, and for bodies
+/// without a shape or with a pose that is not finite.
+CRUMPLE_API void write_world(const std::filesystem::path& path, const WorldMesh& world);
+
+/// The same to a stream.
+CRUMPLE_API void write_world(std::ostream& out, const WorldMesh& world);
+
+/// Writes a mesh with colliding triangles coloured, the others grey: .ply, .obj (with .mtl beside it), .glb, .3mf or
+/// .html.
 /// `second` may be null; its triangles follow those of the first. Throws as write_mesh does, also if the .mtl beside an
 /// .obj holds other materials than those that this function writes: these are not replaced.
 ///
@@ -174,17 +186,17 @@ CRUMPLE_API void write_mesh(std::ostream& out, const TriangleMesh& mesh, MeshFor
 CRUMPLE_API void write_coloured(const std::filesystem::path& path, const TriangleMesh& mesh, const TriangleMesh* second,
                                 const Collisions& collisions);
 
-/// The same to a stream, as ply, glb or html.
+/// The same to a stream, as ply, glb, 3mf or html.
 CRUMPLE_API void write_coloured(std::ostream& out, const TriangleMesh& mesh, const TriangleMesh* second,
                                 const Collisions& collisions, MeshFormat format);
 
-/// A world with its colliding triangles coloured. .glb keeps bodies, with names and poses, as nodes, and shapes that
+/// A world with its colliding triangles coloured. .glb and .3mf keep bodies, with names and poses, and shapes that
 /// they share; the other formats hold the mesh that posed_mesh makes. The collisions are those of the world's view,
 /// with Intersect::index. Throws as write_coloured does, also for collisions of another world.
 CRUMPLE_API void write_coloured(const std::filesystem::path& path, const WorldMesh& world,
                                 const WorldCollisions& collisions);
 
-/// The same to a stream, as ply, glb or html.
+/// The same to a stream, as ply, glb, 3mf or html.
 CRUMPLE_API void write_coloured(std::ostream& out, const WorldMesh& world, const WorldCollisions& collisions,
                                 MeshFormat format);
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable
 from functools import cached_property
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, overload
 
 from . import _core
@@ -14,7 +13,7 @@ from ._errors import InvalidInput, InvalidType
 from ._feature_question import or_of_world
 from ._mesh import listing_of
 from ._pair_lists import PairLists
-from ._result import file_name
+from ._result import extension_of, file_name
 from ._world_search import excluded_in, with_names
 
 if TYPE_CHECKING:
@@ -110,7 +109,7 @@ class Candidates(PairLists):
         extensions; FileError.
         """
         name = file_name(path)
-        if Path(name).suffix.lower() not in (".txt", ".csv", ".json", ".npz"):
+        if extension_of(name) not in (".txt", ".csv", ".json", ".npz"):
             raise InvalidInput(f"{name}: candidates are saved as .txt, .csv, .json or .npz")
         _core.write_candidates(path, self._answer)
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 from functools import cached_property
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from ._errors import InvalidInput, InvalidType
@@ -158,13 +157,13 @@ class FeatureResult(PairLists):
         A file appears when it is complete; the old one stays until then. Ctrl-C waits until the file is written. Raises
         InvalidInput for other extensions, for answers that list no pairs, and for a mesh that does not fit; FileError.
         """
-        from ._result import file_name
+        from ._result import extension_of, file_name
 
         self._check_wanted("what save writes")
         if self._answer.of_part:
             raise InvalidInput("an answer of a part is not saved: files name edges by their vertices, all of the mesh")
         name = file_name(path)
-        extension = Path(name).suffix.lower()
+        extension = extension_of(name)
         if extension == ".glb" and mesh is None:
             raise InvalidType(f"{name}: a coloured mesh needs the mesh: save(path, mesh)")
         if extension != ".glb" and mesh is not None:

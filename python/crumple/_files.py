@@ -26,7 +26,7 @@ def read_mesh(
     triangulation: Literal["ears", "fan"] = "ears",
     strict: bool = False,
 ) -> FileMesh:
-    """Reads PLY, OBJ, STL or OFF, told apart by content first and extension second.
+    """Reads PLY, OBJ, STL, OFF or 3MF, told apart by content first and extension second.
 
     Args:
         path: the file.
@@ -54,7 +54,7 @@ def read_mesh(
 
 
 def write_mesh(path: str | os.PathLike[str], mesh: Any) -> None:
-    """Writes .ply, .obj, .stl or .off by extension. `mesh` is what as_mesh takes, with arrays on the host.
+    """Writes .ply, .obj, .stl, .off or .3mf by extension. `mesh` is what as_mesh takes, with arrays on the host.
 
     Coordinates keep every bit, except in .stl, which holds float32; .ply keeps groups, as the face property `group`.
     Raises FileError, InvalidInput; the file then stays as it was. Ctrl-C waits until the file is written.

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _PAIR_FILES = {".txt", ".csv", ".json", ".npz"}
-_MESH_FILES = {".ply", ".obj", ".glb", ".html"}
+_MESH_FILES = {".ply", ".obj", ".glb", ".3mf", ".html"}
 PICTURES = {".png": "PNG", ".jpg": "JPEG", ".jpeg": "JPEG", ".bmp": "BMP", ".tif": "TIFF", ".tiff": "TIFF"}
 
 
@@ -36,6 +36,12 @@ def file_name(path: Any) -> str:
     except UnicodeError:
         pass
     raise InvalidInput("path cannot be the name of a file")
+
+
+def extension_of(name: str) -> str:
+    """In lower case; .csv for pairs.csv.gz, whose contents are compressed."""
+    path = Path(name)
+    return (path.with_suffix("") if path.suffix.lower() == ".gz" else path).suffix.lower()
 
 
 class ContactKind(IntEnum):
@@ -208,7 +214,7 @@ class Result:
         """Writes a file of the kind that its extension names.
 
         - .txt, .csv, .json, .npz: the pairs, and contacts if there are any
-        - .ply, .obj, .glb: the meshes with colliding triangles coloured
+        - .ply, .obj, .glb, .3mf: the meshes with colliding triangles coloured
         - .png, .jpg, .jpeg, .bmp, .tif, .tiff: a picture, as show paints it; needs PyVista. `options`, for instance
           window_size=(1600, 1200), go to pyvista.Plotter.screenshot
         - .html: a page to turn and zoom, which fills the window; with the option `height`, the piece of one that
@@ -219,7 +225,7 @@ class Result:
         not belong to the extension, FileError, and ModuleNotFoundError without PyVista.
         """
         name = file_name(path)
-        extension = Path(name).suffix.lower()
+        extension = extension_of(name)
         for option in options:
             if extension in _PAIR_FILES | _MESH_FILES and (extension, option) != (".html", "height"):
                 raise InvalidType(f"{option} is no option of {extension} files")
@@ -237,7 +243,7 @@ class Result:
             _core.write_bytes(path, picture.getvalue())
         else:
             raise InvalidInput(
-                f"{name}: a result is saved as .txt, .csv, .json, .npz (pairs), .ply, .obj, .glb (coloured "
+                f"{name}: a result is saved as .txt, .csv, .json, .npz (pairs), .ply, .obj, .glb, .3mf (coloured "
                 "meshes), .png, .jpg, .bmp, .tif (pictures) or .html"
             )
 

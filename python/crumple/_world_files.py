@@ -41,7 +41,9 @@ def read_world(
 
     Bodies come in the order of the file's nodes, with their names and their transforms from the root. Names that are
     missing are those of the meshes, or node7; the second of a name becomes NAME_2. Meshes over the same data are one
-    shape. Any other mesh file is a world of one body in place. Shapes are read-only arrays that detectors remember.
+    shape. Of 3MF each mesh that the build names, itself or by components, is a body, with the object's name, or that of
+    an object around it, or `object 7`. Any other mesh file is a world of one body in place. Shapes are read-only arrays
+    that detectors remember.
 
     Arguments, errors and warnings as of read_mesh; docs/input.md tells what is read, skipped and refused.
     """

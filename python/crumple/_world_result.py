@@ -6,7 +6,6 @@ import io
 import os
 from copy import deepcopy
 from functools import cached_property
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from . import _core
@@ -161,7 +160,7 @@ class WorldResult:
 
         Of wants="pairs" and "contacts" triangles are coloured, of wants="body_pairs" whole bodies.
 
-        - .glb: bodies with names and poses as nodes, over shapes that they share
+        - .glb, .3mf: bodies with names and poses, over shapes that they share
         - .ply, .obj: all bodies as one mesh, as world.mesh makes it
         - .html: a page to turn and zoom, with contacts if there are any
         - .png, .jpg, .jpeg, .bmp, .tif, .tiff: a picture; needs PyVista. `options` as of Result.save
@@ -169,10 +168,10 @@ class WorldResult:
         Paints what shapes and poses hold by now; what does not fit the result any more is an InvalidInput. A file
         appears when it is complete. Otherwise as Result.save, errors included.
         """
-        from ._result import PICTURES, file_name
+        from ._result import PICTURES, extension_of, file_name
 
         name = file_name(path)
-        extension = Path(name).suffix.lower()
+        extension = extension_of(name)
         if extension in PICTURES:
             from ._pictures import image
 
@@ -180,10 +179,10 @@ class WorldResult:
             image(self._painted(), **options).save(picture, format=PICTURES[extension])
             _core.write_bytes(path, picture.getvalue())
             return
-        if extension not in (".ply", ".obj", ".glb", ".html"):
+        if extension not in (".ply", ".obj", ".glb", ".3mf", ".html"):
             raise InvalidInput(
-                f"{name}: a result of a world is saved as .ply, .obj, .glb (coloured meshes), .html, or .png, .jpg, "
-                ".bmp, .tif (pictures)"
+                f"{name}: a result of a world is saved as .ply, .obj, .glb, .3mf (coloured meshes), .html, or .png, "
+                ".jpg, .bmp, .tif (pictures)"
             )
         for option in options:
             raise InvalidType(f"{option} is no option of {extension} files")

@@ -1,6 +1,7 @@
 """Meshes, pairs and scenes from and to files."""
 
 import errno
+import gzip
 import json
 import os
 import pickle
@@ -14,7 +15,7 @@ import crumple
 from conftest import OnDevice, soup
 
 
-@pytest.mark.parametrize("extension", ["ply", "obj", "off"])
+@pytest.mark.parametrize("extension", ["ply", "obj", "off", "3mf", "ply.gz", "obj.gz"])
 @pytest.mark.parametrize("scalar", ["float32", "float64"])
 def test_coordinates_keep_every_bit(extension, scalar, tmp_path):
     mesh = soup(20, dtype=scalar)
@@ -24,6 +25,20 @@ def test_coordinates_keep_every_bit(extension, scalar, tmp_path):
     assert read.vertices.dtype == scalar and read.vertices.tobytes() == mesh.vertices.tobytes()
     assert read.faces.dtype == np.int32 and (read.faces == mesh.faces).all() and read.groups is None
     assert read.vertices.flags.writeable, "the arrays belong to whoever read them"
+
+
+def test_files_named_gz_are_compressed(tmp_path, crossing, detector):
+    result = detector.find_self(*crossing)
+    for extension in ("txt", "csv", "json", "npz", "ply", "3mf"):
+        plain, packed = tmp_path / f"a.{extension}", tmp_path / f"a.{extension}.gz"
+        result.save(plain)
+        result.save(packed)
+        assert gzip.decompress(packed.read_bytes()) == plain.read_bytes()
+    with pytest.raises(crumple.InvalidInput, match="a.gz"):
+        result.save(tmp_path / "a.gz")
+    (tmp_path / "cut.ply.gz").write_bytes((tmp_path / "a.ply.gz").read_bytes()[:-1])
+    with pytest.raises(crumple.InvalidInput, match="cut.ply.gz, byte [0-9]+: the gzip data ends"):
+        crumple.read_mesh(tmp_path / "cut.ply.gz")
 
 
 def test_groups_travel_in_ply(tmp_path):

@@ -108,6 +108,22 @@ def test_a_scene_comes_through_a_file(extension, tmp_path, detector):
     assert crumple.read_world(path).shapes[0].mesh.vertices.dtype == np.float32
 
 
+def test_bodies_travel_in_3mf(tmp_path, detector):
+    given = crumple.World.from_trimesh(scene())
+    result = detector.find(given)
+    result.save(tmp_path / "hits.3mf")
+    world = crumple.read_world(tmp_path / "hits.3mf")
+    assert world.names == given.names and len(world) == len(given)
+    assert detector.find(world).pairs.tolist() == result.pairs.tolist()
+    assert len(crumple.read_mesh(tmp_path / "hits.3mf").faces) == len(given.mesh.faces)
+    trimesh = peer("trimesh")
+    pytest.importorskip("lxml")
+    pytest.importorskip("networkx")
+    theirs = trimesh.load(tmp_path / "hits.3mf")
+    assert sum(len(mesh.faces) for mesh in theirs.dump()) == len(given.mesh.faces)
+    assert np.allclose(theirs.bounds, [given.mesh.vertices.min(axis=0), given.mesh.vertices.max(axis=0)])
+
+
 def test_any_mesh_file_is_a_world_of_one_body(tmp_path, detector):
     mesh = soup(30, size=0.5)
     crumple.write_mesh(tmp_path / "part.ply", mesh)

@@ -48,6 +48,7 @@ AtomicFile::AtomicFile(const fs::path& target) : target_(target) {
     buffer_.open(::open(written_.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | (direct_ ? O_TRUNC : O_EXCL), readable));
     if (buffer_.descriptor() < 0) direct_ ? fail(errno) : fail_to_create(errno);
     if (fs::is_regular_file(status)) fs::permissions(written_, status.permissions(), error);  // as it was, if possible
+    if (has_gzip_name(target)) stream_.rdbuf(&gzip_.emplace(buffer_));
 }
 
 AtomicFile::~AtomicFile() { close(); }
@@ -60,6 +61,7 @@ void AtomicFile::close() {
 
 void AtomicFile::complete() {
     stream_.flush();
+    if (gzip_ && stream_ && !gzip_->finish()) stream_.setstate(std::ios::failbit);
     close();
     if (buffer_.reason()) fail(buffer_.reason());
     if (!stream_) fail("the write failed");

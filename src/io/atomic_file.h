@@ -1,13 +1,16 @@
 #pragma once
 
 // A file that appears whole or not at all: written under a temporary name beside its target, then renamed. What is not
-// a regular file (a pipe, /dev/stdout) cannot be renamed over and is written directly.
+// a regular file (a pipe, /dev/stdout) cannot be renamed over and is written directly. A name that ends with .gz has
+// what is written compressed.
 
 #include <filesystem>
+#include <optional>
 #include <ostream>
 #include <string>
 
 #include "io/file_buffer.h"
+#include "io/gzip.h"
 #include "io/unfinished_files.h"
 
 namespace crumple::io {
@@ -23,7 +26,8 @@ class AtomicFile {
     ~AtomicFile();
 
     std::ostream& stream() { return stream_; }
-    /// Where the bytes go until commit(), for others that write some of them; empty where they go to the target itself.
+    /// Where the bytes go until commit(), for others that write some of them; not of a compressed file. Empty where
+    /// they go to the target itself.
     std::filesystem::path temporary() const { return direct_ ? std::filesystem::path() : written_; }
 
     /// Throws Error (file) if anything could not be written; the target then is as it was. Of several files that belong
@@ -42,6 +46,7 @@ class AtomicFile {
     std::filesystem::path target_, written_;
     UnfinishedFile unfinished_;
     FileBuffer buffer_;
+    std::optional<GzipBuffer> gzip_;
     std::ostream stream_{&buffer_};
     bool direct_;
 };

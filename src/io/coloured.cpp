@@ -8,6 +8,7 @@
 #include "base/float_environment.h"
 #include "io/atomic_file.h"
 #include "io/formats.h"
+#include "io/gzip.h"
 #include "io/polygons.h"
 
 namespace crumple::io {
@@ -92,7 +93,7 @@ void check_materials(const std::filesystem::path& path) {
 
 /// Both appear, or neither.
 void write_obj_files(const std::filesystem::path& path, const ColouredMesh& coloured) {
-    const std::filesystem::path materials = std::filesystem::path(path).replace_extension(".mtl");
+    const std::filesystem::path materials = without_gzip_name(path).replace_extension(".mtl");
     check_materials(materials);
     AtomicFile file(path), material_file(materials);
     write_coloured_obj(file.stream(), coloured, materials.filename().string());
@@ -109,7 +110,8 @@ void write(std::ostream& out, const TriangleMesh& mesh, const TriangleMesh* seco
         return write_html(out, mesh, second, collisions);
     }
     const ColouredMesh coloured = coloured_mesh(mesh, second, collisions);
-    format == MeshFormat::ply ? write_coloured_ply(out, coloured) : write_coloured_glb(out, coloured);
+    if (format == MeshFormat::ply) return write_coloured_ply(out, coloured);
+    format == MeshFormat::glb ? write_coloured_glb(out, coloured) : write_coloured_3mf(out, coloured);
 }
 
 }  // namespace
@@ -129,7 +131,7 @@ ColouredMesh coloured_mesh(const TriangleMesh& mesh, const TriangleMesh* second,
 
 bool has_colours(MeshFormat format) {
     return format == MeshFormat::ply || format == MeshFormat::obj || format == MeshFormat::glb ||
-           format == MeshFormat::html;
+           format == MeshFormat::html || format == MeshFormat::threemf;
 }
 
 void write_coloured(std::ostream& out, const TriangleMesh& mesh, const TriangleMesh* second,
@@ -137,7 +139,7 @@ void write_coloured(std::ostream& out, const TriangleMesh& mesh, const TriangleM
     const FloatEnvironment environment;
     if (!has_colours(format) || format == MeshFormat::obj) {
         throw Error(ErrorCode::invalid_argument,
-                    "coloured meshes are written to a stream as ply, glb or html; obj needs a second file");
+                    "coloured meshes are written to a stream as ply, glb, 3mf or html; obj needs a second file");
     }
     write(out, mesh, second, collisions, format);
     if (!out.flush()) throw Error(ErrorCode::file, "cannot write a coloured mesh to the stream");
@@ -149,8 +151,9 @@ void write_coloured(const std::filesystem::path& path, const TriangleMesh& mesh,
     const MeshFormat format = mesh_format_of(extension_of(path));
     if (format == MeshFormat::obj) return write_obj_files(path, coloured_mesh(mesh, second, collisions));
     if (!has_colours(format)) {
-        throw Error(ErrorCode::invalid_argument,
-                    "cannot write " + path.string() + ": coloured meshes are written as .ply, .obj, .glb or .html");
+        throw Error(
+            ErrorCode::invalid_argument,
+            "cannot write " + path.string() + ": coloured meshes are written as .ply, .obj, .glb, .3mf or .html");
     }
     AtomicFile file(path);
     write(file.stream(), mesh, second, collisions, format);

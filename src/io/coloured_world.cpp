@@ -1,4 +1,4 @@
-// Worlds with colliding triangles coloured: .glb body by body, the other formats as one mesh.
+// Worlds with colliding triangles coloured: .glb and .3mf body by body, the other formats as one mesh.
 
 #include "base/float_environment.h"
 #include "io/atomic_file.h"
@@ -8,6 +8,15 @@
 namespace crumple::io {
 
 namespace {
+
+using Writer = void (*)(std::ostream&, const WorldMesh&, std::span<const std::uint8_t>);
+
+/// Of formats that keep bodies.
+Writer writer_of_bodies(MeshFormat format) {
+    if (format == MeshFormat::glb) return write_coloured_glb;
+    if (format == MeshFormat::threemf) return write_coloured_3mf;
+    return nullptr;
+}
 
 void check(const WorldMesh& world, const WorldCollisions& collisions) {
     validate(world);
@@ -37,19 +46,19 @@ Collisions of_posed_mesh(const WorldCollisions& collisions) {
 void write_coloured(const std::filesystem::path& path, const WorldMesh& world, const WorldCollisions& collisions) {
     const FloatEnvironment environment;
     check(world, collisions);
-    if (mesh_format_of(extension_of(path)) != MeshFormat::glb)
-        return write_coloured(path, posed_mesh(world), nullptr, of_posed_mesh(collisions));
+    const Writer write = writer_of_bodies(mesh_format_of(extension_of(path)));
+    if (!write) return write_coloured(path, posed_mesh(world), nullptr, of_posed_mesh(collisions));
     AtomicFile file(path);
-    write_coloured_glb(file.stream(), world, collisions.hit.span());
+    write(file.stream(), world, collisions.hit.span());
     file.commit();
 }
 
 void write_coloured(std::ostream& out, const WorldMesh& world, const WorldCollisions& collisions, MeshFormat format) {
     const FloatEnvironment environment;
     check(world, collisions);
-    if (format != MeshFormat::glb)
-        return write_coloured(out, posed_mesh(world), nullptr, of_posed_mesh(collisions), format);
-    write_coloured_glb(out, world, collisions.hit.span());
+    const Writer write = writer_of_bodies(format);
+    if (!write) return write_coloured(out, posed_mesh(world), nullptr, of_posed_mesh(collisions), format);
+    write(out, world, collisions.hit.span());
     if (!out.flush()) throw Error(ErrorCode::file, "cannot write a coloured mesh to the stream");
 }
 

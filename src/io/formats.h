@@ -68,6 +68,10 @@ void write_ply(std::ostream& out, const TriangleMesh& mesh, bool polygons);
 void write_obj(std::ostream& out, const TriangleMesh& mesh, bool polygons);
 void write_stl(std::ostream& out, const TriangleMesh& mesh, bool);
 void write_off(std::ostream& out, const TriangleMesh& mesh, bool polygons);
+void write_3mf(std::ostream& out, const TriangleMesh& mesh, bool);
+/// `hit`: for each triangle of each body, which of the materials it has; without materials there are none.
+void write_3mf(std::ostream& out, const WorldMesh& world, std::span<const std::uint8_t> hit,
+               std::span<const Colour> materials);
 
 void write_coloured_ply(std::ostream& out, const ColouredMesh& coloured);
 void write_coloured_obj(std::ostream& out, const ColouredMesh& coloured, const std::string& material_file);
@@ -75,6 +79,8 @@ void write_coloured_obj(std::ostream& out, const ColouredMesh& coloured, const s
 void write_materials(std::ostream& out);
 inline constexpr std::string_view title_of_materials = "# Crumple: materials of free and of colliding triangles";
 void write_coloured_glb(std::ostream& out, const ColouredMesh& coloured);
+void write_coloured_3mf(std::ostream& out, const ColouredMesh& coloured);
+void write_coloured_3mf(std::ostream& out, const WorldMesh& world, std::span<const std::uint8_t> hit);
 /// `hit` counts in the shades.
 void write_shaded_glb(std::ostream& out, const ColouredMesh& coloured, std::span<const Colour> shades);
 /// A node for each body. `hit`: for each triangle of each body.
@@ -89,7 +95,7 @@ std::vector<Pair> read_pairs_json(const Source& source);
 std::vector<Pair> read_pairs_npy(const Source& source);
 std::vector<Pair> read_pairs_npz(const Source& source);
 
-/// Lower-case extension, with its dot.
+/// Lower-case extension, with its dot; .obj for mesh.obj.gz.
 std::string extension_of(const std::filesystem::path& path);
 /// The format that an extension, in lower case and with its dot, names; automatic for none of them.
 MeshFormat mesh_format_of(std::string_view extension);

@@ -8,12 +8,12 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "io/bytes.h"
 #include "io/formats.h"
 #include "io/glb.h"
+#include "io/json.h"
 
 namespace crumple::io {
 
@@ -211,12 +211,6 @@ int mesh_of(tinygltf::Model& model, const TriangleMesh& shape, std::span<const s
     return mesh;
 }
 
-/// What is no UTF-8 is replaced, for files may have any name.
-std::string printable(const std::string& name) {
-    using nlohmann::json;
-    return json::parse(json(name).dump(-1, ' ', false, json::error_handler_t::replace)).get<std::string>();
-}
-
 /// By columns, of a mesh whose positions are relative to `origin`.
 std::vector<double> matrix_of(const Pose& pose, const Point& origin) {
     std::vector<double> matrix(16);
@@ -239,7 +233,7 @@ void write_coloured_glb(std::ostream& out, const WorldMesh& world, std::span<con
         const TriangleMesh& shape = world.shapes[s];
         const auto triangles = static_cast<std::size_t>(shape.triangle_count());
         tinygltf::Node node;
-        node.name = printable(body.name);
+        node.name = valid_utf8(body.name);
         // glTF knows no empty mesh.
         if (triangles) node.mesh = mesh_of(model, shape, hit.first(triangles), written[s]);
         hit = hit.subspan(triangles);

@@ -9,28 +9,11 @@
 
 #include "io/gltf_file.h"
 #include "io/gltf_mesh.h"
+#include "io/pose.h"
 
 namespace crumple::io {
 
 namespace {
-
-/// `outer` after `inner`.
-Pose product(const Pose& outer, const Pose& inner) {
-    const auto& a = outer.rows;
-    const auto& b = inner.rows;
-    Pose result;
-    for (std::size_t i = 0; i < 3; ++i) {
-        for (std::size_t k = 0; k < 4; ++k) {
-            const double sum = (a[4 * i] * b[k] + a[4 * i + 1] * b[4 + k]) + a[4 * i + 2] * b[8 + k];
-            result.rows[4 * i + k] = k == 3 ? sum + a[4 * i + 3] : sum;
-        }
-    }
-    return result;
-}
-
-bool is_finite(const Pose& pose) {
-    return std::all_of(pose.rows.begin(), pose.rows.end(), [](double x) { return std::isfinite(x); });
-}
 
 /// Required extensions that do not change where triangles are, or that are read.
 bool is_harmless(const std::string& extension) {

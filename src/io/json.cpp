@@ -40,6 +40,11 @@ nlohmann::ordered_json document(const Statistics& statistics) {
 
 }  // namespace
 
+std::string valid_utf8(const std::string& text) {
+    using nlohmann::json;
+    return json::parse(json(text).dump(-1, ' ', false, json::error_handler_t::replace)).get<std::string>();
+}
+
 std::string json_of(const Statistics& statistics) { return document(statistics).dump(2); }
 
 }  // namespace crumple::io

@@ -12,6 +12,9 @@
 
 namespace crumple::io {
 
+/// What is no UTF-8 is replaced, for files may have any name.
+std::string valid_utf8(const std::string& text);
+
 /// An object, indented.
 std::string json_of(const Statistics& statistics);
 

@@ -1,13 +1,17 @@
 // Which format a file has, by its content first and its extension second, and what all formats have in common.
 
+#include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <optional>
 #include <utility>
 
 #include "base/float_environment.h"
+#include "io/3mf.h"
 #include "io/formats.h"
 #include "io/gltf.h"
 #include "io/gltf_file.h"
+#include "io/gzip.h"
 #include "io/names.h"
 #include "io/text.h"
 #include "io/weld.h"
@@ -36,8 +40,9 @@ Format format_of(const Source& source, const std::string& extension) {
     if (extension == ".obj") return Format::obj;
     if (extension == ".stl") return Format::stl;
     if (extension == ".off") return Format::off;
-    throw Error(ErrorCode::format, source.name() + ": neither content nor extension are those of PLY, OBJ, STL or OFF",
-                Element::byte, 0);
+    throw Error(ErrorCode::format,
+                source.name() + ": neither content nor extension are those of PLY, OBJ, STL, OFF or 3MF", Element::byte,
+                0);
 }
 
 TriangleMesh read(const Source& source, Format format, const ReadOptions& options, Warnings& warnings) {
@@ -65,7 +70,6 @@ void check_has_properties(const Source& source, const ReadOptions& options, bool
 
 TriangleMesh read(const Source& source, const ReadOptions& options) {
     const FloatEnvironment environment;
-    check_not_empty(source);
     const Format format = format_of(source, extension_of(source.name()));
     check_has_properties(source, options, format == Format::ply);
     try {
@@ -84,12 +88,14 @@ TriangleMesh read(const Source& source, const ReadOptions& options) {
     }
 }
 
-WorldMesh read_scene(const Source& source, std::optional<std::filesystem::path> folder, const ReadOptions& options) {
+/// read(warnings) gives the world.
+template <class Read>
+WorldMesh read_scene(const Source& source, const ReadOptions& options, Read read) {
     const FloatEnvironment environment;
     check_has_properties(source, options, false);
     try {
         Warnings warnings(source, options.strict);
-        WorldMesh world = read_gltf(source, std::move(folder), options, warnings);
+        WorldMesh world = read(warnings);
         if (world.bodies.empty()) warnings.of_file("it holds no bodies");
         world.warnings = warnings.take();
         make_names_unique(world.bodies);
@@ -99,13 +105,49 @@ WorldMesh read_scene(const Source& source, std::optional<std::filesystem::path> 
     }
 }
 
+WorldMesh read_3mf(const Source& source, const ReadOptions& options) {
+    return read_scene(source, options, [&](Warnings& warnings) { return read_3mf(source, options, warnings); });
+}
+
+/// The bodies of a 3MF file, where they are; one that has not been moved keeps its bits.
+TriangleMesh read_posed(const Source& source, const ReadOptions& options) {
+    ReadOptions apart = options;
+    apart.weld = Weld::no;
+    WorldMesh world = read_3mf(source, apart);
+    const bool in_place = world.bodies.size() == 1 && world.bodies[0].pose == Pose{};
+    try {
+        TriangleMesh mesh = in_place ? std::move(world.shapes.at(0)) : posed_mesh(world);
+        mesh.groups.clear();  // numbers of the bodies
+        mesh.warnings = std::move(world.warnings);
+        const auto is_finite = [](const auto& xyz) {
+            return std::all_of(xyz.begin(), xyz.end(), [](auto x) { return std::isfinite(x); });
+        };
+        if (!std::visit(is_finite, mesh.vertices))
+            throw Error(ErrorCode::format, source.name() + ": a transform takes a vertex beyond all numbers");
+        if (options.weld == Weld::yes) weld(mesh);
+        return mesh;
+    } catch (const std::bad_alloc&) {
+        throw Error(ErrorCode::file, "cannot read " + source.name() + ": its mesh does not fit in memory");
+    }
+}
+
+TriangleMesh read_one(const Source& source, const ReadOptions& options) {
+    check_not_empty(source);
+    return is_3mf(source, extension_of(source.name())) ? read_posed(source, options) : read(source, options);
+}
+
 WorldMesh read_world(const Source& source, std::optional<std::filesystem::path> folder, const ReadOptions& options) {
     check_not_empty(source);
-    if (is_gltf(source, extension_of(source.name()))) return read_scene(source, std::move(folder), options);
+    const std::string extension = extension_of(source.name());
+    if (is_3mf(source, extension)) return read_3mf(source, options);
+    if (is_gltf(source, extension)) {
+        return read_scene(source, options,
+                          [&](Warnings& warnings) { return read_gltf(source, std::move(folder), options, warnings); });
+    }
     WorldMesh world;
     world.shapes.push_back(read(source, options));
     world.warnings = std::move(world.shapes[0].warnings);
-    world.bodies.push_back({std::filesystem::path(source.name()).stem().string()});
+    world.bodies.push_back({without_gzip_name(source.name()).stem().string()});
     return world;
 }
 
@@ -120,11 +162,11 @@ WorldMesh read_world(std::istream& in, const std::string& name, const ReadOption
 }
 
 TriangleMesh read_mesh(const std::filesystem::path& path, const ReadOptions& options) {
-    return read(Source(path), options);
+    return read_one(Source(path), options);
 }
 
 TriangleMesh read_mesh(std::istream& in, const std::string& name, const ReadOptions& options) {
-    return read(Source(in, name), options);
+    return read_one(Source(in, name), options);
 }
 
 }  // namespace crumple::io

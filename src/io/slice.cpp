@@ -8,9 +8,11 @@
 #include <string_view>
 
 #include "base/float_environment.h"
+#include "io/3mf.h"
 #include "io/bytes.h"
 #include "io/formats.h"
 #include "io/gltf_file.h"
+#include "io/gzip.h"
 #include "io/ply_slice.h"
 #include "io/row_file.h"
 
@@ -62,9 +64,11 @@ std::optional<MeshSlice> read_slice(const std::filesystem::path& path, const Rea
     const RowFile file(path);
     if (!file.is_open()) return std::nullopt;
     const std::vector<char> bytes = file.read(0, longest_header);
+    if (is_gzip({bytes.data(), bytes.size()})) return std::nullopt;
     std::istringstream stream(std::string(bytes.begin(), bytes.end()));
     const Source beginning(stream, file.name());
-    if (is_gltf(beginning, extension_of(path))) return std::nullopt;
+    const std::string extension = extension_of(path);
+    if (is_gltf(beginning, extension) || is_3mf(beginning, extension)) return std::nullopt;
     if (is_binary_stl(beginning, file.size())) {
         if (!options.group_property.empty()) return std::nullopt;
         return read_stl_slice(file, options, reader, readers);

@@ -5,6 +5,8 @@
 #include <fstream>
 #include <system_error>
 
+#include "io/gzip.h"
+
 namespace crumple::io {
 
 namespace fs = std::filesystem;
@@ -55,6 +57,15 @@ void Source::read(std::istream& in, std::size_t hint) {
         fail_to_read(name_, "it does not fit in memory", ENOMEM);
     }
     if (in.bad()) fail_to_read(name_, errno);
+    if (is_gzip(text())) expand();
+}
+
+void Source::expand() {
+    try {
+        bytes_ = expand_gzip(text(), name_);
+    } catch (const std::bad_alloc&) {
+        fail_to_read(name_, "what it expands to does not fit in memory", ENOMEM);
+    }
 }
 
 Error Source::error_at_line(const char* place, const std::string& what) const {
@@ -73,8 +84,7 @@ void Source::fail_at_line(const char* place, const std::string& what) const { th
 
 void Source::fail_at_byte(const char* place, const std::string& what) const { throw error_at_byte(place, what); }
 
-std::string in_quotes(std::string_view word) {
-    constexpr std::size_t longest = 40;
+std::string in_quotes(std::string_view word, std::size_t longest) {
     std::string result = "'";
     for (const char c : word.substr(0, longest)) result += c >= ' ' && c <= '~' ? c : '?';
     return result + (word.size() > longest ? "...'" : "'");

@@ -15,7 +15,8 @@ namespace crumple::io {
 
 class Source {
    public:
-    /// Reads the whole file. Throws Error (file): missing, a directory, a device, not permitted, too large for memory.
+    /// Reads the whole file, and expands one that is compressed by gzip. Throws Error (format) if that is damaged;
+    /// (file): missing, a directory, a device, not permitted, too large for memory.
     explicit Source(const std::filesystem::path& path);
     /// Reads a stream to its end. `name` is for messages. Throws Error (file).
     Source(std::istream& in, const std::string& name);
@@ -34,6 +35,7 @@ class Source {
    private:
     friend class Warnings;
     void read(std::istream& in, std::size_t hint);
+    void expand();
     Error error_at_line(const char* place, const std::string& what) const;
     Error error_at_byte(const char* place, const std::string& what) const;
 
@@ -79,6 +81,6 @@ struct Tally {
 };
 
 /// A word of a file for a message: short and printable, whatever the file holds.
-std::string in_quotes(std::string_view word);
+std::string in_quotes(std::string_view word, std::size_t longest = 40);
 
 }  // namespace crumple::io

@@ -51,6 +51,28 @@ inline std::optional<double> number_of(std::string_view word) {
     return value;
 }
 
+/// The decimal number that text begins with.
+template <class Scalar>
+struct LeadingNumber {
+    Scalar value = 0;           ///< infinite if it overflows
+    const char* end = nullptr;  ///< null if there is none; nan and inf are none
+};
+
+template <class Scalar>
+LeadingNumber<Scalar> leading_number(const char* begin, const char* end) {
+    LeadingNumber<Scalar> number;
+    const char* const digits = begin + (begin != end && *begin == '-');
+    const bool decimal = digits != end && (*digits == '.' || (*digits >= '0' && *digits <= '9'));
+    const auto [stop, error] = std::from_chars(begin, end, number.value);
+    if (error == std::errc::invalid_argument || !decimal) return {};
+    number.end = stop;
+    if (error != std::errc::result_out_of_range) return number;
+    const std::string_view written(begin, static_cast<std::size_t>(stop - begin));
+    number.value = underflows(written) ? Scalar(0) : std::numeric_limits<Scalar>::infinity();
+    if (*begin == '-') number.value = -number.value;
+    return number;
+}
+
 class Scanner {
    public:
     struct Syntax {
@@ -139,17 +161,10 @@ class Scanner {
     Scalar real() {
         if (finished()) fail("a number is missing");
         const char* const begin = skip_plus();
-        const char* const digits = begin + (begin != end_ && *begin == '-');
-        Scalar value{};
-        const auto [end, error] = std::from_chars(begin, end_, value);
-        const bool decimal = digits != end_ && (*digits == '.' || (*digits >= '0' && *digits <= '9'));
-        if (error == std::errc::invalid_argument || !decimal || !ends_word(end)) {
-            fail(in_quotes(rest_of_word()) + " is not a finite number");
-        }
-        const std::string_view written(begin, static_cast<std::size_t>(end - begin));
-        if (error == std::errc::result_out_of_range && underflows(written))
-            value = *begin == '-' ? Scalar(-0.0) : 0;
-        else if (error == std::errc::result_out_of_range || !std::isfinite(value)) {
+        const auto [value, end] = leading_number<Scalar>(begin, end_);
+        if (!end || !ends_word(end)) fail(in_quotes(rest_of_word()) + " is not a finite number");
+        if (!std::isfinite(value)) {
+            const std::string_view written(begin, static_cast<std::size_t>(end - begin));
             fail(in_quotes(written) + (sizeof(Scalar) == 4 ? " overflows float32" : " overflows float64"));
         }
         p_ = end;

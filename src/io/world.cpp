@@ -60,6 +60,16 @@ void add_posed(const TriangleMesh& shape, const Pose& pose, std::vector<Scalar>&
         shape.vertices);
 }
 
+void check_size(const WorldMesh& world) {
+    std::int64_t vertices = 0, triangles = 0;
+    for (const NamedBody& body : world.bodies) {
+        const TriangleMesh& shape = world.shapes[static_cast<std::size_t>(body.shape)];
+        vertices += shape.vertex_count(), triangles += shape.triangle_count();
+        if (vertices > INT32_MAX || triangles > INT32_MAX)
+            throw Error(ErrorCode::invalid_argument, "more vertices or triangles than 32-bit ids can name");
+    }
+}
+
 template <class Scalar>
 TriangleMesh posed(const WorldMesh& world) {
     std::vector<Scalar> xyz;
@@ -68,8 +78,6 @@ TriangleMesh posed(const WorldMesh& world) {
     for (std::size_t b = 0; b < world.bodies.size(); ++b) {
         const NamedBody& body = world.bodies[b];
         const TriangleMesh& shape = world.shapes[static_cast<std::size_t>(body.shape)];
-        if (first + shape.vertex_count() > INT32_MAX || mesh.triangle_count() + shape.triangle_count() > INT32_MAX)
-            throw Error(ErrorCode::invalid_argument, "more vertices or triangles than 32-bit ids can name");
         add_posed(shape, body.pose, xyz);
         for (const std::int32_t corner : shape.triangles)
             mesh.triangles.push_back(static_cast<std::int32_t>(first + corner));
@@ -85,6 +93,7 @@ TriangleMesh posed(const WorldMesh& world) {
 TriangleMesh posed_mesh(const WorldMesh& world) {
     const FloatEnvironment environment;
     validate(world);
+    check_size(world);
     const bool single = std::all_of(world.shapes.begin(), world.shapes.end(),
                                     [](const TriangleMesh& shape) { return shape.precision() == ScalarType::float32; });
     return single ? posed<float>(world) : posed<double>(world);

@@ -8,11 +8,13 @@
 #include "base/float_environment.h"
 #include "io/atomic_file.h"
 #include "io/formats.h"
+#include "io/gzip.h"
+#include "io/world.h"
 
 namespace crumple::io {
 
 std::string extension_of(const std::filesystem::path& path) {
-    std::string extension = path.extension().string();
+    std::string extension = without_gzip_name(path).extension().string();
     for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
     return extension;
 }
@@ -87,6 +89,8 @@ Writer writer_of(MeshFormat format) {
             return write_stl;
         case MeshFormat::off:
             return write_off;
+        case MeshFormat::threemf:
+            return write_3mf;
         default:
             return nullptr;
     }
@@ -98,8 +102,9 @@ bool holds_meshes(MeshFormat format) { return writer_of(format) != nullptr; }
 
 MeshFormat mesh_format_of(std::string_view extension) {
     constexpr std::pair<std::string_view, MeshFormat> known[] = {
-        {".ply", MeshFormat::ply}, {".obj", MeshFormat::obj}, {".stl", MeshFormat::stl},
-        {".off", MeshFormat::off}, {".glb", MeshFormat::glb}, {".html", MeshFormat::html},
+        {".ply", MeshFormat::ply},     {".obj", MeshFormat::obj}, {".stl", MeshFormat::stl},
+        {".off", MeshFormat::off},     {".glb", MeshFormat::glb}, {".html", MeshFormat::html},
+        {".3mf", MeshFormat::threemf},
     };
     for (const auto& [name, format] : known) {
         if (extension == name) return format;
@@ -110,7 +115,7 @@ MeshFormat mesh_format_of(std::string_view extension) {
 void write_mesh(std::ostream& out, const TriangleMesh& mesh, MeshFormat format, const WriteOptions& options) {
     const FloatEnvironment environment;
     const Writer write = writer_of(format);
-    if (!write) throw Error(ErrorCode::invalid_argument, "meshes are written as ply, obj, stl or off");
+    if (!write) throw Error(ErrorCode::invalid_argument, "meshes are written as ply, obj, stl, off or 3mf");
     validate(mesh);
     write(out, mesh, options.polygons && !mesh.polygons.empty());
     if (!out.flush()) throw Error(ErrorCode::file, "cannot write a mesh to the stream");
@@ -121,11 +126,28 @@ void write_mesh(const std::filesystem::path& path, const TriangleMesh& mesh, con
     const Writer write = writer_of(mesh_format_of(extension_of(path)));
     if (!write) {
         throw Error(ErrorCode::invalid_argument,
-                    "cannot write " + path.string() + ": meshes are written as .ply, .obj, .stl or .off");
+                    "cannot write " + path.string() + ": meshes are written as .ply, .obj, .stl, .off or .3mf");
     }
     validate(mesh);
     AtomicFile file(path);
     write(file.stream(), mesh, options.polygons && !mesh.polygons.empty());
+    file.commit();
+}
+
+void write_world(std::ostream& out, const WorldMesh& world) {
+    const FloatEnvironment environment;
+    validate(world);
+    write_3mf(out, world, {}, {});
+    if (!out.flush()) throw Error(ErrorCode::file, "cannot write a world to the stream");
+}
+
+void write_world(const std::filesystem::path& path, const WorldMesh& world) {
+    const FloatEnvironment environment;
+    if (mesh_format_of(extension_of(path)) != MeshFormat::threemf)
+        throw Error(ErrorCode::invalid_argument, "cannot write " + path.string() + ": worlds are written as .3mf");
+    validate(world);
+    AtomicFile file(path);
+    write_3mf(file.stream(), world, {}, {});
     file.commit();
 }
 

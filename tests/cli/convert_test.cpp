@@ -70,6 +70,42 @@ TEST_F(Convert, PutsBodiesWhereTheyAre) {
     EXPECT_EQ(read("a.off"), "OFF\n3 1 0\n1 2 4\n2 2 4\n1 3 4\n3 0 1 2\n");
 }
 
+TEST_F(Convert, KeepsBodiesIn3mf) {
+    io::WorldMesh world;
+    world.shapes = {{std::vector<double>{0, 0, 0, 1, 0, 0, 0, 0.1, 0}, {0, 1, 2}}};
+    world.bodies = {{"base", 0}, {"arm", 0, {{1, 0, 0, 1, 0, 1, 0, 2, 0, 0, 1, 4}}}};
+    io::write_world(file("a.3mf"), world);
+    EXPECT_EQ(crumple("convert a.3mf b.3mf.gz").status, 0);
+    EXPECT_EQ(shell("cat b.3mf.gz | $crumple convert - - --format 3mf > c.3mf").status, 0);
+    EXPECT_EQ(read("c.3mf"), read("a.3mf"));
+    const io::WorldMesh again = io::read_world(file("c.3mf"));
+    ASSERT_EQ(again.bodies.size(), 2u);
+    EXPECT_EQ(again.shapes.size(), 1u);
+    EXPECT_EQ(again.bodies[1].name, "arm");
+    EXPECT_EQ(again.bodies[1].pose, world.bodies[1].pose);
+    EXPECT_EQ(crumple("convert c.3mf a.off").status, 0);
+    EXPECT_EQ(read("a.off"), "OFF\n6 2 0\n0 0 0\n1 0 0\n0 0.1 0\n1 2 4\n2 2 4\n1 2.1 4\n3 0 1 2\n3 3 4 5\n");
+    EXPECT_TRUE(contains(crumple("info c.3mf").out, "arm"));
+    EXPECT_EQ(crumple("detect c.3mf --groups bodies -o hits.3mf -o hits.csv.gz").status, 0);
+    EXPECT_EQ(io::read_world(file("hits.3mf")).bodies.size(), 2u);
+    EXPECT_TRUE(read("hits.csv.gz").starts_with("\x1f\x8b"));
+}
+
+TEST_F(Convert, CompressesWhatIsNamedSo) {
+    write("a.obj", quad_and_triangle);
+    EXPECT_EQ(crumple("convert a.obj a.ply.gz").status, 0);
+    expect_same(io::read_mesh(file("a.ply.gz")), io::read_mesh(file("a.obj")));
+    EXPECT_EQ(crumple("convert a.obj b.ply").status, 0);
+    EXPECT_TRUE(shell("gzip -dc a.ply.gz | cmp - b.ply").status == 0);
+    EXPECT_EQ(shell("gzip -c a.obj > a.obj.gz; $crumple detect a.obj.gz -o c.obj.gz -o pairs.txt.gz").status, 0);
+    EXPECT_TRUE(fs::exists(file("c.mtl")));
+    EXPECT_EQ(crumple("verify a.obj pairs.txt.gz").status, 0);
+    EXPECT_EQ(crumple("sequence a.obj a.obj.gz -o frame.ply.gz -o times.csv.gz").status, 0);
+    EXPECT_TRUE(fs::exists(file("frame0.ply.gz")) && fs::exists(file("frame1.ply.gz")));
+    write("a.gz", "x");
+    EXPECT_EQ(crumple("convert a.obj a.gz").status, 2);
+}
+
 TEST_F(Convert, TellsWhatIsOdd) {
     write("a.obj", std::string(quad_and_triangle) + "hello 1\n");
     EXPECT_TRUE(contains(crumple("convert a.obj a.ply").err, "'hello'"));
@@ -85,8 +121,8 @@ TEST_F(Convert, RefusesWhatItCannotWrite) {
         EXPECT_TRUE(is_error_line(outcome.err) && contains(outcome.err, reason)) << outcome.err;
     };
     for (const char* const name : {"a.glb", "a.html", "a.txt", "a"})
-        expect_refused(std::string("a.obj ") + name, ".ply, .obj, .stl or .off");
-    expect_refused("a.obj - --format glb", ".ply, .obj, .stl or .off");
+        expect_refused(std::string("a.obj ") + name, ".ply, .obj, .stl, .off or .3mf");
+    expect_refused("a.obj - --format glb", ".ply, .obj, .stl, .off or .3mf");
     expect_refused("a.obj -", "--format");
     expect_refused("a.obj b.ply --format ply", "--format");
     expect_refused("a.obj ./a.obj", "the file that is read");

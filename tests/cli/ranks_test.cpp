@@ -137,6 +137,10 @@ TEST_F(Ranks, ReadStl) {
 TEST_F(Ranks, ReadWhatHasNoSlices) {
     make("lattice --triangles 1000", "a.obj");
     expect_same("a.obj --contacts");
+    make("lattice --triangles 1000", "a.ply.gz");
+    expect_same("a.ply.gz");
+    EXPECT_EQ(crumple("convert a.obj a.3mf").status, 0);
+    expect_same("a.3mf");
     write("quads.off",
           "OFF\n8 3 0\n0 0 0\n4 0 0\n4 4 0\n0 4 0\n1 1 -1\n2 1 1\n3 1 -1\n2 2 -1\n4 0 1 2 3\n3 4 5 6\n3 4 5 7\n");
     expect_same("quads.off");
@@ -245,6 +249,7 @@ TEST_F(Ranks, RefuseWhatTheyDoNotShare) {
     expect_refused("detect five.off --groups bodies", "--groups bodies is not shared among ranks");
     expect_refused("detect five.off five.off", "a second mesh is not shared among ranks");
     expect_refused("detect five.off -o a.glb", "a coloured .glb is not shared among ranks");
+    expect_refused("detect five.off -o a.csv.gz", "-o a.csv.gz, a compressed file, is not shared among ranks");
     expect_refused("detect five.off --part 1/2", "--part is not shared among ranks");
     expect_refused("detect five.off --polygons", "--polygons is not shared among ranks");
     expect_refused("detect five.off --stream", "--stream is not shared among ranks");

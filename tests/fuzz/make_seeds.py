@@ -6,6 +6,7 @@ reader's input chooses the file's name (`kinds` in readers.cpp), byte 1 the opti
 """
 
 import base64
+import gzip
 import io
 import itertools
 import json
@@ -21,6 +22,7 @@ from seed_searches import search_inputs, world_inputs
 MESH, PLY, OBJ, STL, OFF, STL_MENDED, TXT, CSV, JSON, NPZ, NPZ_MENDED, NPY = range(12)
 GLTF, GLB, GLB_MENDED, WORLD, POSES_TEXT, POSES_NPY, POSES_MENDED = range(12, 19)
 FEATURES_TXT, FEATURES_CSV, FEATURES_JSON, FEATURES_NPZ, FEATURES_MENDED = range(19, 24)
+THREEMF, MODEL, MODEL_AS_MESH, GZIP, GZIP_MENDED, PAIRS_GZIP = range(24, 30)
 CANDIDATES, IMPACTS, NEAR = range(3)  # what a list of features is of
 FLOAT32, FLOAT64, UNWELDED, WELDED, GROUP, LABEL, FAN, STRICT = 2, 3, 4, 8, 32, 48, 64, 128  # options in readers.cpp
 
@@ -380,6 +382,47 @@ def feature_files():
         yield FEATURES_MENDED, CANDIDATES, file
 
 
+CORE = b"http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
+PRODUCTION = b"http://schemas.microsoft.com/3dmanufacturing/production/2015/06"
+MODEL_TYPE = b"http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"
+
+
+def models():
+    """Children of a model part, and its attributes."""
+    points, faces = TETRAHEDRON
+    mesh = b"<mesh><vertices>" + b"".join(b'<vertex x="%g" y="%g" z="%g"/>' % p for p in points)
+    mesh += b"</vertices><triangles>" + b"".join(b'<triangle v1="%d" v2="%d" v3="%d"/>' % f for f in faces)
+    part = b'<object id="1" name="part" type="support">' + mesh + b"</triangles></mesh></object>"
+    pair = (b'<object id="2"><components><component objectid="1" transform="2 0 0 0 1 0 0 0 1 5 6 7"/>'
+            b'<component objectid="1"/></components></object>')
+    turned = b'<item objectid="2" transform="0 1 0 -1 0 0 0 0 1 1 2 3"/>'
+    yield b"<resources>" + part + b'</resources><build><item objectid="1"/></build>', b' unit="inch"'
+    yield b"<resources>" + part + pair + b"</resources><build>" + turned + turned + b"</build>", b""
+    yield (b'<resources><object id="1"><components><component p:path="/m" objectid="1"/></components></object>'
+           b'</resources><build><item objectid="1"/></build>'), b' requiredextensions="p"'
+    yield b'<metadata name="a">&amp;</metadata><resources/><build/>', b""
+
+
+def compressed_files():
+    for children, attributes in models():
+        root = b'<model xmlns="' + CORE + b'" xmlns:p="' + PRODUCTION + b'"' + attributes + b">"
+        model = root + children + b"</model>"
+        yield MODEL, model
+        yield MODEL_AS_MESH, model
+        relations = (b'<Relationships xmlns="http://schemas.openxmlformats.org/package/2006/relationships">'
+                     b'<Relationship Target="/m" Type="' + MODEL_TYPE + b'"/></Relationships>')
+        out = io.BytesIO()
+        with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as archive:
+            for name, content in (("_rels/.rels", relations), ("m", model)):
+                archive.writestr(zipfile.ZipInfo(name), content, zipfile.ZIP_DEFLATED)
+        yield THREEMF, out.getvalue()
+    text = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
+    yield GZIP_MENDED, text
+    yield PAIRS_GZIP, b"a,b\n0,1\n"
+    yield GZIP, gzip.compress(text, mtime=0)
+    yield GZIP, gzip.compress(text[:9], mtime=0) + gzip.compress(text[9:], mtime=0)
+
+
 def reader_inputs():
     for kind, files in ((PLY, ply_files()), (OBJ, obj_files()), (STL, stl_files()), (OFF, off_files())):
         for number, file in enumerate(files):
@@ -395,6 +438,9 @@ def reader_inputs():
         yield bytes([kind, 0]), file
     for kind, file in world_files():
         for options in (0, FLOAT64, STRICT | UNWELDED, WELDED):
+            yield bytes([kind, options]), file
+    for kind, file in compressed_files():
+        for options in (0, FLOAT32, STRICT, WELDED):
             yield bytes([kind, options]), file
     for kind, list_of, file in feature_files():
         yield bytes([kind, list_of]), file

@@ -26,7 +26,7 @@ namespace crumple::fuzz {
 namespace {
 
 enum class Content { mesh, pairs, world, poses, features };
-enum class Mended { nothing, stl_count, archive, glb, array_of_poses, archive_of_faces };
+enum class Mended { nothing, stl_count, archive, glb, array_of_poses, archive_of_faces, package, gzip };
 
 struct Kind {
     const char* name;  ///< of the file; its extension is a reader's second hint
@@ -59,11 +59,19 @@ constexpr Kind kinds[] = {
     {"file.json", Content::features},
     {"file.npz", Content::features},
     {"file.npz", Content::features, Mended::archive_of_faces},
+    {"file.3mf", Content::world},
+    {"file.3mf", Content::world, Mended::package},
+    {"file.3mf", Content::mesh, Mended::package},
+    {"file.obj.gz", Content::mesh},
+    {"file.obj.gz", Content::mesh, Mended::gzip},
+    {"file.csv.gz", Content::pairs, Mended::gzip},
 };
 
 std::string mend(std::string_view bytes, Mended mended) {
-    if (mended == Mended::archive) return archive_of("pairs.npy", bytes);
-    if (mended == Mended::archive_of_faces) return archive_of("face_faces.npy", bytes);
+    if (mended == Mended::archive) return archive_of({{"pairs.npy", bytes}});
+    if (mended == Mended::archive_of_faces) return archive_of({{"face_faces.npy", bytes}});
+    if (mended == Mended::package) return package_of(bytes);
+    if (mended == Mended::gzip) return gzip_of(bytes);
     if (mended == Mended::glb) return glb_of(bytes);
     if (mended == Mended::array_of_poses) return npy_of_poses(bytes);
     std::string file(bytes);
@@ -90,6 +98,11 @@ io::ReadOptions options_of(std::uint8_t byte) {
     return options;
 }
 
+bool is_compressed(const Kind& kind) {
+    const std::string_view name = kind.name;
+    return name.ends_with(".npz") || name.ends_with(".3mf") || name.ends_with(".gz");
+}
+
 bool is_short_and_printable(std::string_view sentence) {
     return sentence.size() < 512 &&
            std::all_of(sentence.begin(), sentence.end(), [](char c) { return c >= ' ' && c <= '~'; });
@@ -108,7 +121,7 @@ void check_error(const Error& error, std::string_view file, const Kind& kind, bo
     const bool line = error.element == Element::line, byte = error.element == Element::byte;
     if (line) {
         const auto ends = std::count_if(file.begin(), file.end(), [](char c) { return c == '\n' || c == '\r'; });
-        check(error.index >= 1 && error.index <= ends + 1, "an error at no line of the file");
+        check(error.index >= 1 && (is_compressed(kind) || error.index <= ends + 1), "an error at no line of the file");
     }
     if (byte) check(error.index >= 0 && error.index <= size, "an error at no byte of the file");
     if (line || byte)
@@ -134,10 +147,12 @@ auto watched(std::string_view file, const Kind& kind, bool names_property, Read&
         fail(std::string("an exception that is not crumple::Error: ") + other.what());
     }
     // A face of one byte a corner becomes 12 bytes a triangle in a vector that doubles, and ears take lists. Deflated
-    // bytes become a thousand times as many. A byte of glTF's binary chunk may be named by eight triangles.
-    const bool archive = std::strcmp(kind.name, "file.npz") == 0;
+    // bytes become a thousand times as many, and a few lines of 3MF name 65,536 bodies. A byte of glTF's binary chunk
+    // may be named by eight triangles.
+    const bool scene = std::strcmp(kind.name, "file.3mf") == 0;
     const auto size = static_cast<std::int64_t>(file.size());
-    const std::int64_t most = archive                          ? (4 << 20) + 4096 * size
+    const std::int64_t most = scene                            ? (256 << 20) + 4096 * size
+                              : is_compressed(kind)            ? (4 << 20) + 4096 * size
                               : kind.content == Content::world ? (64 << 10) + 1024 * size
                                                                : (64 << 10) + 128 * size;
     if (peak > most) fail(std::to_string(peak) + " bytes held to read " + std::to_string(size));

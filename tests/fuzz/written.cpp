@@ -72,7 +72,7 @@ void require_kept_by_stl(const TriangleMesh& mesh) {
     const bool finite = as_stl(mesh, expected);
     std::string bytes;
     try {
-        bytes = written([&](std::ostream& out) { io::write_stl(out, mesh); });
+        bytes = written([&](std::ostream& out) { io::write_stl(out, mesh, false); });
     } catch (const Error& error) {
         require(!finite && error.code == ErrorCode::invalid_argument && error.element == Element::vertex,
                 "STL refuses what it can hold");
@@ -81,6 +81,9 @@ void require_kept_by_stl(const TriangleMesh& mesh) {
     require(finite, "STL holds coordinates beyond float32");
     require_same(read_again(bytes, "again.stl", Precision::automatic), expected, "written as STL and read");
 }
+
+/// Without groups, which most formats do not hold.
+TriangleMesh as_triangles(const TriangleMesh& mesh) { return {mesh.vertices, mesh.triangles}; }
 
 /// As triangles or, if the mesh has them, as polygons, which are cut again.
 void require_kept_by_coloured(const TriangleMesh& mesh, io::Triangulation triangulation) {
@@ -91,6 +94,8 @@ void require_kept_by_coloured(const TriangleMesh& mesh, io::Triangulation triang
     require_same(read_again(ply, "again.ply", precision, "", triangulation), mesh, "written as coloured PLY and read");
     const std::string obj = written([&](std::ostream& out) { io::write_coloured_obj(out, coloured, "again.mtl"); });
     require_same(read_again(obj, "again.obj", precision, "", triangulation), mesh, "written as coloured OBJ and read");
+    const std::string package = written([&](std::ostream& out) { io::write_coloured_3mf(out, coloured); });
+    require_same(read_again(package, "again.3mf", precision), as_triangles(mesh), "written as coloured 3MF and read");
     try {
         written([&](std::ostream& out) { io::write_coloured_glb(out, coloured); });
     } catch (const Error& error) {
@@ -156,14 +161,14 @@ void require_welded(const TriangleMesh& mesh, const TriangleMesh& before) {
 void require_kept_by_writers(const TriangleMesh& mesh, io::Triangulation triangulation) {
     TriangleMesh without_groups = mesh;
     without_groups.groups.clear();
-    const std::string ply = written([&](std::ostream& out) { io::write_ply(out, mesh); });
+    const std::string ply = written([&](std::ostream& out) { io::write_ply(out, mesh, false); });
     require_same(read_again(ply, "again.ply", Precision::automatic, mesh.groups.empty() ? "" : "group"), mesh,
                  "written as PLY and read");
     if (mesh.vertex_count() > 0) {  // none makes an empty file, which is refused
-        const std::string obj = written([&](std::ostream& out) { io::write_obj(out, mesh); });
+        const std::string obj = written([&](std::ostream& out) { io::write_obj(out, mesh, false); });
         require_same(read_again(obj, "again.obj", precision_of(mesh)), without_groups, "written as OBJ and read");
     }
-    const std::string off = written([&](std::ostream& out) { io::write_off(out, mesh); });
+    const std::string off = written([&](std::ostream& out) { io::write_off(out, mesh, false); });
     require_same(read_again(off, "again", precision_of(mesh)), without_groups, "written as OFF and read");
     require_kept_by_stl(mesh);
     require_kept_by_coloured(without_groups, triangulation);
