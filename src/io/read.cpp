@@ -109,11 +109,24 @@ WorldMesh read_3mf(const Source& source, const ReadOptions& options) {
     return read_scene(source, options, [&](Warnings& warnings) { return read_3mf(source, options, warnings); });
 }
 
+/// A few lines may name a large mesh often: as a world that is nothing, as one mesh more than memory holds.
+void check_expansion(const Source& source, const WorldMesh& world) {
+    constexpr std::int64_t always = std::int64_t{1} << 24, per_byte = 16;
+    std::int64_t triangles = 0;
+    for (const NamedBody& body : world.bodies)
+        triangles += world.shapes[static_cast<std::size_t>(body.shape)].triangle_count();
+    if (triangles > std::max(always, per_byte * static_cast<std::int64_t>(source.text().size())))
+        throw Error(ErrorCode::format, source.name() + ": the build names meshes so often that they have " +
+                                           std::to_string(triangles) +
+                                           " triangles, more than 16 a byte of the file; read them as bodies");
+}
+
 /// The bodies of a 3MF file, where they are; one that has not been moved keeps its bits.
 TriangleMesh read_posed(const Source& source, const ReadOptions& options) {
     ReadOptions apart = options;
     apart.weld = Weld::no;
     WorldMesh world = read_3mf(source, apart);
+    check_expansion(source, world);
     const bool in_place = world.bodies.size() == 1 && world.bodies[0].pose == Pose{};
     try {
         TriangleMesh mesh = in_place ? std::move(world.shapes.at(0)) : posed_mesh(world);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <unordered_map>
 #include <utility>
 
 namespace crumple::io {
@@ -116,6 +117,15 @@ void ZipWriter::write(std::ostream& out) {
     out.write(memory_->bytes.data(), static_cast<std::streamsize>(memory_->bytes.size()));
 }
 
+namespace {
+
+std::string in_lower_case(std::string name) {
+    for (char& c : name) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    return name;
+}
+
+}  // namespace
+
 struct ZipReader::Memory {
     std::string_view bytes;
     ZipPosition position;
@@ -132,6 +142,12 @@ struct ZipReader::Memory {
     }
     /// Without it minizip takes what is missing for zeros.
     static int error(void*, void* stream) { return static_cast<const Memory*>(stream)->read_past_end; }
+};
+
+/// Where entries are, by their names and by these in lower case; of several with one name the first. minizip itself
+/// looks through all of them for each.
+struct ZipReader::Index {
+    std::unordered_map<std::string, unz64_file_pos> exact, any_case;
 };
 
 ZipReader::ZipReader(const Source& source, const std::string& kind)
@@ -152,10 +168,27 @@ void ZipReader::close() {
     if (std::exchange(is_open_, false)) unzCloseCurrentFile(archive_);
 }
 
+void ZipReader::list_entries() {
+    index_ = std::make_unique<Index>();
+    unz_file_info64 info{};
+    std::string name(UINT16_MAX, '\0');  // the longest there is
+    for (int code = unzGoToFirstFile(archive_); code == UNZ_OK; code = unzGoToNextFile(archive_)) {
+        unz64_file_pos at{};
+        if (unzGetCurrentFileInfo64(archive_, &info, name.data(), name.size(), nullptr, 0, nullptr, 0) != UNZ_OK)
+            return;
+        if (unzGetFilePos64(archive_, &at) != UNZ_OK) return;
+        const std::string this_name = name.substr(0, info.size_filename);
+        index_->exact.try_emplace(this_name, at);
+        index_->any_case.try_emplace(in_lower_case(this_name), at);
+    }
+}
+
 bool ZipReader::open(const std::string& name, bool any_case) {
     close();
-    constexpr int exact = 1, ignore_case = 2;
-    if (unzLocateFile(archive_, name.c_str(), any_case ? ignore_case : exact) != UNZ_OK) return false;
+    if (!index_) list_entries();
+    auto& index = any_case ? index_->any_case : index_->exact;
+    const auto found = index.find(any_case ? in_lower_case(name) : name);
+    if (found == index.end() || unzGoToFilePos64(archive_, &found->second) != UNZ_OK) return false;
     unz_file_info64 info{};
     if (unzGetCurrentFileInfo64(archive_, &info, nullptr, 0, nullptr, 0, nullptr, 0) != UNZ_OK) return false;
     const bool locked = info.flag & 1;

@@ -58,9 +58,12 @@ class ZipReader {
 
    private:
     struct Memory;
+    struct Index;
     void close();
+    void list_entries();
 
     std::unique_ptr<Memory> memory_;
+    std::unique_ptr<Index> index_;
     void* archive_ = nullptr;
     bool is_open_ = false;
 };

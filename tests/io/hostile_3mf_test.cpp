@@ -89,6 +89,24 @@ TEST(HostileThreeMf, DeepAndManifoldAssembliesAreRefused) {
     expect_bad(file_3mf(chain(40, 2)), "a.3mf", Element::line, 5, "more than 65536 objects");
 }
 
+// 60,000 times 500 triangles: no more than their poses as a world, 700 MB as one mesh.
+TEST(HostileThreeMf, AMeshThatIsNamedBeyondMeasureIsRefusedAsOneMesh) {
+    std::string mesh =
+        "<mesh><vertices><vertex x=\"0\" y=\"0\" z=\"0\"/><vertex x=\"1\" y=\"0\" z=\"0\"/>"
+        "<vertex x=\"0\" y=\"1\" z=\"0\"/></vertices><triangles>";
+    for (int i = 0; i < 500; ++i) mesh += "<triangle v1=\"0\" v2=\"1\" v3=\"2\"/>";
+    std::string items = "<resources><object id=\"1\">" + mesh + "</triangles></mesh></object></resources><build>";
+    for (int i = 0; i < 60000; ++i) items += "<item objectid=\"1\"/>";
+    const std::string file = file_3mf(model_around(items + "</build>"));
+    const Error error = error_of([&] { read_bytes(file, "a.3mf"); });
+    EXPECT_NE(
+        std::string(error.what()).find("a.3mf: the build names meshes so often that they have 30000000 triangles"),
+        std::string::npos)
+        << error.what();
+    std::istringstream in(file);
+    EXPECT_EQ(io::read_world(in, "a.3mf").bodies.size(), 60000u);
+}
+
 TEST(HostileThreeMf, DoctypesAndEntitiesAreRefused) {
     const std::string laughs =
         "<?xml version=\"1.0\"?>\n<!DOCTYPE model [<!ENTITY a \"aaaaaaaaaa\"><!ENTITY b \"&a;&a;&a;&a;&a;&a;&a;\">]>\n"
