@@ -81,7 +81,7 @@ def test_every_type(cuda, cpu, scalar, index):
     assert_same(cuda.find_self(mesh_on_device(crumple.Mesh(*mesh)), contacts=True), expected)
 
 
-def test_devices(cpu):
+def test_devices(cuda, cpu):
     """One that is listed is a device as any other; several are shared by C++'s tests, which play them."""
     listed = crumple.Detector(backend="cuda", devices=[0])
     assert_same(listed.find_self(MESH), cpu.find_self(MESH))

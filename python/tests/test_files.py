@@ -28,7 +28,7 @@ def test_coordinates_keep_every_bit(extension, scalar, tmp_path):
 
 
 def test_files_named_gz_are_compressed(tmp_path, crossing, detector):
-    result = detector.find_self(*crossing)
+    result = detector.find_self(crossing)
     for extension in ("txt", "csv", "json", "npz", "ply", "3mf"):
         plain, packed = tmp_path / f"a.{extension}", tmp_path / f"a.{extension}.gz"
         result.save(plain)
