@@ -1,0 +1,59 @@
+"""What README.md and the pages docs/start_*.md have to copy: programs, and what stands below each as its output."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+import sysconfig
+from pathlib import Path
+from typing import NamedTuple
+
+TOP = Path(__file__).parents[2]
+PAGES = [TOP / "README.md", *sorted((TOP / "docs").glob("start_*.md"))]
+
+#: A fenced block of a language, and the next fenced block, if that is `text`: only words between them.
+FENCED = re.compile(r"^```(\w+)\n(.*?)^```$", flags=re.M | re.S)
+
+
+class Program(NamedTuple):
+    """Attributes:
+    language: cpp, python or sh.
+    prints: what the page says it prints, or None.
+    """
+
+    page: Path
+    language: str
+    text: str
+    prints: str | None
+
+
+def programs(page: Path) -> list[Program]:
+    """All programs of a page, in its order."""
+    blocks = FENCED.findall(page.read_text())
+    following = [*blocks[1:], ("", "")]
+    return [
+        Program(page, language, text, output if kind == "text" else None)
+        for (language, text), (kind, output) in zip(blocks, following)
+        if language in ("cpp", "python", "sh")
+    ]
+
+
+def run(program: Program, folder: Path) -> subprocess.CompletedProcess[str]:
+    """Runs a program of Python or a shell in a folder, with this package's command line; errors are output, too."""
+    start = {"python": [sys.executable, "-c"], "sh": ["bash", "-euo", "pipefail", "-c"]}[program.language]
+    path = sysconfig.get_path("scripts") + os.pathsep + os.environ["PATH"]
+    return subprocess.run(
+        [*start, program.text],
+        cwd=folder,
+        env={**os.environ, "PATH": path},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+    )
+
+
+def without_times(text: str) -> str:
+    """Every time is "? ms"."""
+    return re.sub(r"\d[\d.,]* ms\b", "? ms", text)

@@ -1,0 +1,53 @@
+"""README.md and docs/start_*.md: what they have to copy runs as it stands, and prints what they say."""
+
+import re
+
+import pytest
+
+from pages import PAGES, TOP, programs, run, without_times
+
+STARTS = ("cloth", "printing", "research", "robots")
+PROGRAMS = [program for page in PAGES for program in programs(page)]
+# C++ is built and compared by tests/docs, with CMake.
+HERE = [program for program in PROGRAMS if program.language != "cpp"]
+
+
+def name_of(program):
+    return f"{program.page.name}: {program.text.splitlines()[0]}"
+
+
+def heading_anchors(page):
+    """As GitHub makes them."""
+    headings = re.findall(r"^#+ (.*)$", page.read_text(), flags=re.M)
+    return {re.sub(r"[^\w -]", "", heading.lower()).replace(" ", "-") for heading in headings}
+
+
+def test_every_page_has_a_program_and_its_output():
+    assert [page.stem for page in PAGES] == ["README", *(f"start_{name}" for name in STARTS)]
+    assert {program.page for program in PROGRAMS} == set(PAGES)
+    for program in PROGRAMS:
+        assert program.prints, f"{name_of(program)}: no output below it"
+    assert [name_of(program) for program in PROGRAMS if program.language == "cpp"] == ["README.md: #include <array>"]
+
+
+def test_the_readme_leads_to_each_page():
+    text = (TOP / "README.md").read_text()
+    for page in PAGES[1:]:
+        assert f"(docs/{page.name})" in text
+
+
+@pytest.mark.parametrize("program", HERE, ids=name_of)
+def test_prints_what_its_page_says(program, tmp_path):
+    done = run(program, tmp_path)
+    assert done.returncode == 0, done.stdout
+    assert without_times(done.stdout) == without_times(program.prints)
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_pictures_and_links_lead_somewhere(page):
+    links = re.findall(r"\]\(([^)#:]*)(?:#([^):]*))?\)", page.read_text())
+    assert links
+    for target, anchor in links:
+        path = page.parent / target if target else page
+        assert path.exists(), f"{page.name} leads to {path}, which is not there"
+        assert not anchor or anchor in heading_anchors(path), f"{page.name}: {target} has no #{anchor}"

@@ -1,0 +1,58 @@
+#!/usr/bin/env python3
+"""Draws docs/images/start/*.png: what the programs of docs/start_*.md write, seen from one side.
+
+    scripts/start_pictures.py
+
+Needs the Python package with PyVista, pip install ".[pictures]". A program that writes .html writes .glb here.
+A renderer's bytes depend on its machine, so pictures are committed and not compared.
+"""
+
+import sys
+import tempfile
+from pathlib import Path
+
+import pyvista
+
+TOP = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(TOP / "python" / "tests"))
+import pages  # noqa: E402
+
+IMAGES = TOP / "docs" / "images" / "start"
+# For each page: where the eye is, and how near.
+VIEWS = {
+    "start_cloth": ((1, 0.6, 0.9), 1.3),
+    "start_printing": ((0.2, -1, 0.4), 1.45),
+    "start_robots": ((0.5, -1.6, 0.6), 1.3),
+    "start_research": ((1, 0.6, 0.7), 1.15),
+}
+
+
+def draw(scene, picture, eye, zoom):
+    plotter = pyvista.Plotter(off_screen=True, window_size=(800, 480), lighting="none")
+    plotter.import_gltf(scene)
+    plotter.set_background("white")
+    for place, intensity in (((0, 0, 1), 2.0), ((-0.6, 0.9, 1), 2.5)):
+        plotter.add_light(pyvista.Light(position=place, light_type="camera light", intensity=intensity))
+    plotter.view_vector(eye, (0, 0, 1))
+    plotter.camera.zoom(zoom)
+    plotter.screenshot(picture)
+    plotter.close()
+
+
+def main():
+    for page in pages.PAGES:
+        if page.stem not in VIEWS:
+            continue
+        (program,) = pages.programs(page)
+        with tempfile.TemporaryDirectory() as folder:
+            done = pages.run(program._replace(text=program.text.replace(".html", ".glb")), Path(folder))
+            if done.returncode:
+                sys.exit(f"{page.name}: {done.stdout}")
+            (scene,) = Path(folder).glob("*.glb")
+            picture = IMAGES / f"{page.stem.removeprefix('start_')}.png"
+            draw(scene, picture, *VIEWS[page.stem])
+            print(picture.relative_to(TOP))
+
+
+if __name__ == "__main__":
+    main()

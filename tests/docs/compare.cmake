@@ -1,0 +1,7 @@
+# cmake -Dprogram=PROGRAM -Dexpected=FILE -P compare.cmake: fails unless the program ends well and prints what the file
+# holds, byte for byte.
+execute_process(COMMAND ${program} OUTPUT_VARIABLE printed COMMAND_ERROR_IS_FATAL ANY)
+file(READ ${expected} promised)
+if(NOT printed STREQUAL promised)
+    message(FATAL_ERROR "it prints\n${printed}but the page says\n${promised}")
+endif()
