@@ -40,6 +40,8 @@ def test_the_version_has_one_place():
     assert crumple.__version__ == ".".join(numbers)
     citation = re.findall(r"^version: (.*)$", (TOP / "CITATION.cff").read_text(), flags=re.M)
     assert citation == [crumple.__version__], "CITATION.cff repeats it, for it cannot read it elsewhere"
+    named = set(re.findall(r"crumple[-_](\d+\.\d+\.\d+)", (TOP / "README.md").read_text()))
+    assert named == {crumple.__version__}, "README.md names the files of the release"
     for name in ("CMakeLists.txt", "pyproject.toml", "cmake/package.cmake"):
         assert crumple.__version__ not in (TOP / name).read_text(), f"{name} reads include/crumple/version.h"
 
