@@ -79,6 +79,10 @@ class Model:
         return work, rest, 1e3 * latency, 1e3 * volume / network.bandwidth
 
 
+def number(x):
+    return f"{x:,.0f}" if x >= 1000 else f"{x:.3g}"
+
+
 def table(title, model, sizes, network):
     print(f"\n{title}\n")
     print("| ranks | triangles a rank | in all | work ms | rest ms | messages ms | bytes ms | frame ms | of it work |")
@@ -86,8 +90,8 @@ def table(title, model, sizes, network):
     for ranks, n in sizes:
         work, rest, latency, volume = model.frame(n, ranks, network)
         frame = work + rest + latency + volume
-        print(f"| {ranks:,} | {n:,.0f} | {n * ranks / 1e6:,.0f}M | {work:.3g} | {rest:.3g} | {latency:.3g} | {volume:.3g} "
-              f"| {frame:.3g} | {100 * work / frame:.0f} % |")
+        print(f"| {ranks:,} | {n:,.0f} | {n * ranks / 1e6:,.0f}M | {number(work)} | {number(rest)} | {number(latency)} "
+              f"| {number(volume)} | {number(frame)} | {100 * work / frame:.0f} % |")
 
 
 def main():
