@@ -12,6 +12,11 @@ import subprocess
 import sys
 from pathlib import Path
 
+from debian_copyright import concerning
+
+INCLUDE = Path("/usr/include")
+LONG = 100_000  # characters: then what is said of other files is left out, where all of these are headers
+
 # Of the system everywhere, and free for programs by exception: glibc, and GCC's own libraries.
 SYSTEM = ("libc6", "libgcc", "libstdc++", "gcc-", "linux-libc-dev", "libcrypt-dev")
 
@@ -98,6 +103,7 @@ def is_licence(path: Path) -> bool:
 def texts(paths: set[Path]) -> dict[str, str]:
     """Name and licence of each package that one of the files is of."""
     found, strangers = {}, []
+    of_package: dict[str, list[Path]] = {}
     for path in sorted(paths):
         package = debian_package(path)
         if carried := embedded(path):
@@ -112,8 +118,13 @@ def texts(paths: set[Path]) -> dict[str, str]:
                 found["CUDA toolkit"] = toolkit_licence(folder)
         elif package is None:
             strangers.append(str(path))
-        elif not package.startswith(SYSTEM) and package not in found:
-            found[package] = (Path("/usr/share/doc") / package / "copyright").read_text()
+        elif not package.startswith(SYSTEM):
+            of_package.setdefault(package, []).append(path)
+    for package, files in of_package.items():
+        text = (Path("/usr/share/doc") / package / "copyright").read_text()
+        if len(text) > LONG and all(file.is_relative_to(INCLUDE) for file in files):
+            text = concerning(text, [str(file.relative_to(INCLUDE)) for file in files])
+        found[package] = text
     empty = [name for name, text in found.items() if not text.strip()]
     if strangers or empty:
         sys.exit("licences.py: no licence is known of " + ", ".join(strangers[:5] + empty))

@@ -7,16 +7,26 @@
 
 namespace crumple::distribute {
 
+void Hub::tell_of_change() {
+    ++changes_;
+    changes_.notify_all();
+}
+
 void Hub::leave() {
     const std::lock_guard lock(mutex_);
     left_ = true;
-    changed_.notify_all();
+    tell_of_change();
 }
 
 template <class Ready>
 void Hub::wait(std::unique_lock<std::mutex>& lock, Ready ready) {
-    changed_.wait(lock, [&] { return left_ || ready(); });
-    if (!ready()) throw Error(ErrorCode::communication, "another rank has ended");
+    while (!ready()) {
+        if (left_) throw Error(ErrorCode::communication, "another rank has ended");
+        const int seen = changes_;
+        lock.unlock();
+        changes_.wait(seen);
+        lock.lock();
+    }
 }
 
 void Hub::meet() {
@@ -25,7 +35,7 @@ void Hub::meet() {
     if (++here_ == size_) {
         here_ = 0;
         ++meetings_;
-        changed_.notify_all();
+        tell_of_change();
         return;
     }
     wait(lock, [&] { return meetings_ != meeting; });
@@ -72,7 +82,7 @@ void InProcess::exchange(std::span<const Outgoing> out, std::span<const Incoming
     std::unique_lock lock(hub_->mutex_);
     for (const Outgoing& message : out)
         if (!message.bytes.empty()) hub_->box(rank_, message.rank).bytes = message.bytes.data();
-    hub_->changed_.notify_all();
+    hub_->tell_of_change();
     for (const Incoming& message : in) {
         if (message.bytes.empty()) continue;
         Hub::Box& box = hub_->box(message.rank, rank_);
@@ -81,7 +91,7 @@ void InProcess::exchange(std::span<const Outgoing> out, std::span<const Incoming
         std::memcpy(message.bytes.data(), box.bytes, message.bytes.size());
         lock.lock();
         box.bytes = nullptr;
-        hub_->changed_.notify_all();
+        hub_->tell_of_change();
     }
     for (const Outgoing& message : out)
         if (!message.bytes.empty()) hub_->wait(lock, [&] { return hub_->box(rank_, message.rank).bytes == nullptr; });

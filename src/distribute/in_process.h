@@ -2,7 +2,7 @@
 
 // Ranks that are threads of one process: several devices, and any number of pretended machines in tests.
 
-#include <condition_variable>
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <mutex>
@@ -29,6 +29,8 @@ class Hub {
 
     /// Returns when all ranks are here.
     void meet();
+    /// Wakes all that wait, under the lock.
+    void tell_of_change();
     template <class Ready>
     void wait(std::unique_lock<std::mutex>& lock, Ready ready);
     Box& box(int from, int to) {
@@ -37,7 +39,8 @@ class Hub {
 
     int size_;
     std::mutex mutex_;
-    std::condition_variable changed_;
+    /// Waited for. Not a condition variable, whose wait() asks for a newer libstdc++ than all else here.
+    std::atomic<int> changes_ = 0;
     int here_ = 0;
     std::uint64_t meetings_ = 0;
     bool left_ = false;

@@ -1,0 +1,34 @@
+"""Debian's copyright files, cut down to what they say of some files: Boost's tells of 1,500 groups, in 2 MB.
+
+https://www.debian.org/doc/packaging-manuals/copyright-format/1.0/
+"""
+
+import re
+from collections.abc import Iterable
+from fnmatch import fnmatchcase
+
+
+def field(paragraph: str, name: str) -> str:
+    """The value of a field, with the lines that continue it; empty: there is none."""
+    found = re.search(rf"^{name}:(.*(?:\n[ \t].*)*)", paragraph, re.M)
+    return found[1].strip() if found else ""
+
+
+def concerning(text: str, files: Iterable[str]) -> str:
+    """The paragraphs that are about these files, as the source names them, and the licences that these name."""
+    head, *paragraphs = re.split(r"\n\s*\n(?=\S)", text.strip())
+    head = re.sub(r"^Files-Excluded:.*(?:\n[ \t].*)*\n?", "", head, flags=re.M)
+    groups = [(paragraph, field(paragraph, "Files").split()) for paragraph in paragraphs]
+    kept = set()
+    for file in files:
+        about = [i for i, (_, patterns) in enumerate(groups) if any(fnmatchcase(file, p) for p in patterns)]
+        if not about:
+            raise ValueError(f"nothing is said of {file}")
+        kept.add(about[-1])  # the last that matches counts
+    words = set()
+    for i in kept:
+        words |= set(re.split(r"[\s,()]+", field(groups[i][0], "License").split("\n")[0]))
+    for i, (paragraph, patterns) in enumerate(groups):
+        if not patterns and field(paragraph, "License").split("\n")[0].strip() in words:
+            kept.add(i)
+    return "\n\n".join([head.strip(), *(groups[i][0] for i in sorted(kept))])
