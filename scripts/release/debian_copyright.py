@@ -5,7 +5,7 @@ https://www.debian.org/doc/packaging-manuals/copyright-format/1.0/
 
 import re
 from collections.abc import Iterable
-from fnmatch import fnmatchcase
+from fnmatch import translate
 
 
 def field(paragraph: str, name: str) -> str:
@@ -19,12 +19,16 @@ def concerning(text: str, files: Iterable[str]) -> str:
     head, *paragraphs = re.split(r"\n\s*\n(?=\S)", text.strip())
     head = re.sub(r"^Files-Excluded:.*(?:\n[ \t].*)*\n?", "", head, flags=re.M)
     groups = [(paragraph, field(paragraph, "Files").split()) for paragraph in paragraphs]
+    # The last that matches counts. Most patterns are names.
+    last = {pattern: i for i, (_, patterns) in enumerate(groups) for pattern in patterns}
+    wild = [(re.compile(translate(pattern)), i) for pattern, i in last.items() if re.search(r"[*?]", pattern)]
     kept = set()
     for file in files:
-        about = [i for i, (_, patterns) in enumerate(groups) if any(fnmatchcase(file, p) for p in patterns)]
+        about = [last[file]] if file in last else []
+        about += [i for pattern, i in wild if pattern.match(file)]
         if not about:
             raise ValueError(f"nothing is said of {file}")
-        kept.add(about[-1])  # the last that matches counts
+        kept.add(max(about))
     words = set()
     for i in kept:
         words |= set(re.split(r"[\s,()]+", field(groups[i][0], "License").split("\n")[0]))
