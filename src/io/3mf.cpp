@@ -41,8 +41,7 @@ class Assembler {
 
     /// Names that differ in the case of letters are the same.
     Part& part(const std::string& name) {
-        std::string key = name;
-        for (char& c : key) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+        std::string key = in_lower_case(name);
         const auto known = parts_.find(key);
         if (known != parts_.end()) return known->second;
         Part read{read_3mf_model(package_, name, options_), {}};

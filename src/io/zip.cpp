@@ -117,15 +117,6 @@ void ZipWriter::write(std::ostream& out) {
     out.write(memory_->bytes.data(), static_cast<std::streamsize>(memory_->bytes.size()));
 }
 
-namespace {
-
-std::string in_lower_case(std::string name) {
-    for (char& c : name) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-    return name;
-}
-
-}  // namespace
-
 struct ZipReader::Memory {
     std::string_view bytes;
     ZipPosition position;

@@ -68,6 +68,12 @@ class ZipReader {
     bool is_open_ = false;
 };
 
+/// By ASCII, as names of entries are compared.
+inline std::string in_lower_case(std::string name) {
+    for (char& c : name) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    return name;
+}
+
 /// Whether the content is that of a zip archive.
 inline bool is_zip(const Source& source) {
     using namespace std::string_view_literals;
