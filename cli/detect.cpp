@@ -11,6 +11,7 @@
 #include "cli/ranks.h"
 #include "cli/search.h"
 #include "cli/statistics_table.h"
+#include "cli/steps.h"
 #include "cli/terminal.h"
 #include "crumple/error.h"
 #include "io/formats.h"
@@ -27,7 +28,7 @@ struct Detect {
     AnswerOptions answer;
     BodyOptions bodies;
     Options options;
-    bool check = false, stats = false, stream = false;
+    bool check = false, stats = false, stream = false, progress = false;
 
     static std::optional<io::PairFormat> list_format(const std::string& extension) {
         const io::PairFormat format = io::pair_format_of(extension);
@@ -80,7 +81,7 @@ struct Detect {
     }
 
     /// Pairs go to the one output while they are found.
-    int run_stream() const {
+    int run_stream(const Steps& steps) const {
         const std::string path = outputs.empty() ? "-" : outputs.front();
         const auto list = outputs.empty() ? io::PairFormat::txt : list_format(extension_of(path, format));
         if (outputs.size() > 1 || (list != io::PairFormat::txt && list != io::PairFormat::csv))
@@ -88,7 +89,9 @@ struct Detect {
         if (check || answer.polygons || answer.part) fail("--stream does not go with --check, --polygons or --part");
         check_outputs(outputs, files, answer);
         Search search(answer, options);
+        steps.begin("read");
         const Input input = read_input(files, answer);
+        steps.begin("search and write");
         Collisions all;  // of which only the flags are kept
         all.hit.assign(static_cast<std::size_t>(input.first.triangle_count()), 0);
         if (input.second) all.hit_second.assign(static_cast<std::size_t>(input.second->triangle_count()), 0);
@@ -113,24 +116,28 @@ struct Detect {
         bodies.check(answer);
         if (Ranks::count() > 1) {
             check_output_formats();
-            return detect_on_ranks({files, outputs, format, answer, options, check, stats, stream});
+            return detect_on_ranks({files, outputs, format, answer, options, check, stats, stream, progress});
         }
         if (stream && answer.of_bodies()) fail("--stream is of triangles, and --groups bodies lists bodies");
         if (answer.of_bodies()) {
             if (stats) fail("--stats are of triangles, and --groups bodies lists bodies");
-            return detect_bodies({files, outputs, format, answer, bodies, options, check});
+            return detect_bodies({files, outputs, format, answer, bodies, options, check, progress});
         }
         if (files.size() > 2) fail("detect takes one FILE or two, or any number with --groups bodies");
         check_output_formats();
-        if (stream) return run_stream();
+        const Steps steps(progress);
+        if (stream) return run_stream(steps);
         check_outputs(outputs, files, answer);
         Search search(answer, options);
+        steps.begin("read");
         const Input input = read_input(files, answer);
+        steps.begin("search");
         if (check && outputs.empty() && !stats) return report(search.any(input));
         const Collisions& of_triangles = search.find(input);
         if (stats) print_statistics(of_triangles.statistics, count_hits(of_triangles));
         if (check && outputs.empty()) return report(!of_triangles.pairs.empty());
 
+        steps.begin("write");
         Collisions of_polygons;
         if (answer.polygons) of_polygons = io::by_polygon(input.first, input.second_or_null(), of_triangles);
         const Collisions& found = answer.polygons ? of_polygons : of_triangles;
@@ -183,6 +190,7 @@ Command add_detect(CLI::App& app) {
                      "Write pairs, as .txt or .csv, while they are found, for answers that exceed memory: the scene is "
                      "searched again for each quarter of a million pairs");
     command.add_flag("--stats", detect->stats, "Print times and counts of the stages to standard error");
+    add_progress_option(command, detect->progress);
     add_cost_options(command, detect->options);
     command.footer(
         "On several processes: where the program was built with CRUMPLE_MPI, and mpirun,\n"

@@ -12,6 +12,7 @@
 #include "cli/body_lists.h"
 #include "cli/commands.h"
 #include "cli/search.h"
+#include "cli/steps.h"
 #include "cli/terminal.h"
 #include "crumple/error.h"
 #include "io/atomic_file.h"
@@ -128,7 +129,7 @@ std::string summary(const BodyList& list) {
 
 bool tells_summary(const BodyTask& task) { return !std::all_of(task.outputs.begin(), task.outputs.end(), is_standard); }
 
-int find_once(const BodyTask& task, Search& search, const Scene& scene) {
+int find_once(const BodyTask& task, Search& search, const Scene& scene, const Steps& steps) {
     const io::WorldView view = scene.mesh.view();
     const std::vector<Body> bodies = scene.bodies(1);
     const World world{view.shapes, bodies, view.poses};
@@ -139,9 +140,11 @@ int find_once(const BodyTask& task, Search& search, const Scene& scene) {
                                                     : Wants::body_pairs,
                                         1);
     question.index = pictures;
+    steps.begin("search");
     const WorldCollisions& found = search.find(scene.files, scene.names.list(), -1, world, question);
     if (only_status) return report(found.any);
 
+    steps.begin("write");
     const BodyList list{scene.names.list(), distinct(found.bodies), found.statistics};
     for (const std::string& path : task.outputs) {
         const std::string extension = extension_of(path, task.format);
@@ -183,7 +186,7 @@ void add(const WorldCollisions& found, std::size_t count, ConfigurationList& lis
 /// So many configurations are searched at once that what they take beside the shapes stays small.
 constexpr std::size_t bodies_at_once = 100'000;
 
-int find_configurations(const BodyTask& task, Search& search, const Scene& scene) {
+int find_configurations(const BodyTask& task, Search& search, const Scene& scene, const Steps& steps) {
     const std::vector<Pose> poses = read_poses(task.bodies.poses, scene.names.list());
     const io::WorldView view = scene.mesh.view(1);
     const std::size_t n = view.bodies.size(), count = n ? poses.size() / n : 0;
@@ -192,6 +195,7 @@ int find_configurations(const BodyTask& task, Search& search, const Scene& scene
     ConfigurationList list{scene.names.list(), !task.bodies.any};
     std::vector<Body> bodies;
     Intersect question;
+    steps.begin("search");
     Progress progress(count);
     for (std::size_t first = 0, size; first < count; first += size) {
         progress.show(first, "");
@@ -214,6 +218,7 @@ int find_configurations(const BodyTask& task, Search& search, const Scene& scene
     }
     progress.clear();
     if (only_status) return report(false);
+    steps.begin("write");
     for (const std::string& path : task.outputs) write(path, list, *list_format(extension_of(path, task.format)));
     if (task.outputs.empty()) write("-", list, ListFormat::csv);
     const std::int64_t colliding = list.colliding();
@@ -257,8 +262,11 @@ int detect_bodies(const BodyTask& task) {
     check_standard_input(inputs);
     check_outputs(task.outputs, inputs, task.answer);
     Search search(task.answer, task.options);
+    const Steps steps(task.progress);
+    steps.begin("read");
     const Scene scene(task);
-    return task.bodies.poses.empty() ? find_once(task, search, scene) : find_configurations(task, search, scene);
+    return task.bodies.poses.empty() ? find_once(task, search, scene, steps)
+                                     : find_configurations(task, search, scene, steps);
 }
 
 }  // namespace crumple::cli

@@ -29,7 +29,8 @@ struct BodyTask {
     const AnswerOptions& answer;
     const BodyOptions& bodies;
     const Options& options;
-    bool check;  ///< by exit status
+    bool check;     ///< by exit status
+    bool progress;  ///< its steps are told
 };
 
 /// Returns the exit status. Throws Error.

@@ -42,12 +42,15 @@ int detect(RankLink& link, const RanksDetection& asked) {
         if (link.is_first()) check_outputs(asked.outputs, asked.files, asked.answer);
     });
     const auto threads = allowed_threads(asked.options);
+    const Steps steps(asked.progress);
+    steps.begin("read");
     const RankInput input = read_on_ranks(link, file, asked.answer);
     Query query = query_of(asked.answer);
     query.weld = query.weld || input.weld;
     DistributedOptions options;
     options.detector = asked.options;
     mpi::Detector detector(MPI_COMM_WORLD, options);
+    tell_phases(detector, steps);
     const auto report = [&](bool any) { return report_on_ranks(link, any, "something collides", "nothing collides"); };
     if (asked.check && asked.outputs.empty() && !asked.stats)
         return report(about_input(file, [&] { return detector.has_collision(input.share(), query); }));
@@ -58,6 +61,7 @@ int detect(RankLink& link, const RanksDetection& asked) {
         total(link, found.statistics, input.triangles.rows, found.total, detector.options().detector.threads);
     if (asked.stats) print_statistics(link, totals, fmt::format("{} triangles collide", grouped(hits)));
     if (asked.check && asked.outputs.empty()) return report(found.total > 0);
+    steps.begin("write");
     write(link, asked, found, input.triangles, totals.statistics.search);
     if (!asked.stats && !std::all_of(asked.outputs.begin(), asked.outputs.end(), is_standard))
         say(summary_of_pairs(found.total, hits, input.triangles.rows, "triangles", totals.statistics.milliseconds));

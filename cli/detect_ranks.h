@@ -14,7 +14,7 @@ struct RanksDetection {
     const std::string& format;
     const AnswerOptions& answer;
     const Options& options;
-    bool check, stats, stream;
+    bool check, stats, stream, progress;
 };
 
 /// Called by all ranks (ranks.h), returns the same status on all. Throws Error, the same on all ranks: invalid_argument

@@ -68,7 +68,7 @@ void write_first(RankLink& link, const FeatureOutputs& outputs, const RankInput&
 class FeaturesOnRanks {
    public:
     FeaturesOnRanks(RankLink& link, const FeatureCommand& command, const std::vector<std::string>& inputs)
-        : link_(link), command_(command) {
+        : link_(link), command_(command), steps_(command.progress) {
         link.agree([&] {
             if (link.is_first()) check_outputs(command.outputs.paths, inputs, command.answer);
         });
@@ -76,7 +76,9 @@ class FeaturesOnRanks {
     mpi::Detector detector() const {
         DistributedOptions options;
         options.detector = feature_options(command_.options);
-        return mpi::Detector(MPI_COMM_WORLD, options);
+        mpi::Detector detector(MPI_COMM_WORLD, options);
+        tell_phases(detector, steps_);
+        return detector;
     }
     /// Counts what has been found on all ranks, and prints it for --stats. `remark`: instead of the kinds.
     template <class Found>
@@ -87,12 +89,14 @@ class FeaturesOnRanks {
         tally_ = tally_of_all(link_, found, totals.statistics.milliseconds);
         if (command_.stats) print_statistics(link_, totals, remark ? remark : kinds_of(tally_));
     }
+    const Steps& steps() const { return steps_; }
     const Statistics& statistics() const { return statistics_; }
     const Tally& tally() const { return tally_; }
 
    private:
     RankLink& link_;
     const FeatureCommand& command_;
+    Steps steps_;
     Statistics statistics_;
     Tally tally_;
 };
@@ -101,6 +105,7 @@ int impacts(RankLink& link, const FeatureCommand& command, const std::string& st
             const Motion& question, bool earliest) {
     FeaturesOnRanks ranks(link, command, {start, end});
     const auto threads = allowed_threads(command.options);
+    ranks.steps().begin("read");
     const RankInput input = read_step_on_ranks(link, start, end, command.answer);
     mpi::Detector detector = ranks.detector();
     const DistributedImpacts& found = about_input(start + " to " + end, [&]() -> const DistributedImpacts& {
@@ -114,6 +119,7 @@ int impacts(RankLink& link, const FeatureCommand& command, const std::string& st
         all.first = found.first;
         all.statistics = ranks.statistics();
     };
+    ranks.steps().begin("write");
     if (earliest)
         write_first(link, command.outputs, input, complete);
     else
@@ -124,12 +130,14 @@ int impacts(RankLink& link, const FeatureCommand& command, const std::string& st
 int near(RankLink& link, const FeatureCommand& command, const std::string& file, const Near& question) {
     FeaturesOnRanks ranks(link, command, {file});
     const auto threads = allowed_threads(command.options);
+    ranks.steps().begin("read");
     const RankInput input = read_features_on_ranks(link, file, command.answer);
     mpi::Detector detector = ranks.detector();
     const DistributedNearby& found =
         about_input(file, [&]() -> const DistributedNearby& { return detector.find_near(input.share(), question); });
     if (question.wants != NearWants::any) ranks.take(detector, found, input.triangles.rows);
     if (command.only_status()) return report_on_ranks(link, found.any, "something is near", "nothing is near");
+    ranks.steps().begin("write");
     write_lists<Nearby>(link, command.outputs, input, found, io::ListKind::near, [&](Nearby& all) {
         all.any = found.any;
         all.statistics = ranks.statistics();

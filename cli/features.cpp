@@ -120,6 +120,7 @@ void add_feature_command_options(CLI::App& app, FeatureCommand& command, const s
                  "Write the list, as .txt or .csv, while it is found, for answers that exceed memory: the scene is "
                  "searched again for each quarter of a million rows");
     app.add_flag("--stats", command.stats, "Print times and counts of the stages to standard error");
+    add_progress_option(app, command.progress);
     add_reading_options(app, command.answer);
     add_group_options(app, command.answer);
     add_cost_options(app, command.options);

@@ -94,7 +94,7 @@ struct FeatureCommand {
     FeatureOutputs outputs;
     AnswerOptions answer;
     Options options;
-    bool check = false, stats = false, stream = false;
+    bool check = false, stats = false, stream = false, progress = false;
 
     /// Throws Error (invalid_argument) for options that do not go with `--stream`, if it is given.
     void check_stream() const;

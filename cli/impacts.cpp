@@ -15,6 +15,7 @@
 #include "cli/ranks.h"
 #include "cli/search.h"
 #include "cli/statistics_table.h"
+#include "cli/steps.h"
 
 namespace crumple::cli {
 namespace {
@@ -69,7 +70,10 @@ struct ImpactsCommand : FeatureCommand {
         check_impacts();
         check_outputs(outputs.paths, {start, end}, answer);
         Search search(answer, feature_options(options));
+        const Steps steps(progress);
+        steps.begin("read");
         const MovingInput input = read_moving_input(start, end, answer);
+        steps.begin(stream ? "search and write" : "search");
         if (stream) return stream_impacts(search, input);
         Motion question = motion.question(answer, wants());
         question.triangle_pairs = kind == Kind::pairs;
@@ -82,6 +86,7 @@ struct ImpactsCommand : FeatureCommand {
         const auto write = [&](auto& to, io::PairFormat format) {
             kind == Kind::pairs ? io::write_triangle_pairs(to, found, format) : io::write_impacts(to, found, format);
         };
+        steps.begin("write");
         outputs.write(write, [&](auto& to) { io::write_coloured(to, input.start.first, found); });
         return finish(found.any, summary(found, input.start.triangle_count()));
     }
@@ -117,7 +122,10 @@ struct ImpactsCommand : FeatureCommand {
         check_stream();
         check_outputs(outputs.paths, {start, end}, answer);
         Search search(answer, feature_options(options));
+        const Steps steps(progress);
+        steps.begin("read");
         const StepOrRest input = read_step_or_rest(start, end, answer);
+        steps.begin(stream ? "search and write" : "search");
         const CandidateQuestion question = candidates.question(answer);
         const std::int64_t triangles = input.start.triangle_count();
         if (stream) {
@@ -129,6 +137,7 @@ struct ImpactsCommand : FeatureCommand {
         }
         const CandidateLists& found = search.find(input.start, input.end_or_null(), question);
         if (stats) print_statistics(found.statistics, kinds_of(found));
+        steps.begin("write");
         outputs.write([&](auto& to, io::PairFormat format) { io::write_candidates(to, found, format); });
         const Tally tally{found.count, {}, found.statistics.milliseconds};
         return finish(found.count > 0, summary_of(tally, kinds_of(found), "candidate", "no candidates", triangles));

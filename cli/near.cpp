@@ -12,6 +12,7 @@
 #include "cli/ranks.h"
 #include "cli/search.h"
 #include "cli/statistics_table.h"
+#include "cli/steps.h"
 
 namespace crumple::cli {
 namespace {
@@ -41,11 +42,14 @@ struct NearCommand : FeatureCommand {
         check_outputs(outputs.paths, inputs, answer);
         check_standard_input(inputs);
         Search search(answer, feature_options(options));
+        const Steps steps(progress);
+        steps.begin("read");
         const AnswerOptions reading = with_lines_and_points(filters.rest.empty() ? answer : reading_of_motion(answer));
         const Input input = read_input(files, reading);
         const NearFilters given(filters, input, reading);
         Near question = near.question(answer, wants());
         given.tell(question);
+        steps.begin(stream ? "search and write" : "search");
         if (stream) {
             const auto find = [&](auto take) { return search.stream(input, question, take); };
             return write_stream<Nearby>(io::ListKind::near, find, "near pair", "nothing is near",
@@ -54,6 +58,7 @@ struct NearCommand : FeatureCommand {
         const Nearby& found = search.find(input, question);
         if (stats) print_statistics(found.statistics, kinds_of(tally_of(found)));
         if (only_status()) return report(found.any, "something is near", "nothing is near");
+        steps.begin("write");
         outputs.write([&](auto& to, io::PairFormat format) { io::write_near(to, found, format); },
                       [&](auto& to) { io::write_coloured(to, input.first, input.second_or_null(), found); });
         return finish(found.any, summary_of_near(tally_of(found), input.triangle_count()));

@@ -1,7 +1,10 @@
 #include "cli/rank_command.h"
 
+#include <chrono>
 #include <exception>
 #include <new>
+
+#include <fmt/format.h>
 
 #include "cli/commands.h"
 #include "cli/terminal.h"
@@ -40,6 +43,19 @@ int run_on_ranks(const std::function<int(RankLink&)>& command) {
     } catch (const std::exception& error) {
         abort_all_ranks(error.what(), failed);
     }
+}
+
+void tell_phases(mpi::Detector& detector, const Steps& steps) {
+    using Clock = std::chrono::steady_clock;
+    detector.set_progress([&steps, told = Clock::time_point()](const DistributedProgress& progress) mutable {
+        const bool begins = progress.parts_done == 0;
+        // A part may take minutes, or no time.
+        if (!begins && Clock::now() - told < std::chrono::seconds(1)) return;
+        told = Clock::now();
+        steps.begin(begins ? std::string(phase_name(progress.phase))
+                           : fmt::format("{}, {} of {} parts done", phase_name(progress.phase), progress.parts_done,
+                                         progress.parts));
+    });
 }
 
 int report_on_ranks(RankLink& link, bool any, const char* yes, const char* no) {

@@ -11,7 +11,9 @@
 #include "cli/rank_link.h"
 #include "cli/ranks.h"
 #include "cli/search.h"
+#include "cli/steps.h"
 #include "cli/threads.h"
+#include "crumple/mpi.h"
 
 namespace crumple::cli {
 
@@ -39,6 +41,9 @@ inline std::optional<AllowedThreads> allowed_threads(const Options& options) {
     if (!options.threads) return std::nullopt;
     return std::optional<AllowedThreads>(std::in_place, options.threads);
 }
+
+/// Has the phases of the detector's calls told as steps, which must outlive them.
+void tell_phases(mpi::Detector& detector, const Steps& steps);
 
 /// Collective. Prints the one line of --check, and returns its status.
 int report_on_ranks(RankLink& link, bool any, const char* yes, const char* no);

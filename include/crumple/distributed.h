@@ -66,6 +66,13 @@ constexpr std::string_view phase_name(Phase phase) {
     return names[static_cast<std::size_t>(phase)];
 }
 
+/// How far a call is on one rank.
+struct DistributedProgress {
+    Phase phase = Phase::question;
+    int parts_done = 0;  ///< in Phase::search: parts that this rank has searched
+    int parts = 0;       ///< in Phase::search: parts that it searches in this call, unless a first hit is enough
+};
+
 /// What a call did on this rank.
 struct DistributedStatistics {
     double milliseconds = 0;                               ///< wall-clock time of the call

@@ -75,6 +75,12 @@ class CRUMPLE_API Detector {
     /// as it is here, and as an Error (cancelled) elsewhere. Not collective; it must not call this detector.
     void set_poll(std::function<void()> poll);
 
+    /// Has `show` called, in the thread that made the call, as each phase begins on this rank, and as each part has
+    /// been searched. Phases come in their order, each once at most; what a call does not need is left out. What it
+    /// throws ends the call as it does in a poll. Not collective; it must not call this detector. An empty one: no
+    /// calls.
+    void set_progress(std::function<void(const DistributedProgress&)> show);
+
     /// What the last call did on this rank.
     const DistributedStatistics& statistics() const;
     /// With the number of threads that it has come to.

@@ -305,6 +305,21 @@ class Detector:
     is_free = _in_call(is_free)
     find_near = or_of_world(_in_call(_rank_worlds.find_near), _in_call(find_near))
 
+    def set_progress(self, show: Callable[[str, int, int], Any] | None) -> None:
+        """Has show(phase, parts_done, parts) called on this rank as calls go on. Not collective.
+
+        Args:
+            show: called as each phase begins (statistics.phase_milliseconds names them, in their order; what a call
+                does not need is left out), and as each part has been searched: phase "search", how many of this rank's
+                parts are done, and how many there are. Otherwise these two are 0. What it raises ends the call, as
+                KeyboardInterrupt does. It must not call this detector. None: nothing is called.
+
+        Raises InvalidType, and Error after close().
+        """
+        if show is not None and not callable(show):
+            raise InvalidType(f"show must be callable or None, not {type(show).__name__}", element="option")
+        self._open().set_progress(show)
+
     def close(self) -> None:
         """Frees the duplicate of the communicator and all memory. Collective. No call may follow but another close.
 

@@ -1,4 +1,4 @@
-"""Scenes on ranks of MPI: each test starts mpirun, whose ranks run one function of mpi_ranks.py."""
+"""Scenes on ranks of MPI: each test starts mpirun, whose ranks run one function of mpi_ranks.py or mpi_failures.py."""
 
 import inspect
 import os
@@ -13,12 +13,14 @@ import pytest
 import crumple
 import mpi
 
-RANKS = Path(__file__).with_name("mpi_ranks.py")
-CASES = re.findall(r"^def (\w+)\(\):$", RANKS.read_text().partition("def error_of")[2], flags=re.M)
+FILES = [Path(__file__).with_name(name) for name in ("mpi_ranks.py", "mpi_failures.py")]
+FILE_OF = {case: file for file in FILES for case in re.findall(r"^def (\w+)\(\):$", file.read_text(), flags=re.M)}
 # In some, ranks wait for each other; others need no test of one rank alone.
 RANKS_OF = {
     "a_signal_ends_the_call_on_all_ranks": (3,),
     "a_signal_is_seen_within_a_search": (1,),
+    "progress_is_shown": (3,),
+    "what_shows_progress_may_end_the_call": (3,),
     "one_call_at_a_time": (3,),
     "bodies_have_the_answer_of_one_detector": (3,),
     "moving_bodies_have_the_answer_of_one_detector": (3,),
@@ -38,14 +40,14 @@ def python(code):
 
 
 def test_there_are_cases():
-    assert len(CASES) >= 8 and set(RANKS_OF) <= set(CASES)
+    assert len(FILE_OF) >= 8 and set(RANKS_OF) <= set(FILE_OF)
 
 
 @needs_mpi
-@pytest.mark.parametrize("case, ranks", [(case, ranks) for case in CASES for ranks in RANKS_OF.get(case, (1, 3))])
+@pytest.mark.parametrize("case, ranks", [(case, ranks) for case in FILE_OF for ranks in RANKS_OF.get(case, (1, 3))])
 def test_ranks(case, ranks):
     # mpi4py's own way to run a program ends all ranks if one fails.
-    done = run("mpirun", "-n", str(ranks), sys.executable, "-m", "mpi4py", RANKS, case)
+    done = run("mpirun", "-n", str(ranks), sys.executable, "-m", "mpi4py", FILE_OF[case], case)
     assert done.returncode == 0 and "passed" in done.stdout, done.stdout + done.stderr
 
 

@@ -49,12 +49,20 @@ RankDetector::RankDetector(Transport& transport, const DistributedOptions& optio
         phase_ = phase;
         if (stop_.stop_requested()) throw Error(ErrorCode::cancelled, "the call was cancelled");
         if (hook_) hook_(phase);
+        show_phase(phase);
     };
 }
 
 RankDetector::~RankDetector() = default;
 
 void RankDetector::set_poll(std::function<void()> poll) { engine_->set_poll(std::move(poll)); }
+
+// A phase has many agreements, and where lists travel in rounds, members and room take turns.
+void RankDetector::show_phase(Phase phase) {
+    if (shown_ && phase <= *shown_) return;
+    shown_ = phase;
+    if (show_ && phase != Phase::search) show_({phase});
+}
 
 void RankDetector::answer(const MeshShare& share, const VertexView* end, FunctionRef<Asked()> ask,
                           FunctionRef<void()> prepare, std::stop_token stop, FunctionRef<void()> work) {
@@ -65,6 +73,7 @@ void RankDetector::answer(const MeshShare& share, const VertexView* end, Functio
     statistics_ = {};
     rounds_.reset_counts();
     phase_ = Phase::question;
+    shown_.reset();
     try {
         agree_(Phase::question, [&] {
             asked_ = ask();
@@ -297,6 +306,10 @@ void RankDetector::deliver() {
 void RankDetector::search(FunctionRef<void(AssembledPart&)> each, FunctionRef<bool()> done) {
     work_.assign(static_cast<std::size_t>(placement_.parts()), 0);
     agree_(Phase::search, [&] {
+        DistributedProgress progress{Phase::search};
+        progress.parts = static_cast<int>(
+            std::count_if(mine_.begin(), mine_.end(), [](const AssembledPart& part) { return part.size() > 0; }));
+        if (show_) show_(progress);
         for (AssembledPart& part : mine_) {
             if (part.size() == 0 || done()) continue;
             const double begin = clock_();
@@ -306,6 +319,8 @@ void RankDetector::search(FunctionRef<void(AssembledPart&)> each, FunctionRef<bo
             statistics_.work_milliseconds += milliseconds;
             statistics_.members += part.size();
             ++statistics_.parts;
+            ++progress.parts_done;
+            if (show_) show_(progress);
         }
     });
 }

@@ -66,6 +66,8 @@ class CRUMPLE_API RankDetector {
     void set_hook(std::function<void(Phase)> hook) { hook_ = std::move(hook); }
     /// Called every now and then within searches, as Detector::set_poll's is.
     void set_poll(std::function<void()> poll);
+    /// As mpi::Detector::set_progress.
+    void set_progress(std::function<void(const DistributedProgress&)> show) { show_ = std::move(show); }
 
    private:
     /// All phases. ask() makes the question, and may throw; prepare(), which may communicate, is called once it is
@@ -100,6 +102,7 @@ class CRUMPLE_API RankDetector {
     /// Adds up over all ranks: what is found, and the work.
     std::int64_t add_up(std::int64_t found, bool cut_short);
     FirstImpact first_of_all(const FirstImpact& here);
+    void show_phase(Phase phase);
     void forget();
     void drop_parts();
 
@@ -112,10 +115,12 @@ class CRUMPLE_API RankDetector {
     Rounds rounds_;
     Agreement agree_;
     std::function<void(Phase)> hook_;
+    std::function<void(const DistributedProgress&)> show_;
     std::stop_token stop_;
     double (*clock_)();
     Stopwatch watch_;
     Phase phase_ = Phase::question;
+    std::optional<Phase> shown_;  ///< the latest phase of this call that show_ knows of
 
     // Of this call:
     Asked asked_;

@@ -269,6 +269,26 @@ TEST_F(Detect, PrintsStatisticsToStandardError) {
     }
 }
 
+TEST_F(Detect, TellsItsStepsIfAsked) {
+    const auto steps = [&](const std::string& arguments) {
+        std::istringstream lines(crumple("detect five.off --progress " + arguments).err);
+        std::string all;
+        double seconds = 0, before = 0;
+        for (std::string unit, step; lines >> seconds >> unit && std::getline(lines, step);) {
+            EXPECT_EQ(unit, "s");
+            EXPECT_GE(std::exchange(before, seconds), 0);
+            EXPECT_LE(before, seconds);
+            all += step + ",";
+        }
+        return all;
+    };
+    EXPECT_EQ(steps(""), "  read,  search,  write,");
+    EXPECT_EQ(steps("--check"), "  read,  search,");
+    EXPECT_EQ(steps("--stream"), "  read,  search and write,");
+    EXPECT_EQ(steps("--groups bodies"), "  read,  search,  write,");
+    EXPECT_EQ(crumple("detect five.off").err, "");
+}
+
 TEST_F(Detect, MemoryLimitNamesALowerBoundAndTheOptionThatCounts) {
     ASSERT_EQ(crumple("make bodies --triangles 3000 -o bodies.ply").status, 0);
     const Outcome outcome = crumple("detect bodies.ply --memory-limit 1000");

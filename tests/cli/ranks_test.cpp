@@ -243,6 +243,23 @@ TEST_F(Ranks, TellWhatTheyDid) {
     EXPECT_TRUE(contains(ranks(2, "impacts a.ply a.ply --earliest --stats").err, "only the first was looked for"));
 }
 
+TEST_F(Ranks, TellTheirPhasesIfAsked) {
+    make("cloth --triangles 300", "a.ply");
+    const auto steps = [&](const std::string& arguments) {
+        const Outcome outcome = ranks(3, arguments + " -o rows.txt --progress");
+        EXPECT_EQ(outcome.status, 0) << outcome.err;
+        std::istringstream lines(outcome.err);
+        std::string all, unit, step;
+        for (double seconds = 0; lines >> seconds >> unit && std::getline(lines >> std::ws, step);)
+            if (unit == "s" && !contains(step, " of ")) all += step + ",";
+        return all;
+    };
+    const std::string all = "read,question,input,ids,place,members,room,search,rows,output,write,";
+    EXPECT_EQ(steps("detect a.ply"), all);
+    EXPECT_EQ(steps("near a.ply --radius 0.1"), all);
+    EXPECT_EQ(steps("impacts a.ply a.ply"), all);
+}
+
 TEST_F(Ranks, RefuseWhatTheyDoNotShare) {
     expect_refused("detect five.off --groups components --wanted within",
                    "--groups components is not shared among ranks");

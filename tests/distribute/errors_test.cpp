@@ -282,6 +282,24 @@ TEST(RankErrors, of_a_foreign_kind_are_thrown_as_they_are_where_they_began) {
     EXPECT_EQ(seen[2], "an interrupt");
 }
 
+TEST(RankErrors, in_what_shows_progress_end_a_call_on_all_ranks) {
+    const WholeMesh mesh(wavy_sheet<float>(8));
+    std::vector<Seen> seen(ranks);
+    run_ranks(ranks, [&](Transport& transport) {
+        const MeshPiece piece(mesh, Distribution::blocks, transport.rank(), ranks);
+        RankDetector detector(transport, small());
+        detector.set_progress([&](const DistributedProgress& progress) {
+            if (transport.rank() == 1 && progress.parts_done == 1)
+                throw Error(ErrorCode::cancelled, "enough", Element::none);
+        });
+        seen[static_cast<std::size_t>(transport.rank())] = seen_by([&] { detector.find_self(piece.share(), {}); });
+    });
+    for (const Seen& by_one : seen) {
+        EXPECT_EQ(by_one.code, ErrorCode::cancelled);
+        EXPECT_EQ(by_one.message, "rank 1: enough");
+    }
+}
+
 TEST(RankErrors, tell_what_memory_the_rank_that_lacks_most_needs) {
     const WholeMesh mesh(wavy_sheet<float>(40));
     std::vector<Seen> seen(ranks);

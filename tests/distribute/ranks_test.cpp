@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
+#include <numeric>
 #include <stop_token>
 #include <vector>
 
@@ -260,6 +263,45 @@ TEST(Ranks, give_parts_to_others_where_their_work_is_uneven) {
     EXPECT_GT(parts[0].front(), 1);
     EXPECT_LT(parts[0].back(), parts[0].front());
     EXPECT_EQ(parts[0].back() + parts[1].back() + parts[2].back(), 9);
+}
+
+TEST(Ranks, show_each_phase_and_each_part_once) {
+    constexpr int ranks = 3;
+    const WholeMesh mesh(wavy_sheet<float>(20));
+    Verdicts verdicts;
+    run_ranks(ranks, [&](Transport& transport) {
+        const MeshPiece piece(mesh, Distribution::round_robin, transport.rank(), ranks);
+        RankDetector detector(transport, one_thread(9, 1024));  // rounds in which members and room take turns
+        std::vector<DistributedProgress> seen;
+        detector.set_progress([&](const DistributedProgress& progress) { seen.push_back(progress); });
+        for (int frame = 0; frame < 2; ++frame) {
+            seen.clear();
+            const DistributedStatistics did = detector.find_self(piece.share(), {}).statistics;
+            std::vector<Phase> phases;
+            std::vector<int> done;
+            bool even = true;
+            for (const DistributedProgress& at : seen) {
+                const bool searches = at.phase == Phase::search;
+                even = even && at.parts == (searches ? did.parts : 0);
+                if (searches) done.push_back(at.parts_done);
+                if (at.parts_done == 0) phases.push_back(at.phase);
+            }
+            std::vector<int> all_parts(static_cast<std::size_t>(did.parts) + 1);
+            std::iota(all_parts.begin(), all_parts.end(), 0);
+            const bool ascend =
+                std::adjacent_find(phases.begin(), phases.end(), std::greater_equal<>()) == phases.end();
+            // Where only vertices have moved, centres are not made anew.
+            const std::size_t count = phase_count - (frame == 0 ? 0 : 1);
+            if (!even || !ascend || done != all_parts || did.parts == 0 || phases.size() != count)
+                verdicts.add(transport.rank(), testing::AssertionFailure() << "frame " << frame << ": " << phases.size()
+                                                                           << " phases, " << did.parts << " parts");
+        }
+        seen.clear();
+        detector.set_progress({});
+        detector.count(piece.share(), {});
+        if (!seen.empty()) verdicts.add(transport.rank(), testing::AssertionFailure() << "still shown");
+    });
+    EXPECT_TRUE(verdicts.all());
 }
 
 TEST(Ranks, see_that_triangles_groups_owners_or_precision_are_others) {

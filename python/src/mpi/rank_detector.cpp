@@ -104,6 +104,25 @@ void RankDetector::poll() {
     }
 }
 
+void RankDetector::set_progress(nb::object show) {
+    if (calling_) refuse("a call of this crumple.mpi.Detector goes on, and it takes one at a time");
+    if (show.is_none())
+        detector_.set_progress({});
+    else
+        detector_.set_progress([this](const DistributedProgress& progress) { this->show(progress); });
+    show_ = std::move(show);
+}
+
+void RankDetector::show(const DistributedProgress& progress) {
+    const std::string phase(phase_name(progress.phase));
+    const WithGil acquired;
+    PyObject* const shown = in_python(
+        [&] { return PyObject_CallFunction(show_.ptr(), "sii", phase.c_str(), progress.parts_done, progress.parts); });
+    if (shown) return Py_DECREF(shown);
+    raised_.emplace();
+    throw Interrupted(name_of_class(raised_->value()));
+}
+
 template <class Work>
 auto RankDetector::alone(Work work) {
     if (calling_) refuse("a call of this crumple.mpi.Detector goes on, and it takes one at a time");
@@ -234,6 +253,7 @@ void bind_rank_detector(nb::module_& module) {
         .def("find_near_in_world", &RankDetector::find_near_in_world, "share"_a, "question"_a)
         .def("fail", &RankDetector::fail, "exception"_a)
         .def("close", &RankDetector::close)
+        .def("set_progress", &RankDetector::set_progress, "show"_a.none())
         .def_prop_ro("rank", [](const RankDetector& d) { return d.detector().rank(); })
         .def_prop_ro("ranks", [](const RankDetector& d) { return d.detector().ranks(); })
         .def_prop_ro("threads", [](const RankDetector& d) { return d.detector().options().detector.threads; })

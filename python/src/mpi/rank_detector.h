@@ -48,6 +48,9 @@ class RankDetector {
     /// none of crumple's, for the caller to raise it.
     void fail(nanobind::handle exception);
     void close();
+    /// Not collective. show(phase, parts done, parts) is called within calls; None: nothing is. What it raises ends the
+    /// call.
+    void set_progress(nanobind::object show);
 
     const mpi::Detector& detector() const { return detector_; }
 
@@ -55,11 +58,13 @@ class RankDetector {
     template <class Work>
     auto alone(Work work);
     void poll();
+    void show(const DistributedProgress& progress);
 
     mpi::Detector detector_;
     bool calling_ = false;                          ///< guarded by the GIL
     std::exception_ptr failed_;                     ///< before the call: thrown where ranks agree first
-    std::optional<nanobind::python_error> raised_;  ///< by a signal handler, within the call
+    std::optional<nanobind::python_error> raised_;  ///< by a signal handler or by show_, within the call
+    nanobind::object show_;
 };
 
 void bind_rank_detector(nanobind::module_& module);

@@ -182,6 +182,9 @@ void Detector::set_poll(std::function<void()> poll) {
     open().detector.set_poll(poll);
     open().poll = std::move(poll);
 }
+void Detector::set_progress(std::function<void(const DistributedProgress&)> show) {
+    open().detector.set_progress(std::move(show));
+}
 const DistributedStatistics& Detector::statistics() const { return open().detector.statistics(); }
 const DistributedOptions& Detector::options() const { return open().detector.options(); }
 int Detector::rank() const { return open().transport.rank(); }
