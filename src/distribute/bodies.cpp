@@ -46,7 +46,7 @@ VertexView view_of(const Coordinates& coordinates) {
 
 // Whether all are finite.
 template <class Coordinates>
-bool put(const VertexReader& position, const Placement& place, std::int64_t first, std::int64_t rows,
+bool put(const VertexReader& position, const crumple::Placement& place, std::int64_t first, std::int64_t rows,
          Coordinates& coordinates, ParallelFor& workers) {
     constexpr std::int64_t chunk = 8192;
     std::atomic<bool> finite = true;

@@ -5,6 +5,7 @@
 
 #include "crumple/error.h"
 #include "engine/feature_output.h"
+#include "checks.h"
 #include "engine/feature_questions.h"
 #include "engine/feature_search.h"
 #include "engine/near_details.h"
@@ -12,10 +13,6 @@
 
 namespace crumple {
 namespace {
-
-void check(bool holds, const char* message) {
-    if (!holds) throw Error(ErrorCode::invalid_argument, message, Element::option);
-}
 
 void check_asked(const PartFeatures& part, const Motion& question) {
     check(part.moving, "the part was made for a question about nearness");

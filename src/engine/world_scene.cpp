@@ -10,7 +10,6 @@
 namespace crumple {
 namespace {
 
-bool finite(const Vec3d& p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
 
 constexpr std::int64_t chunk = 8192;
 
@@ -21,8 +20,8 @@ void fail_body_not_finite(const WorldOutline& outline, std::int32_t b) {
     const auto look = [&](const VertexReader& position, const Placement& place, const char* when) {
         for (std::int64_t v = 0; v < shape.vertices.rows; ++v) {
             const Vec3d given = position(v);
-            if (finite(place(given))) continue;
-            const std::string what = finite(given) ? " is posed to infinity" : " is not finite";
+            if (all_finite(place(given))) continue;
+            const std::string what = all_finite(given) ? " is posed to infinity" : " is not finite";
             throw Error(ErrorCode::not_finite, WorldOutline::name(b) + "vertex " + std::to_string(v) + what + when,
                         Element::vertex, v);
         }

@@ -31,6 +31,8 @@ struct Vec3 {
 using Vec3f = Vec3<float>;
 using Vec3d = Vec3<double>;
 
+inline bool all_finite(const Vec3d& p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
+
 template <class T>
 CRUMPLE_HD constexpr T dot(Vec3<T> a, Vec3<T> b) {
     return a.x * b.x + a.y * b.y + a.z * b.z;

@@ -174,20 +174,20 @@ class FeatureCopy {
     const FeaturePartQuestion& question_;
 };
 
-void check(bool holds, const char* message, Element element = Element::option, std::size_t index = 0) {
+void check_that(bool holds, const char* message, Element element = Element::option, std::size_t index = 0) {
     const std::int64_t at = element == Element::option ? -1 : static_cast<std::int64_t>(index);
     if (!holds) throw Error(ErrorCode::invalid_argument, message, element, at);
 }
 template <class T>
 void check_ids(const std::vector<T>& ids, const char* message, Element element) {
     T before = -1;
-    for (std::size_t i = 0; i < ids.size(); before = ids[i++]) check(ids[i] > before, message, element, i);
+    for (std::size_t i = 0; i < ids.size(); before = ids[i++]) check_that(ids[i] > before, message, element, i);
 }
 // Each entry of each row is a position in a list of `size`, or -1.
 void check_rows(const std::vector<std::array<std::int32_t, 3>>& rows, std::size_t size, const char* message) {
     const auto most = static_cast<std::int64_t>(size);
     for (std::size_t i = 0; i < rows.size(); ++i)
-        for (const std::int32_t at : rows[i]) check(at >= -1 && at < most, message, Element::triangle, i);
+        for (const std::int32_t at : rows[i]) check_that(at >= -1 && at < most, message, Element::triangle, i);
 }
 
 }  // namespace
@@ -220,24 +220,24 @@ std::vector<Part> make_feature_parts(const Scene& scene, const SceneFeatures& fe
 }
 
 void check_feature_part(const Part& part) {
-    check(part.features.has_value() && !part.second, "the part was not made for a question about features");
+    check_that(part.features.has_value() && !part.second, "the part was not made for a question about features");
     check_part(part);
     const PartFeatures& f = *part.features;
     const std::size_t n = f.vertices.size(), m = part.mesh.ids.size();
     const auto coordinates = [](const auto& xyz) { return std::visit([](const auto& v) { return v.size(); }, xyz); };
-    check(coordinates(part.mesh.vertices) == 3 * n, "a part must have an id for each of its vertices");
-    check(coordinates(f.end) == (f.moving ? 3 * n : 0), "a part must know where each of its vertices ends");
-    check(f.faces >= 0 && f.faces <= static_cast<std::int64_t>(m) &&
-              f.of_no_face.size() == m - static_cast<std::size_t>(f.faces),
-          "a part must know of each triangle behind its faces what it carries");
-    check(f.owned.size() == m && f.edges_of.size() == m && f.points_of.size() == (f.lists_points ? m : 0),
-          "a part must know of each triangle what it owns");
-    check(f.edges.size() == f.edge_ends.size() && f.points.size() == f.point_vertices.size(),
-          "a part must know the vertices of each edge and point");
+    check_that(coordinates(part.mesh.vertices) == 3 * n, "a part must have an id for each of its vertices");
+    check_that(coordinates(f.end) == (f.moving ? 3 * n : 0), "a part must know where each of its vertices ends");
+    check_that(f.faces >= 0 && f.faces <= static_cast<std::int64_t>(m) &&
+                   f.of_no_face.size() == m - static_cast<std::size_t>(f.faces),
+               "a part must know of each triangle behind its faces what it carries");
+    check_that(f.owned.size() == m && f.edges_of.size() == m && f.points_of.size() == (f.lists_points ? m : 0),
+               "a part must know of each triangle what it owns");
+    check_that(f.edges.size() == f.edge_ends.size() && f.points.size() == f.point_vertices.size(),
+               "a part must know the vertices of each edge and point");
     const auto one_each = [&](std::size_t size, std::size_t each) { return size == 0 || size == each * n; };
-    check(one_each(f.names.size(), 1) && one_each(f.joined.size(), 1) && one_each(f.radii.size(), 1) &&
-              one_each(f.rest.size(), 3),
-          "what a part knows of its vertices must be told of each");
+    check_that(one_each(f.names.size(), 1) && one_each(f.joined.size(), 1) && one_each(f.radii.size(), 1) &&
+                   one_each(f.rest.size(), 3),
+               "what a part knows of its vertices must be told of each");
     check_ids(f.vertices, "a part's vertex ids must be 0 or more, and ascend", Element::vertex);
     check_ids(f.edges, "a part's edge ids must be 0 or more, and ascend", Element::edge);
     check_ids(f.points, "a part's point ids must be 0 or more, and ascend", Element::point);
@@ -245,28 +245,29 @@ void check_feature_part(const Part& part) {
     check_rows(f.points_of, f.points.size(), "a part's triangle owns a point that is not there");
     const auto is_vertex = [&](std::int32_t v) { return v >= 0 && static_cast<std::size_t>(v) < n; };
     for (std::size_t e = 0; e < f.edges.size(); ++e)
-        check(is_vertex(f.edge_ends[e].a) && is_vertex(f.edge_ends[e].b),
-              "a part's edge has a vertex that is not there", Element::edge, e);
+        check_that(is_vertex(f.edge_ends[e].a) && is_vertex(f.edge_ends[e].b),
+                   "a part's edge has a vertex that is not there", Element::edge, e);
     for (std::size_t p = 0; p < f.points.size(); ++p)
-        check(is_vertex(f.point_vertices[p]), "a part's point is a vertex that is not there", Element::point, p);
+        check_that(is_vertex(f.point_vertices[p]), "a part's point is a vertex that is not there", Element::point, p);
     for (std::size_t v = 0; v < f.names.size(); ++v)
-        check(is_vertex(f.names[v]), "a part's vertex has the name of one that is not there", Element::vertex, v);
+        check_that(is_vertex(f.names[v]), "a part's vertex has the name of one that is not there", Element::vertex, v);
     for (std::size_t t = 0; t < m; ++t)
         for (std::size_t k = 0; k < 3; ++k) {
-            check(!(f.owned[t] >> (3 + k) & 1) || f.edges_of[t][k] >= 0, "a part's triangle owns an unknown edge",
-                  Element::triangle, t);
-            check(!f.lists_points || !(f.owned[t] >> k & 1) || f.points_of[t][k] >= 0,
-                  "a part's triangle owns an unknown point", Element::triangle, t);
+            check_that(!(f.owned[t] >> (3 + k) & 1) || f.edges_of[t][k] >= 0, "a part's triangle owns an unknown edge",
+                       Element::triangle, t);
+            check_that(!f.lists_points || !(f.owned[t] >> k & 1) || f.points_of[t][k] >= 0,
+                       "a part's triangle owns an unknown point", Element::triangle, t);
         }
     bool lone = false;
     for (const std::uint8_t owned : f.owned) lone = lone || owned & lone_edge;
-    check(!lone || f.joined.size() == n, "a part with edges of no triangle must know what its vertices are joined to");
+    check_that(!lone || f.joined.size() == n,
+               "a part with edges of no triangle must know what its vertices are joined to");
     if (f.rings == 0) return;
-    check(f.first_ring.size() == n + 1 && f.first_ring.front() == 0 &&
-              f.first_ring.back() == static_cast<std::int64_t>(f.ring.size()) &&
-              std::is_sorted(f.first_ring.begin(), f.first_ring.end()),
-          "a part must know the rings about each vertex");
-    check(std::all_of(f.ring.begin(), f.ring.end(), is_vertex), "a part's ring has a vertex that is not there");
+    check_that(f.first_ring.size() == n + 1 && f.first_ring.front() == 0 &&
+                   f.first_ring.back() == static_cast<std::int64_t>(f.ring.size()) &&
+                   std::is_sorted(f.first_ring.begin(), f.first_ring.end()),
+               "a part must know the rings about each vertex");
+    check_that(std::all_of(f.ring.begin(), f.ring.end(), is_vertex), "a part's ring has a vertex that is not there");
 }
 
 VertexView end_of(const PartFeatures& features) {

@@ -9,7 +9,7 @@
 namespace crumple {
 namespace {
 
-constexpr std::int64_t most = std::numeric_limits<std::int32_t>::max();
+constexpr std::int64_t most_elements = std::numeric_limits<std::int32_t>::max();
 
 [[noreturn]] void refuse(const std::string& message, Element element, std::int64_t index) {
     throw Error(ErrorCode::invalid_argument, message, element, index);
@@ -29,7 +29,7 @@ void check_end(const Shape& shape, std::size_t s) {
 }
 
 void check_shapes(const World& world) {
-    if (static_cast<std::int64_t>(world.shapes.size()) > most)
+    if (static_cast<std::int64_t>(world.shapes.size()) > most_elements)
         refuse("a world has at most 2147483647 shapes", Element::none, -1);
     for (std::size_t s = 0; s < world.shapes.size(); ++s) {
         const Shape& shape = world.shapes[s];
@@ -47,7 +47,7 @@ void check_body(const World& world, std::size_t b) {
     if (body.shape < 0 || static_cast<std::size_t>(body.shape) >= world.shapes.size())
         refuse_body("there is no shape " + std::to_string(body.shape) + "; there are " +
                     std::to_string(world.shapes.size()));
-    if (body.world < -1 || body.world == most)
+    if (body.world < -1 || body.world == most_elements)
         refuse_body("its world is " + std::to_string(body.world) + "; worlds are 0 to 2147483646, or -1");
     if (b > 0) {
         const std::int32_t before = world.bodies[b - 1].world;
@@ -79,7 +79,7 @@ void check_rules(const Rules& rules, std::int64_t bodies) {
 void WorldOutline::read(const World& world, const Rules& rules) {
     world_ = world;
     const auto n = static_cast<std::int64_t>(world.bodies.size());
-    if (n > most) refuse("a world has at most 2147483647 bodies", Element::none, -1);
+    if (n > most_elements) refuse("a world has at most 2147483647 bodies", Element::none, -1);
     for (const auto& poses : {world.poses, world.end_poses})
         if (!poses.empty() && poses.size() != world.bodies.size())
             refuse("there are " + std::to_string(poses.size()) + " poses for " + std::to_string(n) + " bodies",

@@ -9,13 +9,12 @@
 namespace crumple::cpu {
 namespace {
 
-constexpr std::int64_t chunk = 4096;
-
 // Pairs of features that one triangle owns: two vertices, or a vertex and the edge across.
 void search_within(const Call& call, const CandidateQuery& query, CandidateLeaves& leaves) {
     if (!query.wants(CandidateKind::vertex_vertex) && !query.wants(CandidateKind::vertex_edge)) return;
     const std::int64_t n = call.scene.triangle_count();
     if (call.frugal) return leaves.search_within(0, n, 0);
+    constexpr std::int64_t chunk = 4096;
     call.workers.parallel_for(static_cast<std::size_t>((n + chunk - 1) / chunk), [&](std::size_t c, std::size_t w) {
         const std::int64_t begin = static_cast<std::int64_t>(c) * chunk;
         leaves.search_within(begin, std::min(n, begin + chunk), w);

@@ -11,7 +11,7 @@
 namespace crumple::cpu {
 namespace {
 
-constexpr std::int64_t chunk = 4096;
+constexpr std::int64_t features_at_once = 4096;
 
 // A counting sort by first feature, then those of each by the second; and sorted(begin, end) with the places of each
 // chunk, on all threads. make_room(n) is told how many there are.
@@ -32,14 +32,16 @@ void sort_hits(std::span<const Array<FeatureHit>* const> found, IdRange firsts, 
     for (const auto* list : found)
         for (const FeatureHit& hit : *list) buffers.placed[next[hit.pair.a - firsts.begin]++] = hit;
     make_room(all);
-    workers.parallel_for(static_cast<std::size_t>((n + chunk - 1) / chunk), [&](std::size_t c, std::size_t) {
-        const std::int64_t begin = static_cast<std::int64_t>(c) * chunk, end = std::min(n, begin + chunk);
-        FeatureHit* hits = buffers.placed.data();
-        for (std::int64_t i = begin; i < end; ++i)
-            std::sort(hits + place[i], hits + place[i + 1],
-                      [](const FeatureHit& a, const FeatureHit& b) { return a.pair.b < b.pair.b; });
-        sorted(place[begin], place[end]);
-    });
+    workers.parallel_for(
+        static_cast<std::size_t>((n + features_at_once - 1) / features_at_once), [&](std::size_t c, std::size_t) {
+            const std::int64_t begin = static_cast<std::int64_t>(c) * features_at_once,
+                               end = std::min(n, begin + features_at_once);
+            FeatureHit* hits = buffers.placed.data();
+            for (std::int64_t i = begin; i < end; ++i)
+                std::sort(hits + place[i], hits + place[i + 1],
+                          [](const FeatureHit& a, const FeatureHit& b) { return a.pair.b < b.pair.b; });
+            sorted(place[begin], place[end]);
+        });
 }
 
 void write_rows(std::span<const Array<FeatureHit>* const> found, std::int64_t firsts, Workers& workers,
@@ -102,7 +104,7 @@ Inflation inflation_of_radii(const Scene& scene, std::span<const double> radii, 
     vertex.resize_discard(radii.size());
     triangle.resize_discard(static_cast<std::size_t>(scene.triangle_count()));
     const auto for_each = [&](std::size_t n, auto visit) {
-        constexpr auto some = static_cast<std::size_t>(chunk);
+        constexpr auto some = static_cast<std::size_t>(features_at_once);
         workers.parallel_for((n + some - 1) / some, [&](std::size_t c, std::size_t) {
             for (std::size_t i = c * some; i < std::min(n, (c + 1) * some); ++i) visit(i);
         });

@@ -8,8 +8,6 @@
 namespace crumple::cpu {
 namespace {
 
-constexpr std::int64_t chunk = 4096;
-
 // A box of balls, and which balls reach it.
 struct Reach {
     static constexpr float most = std::numeric_limits<float>::max();
@@ -44,6 +42,7 @@ Level exclude_others(IsFirst is_first, IsSecond is_second, const RangeBuffers& b
     const auto n = static_cast<std::int64_t>(b.balls.size()) - padding;
     if (b.included.empty()) b.included.assign(static_cast<std::size_t>(n), 1);
     b.masks.resize_discard(static_cast<std::size_t>(n));
+    constexpr std::int64_t chunk = 4096;
     const auto for_each_chunk = [&](auto visit) {
         b.workers.parallel_for(static_cast<std::size_t>((n + chunk - 1) / chunk), [&](std::size_t c, std::size_t) {
             const std::int64_t begin = static_cast<std::int64_t>(c) * chunk;

@@ -20,7 +20,6 @@ struct PosedTriangle {
     std::int32_t index;  ///< within its body
 };
 
-bool finite(const Vec3d& p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
 
 std::vector<PosedTriangle> triangles_of(const WorldOutline& outline, std::int32_t b) {
     const Shape& shape = outline.shape(b);
@@ -29,7 +28,7 @@ std::vector<PosedTriangle> triangles_of(const WorldOutline& outline, std::int32_
     std::vector<Vec3d> posed;
     for (std::int64_t v = 0; v < shape.vertices.rows; ++v) {
         posed.push_back(place(position(v)));
-        if (!finite(posed.back())) fail_body_not_finite(outline, b);
+        if (!all_finite(posed.back())) fail_body_not_finite(outline, b);
     }
     std::vector<PosedTriangle> triangles;
     with_corner_reader(shape, [&](auto corner) {

@@ -21,7 +21,6 @@ struct PosedTriangle {
     std::int32_t index;  ///< within its body
 };
 
-bool finite(const Vec3d& p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
 
 // All triangles of all bodies, in order.
 class Everything {
@@ -40,7 +39,7 @@ class Everything {
         std::vector<std::int32_t> id;
         for (std::int64_t v = 0; v < shape.vertices.rows; ++v) {
             posed.push_back(place(position(v)));
-            if (!finite(posed.back())) fail_body_not_finite(outline, b);
+            if (!all_finite(posed.back())) fail_body_not_finite(outline, b);
             id.push_back(name(posed.back()));
         }
         with_corner_reader(shape, [&](auto corner) {

@@ -15,7 +15,7 @@ namespace crumple::cpu {
 namespace {
 
 // Pairs of triangles whose tests are listed at once.
-constexpr std::size_t batch = 256;
+constexpr std::size_t pairs_at_once = 256;
 
 // What stands at rows without a member: it owns nothing, so that no pair with it is a test.
 template <int moments>
@@ -147,8 +147,9 @@ template <int moments>
 void FeatureLeaves<moments>::narrow(std::size_t pairs, const Worker& builder, Worker& worker) {
     const Record* rows = builder.sorted.data() + worker.candidates.rows;
     const Record* columns = builder.sorted.data() + worker.candidates.columns;
-    for (std::size_t first = 0; first < pairs; first += batch) {
-        const PairsLeft<moments> some{rows, columns, worker.left.data() + first, std::min(batch, pairs - first)};
+    for (std::size_t first = 0; first < pairs; first += pairs_at_once) {
+        const PairsLeft<moments> some{rows, columns, worker.left.data() + first,
+                                      std::min(pairs_at_once, pairs - first)};
         find_tests(some, worker);
         if (share_.range) keep_share(worker);
         const std::size_t before = count(worker.hits);
@@ -213,7 +214,8 @@ void FeatureLeaves<moments>::find_tests(const PairsLeft<moments>& pairs, Worker&
     }
     constexpr std::size_t most[] = {6, 9};
     ListedTests listed[2];
-    for (std::size_t k = 0; k < 2; ++k) listed[k].test = worker.listed[k].resize_discard(most[k] * batch + padding);
+    for (std::size_t k = 0; k < 2; ++k)
+        listed[k].test = worker.listed[k].resize_discard(most[k] * pairs_at_once + padding);
     kernels_.list(pairs, features.renames() ? features.names().data() : nullptr, listed[0], listed[1]);
     if (share_.range) listed[share_.kind == FeatureKind::vertex_face ? 1 : 0].count = 0;
     filter_listed<FeatureKind::vertex_face>(pairs, listed[0], worker);
@@ -243,7 +245,7 @@ void FeatureLeaves<moments>::list_tests_of_listed(const PairsLeft<moments>& pair
     const FeatureTable features = query_->features.table();
     const auto name = [&](std::int32_t vertex) { return features.name(vertex); };
     std::array<FeatureTest*, feature_kinds> next;
-    for (std::size_t k = 0; k < feature_kinds; ++k) next[k] = worker.tests[k].resize_discard(most[k] * batch);
+    for (std::size_t k = 0; k < feature_kinds; ++k) next[k] = worker.tests[k].resize_discard(most[k] * pairs_at_once);
     for (std::size_t pair = 0; pair < pairs.count; ++pair)
         crumple::list_tests_of_listed(pairs.row(pair), pairs.column(pair), features, name, next);
     for (std::size_t k = 0; k < feature_kinds; ++k)

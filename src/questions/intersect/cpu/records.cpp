@@ -4,7 +4,7 @@ namespace crumple::cpu {
 namespace {
 
 // A record that no filter can mistake for a triangle: all corners lie above its plane.
-constexpr Record dummy_record{{0, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, 0}, {-1, -1, -1}, -2};
+constexpr Record no_triangle{{0, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, 0}, {-1, -1, -1}, -2};
 
 }  // namespace
 
@@ -16,7 +16,7 @@ void LeafRecords::build(const IntersectKernels& kernels, const BuildInput& input
 
 void LeafRecords::sort(const IntersectKernels& kernels, const SortedLeaf& leaf) {
     sorted.resize_discard(static_cast<std::size_t>(leaf.rows + padding));
-    for_each_dummy(leaf, [&](std::int64_t row) { sorted[row] = dummy_record; });
+    for_each_dummy(leaf, [&](std::int64_t row) { sorted[row] = no_triangle; });
     kernels.scatter(built.data(), leaf.members, leaf.position.data(), plane_scale(reach), sorted.data());
 }
 
