@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Tests that take an hour and more, which .ci/run leaves out: all others thoroughly, then fuzz targets. Prints a table of
-# figures, for docs/fuzzing.md.
+# Tests that take an hour and more, which .ci/run leaves out: all others thoroughly, paths through the code by clang-tidy's
+# analyzer, then fuzz targets. Prints a table of figures, for docs/fuzzing.md.
 #   scripts/test_long.sh [READS [SEARCHES [WORLDS]]]   how many inputs of each fuzz target; ten, one and one million
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -22,6 +22,11 @@ row() {
 
 # More of what is random, and what the usual run leaves out.
 CRUMPLE_ROUNDS=5 scripts/test.sh
+
+# The analyzer follows paths only through what is written in the file that it is given, so each file is one.
+scripts/install_dependencies.sh --tests --mpi --ci
+cmake --preset tidy -DCRUMPLE_MPI=ON -DCRUMPLE_UNITY=OFF >/dev/null
+run-clang-tidy -quiet -p build-tidy -checks='-*,clang-analyzer-*'
 
 scripts/fuzz.sh readers -runs="$reads"
 scripts/fuzz.sh search -runs="$searches"
