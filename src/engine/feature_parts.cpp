@@ -3,9 +3,9 @@
 
 #include <algorithm>
 
+#include "checks.h"
 #include "crumple/error.h"
 #include "engine/feature_output.h"
-#include "checks.h"
 #include "engine/feature_questions.h"
 #include "engine/feature_search.h"
 #include "engine/near_details.h"

@@ -10,7 +10,6 @@
 namespace crumple {
 namespace {
 
-
 constexpr std::int64_t chunk = 8192;
 
 }  // namespace

@@ -20,7 +20,6 @@ struct PosedTriangle {
     std::int32_t index;  ///< within its body
 };
 
-
 std::vector<PosedTriangle> triangles_of(const WorldOutline& outline, std::int32_t b) {
     const Shape& shape = outline.shape(b);
     const VertexReader position = reader_of(shape);

@@ -21,7 +21,6 @@ struct PosedTriangle {
     std::int32_t index;  ///< within its body
 };
 
-
 // All triangles of all bodies, in order.
 class Everything {
    public:
