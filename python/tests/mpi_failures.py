@@ -186,11 +186,23 @@ def ranks_fail_together_and_go_on():
 
 
 class Alarm(Exception):
-    """What the handler of SIGALRM raises."""
+    """What the handler of SIGALRM raises, and what is called while a search goes on."""
 
 
 def ring(*_):
     raise Alarm
+
+
+def check_alarm(call, failing):
+    """That the call raises Alarm on one rank, and that the others are told."""
+    try:
+        call()
+        raise AssertionError("no error was raised")
+    except Alarm:
+        assert COMM.rank == failing
+    except crumple.Error as error:
+        assert COMM.rank != failing and (error.code, error.rank) == ("cancelled", failing)
+        assert str(error) == f"rank {failing}: the call was interrupted: Alarm"
 
 
 def a_signal_ends_the_call_on_all_ranks():
@@ -199,18 +211,15 @@ def a_signal_ends_the_call_on_all_ranks():
     signal.signal(signal.SIGALRM, ring)
     with crumple.mpi.Detector(COMM, **ONE) as detector:
         for failing in range(COMM.size):
-            try:
-                if COMM.rank == failing:
+            if COMM.rank != failing:
+                time.sleep(0.5)
+
+            def search(rings=COMM.rank == failing):
+                if rings:
                     signal.setitimer(signal.ITIMER_REAL, 0.1)  # while it waits for the others
-                else:
-                    time.sleep(0.5)
                 share.call(detector.find_self)
-                raise AssertionError("no error was raised")
-            except Alarm:
-                assert COMM.rank == failing
-            except crumple.Error as error:
-                assert COMM.rank != failing and (error.code, error.rank) == ("cancelled", failing)
-                assert str(error) == f"rank {failing}: the call was interrupted: Alarm"
+
+            check_alarm(search, failing)
         check_rows(share.call(detector.find_self), share, crumple.Detector(**ONE).find_self(mesh))
 
 
@@ -251,13 +260,7 @@ def what_shows_progress_may_end_the_call():
                     raise Alarm
 
             detector.set_progress(show)
-            try:
-                share.call(detector.find_self)
-                raise AssertionError("no error was raised")
-            except Alarm:
-                assert COMM.rank == failing
-            except crumple.Error as error:
-                assert COMM.rank != failing and (error.code, error.rank) == ("cancelled", failing)
+            check_alarm(lambda: share.call(detector.find_self), failing)
             detector.set_progress(None)
             check_rows(share.call(detector.find_self), share, expected)
 
