@@ -75,6 +75,7 @@ TEST_F(Impacts, OfNothingSayHowMuchWasSearched) {
 }
 
 TEST_F(Impacts, StatisticsGoToStandardError) {
+    EXPECT_TRUE(contains(crumple("impacts above.off below.off --progress").err, " s  search\n"));
     const Outcome outcome = crumple("impacts above.off below.off --stats");
     EXPECT_EQ(outcome.out, impact);
     EXPECT_TRUE(contains(outcome.err, "1 vertex-face, 0 edge-edge")) << outcome.err;

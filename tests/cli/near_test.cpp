@@ -88,6 +88,7 @@ TEST_F(Near, GroupsAndStatistics) {
     EXPECT_EQ(list("near above.off --radius 1 --groups components --wanted between"), closest);
     EXPECT_EQ(list("near above.off --radius 1 --groups components --wanted within"), "");
     EXPECT_TRUE(contains(crumple("near above.off --radius 1 --stats").err, "1 vertex-face, 0 edge-edge"));
+    EXPECT_TRUE(contains(crumple("near above.off --radius 1 --progress").err, " s  search\n"));
 }
 
 TEST_F(Near, RadiiAreThoseOfVertices) {
