@@ -8,10 +8,10 @@
 
 #include "crumple/crumple.h"
 #include "distribute/feature_rows.h"
+#include "distribute/last_frame.h"
 #include "distribute/pretended_ranks.h"
 #include "distribute/rank_detector.h"
 #include "distribute/verdicts.h"
-#include "scenes/scenes.h"
 
 namespace crumple::test {
 namespace {
@@ -112,7 +112,7 @@ TEST(RankFeatures, have_the_answers_of_one_machine_on_hard_soups) {
 
 TEST(RankFeatures, have_the_answers_of_one_machine_on_scenes) {
     for (const scenes::Description& scene : scenes::descriptions()) {
-        const WholeMesh mesh(scenes::make(scene.name, {.triangles = 600, .frame = scene.frames - 1}));
+        const WholeMesh mesh = last_frame(scene, 600);
         ASSERT_TRUE(same_impacts(Step(mesh, 0.01), Distribution::blocks, 3, {})) << scene.name;
         ASSERT_TRUE(same_near(mesh, Distribution::random, 3, {.radius = 0.01})) << scene.name;
     }

@@ -17,11 +17,11 @@
 #include "agreement/hard_soups.h"
 #include "crumple/crumple.h"
 #include "distribute/feature_rows.h"
+#include "distribute/last_frame.h"
 #include "distribute/world_shares.h"
 #include "error_of.h"
 #include "io/files.h"
 #include "rounds.h"
-#include "scenes/scenes.h"
 #include "worlds/random_worlds.h"
 
 namespace crumple::test {
@@ -77,7 +77,7 @@ TEST_F(MpiRanks, have_the_answer_of_one_machine_on_soups) {
 
 TEST_F(MpiRanks, have_the_answer_of_one_machine_on_scenes) {
     for (const scenes::Description& scene : scenes::descriptions()) {
-        const WholeMesh mesh(scenes::make(scene.name, {.triangles = 1000, .frame = scene.frames - 1}));
+        const WholeMesh mesh = last_frame(scene, 1000);
         expect_same(mesh, every_distribution, {.contacts = true}, std::string(scene.name));
     }
 }

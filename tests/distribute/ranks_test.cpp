@@ -11,12 +11,12 @@
 
 #include "agreement/hard_soups.h"
 #include "crumple/crumple.h"
+#include "distribute/last_frame.h"
 #include "distribute/pretended_ranks.h"
 #include "distribute/rank_detector.h"
 #include "distribute/shares.h"
 #include "distribute/verdicts.h"
 #include "error_of.h"
-#include "scenes/scenes.h"
 
 namespace crumple::test {
 namespace {
@@ -92,7 +92,7 @@ TEST(Ranks, have_the_answer_of_one_machine_on_hard_soups) {
 TEST(Ranks, have_the_answer_of_one_machine_on_scenes) {
     std::size_t number = 0;
     for (const scenes::Description& scene : scenes::descriptions()) {
-        const WholeMesh mesh(scenes::make(scene.name, {.triangles = 1500, .frame = scene.frames - 1}));
+        const WholeMesh mesh = last_frame(scene, 1500);
         ASSERT_TRUE(same_as_one(mesh, every_distribution[number++ % 4], 3, {.contacts = true})) << scene.name;
     }
 }

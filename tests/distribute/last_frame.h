@@ -1,0 +1,18 @@
+#pragma once
+
+// Procedural scenes, small enough for many ranks to make them one after the other.
+
+#include <cstdint>
+
+#include "distribute/shares.h"
+#include "scenes/scenes.h"
+
+namespace crumple::test {
+
+/// The last frame of a scene of about so many triangles; of a simulated one, which takes all frames before it, a third.
+inline WholeMesh last_frame(const scenes::Description& scene, std::int64_t triangles) {
+    if (scene.simulated) triangles /= 3;
+    return WholeMesh(scenes::make(scene.name, {.triangles = triangles, .frame = scene.frames - 1}));
+}
+
+}  // namespace crumple::test
