@@ -198,6 +198,15 @@ void Block::check_shared() const {
             fail("block (%u,%u,%u) wrote %zu bytes before its shared memory", index_.x, index_.y, index_.z, i);
 }
 
+/// The first at or after `rank` that can run, or else the first of all; there is one.
+unsigned Block::next_ready(unsigned rank) const {
+    const unsigned words = (size_ + 63) / 64;
+    unsigned w = rank / 64;
+    std::uint64_t here = ready_[w] & ~std::uint64_t{0} << rank % 64;
+    while (!here) here = ready_[w = (w + 1) % words];
+    return w * 64 + static_cast<unsigned>(std::countr_zero(here));
+}
+
 /// The rank that runs next, `size_` if none can.
 unsigned Block::pick() {
     const unsigned words = (size_ + 63) / 64;
@@ -232,8 +241,7 @@ unsigned Block::pick() {
                 }
             break;
         case Order::random:
-            rank = static_cast<unsigned>(random_.below(size_));
-            while (!(ready_[rank / 64] >> rank % 64 & 1)) rank = rank + 1 == size_ ? 0 : rank + 1;
+            rank = next_ready(static_cast<unsigned>(random_.below(size_)));
             break;
     }
     ready_[rank / 64] &= ~(std::uint64_t{1} << rank % 64);

@@ -86,6 +86,7 @@ class Block {
     void prepare_shared();
     void check_shared() const;
     unsigned pick();
+    unsigned next_ready(unsigned rank) const;
     void wake(unsigned rank) { ready_[rank / 64] |= std::uint64_t{1} << rank % 64; }
     void sleep();
     void leave();
