@@ -5,6 +5,7 @@
 
 #include <array>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "agreement/hard_soups.h"
@@ -132,6 +133,24 @@ TEST(CudaCapture, answers_between_two_meshes_whose_streams_it_joins) {
     recorder.end();
     EXPECT_TRUE(shows(answer_of(recorder, cuda), half.a, &half.b, cpu.find_between(half.a, half.b)));
     check(cudaEventDestroy(fork));
+}
+
+TEST(CudaCapture, goes_on_when_a_detector_ends) {
+    const DeviceMesh device(cloth(300, 93).view());
+    const DeviceBytes bytes(std::vector<std::byte>(1));
+    std::optional<Detector> cuda(std::in_place, Options{.backend = Backend::cuda});
+    for (int call = 0; call < 3; ++call) {
+        cuda->launch_self(device.view());
+        cuda->wait();
+    }
+    cuda->launch_self(device.view());  // the detector's end waits for it
+    Recorder recorder;
+    recorder.begin();
+    check(cudaMemsetAsync(bytes.data(), 7, 1, recorder.stream()));
+    cuda.reset();
+    recorder.end();
+    recorder.replay();
+    EXPECT_EQ(to_host(static_cast<const unsigned char*>(bytes.data()), 1), std::vector<unsigned char>{7});
 }
 
 // A scene that jumps needs other lists. A call outside of the capture makes them.

@@ -502,6 +502,7 @@ TEST(CudaLaunch, leaves_the_capture_of_another_thread_alone) {
             EXPECT_EQ(cuda.wait().pair_count, static_cast<std::int64_t>(expected.pairs.size()));
         }
         EXPECT_TRUE(same_answer(cuda.download(), expected));
+        cuda.launch_self(device.view());  // the detector's end waits for it
     }).join();
     cudaGraph_t graph = nullptr;
     EXPECT_EQ(cudaStreamEndCapture(stream, &graph), cudaSuccess);

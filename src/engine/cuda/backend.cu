@@ -44,6 +44,7 @@ class CudaBackend final : public BackendBase {
         reserve_stacks();
     }
     ~CudaBackend() override {
+        const CaptureMode relaxed(cudaStreamCaptureModeRelaxed);  // waiting would spoil captures
         try {
             turns_.flights.finish();  // they write to what is freed now
         } catch (...) {               // the device has failed

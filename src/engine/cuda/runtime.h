@@ -139,7 +139,8 @@ __device__ inline bool has_ended(unsigned long long* counter) {
     return __shfl_sync(whole_warp, count, 0) != 0;
 }
 
-/// Owner of a handle that is created and destroyed by functions of the runtime.
+/// Owner of a handle that is created and destroyed by functions of the runtime. Destroys it in relaxed mode: elsewhere
+/// that would spoil captures, of this thread or of others (docs/cuda_on_cpu.md).
 template <class Handle, cudaError_t (*destroy)(Handle)>
 class Owner {
    public:
@@ -151,7 +152,9 @@ class Owner {
         return *this;
     }
     ~Owner() {
-        if (handle_) destroy(handle_);
+        if (!handle_) return;
+        const CaptureMode relaxed(cudaStreamCaptureModeRelaxed);
+        destroy(handle_);
     }
     Handle get() const { return handle_; }
     explicit operator bool() const { return handle_ != nullptr; }
