@@ -24,9 +24,9 @@ class Recorder {
     cudaStream_t stream() const { return stream_; }
     void begin() const { check(cudaStreamBeginCapture(stream_, cudaStreamCaptureModeThreadLocal)); }
     void end() {
-        drop();
         cudaGraph_t graph = nullptr;
         check(cudaStreamEndCapture(stream_, &graph));
+        drop();  // within the capture it would spoil it
         check(cudaGraphInstantiate(&executable_, graph, 0));
         check(cudaGraphDestroy(graph));
     }
