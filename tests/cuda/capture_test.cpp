@@ -5,6 +5,7 @@
 
 #include <array>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -133,6 +134,30 @@ TEST(CudaCapture, answers_between_two_meshes_whose_streams_it_joins) {
     recorder.end();
     EXPECT_TRUE(shows(answer_of(recorder, cuda), half.a, &half.b, cpu.find_between(half.a, half.b)));
     check(cudaEventDestroy(fork));
+}
+
+// The legacy stream cannot be used while a blocking stream captures. The call is refused before it tries, so that the
+// capture goes on.
+TEST(CudaCapture, refuses_the_legacy_stream_beside_a_captured_one) {
+    const io::TriangleMesh mesh = cloth(300);
+    const Halves half(mesh.view());
+    const DeviceMesh device(half.a), other(half.b);
+    Detector cuda({.backend = Backend::cuda});
+    cudaStream_t stream;
+    check(cudaStreamCreate(&stream));
+    MeshView a = device.view(), b = other.view();
+    a.stream = stream;
+    for (const cudaStream_t legacy : {cudaStream_t{}, cudaStreamLegacy}) {
+        b.stream = legacy;
+        check(cudaStreamBeginCapture(stream, cudaStreamCaptureModeThreadLocal));
+        const std::string refused = "the streams of two meshes take part in one capture, or in none";
+        EXPECT_EQ(message_of([&] { cuda.launch_between(a, b); }), refused);
+        EXPECT_EQ(message_of([&] { cuda.launch_between(b, a); }), refused);
+        cudaGraph_t graph = nullptr;
+        EXPECT_EQ(cudaStreamEndCapture(stream, &graph), cudaSuccess);
+        if (graph) check(cudaGraphDestroy(graph));
+    }
+    check(cudaStreamDestroy(stream));
 }
 
 TEST(CudaCapture, goes_on_when_a_detector_ends) {

@@ -510,6 +510,34 @@ TEST(CudaLaunch, leaves_the_capture_of_another_thread_alone) {
     check(cudaStreamDestroy(stream));
 }
 
+TEST(CudaLaunch, works_on_default_streams_while_another_thread_captures) {
+    const io::TriangleMesh mesh = cloth(300, 93);
+    const Collisions expected = Detector({.backend = Backend::cpu}).find_self(mesh.view());
+    const DeviceMesh device(mesh.view());
+    cudaStream_t captured;
+    check(cudaStreamCreateWithFlags(&captured, cudaStreamNonBlocking));
+    for (const bool captures : {false, true}) {
+        for (const cudaStream_t stream : {cudaStream_t{}, cudaStreamLegacy, cudaStreamPerThread}) {
+            if (captures) check(cudaStreamBeginCapture(captured, cudaStreamCaptureModeGlobal));
+            std::thread([&] {
+                MeshView view = device.view();
+                view.stream = stream;
+                Detector cuda({.backend = Backend::cuda});
+                EXPECT_TRUE(same_answer(cuda.find_self(view), expected));
+                for (int frame = 0; frame < 3; ++frame) {
+                    cuda.launch_self(view);
+                    EXPECT_TRUE(shows(cuda.wait(), view, nullptr, expected));
+                }
+            }).join();
+            if (!captures) continue;
+            cudaGraph_t graph = nullptr;
+            EXPECT_EQ(cudaStreamEndCapture(captured, &graph), cudaSuccess);
+            if (graph) check(cudaGraphDestroy(graph));
+        }
+    }
+    check(cudaStreamDestroy(captured));
+}
+
 TEST(CudaLaunch, does_not_join_the_capture_of_a_meshs_stream) {
     const io::TriangleMesh mesh = cloth(300, 93);
     const DeviceMesh device(mesh.view());

@@ -5,7 +5,8 @@
 namespace crumple::cuda {
 
 unsigned long long capture_of(cudaStream_t stream) {
-    if (!stream) return 0;  // the legacy stream cannot be captured, and asking for it would spoil captures
+    // The legacy stream cannot be captured, and CUDA refuses the query while a blocking stream captures.
+    if (!stream || stream == cudaStreamLegacy) return 0;
     cudaStreamCaptureStatus status = cudaStreamCaptureStatusNone;
     unsigned long long id = 0;
     CRUMPLE_CUDA(cudaStreamGetCaptureInfo(stream, &status, &id));
