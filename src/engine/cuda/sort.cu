@@ -28,7 +28,8 @@ __device__ void sum_bins(std::uint32_t* bin_first, std::uint32_t first) {
 
 // First and last bin of each member, and its place among those that start in the same bin. A warp's members are of one
 // leaf, and the warp that brings the leaf's last ones sums up its bins, which is a kernel less than to wait for all
-// leaves. Fences on both sides of the counter: the last warp sees what the others have counted.
+// leaves. Fences on both sides of the counter: the last warp sees what the others have counted. The first fence is lane
+// 0's, and comes after a __syncwarp, since only then it follows what the other lanes have counted.
 template <class T, class Primitive>
 __global__ void bin_kernel(Scene scene, Primitive primitive, const Row<T>* rows, int leaves, Segments members_of,
                            Members members, Frames frames, Sorted sorted) {
@@ -48,12 +49,14 @@ __global__ void bin_kernel(Scene scene, Primitive primitive, const Row<T>* rows,
             const std::uint32_t last = bin_of(member.high.x + frame.margin, frame);
             sorted.bin[m] = first | last << 16;
             sorted.rank[m] = atomicAdd(&bin_first[first], 1u);
-            __threadfence();
         }
         const auto here = static_cast<unsigned>(__popc(__ballot_sync(whole_warp, valid)));
         __syncwarp();
         unsigned before = 0;
-        if (lane == 0 && here) before = atomicAdd(&sorted.binned[leaf], here);
+        if (lane == 0 && here) {
+            __threadfence();
+            before = atomicAdd(&sorted.binned[leaf], here);
+        }
         before = __shfl_sync(whole_warp, before, 0);
         if (here == 0 || before + here < end - begin) continue;
         __threadfence();
