@@ -72,18 +72,23 @@ __global__ void last_block_sums(int* parts, unsigned* arrived, int* total, bool 
     *total = sum;
 }
 
+enum class FenceBug { none, missing, too_early };
+
 /// Warps count a list's elements, and the one that brings the last ones goes on with what all have counted. Planted: no
-/// fence around the list's counter.
-__global__ void last_warp_of_a_list_sums(unsigned* count, unsigned* arrived, unsigned* total, bool planted) {
+/// fence around the list's counter, or one before the warp has met, which does not cover what the other lanes count.
+__global__ void last_warp_of_a_list_sums(unsigned* count, unsigned* arrived, unsigned* total, FenceBug bug) {
     const unsigned lane = threadIdx.x % 32;
     atomicAdd(&count[lane], 1u);
-    if (!planted) __threadfence();
+    if (lane == 0 && bug == FenceBug::too_early) __threadfence();
     __syncwarp();
     unsigned before = 0;
-    if (lane == 0) before = atomicAdd(arrived, 32u);
+    if (lane == 0) {
+        if (bug == FenceBug::none) __threadfence();
+        before = atomicAdd(arrived, 32u);
+    }
     before = __shfl_sync(full, before, 0);
     if (before + 32 < gridDim.x * blockDim.x) return;
-    if (!planted) __threadfence();
+    if (bug != FenceBug::missing) __threadfence();
     __syncwarp();
     unsigned sum = count[lane];
     for (int lanes = 16; lanes > 0; lanes /= 2) sum += __shfl_xor_sync(full, sum, lanes);

@@ -377,11 +377,13 @@ TEST_F(Planted, no_fence_between_blocks) {
     });
 }
 TEST_F(Planted, no_fence_before_the_last_warp_of_a_list) {
-    expect_race([](bool bug) {
-        const Array<unsigned> count(std::vector<unsigned>(32, 0)), arrived(std::vector<unsigned>{0}), total(1);
-        launch(last_warp_of_a_list_sums, 20, threads, 0, count.data(), arrived.data(), total.data(), bug);
-        EXPECT_EQ(total.values()[0], 20u * threads);
-    });
+    for (const FenceBug planted : {FenceBug::missing, FenceBug::too_early})
+        expect_race([&](bool bug) {
+            const Array<unsigned> count(std::vector<unsigned>(32, 0)), arrived(std::vector<unsigned>{0}), total(1);
+            launch(last_warp_of_a_list_sums, 20, threads, 0, count.data(), arrived.data(), total.data(),
+                   bug ? planted : FenceBug::none);
+            EXPECT_EQ(total.values()[0], 20u * threads);
+        });
 }
 TEST_F(Planted, storage_of_a_block_primitive_used_again_too_early) {
     expect_race([](bool bug) { EXPECT_EQ(run(two_scans, bug), each_thread([](int i) { return 3 * i; })); });
