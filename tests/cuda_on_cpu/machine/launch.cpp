@@ -32,7 +32,7 @@ cudaError_t check(const cudaLaunchConfig_t& config, const void* kernel) {
     if (!within(config.gridDim, limits::grid_x, limits::grid_y, limits::grid_z) ||
         !within(block, limits::block_x, limits::block_y, limits::block_z) ||
         block.x * block.y * block.z > static_cast<unsigned>(limits::threads_per_block))
-        return cudaErrorInvalidConfiguration;
+        return cudaErrorInvalidValue;  // as cudaLaunchKernelEx has it; <<<>>> has cudaErrorInvalidConfiguration
     if (config.dynamicSmemBytes > shared_limit(kernel)) return cudaErrorInvalidValue;
     for (unsigned i = 0; i < config.numAttrs; ++i) switch (config.attrs[i].id) {
             case cudaLaunchAttributeIgnore:

@@ -112,9 +112,8 @@ Copy flat(void* to, const void* from, std::size_t bytes) {
     return {static_cast<std::byte*>(to), static_cast<const std::byte*>(from), bytes, bytes, bytes, bytes ? 1u : 0u};
 }
 
-/// The blocking calls use the legacy stream and return when it is done.
+/// Copies in the legacy stream and returns when it is done. A capture forbids that only if it is a blocking stream's.
 cudaError_t copy_and_wait(const Copy& copy, cudaMemcpyKind kind) {
-    if (const cudaError_t error = leave_capture_alone()) return error;
     if (const cudaError_t error = enqueue_copy(copy, kind, nullptr)) return error;
     drain(stream_of(nullptr));
     return cudaSuccess;

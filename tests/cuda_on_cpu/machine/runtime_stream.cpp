@@ -45,6 +45,7 @@ cudaError_t cudaStreamCreate(cudaStream_t* stream) { return cudaStreamCreateWith
 cudaError_t cudaStreamDestroy(cudaStream_t handle) {
     return with_stream(handle, [&](CUstream_st& stream) {
         if (&stream != handle) return cudaErrorInvalidResourceHandle;
+        if (const cudaError_t error = leave_capture_alone()) return error;
         destroy_stream(&stream);
         return cudaSuccess;
     });
@@ -105,6 +106,7 @@ cudaError_t cudaEventCreateWithFlags(cudaEvent_t* event, unsigned flags) {
 cudaError_t cudaEventCreate(cudaEvent_t* event) { return cudaEventCreateWithFlags(event, cudaEventDefault); }
 cudaError_t cudaEventDestroy(cudaEvent_t handle) {
     return with_event(handle, [](CUevent_st& event) {
+        if (const cudaError_t error = leave_capture_alone()) return error;
         destroy_event(&event);
         return cudaSuccess;
     });
@@ -115,6 +117,7 @@ cudaError_t cudaEventRecord(cudaEvent_t handle, cudaStream_t stream) {
 cudaError_t cudaEventSynchronize(cudaEvent_t handle) {
     return with_event(handle, [](CUevent_st& event) {
         if (event.captured) return cudaErrorCapturedEvent;
+        if (const cudaError_t error = leave_capture_alone()) return error;
         if (!reached(&event)) drain(event.marker->stream, event.marker->number);
         return cudaSuccess;
     });
@@ -122,6 +125,7 @@ cudaError_t cudaEventSynchronize(cudaEvent_t handle) {
 cudaError_t cudaEventQuery(cudaEvent_t handle) {
     return with_event(handle, [](CUevent_st& event) {
         if (event.captured) return cudaErrorCapturedEvent;
+        if (const cudaError_t error = leave_capture_alone()) return error;
         if (reached(&event)) return cudaSuccess;
         step(event.marker->stream);
         return cudaErrorNotReady;
@@ -165,6 +169,7 @@ cudaError_t cudaThreadExchangeStreamCaptureMode(cudaStreamCaptureMode* mode) {
 cudaError_t cudaStreamGetCaptureInfo(cudaStream_t handle, cudaStreamCaptureStatus* status, unsigned long long* id) {
     return with_stream(handle, [&](CUstream_st& stream) {
         if (!status) return cudaErrorInvalidValue;
+        if (is_blocked(&stream)) return cudaErrorStreamCaptureImplicit;  // which leaves the capture as it was
         *status = !stream.capture           ? cudaStreamCaptureStatusNone
                   : stream.capture->invalid ? cudaStreamCaptureStatusInvalidated
                                             : cudaStreamCaptureStatusActive;
@@ -221,6 +226,7 @@ cudaError_t cudaGraphExecUpdate(cudaGraphExec_t executable, cudaGraph_t graph, c
 cudaError_t cudaGraphExecDestroy(cudaGraphExec_t executable) {
     return call([&] {
         if (!executable) return cudaErrorInvalidValue;
+        if (const cudaError_t error = leave_capture_alone()) return error;
         delete executable;
         return cudaSuccess;
     });

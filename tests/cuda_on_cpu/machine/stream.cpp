@@ -67,16 +67,17 @@ void push(CUstream_st* stream, std::function<void()> run) {
     }
 }
 
-/// The legacy stream waits for the blocking ones, so it can't be used while one of them captures.
+bool forbids_legacy(const CUstream_st& blocking) {
+    return blocking.capture && blocking.capture->mode != cudaStreamCaptureModeRelaxed;
+}
+
+/// True if the stream is blocked. The captures that block it are invalid from now on.
 bool legacy_meets_capture(const CUstream_st* stream) {
-    if (!stream->legacy) return false;
-    bool meets = false;
-    for_each_blocking([&](CUstream_st& other) {
-        if (!other.capture || other.capture->mode == cudaStreamCaptureModeRelaxed) return;
-        other.capture->invalid = true;
-        meets = true;
+    if (!is_blocked(stream)) return false;
+    for_each_blocking([](CUstream_st& other) {
+        if (forbids_legacy(other)) other.capture->invalid = true;
     });
-    return meets;
+    return true;
 }
 
 void add(std::vector<std::size_t>& tails, const std::vector<std::size_t>& more) {
@@ -161,6 +162,12 @@ cudaError_t enqueue_uncaptured(cudaStream_t handle, std::function<void()> run) {
     }
     push(stream, std::move(run));
     return cudaSuccess;
+}
+
+bool is_blocked(const CUstream_st* stream) {
+    bool blocked = false;
+    if (stream->legacy) for_each_blocking([&](const CUstream_st& other) { blocked |= forbids_legacy(other); });
+    return blocked;
 }
 
 cudaError_t leave_capture_alone() {

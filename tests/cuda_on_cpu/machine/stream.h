@@ -66,8 +66,11 @@ cudaError_t enqueue(cudaStream_t handle, Work work);
 /// The same for what has no place in a graph; refused during capture.
 cudaError_t enqueue_uncaptured(cudaStream_t handle, std::function<void()> run);
 
-/// cudaSuccess if the host may wait, allocate or free now, in the mode of its thread. If a capture forbids that, the
-/// capture is invalid from now on.
+/// True for the legacy stream while a blocking stream captures: it would wait for that one, so it cannot be used.
+bool is_blocked(const CUstream_st* stream);
+
+/// cudaSuccess if the host may wait, allocate, free or destroy now, in the mode of its thread. If a capture forbids
+/// that, the capture is invalid from now on.
 cudaError_t leave_capture_alone();
 
 /// Does all that waits in a stream, or up to and with a number.

@@ -1,5 +1,7 @@
 // Planted bugs in the host's part: streams, graphs, captures.
 
+#include <thread>
+
 #include "cuda_on_cpu/planted/planted.h"
 #include "cuda_on_cpu/portable/portable.h"
 
@@ -222,6 +224,37 @@ TEST_F(Planted, allocation_in_a_callers_capture) {
     };
     EXPECT_EQ(allocates_in_capture(false), std::pair(false, false));
     EXPECT_EQ(allocates_in_capture(true), std::pair(true, true)) << "hidden";
+}
+// A library destroys what it has kept while its caller captures, or another thread. Planted: not in relaxed mode.
+TEST_F(Planted, handle_destroyed_during_a_capture) {
+    const TwoStreams s;
+    const auto leaves_capture_alone = [&](bool bug, bool in_another_thread) {
+        cudaEvent_t kept = nullptr;
+        check(cudaEventCreate(&kept));
+        const auto destroy = [&] {
+            cudaStreamCaptureMode mode = bug ? cudaStreamCaptureModeGlobal : cudaStreamCaptureModeRelaxed;
+            check(cudaThreadExchangeStreamCaptureMode(&mode));
+            const bool destroyed = cudaEventDestroy(kept) == cudaSuccess;
+            check(cudaThreadExchangeStreamCaptureMode(&mode));
+            return destroyed;
+        };
+        check(cudaStreamBeginCapture(s.first, cudaStreamCaptureModeGlobal));
+        bool destroyed = false;
+        if (in_another_thread)
+            std::thread([&] { destroyed = destroy(); }).join();
+        else
+            destroyed = destroy();
+        cudaGraph_t graph = nullptr;
+        const bool sound = cudaStreamEndCapture(s.first, &graph) == cudaSuccess;
+        if (graph) check(cudaGraphDestroy(graph));
+        if (!destroyed) check(cudaEventDestroy(kept));
+        cudaGetLastError();
+        return sound;
+    };
+    for (const bool in_another_thread : {false, true}) {
+        EXPECT_TRUE(leaves_capture_alone(false, in_another_thread));
+        EXPECT_FALSE(leaves_capture_alone(true, in_another_thread));
+    }
 }
 TEST_F(Planted, empty_array_in_a_capture) {
     const TwoStreams s;

@@ -127,10 +127,10 @@ TEST_F(Barrier, more_than_48_KiB_of_shared_memory_must_be_asked_for) {
 
 TEST_F(Barrier, impossible_launches_are_refused) {
     const Array<int> out(1);
-    EXPECT_EQ(portable::try_launch(nullptr, votes, 1, 1025, 0, out.data()), cudaErrorInvalidConfiguration);
-    EXPECT_EQ(portable::try_launch(nullptr, votes, 0, 32, 0, out.data()), cudaErrorInvalidConfiguration);
-    EXPECT_EQ(portable::try_launch(nullptr, votes, dim3(1, 65536), 32, 0, out.data()), cudaErrorInvalidConfiguration);
-    EXPECT_EQ(cudaGetLastError(), cudaErrorInvalidConfiguration);
+    EXPECT_EQ(portable::try_launch(nullptr, votes, 1, 1025, 0, out.data()), cudaErrorInvalidValue);
+    EXPECT_EQ(portable::try_launch(nullptr, votes, 0, 32, 0, out.data()), cudaErrorInvalidValue);
+    EXPECT_EQ(portable::try_launch(nullptr, votes, dim3(1, 65536), 32, 0, out.data()), cudaErrorInvalidValue);
+    EXPECT_EQ(cudaGetLastError(), cudaErrorInvalidValue);
 }
 
 }  // namespace

@@ -49,7 +49,7 @@ TEST_F(Intrinsics, of_integers) {
                                              0x1a800080ll,
                                              static_cast<long long>(0x0000000040000001ull),
                                              0x77225500ll,
-                                             0x00ffff00ll,
+                                             0x00818100ll,
                                              0x23456788ll,
                                              0x88000000ll,
                                              0xfffffffell,

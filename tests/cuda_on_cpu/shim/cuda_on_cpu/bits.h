@@ -22,17 +22,12 @@ inline unsigned long long __brevll(unsigned long long x) {
     return static_cast<unsigned long long>(__brev(static_cast<unsigned>(x))) << 32 |
            __brev(static_cast<unsigned>(x >> 32));
 }
-/// Four of the eight bytes of y:x, chosen by the low three bits of each nibble of the selector; bit 3 repeats the
-/// chosen byte's sign instead.
+/// Four of the eight bytes of y:x, chosen by the low three bits of each nibble of the selector. PTX's `prmt`, which
+/// repeats the chosen byte's sign if bit 3 is set, is another function.
 inline unsigned __byte_perm(unsigned x, unsigned y, unsigned selector) {
     const std::uint64_t bytes = std::uint64_t{y} << 32 | x;
     unsigned result = 0;
-    for (int i = 0; i < 4; ++i) {
-        const unsigned nibble = selector >> 4 * i & 15;
-        unsigned byte = static_cast<unsigned>(bytes >> 8 * (nibble & 7) & 0xff);
-        if (nibble & 8) byte = byte & 0x80 ? 0xff : 0;
-        result |= byte << 8 * i;
-    }
+    for (int i = 0; i < 4; ++i) result |= static_cast<unsigned>(bytes >> 8 * (selector >> 4 * i & 7) & 0xff) << 8 * i;
     return result;
 }
 /// The upper, or lower, word of high:low shifted left, or right, by shift modulo 32.
