@@ -53,6 +53,16 @@ struct Expansion {
     double term[Capacity];
 
     CRUMPLE_HD Expansion() {}
+    // Copies the terms that there are. The implicit copy takes all of the array, and where it is inlined nvcc 13.0
+    // takes the size of the copy for 0 (docs/nvcc_13_0.md).
+    CRUMPLE_HD Expansion(const Expansion& other) : size(other.size) {
+        for (int i = 0; i < size; ++i) term[i] = other.term[i];
+    }
+    CRUMPLE_HD Expansion& operator=(const Expansion& other) {
+        size = other.size;
+        for (int i = 0; i < size; ++i) term[i] = other.term[i];
+        return *this;
+    }
     CRUMPLE_HD explicit Expansion(TwoTerms value) {
         append(value.low);
         append(value.high);

@@ -10,8 +10,9 @@
 namespace crumple {
 
 struct Contact {
-    int count = 0;                ///< 0: they do not intersect; otherwise 1, 2 or 3 to 6
+    // Points first: nvcc 13.0 miscompiles copies of a size in front of its array (docs/nvcc_13_0.md).
     std::array<Vec3d, 6> points;  ///< ordered as crumple::Contacts says
+    int count = 0;                ///< 0: they do not intersect; otherwise 1, 2 or 3 to 6
     bool rational = false;        ///< it took rational arithmetic
 
     CRUMPLE_HD ContactKind kind() const { return static_cast<ContactKind>(count < 3 ? count : 3); }
