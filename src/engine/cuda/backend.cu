@@ -19,6 +19,7 @@
 #include "engine/cuda/feature_calls.h"
 #include "engine/cuda/host_shape.h"
 #include "engine/cuda/input.h"
+#include "engine/cuda/known_answers.h"
 #include "engine/cuda/search.h"
 #include "engine/cuda/turns.h"
 #include "engine/cuda/world_finder.h"
@@ -42,6 +43,7 @@ class CudaBackend final : public BackendBase {
           worlds_(search_, stream_.get(), meter),
           features_(device_, geometry_, stream_.get(), options_, meter, cancellation, turns_, search_.inputs()) {
         reserve_stacks();
+        check_known_answers(device_, geometry_, stream_.get());
     }
     ~CudaBackend() override {
         const CaptureMode relaxed(cudaStreamCaptureModeRelaxed);  // waiting would spoil captures

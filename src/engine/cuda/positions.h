@@ -26,7 +26,7 @@ inline bool is_aligned(const Scene& scene) {
 namespace detail {
 
 template <class T>
-__device__ Vec3d read(const VertexReader& reader, std::size_t v) {
+CRUMPLE_HD Vec3d read(const VertexReader& reader, std::size_t v) {
     const std::byte* row = reader.data + static_cast<std::int64_t>(v) * reader.row_stride;
     const auto scalar = [&](int axis) {
         return static_cast<double>(*reinterpret_cast<const T*>(row + axis * reader.column_stride));
@@ -34,7 +34,7 @@ __device__ Vec3d read(const VertexReader& reader, std::size_t v) {
     return {scalar(0), scalar(1), scalar(2)};
 }
 template <bool aligned>
-__device__ Vec3d read(const VertexReader& reader, std::size_t v) {
+CRUMPLE_HD Vec3d read(const VertexReader& reader, std::size_t v) {
     if constexpr (!aligned) return reader(static_cast<std::int64_t>(v));
     return reader.float32 ? read<float>(reader, v) : read<double>(reader, v);
 }
@@ -42,12 +42,12 @@ __device__ Vec3d read(const VertexReader& reader, std::size_t v) {
 }  // namespace detail
 
 template <bool aligned>
-__device__ Vec3d position(const Scene& scene, std::size_t v) {
+CRUMPLE_HD Vec3d position(const Scene& scene, std::size_t v) {
     const auto first = static_cast<std::size_t>(scene.vertices[0]);
     return v < first ? detail::read<aligned>(scene.reader[0], v) : detail::read<aligned>(scene.reader[1], v - first);
 }
 template <bool aligned>
-__device__ Vec3d end_position(const Scene& scene, std::size_t v) {
+CRUMPLE_HD Vec3d end_position(const Scene& scene, std::size_t v) {
     return detail::read<aligned>(scene.end, v);
 }
 

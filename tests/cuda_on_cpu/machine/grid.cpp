@@ -115,6 +115,7 @@ class Workers {
 }  // namespace
 
 void run_grid(const Kernel& kernel) {
+    if (const auto& run_instead = settings().run_instead; run_instead && run_instead(kernel)) return;
     static std::unique_ptr<Workers> workers;
     if (!workers || !workers->fit()) workers = std::make_unique<Workers>(worker_count(), settings().seed);
     workers->run(kernel);

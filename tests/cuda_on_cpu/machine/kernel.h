@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <vector>
 
 #include "cuda_on_cpu/shim/cuda_on_cpu/vector_types.h"
 
@@ -11,7 +12,8 @@ namespace cuda_on_cpu {
 struct Kernel {
     dim3 grid, block;
     std::size_t shared_bytes = 0;
-    const void* function = nullptr;  ///< names the kernel: attributes and graph updates ask for it
+    const void* function = nullptr;       ///< names the kernel: attributes and graph updates ask for it
+    std::vector<const void*> parameters;  ///< addresses
     std::function<void()> body;
 };
 

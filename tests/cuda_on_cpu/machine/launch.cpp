@@ -47,12 +47,20 @@ cudaError_t check(const cudaLaunchConfig_t& config, const void* kernel) {
 
 }  // namespace
 
-cudaError_t launch(const cudaLaunchConfig_t& config, const void* kernel, std::function<void()> body) {
+WorkCount& work_count() {
+    static WorkCount instance;
+    return instance;
+}
+
+cudaError_t launch(const cudaLaunchConfig_t& config, const void* kernel, std::function<void()> body,
+                   std::vector<const void*> parameters) {
     return call([&] {
         if (const cudaError_t error = check(config, kernel)) return error;
         int& countdown = settings().launches_before_failure;
         if (countdown >= 0 && countdown-- == 0) return cudaErrorMemoryAllocation;
-        Kernel k{config.gridDim, config.blockDim, config.dynamicSmemBytes, kernel, std::move(body)};
+        ++work_count().launches;
+        Kernel k{config.gridDim, config.blockDim,       config.dynamicSmemBytes,
+                 kernel,         std::move(parameters), std::move(body)};
         return enqueue(config.stream, {Work::Kind::kernel, kernel, [k = std::move(k)] { run_grid(k); }});
     });
 }

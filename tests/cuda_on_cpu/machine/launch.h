@@ -4,13 +4,22 @@
 
 #include <cstddef>
 #include <functional>
+#include <vector>
 
 #include "cuda_on_cpu/shim/cuda_on_cpu/runtime_types.h"
 
 namespace cuda_on_cpu {
 
-/// Gives the stream a launch, each thread of which runs `body`.
-cudaError_t launch(const cudaLaunchConfig_t& config, const void* kernel, std::function<void()> body);
+/// Gives the stream a launch, each thread of which runs `body`. `parameters`: addresses of the kernel's, which live as
+/// long as `body`.
+cudaError_t launch(const cudaLaunchConfig_t& config, const void* kernel, std::function<void()> body,
+                   std::vector<const void*> parameters);
+
+/// Numbers of launches of kernels, and of copies, that were given to streams so far.
+struct WorkCount {
+    std::size_t launches = 0, copies = 0;
+};
+WorkCount& work_count();
 
 /// Gives a stream something for the device to do that is no launch of ours, such as one of CUB's device-wide
 /// primitives. `function` tells one kind from another when a graph is updated.

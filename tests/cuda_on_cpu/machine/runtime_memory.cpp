@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "cuda_on_cpu/machine/call.h"
+#include "cuda_on_cpu/machine/launch.h"
 #include "cuda_on_cpu/machine/memory.h"
 #include "cuda_on_cpu/machine/report.h"
 #include "cuda_on_cpu/shim/cuda_on_cpu/runtime_api.h"
@@ -88,6 +89,7 @@ cudaError_t enqueue_nothing(cudaStream_t handle) {
 /// later, may not name it.
 cudaError_t enqueue_copy(Copy copy, cudaMemcpyKind kind, cudaStream_t handle) {
     if (copy.width == 0 || copy.height == 0) return enqueue_nothing(handle);
+    ++work_count().copies;
     if (!copy.to || !copy.from) return cudaErrorInvalidValue;
     if (copy.to_pitch < copy.width || copy.from_pitch < copy.width) return cudaErrorInvalidPitchValue;
     if (const cudaError_t error = check(copy, kind)) return error;

@@ -4,7 +4,9 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 
+#include "cuda_on_cpu/machine/kernel.h"
 #include "cuda_on_cpu/machine/random.h"
 #include "cuda_on_cpu/shim/cuda_on_cpu/errors.h"
 
@@ -44,6 +46,8 @@ struct Settings {
     int launches_before_failure = -1;
     /// What every call answers that needs the device: an error that a kernel has left behind stays for good.
     cudaError_t broken = cudaSuccess;
+    /// Runs a launch in another way than by the kernel's C++, and returns true; or returns false.
+    std::function<bool(const Kernel&)> run_instead;
     /// Seconds for which all threads of a block may spin in __nanosleep before that is a deadlock.
     double spin_seconds = 20;
 };

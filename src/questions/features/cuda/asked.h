@@ -39,7 +39,7 @@ struct RestTable {
     CRUMPLE_HD bool knows(std::int32_t v, std::int32_t w) const {
         return position && (!body || (body[v] >= 0 && body[v] == body[w]));
     }
-    __device__ Vec3d operator()(std::int32_t v) const {
+    CRUMPLE_HD Vec3d operator()(std::int32_t v) const {
         const double* p = position + 3 * static_cast<std::int64_t>(v);
         return {p[0], p[1], p[2]};
     }

@@ -1,7 +1,8 @@
 #pragma once
 
 // How a device decides a test of features: quickly, in registers; closely, with expansions or pairs of numbers; what
-// both leave open is for the host. Each question is a struct of two functions.
+// both leave open is for the host. Each question is a struct of two functions, which the host calls, too, to know what
+// a device has to say (engine/cuda/known_answers.h).
 
 #include "questions/features/cuda/asked.h"
 #include "questions/features/cuda/exact_points.h"
@@ -21,7 +22,7 @@ struct Decided {
     bool flag = false;  ///< start, or touching
 };
 
-__device__ inline Decided decided(const QuickImpact& impact) {
+CRUMPLE_HD inline Decided decided(const QuickImpact& impact) {
     if (impact.verdict == Certainty::unknown) return {};
     return {impact.verdict == Certainty::meets ? Outcome::hit : Outcome::apart, impact.toi, impact.start};
 }
@@ -40,7 +41,7 @@ struct ImpactQuestion {
     explicit ImpactQuestion(const ExactPoints& exact, const AskedOfFeatures&, bool) : points(exact) {}
 
     template <FeatureKind kind>
-    __device__ Decided quick(const FeatureTest& test) const {
+    CRUMPLE_HD Decided quick(const FeatureTest& test) const {
         const FeaturePoints p = points.moving(test.vertex);
         if constexpr (!of_triangles(kind)) {
             return decided(quick_separation<kinds_of_constant(kind)>(p, Separation{}));
@@ -53,7 +54,7 @@ struct ImpactQuestion {
         }
     }
     template <FeatureKind kind>
-    __device__ Decided close(const FeatureTest& test) const {
+    CRUMPLE_HD Decided close(const FeatureTest& test) const {
         if constexpr (of_triangles(kind)) {
             constexpr FeaturePair pair =
                 kind == FeatureKind::vertex_face ? FeaturePair::vertex_face : FeaturePair::edge_edge;
@@ -73,11 +74,11 @@ struct SeparationQuestion {
         : points(exact), separation{asked.distance, asked.share} {}
 
     template <FeatureKind kind>
-    __device__ Decided quick(const FeatureTest& test) const {
+    CRUMPLE_HD Decided quick(const FeatureTest& test) const {
         return decided(quick_separation<kinds_of_constant(kind)>(points.moving(test.vertex), separation));
     }
     template <FeatureKind>
-    __device__ Decided close(const FeatureTest&) const {
+    CRUMPLE_HD Decided close(const FeatureTest&) const {
         return {};
     }
 };
@@ -100,14 +101,14 @@ struct NearQuestion {
           rest(asked.rest) {}
 
     template <FeatureKind kind>
-    __device__ Decided quick(const FeatureTest& test) const {
+    CRUMPLE_HD Decided quick(const FeatureTest& test) const {
         const QuickDistance between({kinds_of_constant(kind), points.start(test.vertex)});
         const Proximity known = between.compare_in_float64(reach_of(kind, test.vertex, radii, distance, strict));
         if (known == Proximity::beyond) return {Outcome::apart};
         return {known == Proximity::within && any && !rest.position ? Outcome::hit : Outcome::open};
     }
     template <FeatureKind kind>
-    __device__ Decided close(const FeatureTest& test) const {
+    CRUMPLE_HD Decided close(const FeatureTest& test) const {
         const QuickDistance between({kinds_of_constant(kind), points.start(test.vertex)});
         const Proximity known = between.compare(reach_of(kind, test.vertex, radii, distance, strict));
         if (known != Proximity::within) return {known == Proximity::beyond ? Outcome::apart : Outcome::open};
@@ -124,7 +125,7 @@ struct NearQuestion {
     }
 
    private:
-    __device__ std::array<Vec3d, 4> resting(const std::int32_t (&v)[4]) const {
+    CRUMPLE_HD std::array<Vec3d, 4> resting(const std::int32_t (&v)[4]) const {
         return {rest(v[0]), rest(v[1]), rest(v[2]), rest(v[3])};
     }
 };

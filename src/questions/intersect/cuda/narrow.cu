@@ -123,6 +123,12 @@ void narrow(const Geometry& geometry, cudaStream_t stream, const Scene& scene, c
     const Intersections intersections = policy.proper ? Intersections::proper : Intersections::all;
     Launch{stream, std::min(geometry.blocks(survivors.capacity), geometry.fitting(filter_kernel)), geometry.threads}(
         filter_kernel, scene, sorted, records, points.rows(), frames, policy, survivors, undecided, hits, doubles);
+    decide_exactly(geometry, stream, scene, sorted, neighbours, intersections, undecided, beyond, hits);
+}
+
+void decide_exactly(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Sorted& sorted,
+                    Neighbours neighbours, Intersections intersections, const List<Candidate>& undecided,
+                    const List<Pair>& beyond, const Hits& hits) {
     // Its registers let one block in at a time.
     const unsigned blocks = std::min(geometry.blocks(undecided.capacity), std::max(1u, geometry.multiprocessors));
     Launch{stream, blocks, geometry.threads}(exact_kernel, scene, sorted, neighbours, intersections, undecided, beyond,
@@ -130,9 +136,8 @@ void narrow(const Geometry& geometry, cudaStream_t stream, const Scene& scene, c
 }
 
 void reserve_exact_stack(const Geometry& geometry, cudaStream_t stream, Counters* counters) {
-    Launch{stream, 1, geometry.threads}(exact_kernel, Scene{}, Sorted{}, Neighbours::geometric, Intersections::all,
-                                        List<Candidate>{nullptr, &counters->undecided, 0},
-                                        List<Pair>{nullptr, &counters->beyond, 0}, Hits{});
+    decide_exactly(geometry, stream, Scene{}, Sorted{}, Neighbours::geometric, Intersections::all,
+                   {nullptr, &counters->undecided, 0}, {nullptr, &counters->beyond, 0}, Hits{});
 }
 
 void append_hits(const Geometry& geometry, cudaStream_t stream, const Pair* pairs, std::size_t count,

@@ -33,7 +33,11 @@ void narrow(const Geometry& geometry, cudaStream_t stream, const Scene& scene, c
             const List<Candidate>& survivors, const List<Candidate>& undecided, const List<Pair>& beyond,
             const Hits& hits, unsigned long long* doubles);
 
-/// Launches the exact decision on no pairs, so that the driver gives it its stacks. All counters are 0.
+/// Decides pairs that the filters left undecided.
+void decide_exactly(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Sorted& sorted,
+                    Neighbours neighbours, Intersections intersections, const List<Candidate>& undecided,
+                    const List<Pair>& beyond, const Hits& hits);
+/// The same for no pairs, so that the driver reserves the kernel's stacks. All counters are 0.
 void reserve_exact_stack(const Geometry& geometry, cudaStream_t stream, Counters* counters);
 
 /// Writes pairs that the host has decided behind the list's first `begin` hits.

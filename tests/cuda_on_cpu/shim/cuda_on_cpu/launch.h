@@ -2,9 +2,11 @@
 
 // Launches, and what is asked and set of kernels.
 
+#include <memory>
 #include <tuple>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 #include "cuda_on_cpu/machine/launch.h"
 #include "cuda_on_cpu/shim/cuda_on_cpu/runtime_types.h"
@@ -15,10 +17,13 @@ cudaError_t cudaLaunchKernelEx(const cudaLaunchConfig_t* config, void (*kernel)(
     static_assert((std::is_trivially_copyable_v<Parameters> && ...), "parameters reach a device by memcpy");
     static_assert(sizeof...(Parameters) == sizeof...(Arguments));
     static_assert((sizeof(Parameters) + ... + 0) <= 32764, "the limit of compute capability 7.0 and later");
-    return cuda_on_cpu::launch(*config, reinterpret_cast<const void*>(kernel),
-                               [kernel, values = std::tuple<Parameters...>(std::forward<Arguments>(arguments)...)] {
-                                   std::apply(kernel, values);
-                               });
+    const auto values = std::make_shared<const std::tuple<Parameters...>>(std::forward<Arguments>(arguments)...);
+    std::vector<const void*> addresses = std::apply(
+        [](const Parameters&... each) { return std::vector<const void*>{static_cast<const void*>(&each)...}; },
+        *values);
+    return cuda_on_cpu::launch(
+        *config, reinterpret_cast<const void*>(kernel), [kernel, values] { std::apply(kernel, *values); },
+        std::move(addresses));
 }
 
 template <class... Parameters>

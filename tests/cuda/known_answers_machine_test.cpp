@@ -1,0 +1,143 @@
+// The comparison of a device with the host, on a machine whose kernels can be at fault.
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <string>
+
+#include "crumple/crumple.h"
+#include "crumple/error.h"
+#include "cuda_on_cpu/machine/launch.h"
+#include "cuda_on_cpu/machine/settings.h"
+#include "engine/cuda/known_answers.h"
+#include "engine/cuda/known_cases.h"
+#include "error_of.h"
+#include "questions/intersect/contact_on_line.h"
+#include "questions/intersect/decision.h"
+#include "questions/motion/quick_impact.h"
+#include "questions/near/quick_distance.h"
+
+namespace crumple::test {
+namespace {
+
+using cuda_on_cpu::settings;
+
+class KnownAnswersOfAMachine : public testing::Test {
+   protected:
+    KnownAnswersOfAMachine() { cuda::forget_known_answers(); }
+    ~KnownAnswersOfAMachine() override {
+        settings().run_instead = nullptr;
+        cuda::forget_known_answers();
+    }
+    // Launches of kernels, before which there are `before`, do nothing.
+    static void break_launch(int before) {
+        settings().run_instead = [before](const cuda_on_cpu::Kernel&) mutable { return before-- == 0; };
+    }
+    std::string difference() const { return cuda::find_difference_from_host(device_.geometry(), stream_.get()); }
+
+    cuda::Device device_{0};
+    cuda::Stream stream_ = cuda::make_stream(device_);
+};
+
+TEST_F(KnownAnswersOfAMachine, take_eight_launches_and_a_copy_each_way) {
+    const cuda_on_cpu::WorkCount before = cuda_on_cpu::work_count();
+    EXPECT_EQ(difference(), "");
+    EXPECT_LE(cuda_on_cpu::work_count().launches - before.launches, 8u);
+    EXPECT_EQ(cuda_on_cpu::work_count().copies - before.copies, 2u);
+}
+
+TEST_F(KnownAnswersOfAMachine, are_compared_once) {
+    const auto launches = [] {
+        const std::size_t before = cuda_on_cpu::work_count().launches;
+        Detector({.backend = Backend::cuda});
+        return cuda_on_cpu::work_count().launches - before;
+    };
+    const std::size_t first = launches(), second = launches();
+    EXPECT_EQ(first - second, 8u);
+    EXPECT_EQ(launches(), second);
+}
+
+TEST_F(KnownAnswersOfAMachine, reveal_any_kernel_that_does_nothing) {
+    for (const auto& [launch, expected] : {std::pair{0, "the intersection"},
+                                           {1, "the intersection"},
+                                           {2, "the contact"},
+                                           {3, "the distance"},
+                                           {4, "the distance"},
+                                           {5, "the impact"},
+                                           {6, "the impact"},
+                                           {7, "the impact"}}) {
+        SCOPED_TRACE(launch);
+        break_launch(launch);
+        EXPECT_EQ(difference().substr(0, std::string(expected).size()), expected);
+    }
+}
+
+TEST_F(KnownAnswersOfAMachine, that_are_wrong_make_the_backend_unavailable) {
+    const auto break_exact_decision = [] {
+        settings().run_instead = [begin = cuda_on_cpu::work_count().launches](const cuda_on_cpu::Kernel&) {
+            return cuda_on_cpu::work_count().launches - begin > 8;  // stacks are reserved before
+        };
+    };
+    break_exact_decision();
+    const Error error = error_of([] { Detector({.backend = Backend::cuda}); });
+    EXPECT_EQ(error.code, ErrorCode::backend_unavailable);
+    const std::string reason =
+        "the cuda backend is not available: device 0, its driver or the compiler of its code computes wrong results (";
+    EXPECT_EQ(std::string(error.what()).substr(0, reason.size()), reason);
+
+    settings().run_instead = nullptr;  // it is not trusted again
+    Detector automatic;
+    EXPECT_EQ(automatic.backend(), Backend::cpu);
+    EXPECT_EQ(automatic.fallback().substr(0, reason.size()), reason);
+}
+
+// What the cases need, as the host decides them.
+TEST_F(KnownAnswersOfAMachine, need_every_path_of_the_arithmetic) {
+    const cuda::KnownCases cases = cuda::make_known_cases(160);
+    int collide = 0, apart = 0, undecided_pairs = 0, expanded = 0, shared = 0;
+    int rounded = 0, open_contacts = 0;
+    std::array<int, 3> impacts{}, at_start{}, distances{};
+    for (std::size_t i = 0; i < cases.count(); ++i) {
+        const auto triangle = [&](std::size_t first) {
+            Triangle t;
+            for (std::size_t k = 0; k < 3; ++k) {
+                t.vertex[k] = cases.corners[6 * i + first + k];
+                t.point[k] = cases.start[static_cast<std::size_t>(t.vertex[k])];
+            }
+            return t;
+        };
+        const Triangle a = triangle(0), b = triangle(3);
+        ExactSigns signs;
+        const Verdict verdict = decide(a, b, Neighbours::geometric, Intersections::all, signs);
+        collide += verdict == Verdict::collides;
+        apart += verdict == Verdict::apart;
+        undecided_pairs += verdict == Verdict::undecided;
+        expanded += signs.expanded();
+        shared += Sharing(a, b).count > 0;
+        Contact contact;
+        const bool known = contact_on_line(a, b, NothingExact{}, contact);
+        rounded += known && contact.count > 0;
+        open_contacts += !known;
+        const auto moving = [&](std::size_t k) { return MovingPoint{cases.start[6 * i + k], cases.end[6 * i + k]}; };
+        const FourPoints points{moving(3), moving(0), moving(1), moving(2)};
+        const QuickImpact impact = quick_impact<FeaturePair::vertex_face>(points);
+        ++impacts[static_cast<std::size_t>(impact.verdict)];
+        at_start[static_cast<std::size_t>(surely_touch_at_start<FeaturePair::vertex_face>(points))]++;
+        const QuickDistance distance(
+            {FeatureKinds::vertex_face, {points[0].start, points[1].start, points[2].start, points[3].start}});
+        ++distances[static_cast<std::size_t>(distance.compare({1, 0}))];
+    }
+    EXPECT_GE(collide, 40);
+    EXPECT_GE(apart, 20);
+    EXPECT_EQ(undecided_pairs, 1);
+    EXPECT_GE(expanded, 40);
+    EXPECT_GE(shared, 30);
+    EXPECT_GE(rounded, 15);
+    EXPECT_GE(open_contacts, 15);
+    for (const int n : impacts) EXPECT_GE(n, 5);
+    EXPECT_GE(at_start[1], 5);
+    for (const int n : distances) EXPECT_GE(n, 1);
+}
+
+}  // namespace
+}  // namespace crumple::test
