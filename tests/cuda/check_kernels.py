@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Compiles one CUDA source for sm_90 and holds its kernels to what makes them fast: budgets of local memory and of
-registers, loads of 16 bytes where rows and records are read, and no loads of single bytes. Usage: check_kernels.py
-[ccache] NVCC FLAGS... SOURCE. With CRUMPLE_LIST_KERNELS set, it lists what it found."""
+registers, loads of 16 bytes where rows and records are read, and no loads of single bytes. Usage: check_kernels.py PTX
+[ccache] NVCC FLAGS... SOURCE. It leaves the kernels' PTX in the file PTX. With CRUMPLE_LIST_KERNELS set, it lists what it
+found."""
 
 import os
 import re
@@ -35,7 +36,7 @@ BYTES = re.compile(r"(check|bounds|join|corners|rest)_kernelI\w*Lb0E|(exact|cont
                    r"|(decide|close|pack|listed|pair|within)_kernel|(Feature|Candidate)Rows")
 
 
-def kernels(nvcc, source, folder):
+def kernels(ptx_file, nvcc, source, folder):
     """name -> (stack, registers, body in PTX)."""
     # Machine code and PTX in one file, the latter as plain text, so that ccache can answer: it remembers one file, and what
     # is printed.
@@ -50,6 +51,7 @@ def kernels(nvcc, source, folder):
     ptx = re.search(rb"\.version [0-9].*?(?=\0)", Path(folder, "out").read_bytes(), re.S)
     if not ptx:
         sys.exit("no PTX beside the machine code")
+    Path(ptx_file).write_bytes(ptx[0])
     # Nothing is indented there, so that only the beginning of what follows ends a kernel.
     parts = re.split(r"^(?:\.\w+ )*\.(?=entry |func )", ptx[0].decode(), flags=re.M)
     bodies = (part.split("(", 1) for part in parts if part.startswith("entry "))
@@ -76,7 +78,7 @@ def complaints(name, stack, registers, body):
 
 def main() -> int:
     with tempfile.TemporaryDirectory() as folder:
-        found = kernels(sys.argv[1:-1], sys.argv[-1], folder)
+        found = kernels(sys.argv[1], sys.argv[2:-1], sys.argv[-1], folder)
     wrong = [f"{name}: {text}" for name, kernel in found.items() for text in complaints(name, *kernel)]
     print(*wrong, sep="\n")
     return 1 if wrong else 0

@@ -1,0 +1,132 @@
+// The kernels that decide, as nvcc compiles them, against the cpu backend, bit for bit. All else of the cuda backend is
+// run by its C++, as in the other tests, and brings the kernels their cases.
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "agreement/compare.h"
+#include "agreement/hard_soups.h"
+#include "crumple/crumple.h"
+#include "cuda_on_cpu/machine/settings.h"
+#include "engine/cuda/known_answers.h"
+#include "ptx/kernels.h"
+#include "questions/features/compare_features.h"
+#include "questions/features/moving_soups.h"
+#include "rounds.h"
+
+namespace crumple::test {
+namespace {
+
+using cuda_on_cpu::settings;
+
+/// Fat binaries or texts, from the variable CRUMPLE_PTX, else those that the tests of the kernels' budgets have left.
+std::vector<std::string> ptx_files() {
+    const char* chosen = std::getenv("CRUMPLE_PTX");
+    std::istringstream list(chosen ? chosen : CRUMPLE_PTX_FILES);
+    std::vector<std::string> files;
+    for (std::string file; std::getline(list, file, ':');) files.push_back(file);
+    return files;
+}
+
+/// True if a kernel decides about edges and points that are listed, by a template's argument.
+bool is_of_lists(const std::string& kernel) { return kernel.find("ELb1E") != kernel.npos; }
+
+class KernelsByTheirPtx : public testing::Test {
+   protected:
+    KernelsByTheirPtx() {
+        settings().run_instead = [this](const cuda_on_cpu::Kernel& launch) { return kernels_.run(launch); };
+    }
+    ~KernelsByTheirPtx() override { settings().run_instead = nullptr; }
+    void expect_same(const MeshView& mesh) {
+        for (const Intersections intersections : {Intersections::all, Intersections::proper}) {
+            const Query query{.intersections = intersections, .contacts = true};
+            const Collisions& found = cuda_.find_self(mesh, query);
+            EXPECT_TRUE(same_answer(found, cpu_.find_self(mesh, query)));
+            exact_tests_ += found.statistics.exact_tests;
+            contacts_ += found.statistics.pairs;
+        }
+    }
+    template <class Scalar>
+    void expect_same(const MovingSoup<Scalar>& soup, double unit) {
+        for (const double separation : {0., 0.75 * unit}) {
+            const Motion query{.separation = separation};
+            const Impacts& found = cuda_.find_impacts(soup.view(), soup.end_view(), query);
+            EXPECT_TRUE(same_features(found, cpu_.find_impacts(soup.view(), soup.end_view(), query)));
+            impacts_ += found.count;
+        }
+        const Near query{.radius = 1.5 * unit};
+        const Nearby& found = cuda_.find_near(soup.view(), query);
+        EXPECT_TRUE(same_features(found, cpu_.find_near(soup.view(), query)));
+        near_ += found.count;
+    }
+
+    ptx::Kernels kernels_{ptx_files(), {"exact_kernel", "contact_kernel", "decide_kernel", "close_kernel"}};
+    Detector cpu_{{.backend = Backend::cpu}};
+    Detector cuda_{{.backend = Backend::cuda}};  // made before kernels are run by their PTX
+    std::int64_t exact_tests_ = 0, contacts_ = 0, impacts_ = 0, near_ = 0;
+};
+
+TEST_F(KernelsByTheirPtx, know_the_known_answers) {
+    cuda::forget_known_answers();
+    Detector({.backend = Backend::cuda});  // else it throws
+    // Kernels of listed edges and points are launched for nothing, but for their stacks.
+    for (const auto& [name, launches] : kernels_.launches) {
+        EXPECT_GT(launches, is_of_lists(name) ? 0 : 1) << name;
+    }
+}
+
+TEST_F(KernelsByTheirPtx, decide_hard_soups) {
+    for (const NamedMesh& scene : hard_soups()) {
+        SCOPED_TRACE(scene.name);
+        expect_same(scene.mesh.view());
+    }
+    for (int seed = 10; seed < 10 + more_or_less(12); ++seed) {
+        SCOPED_TRACE(seed);
+        expect_same(grid_soup(3 + seed % 4, 40, 60, static_cast<std::uint64_t>(seed)).mesh<double>(1. / 3).view());
+        expect_same(random_soup<double>(80, 0.8, static_cast<unsigned>(seed)).view());
+    }
+    EXPECT_GE(exact_tests_, 10'000);
+    EXPECT_GE(contacts_, 10'000);
+}
+
+TEST_F(KernelsByTheirPtx, decide_hard_motions_and_distances) {
+    for (const auto& move : moving_soups<double>(0.2)) {
+        SCOPED_TRACE(move.name);
+        if (move.unit < 1e300) expect_same(move.soup, move.unit);
+    }
+    for (unsigned seed = 1; seed <= static_cast<unsigned>(more_or_less(3)); ++seed) {
+        SCOPED_TRACE(seed);
+        expect_same(moving_grid(5, 60, 60, seed), 1);
+        expect_same(changed<double>(moving_through_a_line(40, 40, seed), [](double x) { return x / 3; }), 1);
+        expect_same(in_general(60, 0.5, 0.5, seed), 0.1);
+    }
+    EXPECT_GE(impacts_, 10'000);
+    EXPECT_GE(near_, 10'000);
+}
+
+// Edges and points that are no triangle's have kernels of their own.
+TEST_F(KernelsByTheirPtx, decide_listed_edges_and_points) {
+    for (unsigned seed = 1; seed <= static_cast<unsigned>(more_or_less(3)); ++seed) {
+        SCOPED_TRACE(seed);
+        MovingSoup<> soup = moving_grid(4, 60, 20, seed);
+        soup.edges.emplace();
+        soup.points.emplace();
+        for (std::int32_t v = 0; v < 60; v += 3) {
+            soup.edges->push_back({v, v + 1});
+            soup.points->push_back(v + 2);
+        }
+        expect_same(soup, 1);
+    }
+    for (const auto& [name, launches] : kernels_.launches) {
+        if (is_of_lists(name)) {
+            EXPECT_GT(launches, 1) << name;
+        }
+    }
+}
+
+}  // namespace
+}  // namespace crumple::test

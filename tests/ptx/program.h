@@ -1,0 +1,124 @@
+#pragma once
+
+// PTX, NVIDIA's assembly language, as a program that the CPU runs: one thread, whose registers and memory are the
+// host's. The text is what nvcc makes of the shipped kernels, so a fault of its optimizer shows without a device
+// (docs/nvcc_13_0.md). Reference: "Parallel Thread Execution ISA", version 9.0, NVIDIA.
+//
+// Every register is 64 bits wide; a narrower value lies in its low bits, and the others are 0. A function's frame is
+//
+//     slots    constants | addresses of its memory | registers
+//     memory   parameters, result, local arrays, parameters and results of its calls
+//
+// and constants are slots like any other, so an instruction is a function of the host and the numbers of its slots.
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace crumple::ptx {
+
+/// Thrown for text that the interpreter does not know, and for what no thread may do.
+struct Failure : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+
+class Thread;
+struct Function;
+
+struct Instruction {
+    static constexpr std::uint32_t always = ~0u;
+
+    void (*run)(Thread&, const Instruction&) = nullptr;
+    std::uint32_t slot[6] = {};    ///< operands from left to right, vectors and pairs taken apart
+    std::uint32_t guard = always;  ///< slot of the predicate
+    bool guard_is_negated = false;
+    unsigned register_bytes = 8;  ///< width of the first operand's register, to which a load extends
+    std::int64_t number = 0;      ///< offset of an address; of a branch its target, of a call its place in `calls`
+};
+
+/// A piece of a frame's memory.
+struct Piece {
+    std::size_t begin = 0, bytes = 0;
+};
+
+struct Call {
+    const Function* callee = nullptr;
+    std::vector<Piece> arguments;
+    Piece result;
+};
+
+struct Function {
+    std::vector<std::uint64_t> constants;
+    std::vector<std::pair<std::uint32_t, std::size_t>> addresses;  ///< slot, and place in the frame's memory
+    std::size_t slots = 0, memory_bytes = 0;
+    std::vector<Piece> parameters;
+    Piece result;
+    std::vector<Instruction> instructions;
+    std::vector<Call> calls;
+};
+
+/// The text of one translation unit.
+class Program {
+   public:
+    explicit Program(std::string text);
+
+    /// Names of the kernels.
+    std::vector<std::string> kernels() const;
+    /// The decoded function. Throws Failure where it, or a function that it calls, is not there or has an unknown
+    /// instruction.
+    const Function& function(std::string_view name);
+
+   private:
+    friend class Decoder;
+
+    struct Source {
+        std::string_view head, body;  ///< parameters and result; what lies between the braces
+        bool kernel;
+    };
+    void add_global(std::string_view declaration);
+
+    std::string text_;
+    std::map<std::string, Source, std::less<>> sources_;
+    std::map<std::string, std::unique_ptr<std::byte[]>, std::less<>> globals_;
+    std::map<std::string, std::unique_ptr<Function>, std::less<>> functions_;
+};
+
+/// The thread that runs functions.
+class Thread {
+   public:
+    Thread() : slot_stack_(std::size_t{1} << 20), memory_stack_(std::size_t{1} << 20) {}
+
+    /// Runs a kernel as a grid of one thread. `arguments` are addresses.
+    void run(const Function& kernel, std::span<const void* const> arguments);
+    /// Number of instructions that were run.
+    std::uint64_t steps() const { return steps_; }
+
+    // For instructions:
+    std::uint64_t* slots = nullptr;      ///< of the frame
+    const Instruction* next = nullptr;   ///< null: the function returns
+    const Instruction* first = nullptr;  ///< of the function
+    const Function* function = nullptr;
+    void call(const Call& call);
+
+   private:
+    std::byte* enter(const Function& callee);
+    void execute(const Function& callee);
+
+    std::byte* memory_ = nullptr;  ///< of the frame
+    std::vector<std::uint64_t> slot_stack_, memory_stack_;
+    std::size_t slots_used_ = 0, memory_used_ = 0;  ///< in words
+    std::uint64_t steps_ = 0;
+};
+
+/// What runs an instruction of this name. A move of vectors names their lengths: "mov.b64:2,1". Null: unknown.
+using Run = void (*)(Thread&, const Instruction&);
+Run find_instruction(const std::string& name);
+
+}  // namespace crumple::ptx
