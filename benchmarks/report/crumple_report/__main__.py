@@ -10,7 +10,7 @@ import tempfile
 import tomllib
 from pathlib import Path
 
-from . import appendix, blocks, tables  # noqa: F401: what tables define registers itself
+from . import appendix, blocks, device_tables, tables  # noqa: F401: what tables define registers itself
 from .results import COMMITTED, TOP, Results
 
 IMAGES = TOP / "docs/images/benchmarks"

@@ -3,6 +3,7 @@
 from statistics import mean
 
 from .blocks import beside_median, block, mebibytes, ms, percent, spread, table
+from .device_tables import device_scene, measured_on_device
 from .results import STAGES, digits, scene
 from .tables import best_fixed_axis
 
@@ -184,28 +185,19 @@ def two_clusters(results):
     return table(["scene", "cut", "leaves", "members", "overlapping intervals", "candidates", "one thread, ms", "all threads, ms"], rows)
 
 
-def measured_on_device(results):
-    """The scenes, then the growth curve."""
-    return results.cuda["scenes"] + results.cuda.get("growth", {}).get("sizes", []) if results.cuda else []
-
-
 @block("cuda")
 def cuda(results):
-    rows = [[scene(row["scene"]), f"{row['triangles']:,}", f"{row['counts']['pairs']:,}", spread(row["device"]),
+    rows = [[device_scene(row), f"{row['triangles']:,}", f"{row['counts']['pairs']:,}", spread(row["device"]),
              ms(row["device_and_wait"]), ms(row["from_and_to_host"]), ms(row["cpu_all_threads"]),
-             f"{row['counts']['double_tests']:,}"] for row in measured_on_device(results)]
-    if not rows:
-        return ""
-    made = (f"{results.cuda['device']['name']}, CUDA {results.cuda['cuda_runtime'] // 1000}, commit `{results.cuda['commit'][:12]}`, "
-            f"medians of {results.cuda['frames']} frames.")
-    return made + "\n\n" + table(["scene", "triangles", "pairs", "device to device, ms", "with `wait`", "host to host",
-                                  "cpu backend", "pairs that reach float64"], rows)
+             f"{row['counts']['double_tests']:,}", row["frames"]] for row in measured_on_device(results)]
+    return table(["scene", "triangles", "pairs", "device to device, ms", "with `wait`", "host to host",
+                  "cpu backend", "pairs that reach float64", "frames"], rows)
 
 
 @block("cuda bounds")
 def cuda_bounds(results):
     """Microseconds of each stage beside what bandwidth and launches allow."""
-    rows = [[scene(figure["scene"]) if i == 0 else "", row["stage"], digits(1e3 * row["milliseconds"]), digits(row["bytes"] / 1e6),
+    rows = [[device_scene(figure) if i == 0 else "", row["stage"], digits(1e3 * row["milliseconds"]), digits(row["bytes"] / 1e6),
              digits(1e3 * row["by_bandwidth_milliseconds"]), row["nodes"], digits(1e3 * row["by_launches_milliseconds"]),
              digits(row["ratio"])]
             for figure in measured_on_device(results) for i, row in enumerate(figure["bounds"])]

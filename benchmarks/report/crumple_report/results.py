@@ -5,6 +5,8 @@ from pathlib import Path
 
 TOP = Path(__file__).resolve().parents[3]
 COMMITTED = TOP / "benchmarks/results/xeon-2-threads.json"
+# Folder beside those, of figures from a GPU: its name is the device's and the driver's.
+DEVICE = "h200-580.159"
 
 SCENES = {
     "cloth_ball92": "Cloth on Ball, frame 92",
@@ -48,13 +50,35 @@ class Results:
         self.path = Path(path)
         self.data = json.loads(self.path.read_text())
         self.studies = {name: study["figures"] for name, study in self.data["studies"].items()}
-        # What scripts/gpu_check.sh leaves beside them, where there was a device.
-        self.cuda, self.cuda_peers = (self.beside(name) for name in ("cuda.json", "cuda_peers.json"))
+        self.cuda = self.device_figures()
+        self.cuda_peers, self.cubql, self.machine = (self.of_device(f"{name}.json") for name in ("cuda_peers", "cubql", "machine"))
 
-    def beside(self, name):
-        """The figures of another file in the same folder, or None."""
-        path = self.path.with_name(name)
+    def of_device(self, name):
+        """Returns a file of the device's folder, or None."""
+        path = self.path.parent / DEVICE / name
         return json.loads(path.read_text()) if path.exists() else None
+
+    def device_figures(self):
+        """Merges the benchmark's runs on the device, cuda*.json, or returns None. Each row gets the number of frames that its
+        medians are of; of a scene that several runs measured, the one of most frames counts."""
+        paths = [path for path in sorted((self.path.parent / DEVICE).glob("cuda*.json")) if path.stem != "cuda_peers"]
+        runs = [json.loads(path.read_text()) for path in paths]
+        if not runs:
+            return None
+
+        def rows(found):
+            return [row | {"frames": run["frames"]} for run in runs for row in found(run)]
+
+        scenes = {}
+        for row in rows(lambda run: run["scenes"]):
+            if row["scene"] not in scenes or scenes[row["scene"]]["frames"] < row["frames"]:
+                scenes[row["scene"]] = row
+        first = max(runs, key=lambda run: run["frames"])
+        return {name: first[name] for name in ("commit", "cuda_runtime", "device", "driver", "limits")} | {
+            "scenes": [scenes[name] for name in sorted(scenes, key=list(SCENES).index)],
+            "sizes": rows(lambda run: run.get("growth", {}).get("sizes", [])),
+            "steps": rows(lambda run: run.get("steps", [])),
+            "worlds": rows(lambda run: run.get("worlds", []))}
 
     def study(self, name):
         """A study's figures, an empty list if it was not run."""
