@@ -3,6 +3,11 @@ if(NOT DEFINED CMAKE_CUDA_ARCHITECTURES)
     set(CMAKE_CUDA_ARCHITECTURES all-major)  # machine code for each generation, PTX for those to come
 endif()
 enable_language(CUDA)
+if(CMAKE_CUDA_COMPILER_ID STREQUAL "NVIDIA" AND CMAKE_CUDA_COMPILER_VERSION VERSION_GREATER_EQUAL 13.0
+   AND CMAKE_CUDA_COMPILER_VERSION VERSION_LESS 13.1)
+    message(STATUS "nvcc ${CMAKE_CUDA_COMPILER_VERSION} miscompiles copies of small lists, which this source avoids; releases are "
+        "built by nvcc 13.1 or later (docs/nvcc_13_0.md)")
+endif()
 # CMake before 3.31 takes this library for granted, which CUDA has no more since 13.
 if(CMAKE_VERSION VERSION_LESS 3.31 AND CMAKE_CUDA_COMPILER_VERSION VERSION_GREATER_EQUAL 13)
     add_library(CUDA::nvToolsExt INTERFACE IMPORTED)
