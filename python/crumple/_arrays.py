@@ -40,24 +40,56 @@ def _refuse_mask(array: Any, name: str, **place: Any) -> None:
         )
 
 
+# Names in messages of what the functions below convert, and what each element belongs to.
+_NAMES = {
+    "vertices": ("vertices", "vertex"),
+    "end_vertices": ("end vertices", "vertex"),
+    "rest_vertices": ("rest vertices", "vertex"),
+    "radii": ("radii", "vertex"),
+    "faces": ("faces", "triangle"),
+    "groups": ("groups", "group"),
+    "group_pairs": ("excluded_groups", "group"),
+    "poses": ("poses", "body"),
+    "edges": ("edges", "edge"),
+    "points": ("points", "point"),
+    "triangle_ids": ("triangle_ids", "triangle"),
+    "vertex_ids": ("vertex_ids", "vertex"),
+    "body_ids": ("body_ids", "body"),
+}
+
+
 def refuse_masked(array: Any, kind: str, which: str) -> None:
     """For arrays that are read in place. A mask that hides nothing does not count."""
-    name, element = {
-        "vertices": ("vertices are", "vertex"),
-        "end_vertices": ("end vertices are", "vertex"),
-        "rest_vertices": ("rest vertices are", "vertex"),
-        "radii": ("radii are", "vertex"),
-        "faces": ("faces are", "triangle"),
-        "groups": ("groups are", "group"),
-        "group_pairs": ("excluded_groups are", "group"),
-        "poses": ("poses are", "body"),
-        "edges": ("edges are", "edge"),
-        "points": ("points are", "point"),
-        "triangle_ids": ("triangle_ids are", "triangle"),
-        "vertex_ids": ("vertex_ids are", "vertex"),
-        "body_ids": ("body_ids are", "body"),
-    }[kind]
-    _refuse_mask(array, which + name, element=element)
+    name, element = _NAMES[kind]
+    _refuse_mask(array, f"{which}{name} are", element=element)
+
+
+def lies_in_cuda_memory(array: Any) -> bool:
+    """True if __dlpack_device__ says so; an array without one counts as an array in host memory."""
+    try:
+        return _kind_of_device(array.__dlpack_device__, "") in _CUDA
+    except Exception:  # host_array reports it, if the array cannot be read otherwise
+        return False
+
+
+def refuse_failed_dlpack(error: BaseException, stream: int, kind: str, which: str) -> None:
+    """Raises what __dlpack__ of an array in CUDA memory raised as an error that names the array."""
+    if not isinstance(error, Exception):
+        raise error
+    name = f"{which}{_NAMES[kind][0]}"
+    message = (
+        f"{name} in CUDA memory cannot be read: __dlpack__(stream={stream}), which makes them ready on the stream, "
+        f"raised {type(error).__name__}: {error}"
+    )
+    raise (MemoryError if isinstance(error, MemoryError) else InvalidInput)(message) from error
+
+
+def refuse_unannounced_cuda_memory(kind: str, which: str) -> None:
+    """Raises for an array that turned out to lie in CUDA memory after __dlpack__ was called without a stream."""
+    name = f"{which}{_NAMES[kind][0]}"
+    raise InvalidInput(
+        f"{name} lie in CUDA memory, but have no __dlpack_device__ that says so, and cannot be made ready on a stream"
+    )
 
 
 def _name_of_type(thing: Any) -> str:

@@ -56,7 +56,7 @@ class Detector(_core.Detector):
     trimesh, meshio, Open3D or PyVista. Arrays are read in place: NumPy or anything on the host that speaks DLPack or
     the buffer protocol, float32 or float64, int32, uint32 or int64, in any order and with any strides. Other integers
     and Python lists are converted, at the cost of a copy. Inputs are not written to, and must not change until the
-    call returns.
+    call returns. The cuda backend also reads arrays in CUDA memory, after the work of their package's current stream.
 
     Calls release the GIL. Different detectors work at the same time; calls of one detector from several threads take
     turns. In the main thread Ctrl-C ends a call within about 50 ms, KeyboardInterrupt is raised, and the detector

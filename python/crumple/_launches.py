@@ -195,9 +195,12 @@ def launch_self(
     Args:
         vertices, faces, groups: as find_self takes them, on the detector's device, through DLPack. What is not of a
             type that can be read in place is refused, for nothing is converted there.
-        stream: on which the arrays are ready, and the work is done: None, the legacy default stream; or the address of
-            another one, or a stream of PyTorch, CuPy or Warp. One that is being captured makes the work a part of the
-            caller's graph: each replay is a query, after two calls like it outside of the capture.
+        stream: CUDA stream that does the work: None, the legacy default stream; or the address of another one, or a
+            stream of PyTorch, CuPy or Warp. The package that owns the arrays makes them ready on it (DLPack's
+            __dlpack__(stream=...)): the stream waits for the package's current stream, such as
+            torch.cuda.current_stream(), and for no other. A stream that is being captured makes the work a part of the
+            caller's graph: each replay is a query, after two calls like it outside of the capture. It should be the
+            package's current stream then, for a capture may not wait for streams outside of it.
         neighbours, intersections, weld, contacts, wanted, excluded_groups: as find_self has them.
 
     Raises InvalidInput; bad contents of arrays are reported by wait().
@@ -247,7 +250,8 @@ def launch(
 
     Args:
         world: shapes and bodies, on the host. They go to the device when they are not those of the call before.
-        poses: (n, 3, 4) float32 or float64 in CUDA memory, without gaps; None: those of the world, which lie there.
+        poses: (n, 3, 4) float32 or float64 in CUDA memory, without gaps; None: those of the world, which lie there
+            and are made ready once more by each launch.
         wants: "any", "any_by_world" and "count" make flags and counts by world, "pairs" and "contacts" all.
         stream: see launch_self.
         neighbours, intersections, weld, bodies, groups, excluded, excluded_groups: as find has them.

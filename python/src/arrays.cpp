@@ -144,40 +144,64 @@ bool borrow_numpy(nb::handle object, BorrowedArray& result) {
     return true;
 }
 
-thread_local int ready_on_stream = 0;  // ReadyOnStreams of the thread that live
+// Array argument of a Python call.
+struct Argument {
+    const char* kind;        ///< function of crumple/_arrays.py that converts such arrays
+    const char* which;       ///< prefix of its messages
+    void* stream = nullptr;  ///< CUDA stream that it must be ready on, if it lies in CUDA memory
+};
 
-// __dlpack__(stream=-1); null where it refuses, as those of the host may.
-nb::object capsule_without_waiting(const nb::object& method) {
+// The number that DLPack has for a CUDA stream: 1 for the legacy default stream, else the address. Never -1, which
+// leaves the array unsynchronized.
+std::uintptr_t dlpack_stream(void* stream) {
+    constexpr std::uintptr_t legacy_default = 1;
+    return stream ? reinterpret_cast<std::uintptr_t>(stream) : legacy_default;
+}
+
+// Calls __dlpack__ by name. Returns null, with Python's error set, if it raises.
+nb::object call_dlpack(const nb::object& method, const nb::dict& named) {
     const nb::tuple none;
+    return nb::steal(in_python([&] { return PyObject_Call(method.ptr(), none.ptr(), named.ptr()); }));
+}
+
+// The same, and once more for a read-only array, which only capsules of DLPack 1.0 can describe.
+nb::object call_dlpack_of_any_version(const nb::object& method, nb::dict named) {
+    nb::object capsule = call_dlpack(method, named);
+    if (capsule || !PyErr_ExceptionMatches(PyExc_BufferError)) return capsule;
+    nb::python_error first;
+    named["max_version"] = nb::make_tuple(nb::dlpack::major_version, nb::dlpack::minor_version);
+    capsule = call_dlpack(method, named);
+    if (!capsule && PyErr_ExceptionMatches(PyExc_TypeError)) first.restore();  // an older package, without max_version
+    return capsule;
+}
+
+// Returns what __dlpack__ returns, for an array in CUDA memory by way of the stream; null if that raises for one in
+// host memory, which may be readable otherwise. nanobind would call __dlpack__, too, but without a stream and not
+// in_python.
+nb::object capsule_of(const nb::object& method, const Argument& argument, bool in_cuda_memory) {
     nb::dict named;
-    named["stream"] = -1;
-    nb::object capsule = nb::steal(in_python([&] { return PyObject_Call(method.ptr(), none.ptr(), named.ptr()); }));
-    if (!capsule) PyErr_Clear();
+    if (in_cuda_memory) named["stream"] = dlpack_stream(argument.stream);
+    nb::object capsule = call_dlpack_of_any_version(method, named);
+    if (capsule) return capsule;
+    const nb::python_error error;
+    if (in_cuda_memory)
+        call_python("crumple._arrays", "refuse_failed_dlpack",
+                    {error.value(), named["stream"], nb::str(argument.kind), nb::str(argument.which)});
     return capsule;
 }
 
-// What __dlpack__ gives; null where there is none, or it refuses. nanobind would call it, too, but not in_python.
-nb::object capsule_of(nb::handle object) {
-    const nb::object method = nb::steal(in_python([&] { return PyObject_GetAttrString(object.ptr(), "__dlpack__"); }));
-    nb::object capsule;
-    if (method && ready_on_stream > 0) capsule = capsule_without_waiting(method);
-    if (method && !capsule) capsule = nb::steal(in_python([&] { return PyObject_CallNoArgs(method.ptr()); }));
-    if (method && !capsule && PyErr_ExceptionMatches(PyExc_BufferError)) {  // read-only, which it can say since 1.0
-        PyErr_Clear();
-        const nb::tuple none;
-        nb::dict version;
-        version["max_version"] = nb::make_tuple(nb::dlpack::major_version, nb::dlpack::minor_version);
-        capsule = nb::steal(in_python([&] { return PyObject_Call(method.ptr(), none.ptr(), version.ptr()); }));
-    }
-    if (!capsule) PyErr_Clear();
-    return capsule;
+bool lies_in_cuda_memory(nb::handle object) {
+    return call_python("crumple._arrays", "lies_in_cuda_memory", {object}).is(Py_True);
 }
 
-// One on a device is ready for what is given to the legacy default stream: DLPack's rule where no stream is named.
-bool borrow_dlpack(nb::handle object, BorrowedArray& result, Kept& kept) {
+// A bare capsule in CUDA memory, which has no __dlpack__, is synchronized by the caller who made it.
+bool borrow_dlpack(nb::handle object, const Argument& argument, BorrowedArray& result, Kept& kept) {
     using Tensor = nb::ndarray<nb::ro>;
     Tensor tensor;
-    const nb::object capsule = capsule_of(object);
+    const nb::object method = nb::steal(in_python([&] { return PyObject_GetAttrString(object.ptr(), "__dlpack__"); }));
+    if (!method) PyErr_Clear();
+    const bool in_cuda_memory = method && lies_in_cuda_memory(object);
+    const nb::object capsule = method ? capsule_of(method, argument, in_cuda_memory) : nb::object();
     if (!nb::try_cast(capsule ? nb::handle(capsule) : object, tensor)) return false;
     switch (tensor.device_type()) {
         case nb::device::cpu::value:
@@ -185,6 +209,9 @@ bool borrow_dlpack(nb::handle object, BorrowedArray& result, Kept& kept) {
             break;
         case nb::device::cuda::value:
         case nb::device::cuda_managed::value:
+            if (method && !in_cuda_memory)
+                call_python("crumple._arrays", "refuse_unannounced_cuda_memory",
+                            {nb::str(argument.kind), nb::str(argument.which)});
             result.device = tensor.device_id();
             break;
         default:
@@ -204,19 +231,19 @@ bool borrow_dlpack(nb::handle object, BorrowedArray& result, Kept& kept) {
 }
 
 // The array in an object that stays, or in what crumple/_arrays.py makes of it.
-BorrowedArray borrow_array(nb::handle object, bool (*accepted)(const BorrowedArray&), const char* converter,
-                           const char* which, Kept& kept) {
+BorrowedArray borrow_array(nb::handle object, bool (*accepted)(const BorrowedArray&), const Argument& argument,
+                           Kept& kept) {
     BorrowedArray array;
     import_numpy();
     if (!PyArray_CheckExact(object.ptr()) && PyArray_Check(object.ptr()))
-        call_python("crumple._arrays", "refuse_masked", {object, nb::str(converter), nb::str(which)});
-    if (borrow_numpy(object, array) || borrow_dlpack(object, array, kept))
+        call_python("crumple._arrays", "refuse_masked", {object, nb::str(argument.kind), nb::str(argument.which)});
+    if (borrow_numpy(object, array) || borrow_dlpack(object, argument, array, kept))
         if (accepted(array)) return array;
-    const nb::object converted = call_python("crumple._arrays", converter, {object, nb::str(which)});
+    const nb::object converted = call_python("crumple._arrays", argument.kind, {object, nb::str(argument.which)});
     kept.push_back(converted);
     array = BorrowedArray();
-    if ((borrow_numpy(converted, array) || borrow_dlpack(converted, array, kept)) && accepted(array)) return array;
-    throw std::logic_error(std::string("crumple._arrays.") + converter + " gave an array of another kind");
+    if (borrow_numpy(converted, array) && accepted(array)) return array;
+    throw std::logic_error(std::string("crumple._arrays.") + argument.kind + " gave an array of another kind");
 }
 
 std::string place(int device) {
@@ -249,18 +276,16 @@ void import_numpy() {
     if (in_python([] { return PyArray_ImportNumPyAPI(); }) != 0) throw nb::python_error();
 }
 
-ReadyOnStream::ReadyOnStream() { ++ready_on_stream; }
-ReadyOnStream::~ReadyOnStream() { --ready_on_stream; }
-
-BorrowedMesh::BorrowedMesh(const nb::tuple& mesh, const char* which)
+BorrowedMesh::BorrowedMesh(const nb::tuple& mesh, const char* which, void* stream)
     : kept_{mesh},
-      vertices_(borrow_array(mesh[0], are_vertices, "vertices", which, kept_)),
-      faces_(borrow_array(mesh[1], are_faces, "faces", which, kept_)),
+      vertices_(borrow_array(mesh[0], are_vertices, {"vertices", which, stream}, kept_)),
+      faces_(borrow_array(mesh[1], are_faces, {"faces", which, stream}, kept_)),
       view_(rows_of_three(vertices_, scalar_type(vertices_)), rows_of_three(faces_, index_type(faces_))) {
+    view_.stream = stream;
     check_place(faces_, std::string(which) + "faces", device());
     if (device() != BorrowedArray::on_host) view_.memory = MemorySpace::cuda;
     if (mesh[2].is_none()) return;
-    groups_ = borrow_array(mesh[2], are_groups, "groups", which, kept_);
+    groups_ = borrow_array(mesh[2], are_groups, {"groups", which, stream}, kept_);
     check_place(groups_, std::string(which) + "groups", device());
     // No groups at all are None. An empty array would be taken for that.
     if (groups_.shape[0] != view_.triangles.rows)
@@ -273,7 +298,7 @@ BorrowedEnd::BorrowedEnd(nb::handle end, const BorrowedMesh& mesh, const char* w
     : kept_{nb::borrow(end)} {
     const bool at_rest = when == When::rest;
     const BorrowedArray array =
-        borrow_array(end, are_vertices, at_rest ? "rest_vertices" : "end_vertices", which, kept_);
+        borrow_array(end, are_vertices, {at_rest ? "rest_vertices" : "end_vertices", which, mesh.view().stream}, kept_);
     check_place(array, std::string(which) + (at_rest ? "rest vertices" : "end vertices"), mesh.device());
     view_ = rows_of_three(array, scalar_type(array));
     const std::int64_t wanted = mesh.view().vertices.rows;
@@ -284,7 +309,7 @@ BorrowedEnd::BorrowedEnd(nb::handle end, const BorrowedMesh& mesh, const char* w
 }
 
 BorrowedRadii::BorrowedRadii(nb::handle radii, const BorrowedMesh& mesh, const char* which) : kept_{nb::borrow(radii)} {
-    const BorrowedArray array = borrow_array(radii, are_radii, "radii", which, kept_);
+    const BorrowedArray array = borrow_array(radii, are_radii, {"radii", which, mesh.view().stream}, kept_);
     check_place(array, std::string(which) + "radii", mesh.device());
     const std::int64_t wanted = mesh.view().vertices.rows;
     if (array.shape[0] != wanted)
@@ -293,14 +318,14 @@ BorrowedRadii::BorrowedRadii(nb::handle radii, const BorrowedMesh& mesh, const c
     view_ = {static_cast<const double*>(array.data), static_cast<std::size_t>(wanted)};
 }
 
-BorrowedLists::BorrowedLists(const nb::tuple& lists, int device, const char* which) : kept_{lists} {
+BorrowedLists::BorrowedLists(const nb::tuple& lists, int device, const char* which, void* stream) : kept_{lists} {
     if (!lists[0].is_none()) {
-        const BorrowedArray edges = borrow_array(lists[0], are_edges, "edges", which, kept_);
+        const BorrowedArray edges = borrow_array(lists[0], are_edges, {"edges", which, stream}, kept_);
         check_place(edges, std::string(which) + "edges", device);
         edges_ = std::span(static_cast<const Edge*>(edges.data), static_cast<std::size_t>(edges.shape[0]));
     }
     if (!lists[1].is_none()) {
-        const BorrowedArray points = borrow_array(lists[1], are_points, "points", which, kept_);
+        const BorrowedArray points = borrow_array(lists[1], are_points, {"points", which, stream}, kept_);
         check_place(points, std::string(which) + "points", device);
         points_ = std::span(static_cast<const std::int32_t*>(points.data), static_cast<std::size_t>(points.shape[0]));
     }
@@ -310,7 +335,7 @@ BorrowedIds::BorrowedIds(nb::handle ids, const char* what, std::int64_t wanted) 
     if (ids.is_none()) return;
     kept_.push_back(nb::borrow(ids));
     const std::string name = std::string(what) + "_ids";
-    const BorrowedArray array = borrow_array(ids, are_ids, name.c_str(), "", kept_);
+    const BorrowedArray array = borrow_array(ids, are_ids, {name.c_str(), ""}, kept_);
     if (array.shape[0] != wanted)
         refuse(name + " must be one for each of the " + std::to_string(wanted) +
                (name == "vertex_ids" ? " vertices, not "
@@ -320,14 +345,14 @@ BorrowedIds::BorrowedIds(nb::handle ids, const char* what, std::int64_t wanted) 
     view_ = {static_cast<const std::int64_t*>(array.data), static_cast<std::size_t>(wanted)};
 }
 
-BorrowedMeshes::BorrowedMeshes(const nb::tuple& one, const std::optional<nb::tuple>& other)
-    : first(one, other ? "first mesh: " : "") {
-    if (other) second.emplace(*other, "second mesh: ");
+BorrowedMeshes::BorrowedMeshes(const nb::tuple& one, const std::optional<nb::tuple>& other, void* stream)
+    : first(one, other ? "first mesh: " : "", stream) {
+    if (other) second.emplace(*other, "second mesh: ", stream);
 }
 
-BorrowedArray borrow_poses(nb::handle poses, const char* which, Kept& kept) {
+BorrowedArray borrow_poses(nb::handle poses, const char* which, void* stream, Kept& kept) {
     kept.push_back(nb::borrow(poses));
-    return borrow_array(poses, are_poses, "poses", which, kept);
+    return borrow_array(poses, are_poses, {"poses", which, stream}, kept);
 }
 
 bool is_contiguous(const BorrowedArray& array) {
@@ -342,7 +367,7 @@ bool is_contiguous(const BorrowedArray& array) {
 std::vector<GroupPair> group_pairs(nb::handle pairs) {
     if (pairs.is_none()) return {};
     Kept kept;
-    const BorrowedArray array = borrow_array(pairs, are_group_pairs, "group_pairs", "", kept);
+    const BorrowedArray array = borrow_array(pairs, are_group_pairs, {"group_pairs", ""}, kept);
     std::vector<GroupPair> result;
     for (std::int64_t i = 0; i < array.shape[0]; ++i) {
         const auto* row = static_cast<const std::byte*>(array.data) + i * array.strides[0];

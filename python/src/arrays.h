@@ -47,11 +47,15 @@ void import_numpy();
 inline constexpr const char* copy_to_host =
     "copy them to the host (PyTorch: .cpu(), CuPy: .get(), JAX: jax.device_get, Warp: .numpy())";
 
+// Arrays in CUDA memory are made ready by the package that owns them, on the CUDA stream `stream` of the constructors
+// below: __dlpack__(stream=...) has that stream wait for what the package's own current stream was given. Null is the
+// legacy default stream, as in MeshView::stream. Arrays in host memory need no stream.
+
 /// A crumple.Mesh in place. Needs the GIL to come and go, not to be read.
 class BorrowedMesh {
    public:
     /// `mesh` is (vertices, faces, groups or None). `which` leads every message: "first mesh: " or nothing.
-    explicit BorrowedMesh(const nanobind::tuple& mesh, const char* which = "");
+    explicit BorrowedMesh(const nanobind::tuple& mesh, const char* which = "", void* stream = nullptr);
     const MeshView& view() const { return view_; }
     /// The CUDA device that all of it lies on, or BorrowedArray::on_host.
     int device() const { return vertices_.device; }
@@ -62,17 +66,8 @@ class BorrowedMesh {
     MeshView view_;
 };
 
-/// While it lives, arrays on a device are taken as ready on the caller's own stream, and nobody waits for them:
-/// DLPack's stream -1. Otherwise they are ready for what is given to the legacy default stream.
-class ReadyOnStream {
-   public:
-    ReadyOnStream();
-    ~ReadyOnStream();
-    ReadyOnStream(const ReadyOnStream&) = delete;
-    ReadyOnStream& operator=(const ReadyOnStream&) = delete;
-};
-
-/// Where a mesh's vertices are at the end of a step, or at rest, in place, where the mesh lies.
+/// Where a mesh's vertices are at the end of a step, or at rest, in place, where the mesh lies, and ready on its
+/// stream.
 class BorrowedEnd {
    public:
     enum class When : std::uint8_t { end, rest };
@@ -90,7 +85,8 @@ class BorrowedLists {
    public:
     /// `lists` is (edges or None, points or None). `device`: where they must lie, as the mesh does. `which` leads every
     /// message.
-    explicit BorrowedLists(const nanobind::tuple& lists, int device = BorrowedArray::on_host, const char* which = "");
+    explicit BorrowedLists(const nanobind::tuple& lists, int device = BorrowedArray::on_host, const char* which = "",
+                           void* stream = nullptr);
     /// Of a MeshView or a Shape.
     template <class Listing>
     void put_into(Listing& listing) const {
@@ -104,7 +100,7 @@ class BorrowedLists {
     std::optional<std::span<const std::int32_t>> points_;
 };
 
-/// One number of float64 for each vertex of a mesh, in place, where the mesh lies.
+/// One number of float64 for each vertex of a mesh, in place, where the mesh lies, and ready on its stream.
 class BorrowedRadii {
    public:
     BorrowedRadii(nanobind::handle radii, const BorrowedMesh& mesh, const char* which = "");
@@ -129,15 +125,16 @@ class BorrowedIds {
 
 /// The meshes of one call, in place; without a second one, one soup.
 struct BorrowedMeshes {
-    BorrowedMeshes(const nanobind::tuple& first, const std::optional<nanobind::tuple>& second);
+    BorrowedMeshes(const nanobind::tuple& first, const std::optional<nanobind::tuple>& second, void* stream = nullptr);
     const MeshView* second_or_null() const { return second ? &second->view() : nullptr; }
 
     BorrowedMesh first;
     std::optional<BorrowedMesh> second;
 };
 
-/// Poses: (n, 3, 4) or (n, 4, 4), or (k, n, ...), of float32 or float64 on the host. `which` leads every message.
-BorrowedArray borrow_poses(nanobind::handle poses, const char* which, Kept& kept);
+/// Poses: (n, 3, 4) or (n, 4, 4), or (k, n, ...), of float32 or float64 on the host; in CUDA memory (n, 3, 4) or
+/// (k, n, 3, 4) without gaps. `which` leads every message.
+BorrowedArray borrow_poses(nanobind::handle poses, const char* which, void* stream, Kept& kept);
 
 /// Whether the elements lie one after the other, the last index fastest.
 bool is_contiguous(const BorrowedArray& array);

@@ -91,8 +91,8 @@ AskedOfVertices::AskedOfVertices(const Near& asked, const BorrowedMesh& mesh, nb
     if (!rest.is_none()) question.rest = at_rest.emplace(rest, mesh, "", BorrowedEnd::When::rest).view();
 }
 
-AskedOfMesh::AskedOfMesh(const SharedDetector& detector, const nb::tuple& given, const nb::tuple& listed)
-    : mesh(given), lists(listed, mesh.device()), view(mesh.view()) {
+AskedOfMesh::AskedOfMesh(const SharedDetector& detector, const nb::tuple& given, const nb::tuple& listed, void* stream)
+    : mesh(given, "", stream), lists(listed, mesh.device(), "", stream), view(mesh.view()) {
     check_device(detector, mesh.device());
     lists.put_into(view);
 }

@@ -17,7 +17,9 @@ namespace crumple::python {
 /// The mesh of one call, with the edges and points that are listed. Refuses those of other devices than the
 /// detector's.
 struct AskedOfMesh {
-    AskedOfMesh(const SharedDetector& detector, const nanobind::tuple& mesh, const nanobind::tuple& listed);
+    /// `stream`: the CUDA stream that arrays in CUDA memory must be ready on, as in BorrowedMesh.
+    AskedOfMesh(const SharedDetector& detector, const nanobind::tuple& mesh, const nanobind::tuple& listed,
+                void* stream = nullptr);
     BorrowedMesh mesh;
     BorrowedLists lists;
     MeshView view;

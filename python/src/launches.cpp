@@ -28,8 +28,9 @@ namespace {
 
 // What launches are given, which lives until the second launch after it: each is waited for by then.
 struct LaunchedMeshes {
-    LaunchedMeshes(const SharedDetector& detector, const nb::tuple& one, const std::optional<nb::tuple>& other)
-        : meshes(one, other), a(meshes.first.view()) {
+    LaunchedMeshes(const SharedDetector& detector, const nb::tuple& one, const std::optional<nb::tuple>& other,
+                   void* stream)
+        : meshes(one, other, stream), a(meshes.first.view()) {
         check_device(detector, meshes.first.device());
         if (!other) return;
         check_device(detector, meshes.second->device());
@@ -40,8 +41,9 @@ struct LaunchedMeshes {
 };
 
 struct LaunchedFeatures {
-    LaunchedFeatures(const SharedDetector& detector, const nb::tuple& mesh, const nb::tuple& lists, nb::handle at_end)
-        : start(detector, mesh, lists) {
+    LaunchedFeatures(const SharedDetector& detector, const nb::tuple& mesh, const nb::tuple& lists, nb::handle at_end,
+                     void* stream)
+        : start(detector, mesh, lists, stream) {
         if (!at_end.is_none()) end.emplace(at_end, start.mesh);
     }
     AskedOfMesh start;
@@ -49,20 +51,11 @@ struct LaunchedFeatures {
     std::optional<AskedOfVertices> vertices;
 };
 
-// The stream that arrays are ready on: an address, or None, the legacy default stream.
-class Stream {
-   public:
-    explicit Stream(nb::handle given) {
-        if (given.is_none()) return;
-        stream_ = reinterpret_cast<void*>(integer<std::uintptr_t>("stream", given));
-        ready_.emplace();
-    }
-    void* get() const { return stream_; }
-
-   private:
-    void* stream_ = nullptr;
-    std::optional<ReadyOnStream> ready_;
-};
+// Returns the CUDA stream with this address. None is the legacy default stream: null.
+void* stream_of(nb::handle address) {
+    if (address.is_none()) return nullptr;
+    return reinterpret_cast<void*>(integer<std::uintptr_t>("stream", address));
+}
 
 // Has launch(detector) start work on what is given, and keeps that.
 template <class Given, class Launch>
@@ -75,9 +68,7 @@ void launch(SharedDetector& detector, std::shared_ptr<Given> given, Launch launc
 void launch_meshes(nb::handle self, const nb::tuple& first, const std::optional<nb::tuple>& second,
                    const OwningQuery& query, nb::handle stream) {
     SharedDetector& detector = detector_of(self);
-    const Stream on(stream);
-    const auto given = std::make_shared<LaunchedMeshes>(detector, first, second);
-    given->a.stream = given->b.stream = on.get();
+    const auto given = std::make_shared<LaunchedMeshes>(detector, first, second, stream_of(stream));
     launch(detector, given, [&](Detector& by) {
         if (second)
             by.launch_between(given->a, given->b, query.query);
@@ -89,19 +80,15 @@ void launch_meshes(nb::handle self, const nb::tuple& first, const std::optional<
 void launch_impacts(nb::handle self, const nb::tuple& mesh, nb::handle end, const Motion& question,
                     const nb::tuple& lists, nb::handle stream) {
     SharedDetector& detector = detector_of(self);
-    const Stream on(stream);
     if (end.is_none()) refuse("launch_impacts needs the vertices at the end");
-    const auto given = std::make_shared<LaunchedFeatures>(detector, mesh, lists, end);
-    given->start.view.stream = on.get();
+    const auto given = std::make_shared<LaunchedFeatures>(detector, mesh, lists, end, stream_of(stream));
     launch(detector, given, [&](Detector& by) { by.launch_impacts(given->start.view, given->end->view(), question); });
 }
 
 void launch_near(nb::handle self, const nb::tuple& mesh, const Near& question, nb::handle radii, nb::handle rest,
                  const nb::tuple& lists, nb::handle stream) {
     SharedDetector& detector = detector_of(self);
-    const Stream on(stream);
-    const auto given = std::make_shared<LaunchedFeatures>(detector, mesh, lists, nb::none());
-    given->start.view.stream = on.get();
+    const auto given = std::make_shared<LaunchedFeatures>(detector, mesh, lists, nb::none(), stream_of(stream));
     given->vertices.emplace(question, given->start.mesh, radii, rest);
     launch(detector, given, [&](Detector& by) { by.launch_near(given->start.view, given->vertices->question); });
 }
@@ -109,9 +96,7 @@ void launch_near(nb::handle self, const nb::tuple& mesh, const Near& question, n
 void launch_candidates(nb::handle self, const nb::tuple& mesh, nb::handle end, const CandidateQuestion& question,
                        const nb::tuple& lists, nb::handle stream) {
     SharedDetector& detector = detector_of(self);
-    const Stream on(stream);
-    const auto given = std::make_shared<LaunchedFeatures>(detector, mesh, lists, end);
-    given->start.view.stream = on.get();
+    const auto given = std::make_shared<LaunchedFeatures>(detector, mesh, lists, end, stream_of(stream));
     launch(detector, given, [&](Detector& by) {
         if (given->end)
             by.launch_candidates(given->start.view, given->end->view(), question);
@@ -121,9 +106,8 @@ void launch_candidates(nb::handle self, const nb::tuple& mesh, nb::handle end, c
 }
 
 struct LaunchedWorld {
-    LaunchedWorld(const SharedDetector& detector, nb::handle world, nb::handle poses)
-        : bodies(given_world(world).bodies),
-          at(poses.is_none() ? given_world(world).poses : BorrowedPoses(poses, *bodies)) {
+    LaunchedWorld(const SharedDetector& detector, nb::handle world, nb::handle poses, void* stream)
+        : bodies(given_world(world).bodies), at(poses, *bodies, BorrowedPoses::When::start, stream) {
         if (at.device() == BorrowedArray::on_host)
             refuse("launch takes poses in CUDA memory: find takes those of the host");
         check_device(detector, at.device());
@@ -135,13 +119,11 @@ struct LaunchedWorld {
 void launch_world(nb::handle self, nb::handle world, nb::handle poses, const Intersect& question, nb::handle excluded,
                   nb::handle stream) {
     SharedDetector& detector = detector_of(self);
-    const Stream on(stream);
-    const auto given = std::make_shared<LaunchedWorld>(detector, world, poses);
+    const auto given = std::make_shared<LaunchedWorld>(detector, world, poses, stream_of(stream));
     Intersect asked = question;
     asked.rules.excluded_bodies = excluded_bodies(*given->bodies, excluded);
     World view{given->bodies->shapes, given->bodies->bodies, {}};
     view.device_poses = given->at.on_device(*given->bodies);
-    view.device_poses.stream = on.get();
     launch(detector, given, [&](Detector& by) { by.launch(view, asked); });
 }
 

@@ -131,11 +131,12 @@ BorrowedShape::BorrowedShape(const nb::tuple& given, const char* which, std::uin
 
 BorrowedWorld& given_world(nb::handle world) { return instance<BorrowedWorld>(world, "world", "crumple.World"); }
 
-BorrowedPoses::BorrowedPoses(nb::handle poses, const Bodies& bodies, When when) : when_(when) {
+BorrowedPoses::BorrowedPoses(nb::handle poses, const Bodies& bodies, When when, void* stream)
+    : when_(when), stream_(stream) {
     if (poses.is_none()) return;
     object_ = nb::borrow(poses);
     const char* const which = when == When::end ? "end_" : "";
-    array_ = borrow_poses(poses, which, kept_);
+    array_ = borrow_poses(poses, which, stream, kept_);
     const int front = array_.dimensions - 2;
     std::int64_t given = 1;
     for (int i = 0; i < front; ++i) given *= array_.shape[static_cast<std::size_t>(i)];
@@ -184,8 +185,8 @@ DevicePoses BorrowedPoses::on_device(const Bodies& bodies) const {
         refuse(std::string("poses of configurations in CUDA memory are taken where no body is at rest (-1): ") +
                copy_to_host);
     return array_.number == BorrowedArray::Number::float32
-               ? DevicePoses(static_cast<const float*>(array_.data), bodies.posed())
-               : DevicePoses(static_cast<const double*>(array_.data), bodies.posed());
+               ? DevicePoses(static_cast<const float*>(array_.data), bodies.posed(), stream_)
+               : DevicePoses(static_cast<const double*>(array_.data), bodies.posed(), stream_);
 }
 
 void BorrowedPoses::copy(std::int64_t count, std::vector<Pose>& buffer) const {

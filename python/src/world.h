@@ -50,15 +50,16 @@ class BorrowedPoses {
    public:
     BorrowedPoses() = default;
     enum class When : std::uint8_t { start, end };
-    /// None: all as given. Throws where there is not one for each body that is posed.
-    BorrowedPoses(nanobind::handle poses, const Bodies& bodies, When when = When::start);
+    /// None: all as given. Throws where there is not one for each body that is posed. `stream`: the CUDA
+    /// stream that poses in CUDA memory must be ready on, as in BorrowedMesh.
+    BorrowedPoses(nanobind::handle poses, const Bodies& bodies, When when = When::start, void* stream = nullptr);
 
     /// One a body: in place where that can be, else in `buffer`. Reads the numbers as they are now; those of matrices
     /// of four rows must end in 0 0 0 1.
     std::span<const Pose> read(const Bodies& bodies, std::vector<Pose>& buffer) const;
     /// The CUDA device that they lie on, which read() refuses, or BorrowedArray::on_host.
     int device() const { return object_ ? array_.device : BorrowedArray::on_host; }
-    /// Those on a device, ready on the legacy default stream. Refuses those of configurations with bodies at rest.
+    /// Those on a device, ready on the stream. Refuses those of configurations with bodies at rest.
     DevicePoses on_device(const Bodies& bodies) const;
     bool given() const { return object_.is_valid(); }
     /// As they were given.
@@ -71,6 +72,7 @@ class BorrowedPoses {
     Kept kept_;
     BorrowedArray array_;
     When when_ = When::start;
+    void* stream_ = nullptr;
 };
 
 /// crumple.World.

@@ -270,26 +270,133 @@ def test_arrays_outlive_a_launch(cuda, cpu):
     assert_shows(cuda.wait_impacts(), cpu.find_impacts(START, END, FACES), IMPACTS)
 
 
-def test_streams(cuda, cpu):
-    """Named, nobody waits for what writes the arrays: DLPack's stream -1. By address, or as others have them."""
+class Producer:
+    """Array in device memory that records the arguments of each call of its __dlpack__."""
 
-    class Told(OnDevice):
-        def __dlpack__(self, **named):
-            streams.append(named.get("stream"))
-            return super().__dlpack__()
+    def __init__(self, array):
+        self.array, self.calls = on_device(array), []
 
-    class Stream:
-        cuda_stream = 0
+    def __dlpack_device__(self):
+        return self.array.__dlpack_device__()
 
-    expected = cpu.find_near(START, FACES, radius=0.1)
-    for stream, told in ((None, None), (0, -1), (Stream(), -1)):
-        streams = []
-        arrays = [on_device(array) for array in (START, FACES)]
-        if ON_CPU:
-            arrays = [Told(array.array) for array in arrays]
-        cuda.launch_near(*arrays, radius=0.1, stream=stream)
-        assert_shows(cuda.wait_near(), expected, NEAR)
-        assert streams == ([told, told] if ON_CPU else [])
+    def __dlpack__(self, **named):
+        self.calls.append(named)
+        return self.array.__dlpack__(**named)
+
+
+def assert_each_was_ready_once(producers, stream):
+    assert [producer.calls for producer in producers] == [[{"stream": stream}]] * len(producers)
+
+
+RADII, EDGES, POINTS = np.linspace(0.01, 0.1, len(START)), np.array([[0, 5]], np.int32), np.array([1], np.int32)
+
+
+@pytest.mark.parametrize(
+    ("given", "search"),
+    [
+        (MESH, lambda cuda, v, f, g: cuda.find_self(v, f, groups=g)),
+        (MESH, lambda cuda, v, f, g: cuda.has_intersections(v, f, groups=g)),
+        (MESH, lambda cuda, v, f, g: cuda.partition(crumple.Mesh(v, f, g), count=2)),
+        ((*MESH[:2], *OTHER[:2]), lambda cuda, v, f, w, g: cuda.find_between((v, f), (w, g))),
+        ((START, END, FACES), lambda cuda, v, w, f: cuda.find_impacts(v, w, f)),
+        ((START, END, FACES), lambda cuda, v, w, f: cuda.time_of_first_impact(v, w, f)),
+        ((START, END, FACES), lambda cuda, v, w, f: cuda.find_free_step(v, w, f)),
+        (
+            (START, FACES, RADII, END),
+            lambda cuda, v, f, r, w: cuda.find_near(v, f, radii=r, rest=w, rest_radius=0.01),
+        ),
+        (
+            (START, FACES, END, EDGES, POINTS),
+            lambda cuda, v, f, w, e, p: cuda.find_candidates(v, f, end=w, edges=e, points=p, kinds="vertex_edge"),
+        ),
+    ],
+)
+def test_searches_read_arrays_that_are_ready_on_the_default_stream(cuda, given, search):
+    producers = [Producer(array) for array in given]
+    search(cuda, *producers)
+    assert_each_was_ready_once(producers, 1)
+
+
+class PyTorchStream:
+    def __init__(self, address):
+        self.cuda_stream = address
+
+
+class CuPyStream:
+    def __init__(self, address):
+        self.ptr = address
+
+
+# Streams as launches take them, and DLPack's numbers of them: 1 for the legacy default stream. PyTorch has no
+# per-thread default stream, which is 2.
+STREAMS = [(None, 1), (0, 1), (1, 1), (PyTorchStream(0), 1), (CuPyStream(1), 1)]
+STREAMS += [(2, 2), (PyTorchStream(2), 2), (CuPyStream(2), 2)] if ON_CPU else []
+
+
+@pytest.mark.parametrize(("stream", "number"), STREAMS)
+def test_launches_read_arrays_that_are_ready_on_their_stream(cuda, cpu, stream, number):
+    vertices, end, faces, radii, rest, edges, points = producers = [
+        Producer(array) for array in (START, END, FACES, RADII, END, EDGES, POINTS)
+    ]
+
+    def launched(launch, *given, **named):
+        """Launches, and returns the producers among the arguments after it has checked their calls."""
+        for producer in producers:
+            producer.calls.clear()
+        launch(*given, **named, stream=stream)
+        assert_each_was_ready_once([a for a in (*given, *named.values()) if isinstance(a, Producer)], number)
+
+    launched(cuda.launch_self, vertices, faces)
+    assert_shows(cuda.wait(), cpu.find_self(START, FACES), ["pairs"])
+    launched(cuda.launch_impacts, vertices, end, faces)
+    assert_shows(cuda.wait_impacts(), cpu.find_impacts(START, END, FACES), IMPACTS)
+    launched(cuda.launch_near, vertices, faces, radii=radii, rest=rest, rest_radius=0.01)
+    expected = cpu.find_near(START, FACES, radii=RADII, rest=END, rest_radius=0.01)
+    assert_shows(cuda.wait_near(), expected, NEAR)
+    launched(cuda.launch_candidates, vertices, faces, end=end, edges=edges, points=points, kinds="vertex_edge")
+    expected = cpu.find_candidates(START, FACES, end=END, edges=EDGES, points=POINTS, kinds="vertex_edge")
+    assert_shows(cuda.wait_candidates(), expected, ["vertex_edges"])
+
+
+@pytest.mark.parametrize(("stream", "number"), STREAMS)
+def test_both_meshes_of_a_launch_are_ready_on_its_stream(cuda, cpu, stream, number):
+    producers = [Producer(array) for array in (*MESH, *OTHER[:2])]
+    cuda.launch_between(crumple.Mesh(*producers[:3]), crumple.Mesh(*producers[3:]), stream=stream)
+    assert_each_was_ready_once(producers, number)
+    assert_shows(cuda.wait(), cpu.find_between(MESH, OTHER), ["pairs"])
+
+
+@pytest.mark.skipif(not ON_CPU, reason="PyTorch, which made the arrays, follows the address")
+def test_a_stream_of_any_address_is_passed_to_dlpack(cuda):
+    address = 2**64 - 16
+    producers = [Producer(array) for array in (START, FACES)]
+    with pytest.raises(crumple.Error):  # there is no such stream
+        cuda.launch_self(*producers, stream=address)
+    assert_each_was_ready_once(producers, address)
+
+
+@pytest.mark.skipif(ON_CPU, reason="PyTorch has no device")
+def test_launches_on_a_stream_of_pytorch_read_what_it_has_written(cuda, cpu):
+    torch = pytest.importorskip("torch")
+    start, end, faces = map(on_device, (START, END, FACES))
+    late, stream = torch.zeros_like(end), torch.cuda.Stream()
+    expected = cpu.find_impacts(START, END, FACES)
+    for launch_on in (stream, None):
+        late.zero_()
+        torch.cuda.synchronize()
+        with torch.cuda.stream(stream):
+            torch.cuda._sleep(50_000_000)
+            late.copy_(end)
+            cuda.launch_impacts(start, late, faces, stream=launch_on)
+        assert_shows(cuda.wait_impacts(), expected, IMPACTS)
+    late.zero_()
+    torch.cuda.synchronize()
+    with torch.cuda.stream(stream):
+        torch.cuda._sleep(50_000_000)
+        late.copy_(end)
+        found = cuda.find_impacts(start, late, faces)
+    for name in IMPACTS:
+        np.testing.assert_array_equal(getattr(found, name), getattr(expected, name))
 
 
 def test_an_answer_that_is_not_complete(cuda):
@@ -379,6 +486,45 @@ def test_launches_of_worlds(cuda, cpu, scalar):
     cuda.wait_worlds()
     with pytest.raises(crumple.InvalidInput, match="^launch takes poses in CUDA memory"):
         cuda.launch(world, poses=poses)
+
+
+def test_searches_read_poses_that_are_ready_on_the_default_stream(cuda):
+    world, poses = worlds_of(3, np.float64)
+    start, end = producers = Producer(poses), Producer(poses)
+    for search in (
+        lambda: cuda.find(world, poses=start),
+        lambda: cuda.find_impacts(world, poses=start, end_poses=end),
+        lambda: cuda.find_near(world, radius=0.1, poses=start),
+        lambda: cuda.find_candidates(world, poses=start, end_poses=end),
+    ):
+        for producer in producers:
+            producer.calls.clear()
+        search()
+        assert_each_was_ready_once([producer for producer in producers if producer.calls], 1)
+        assert start.calls
+
+
+def test_each_search_has_the_poses_of_a_world_made_ready(cuda):
+    """Between searches they may be written to, on any stream."""
+    world, poses = worlds_of(3, np.float64)
+    world.poses = producer = Producer(poses)
+    for _ in range(2):
+        producer.calls.clear()
+        cuda.find(world)
+        assert_each_was_ready_once([producer], 1)
+
+
+@pytest.mark.parametrize(("stream", "number"), STREAMS)
+def test_launches_of_worlds_read_poses_that_are_ready_on_their_stream(cuda, cpu, stream, number):
+    world, poses = worlds_of(3, np.float64)
+    expected = cpu.find(world, poses=poses)
+    world.poses = own = Producer(poses)
+    other = Producer(poses)
+    for producer, given in ((own, {}), (other, {"poses": other})):
+        producer.calls.clear()
+        cuda.launch(world, **given, stream=stream)
+        assert_each_was_ready_once([producer], number)
+        assert_shows(cuda.wait_worlds(), expected, ["pairs"])
 
 
 @pytest.mark.parametrize("scalar", [np.float32, np.float64])

@@ -317,6 +317,98 @@ def test_nothing_is_converted_on_a_device(detector):
         detector.find_self(MESH, excluded_groups=OnDevice(np.zeros((1, 2), np.int32)))
 
 
+class Producer(OnDevice):
+    """Records the arguments of each call of its __dlpack__, which raises `errors` one after the other."""
+
+    def __init__(self, array, kind=2, errors=()):
+        super().__init__(array, kind=kind)
+        self.calls, self.errors = [], list(errors)
+
+    def __dlpack__(self, **named):
+        self.calls.append(named)
+        if self.errors:
+            raise self.errors.pop(0)
+        return super().__dlpack__(**named)
+
+
+class Unannounced(Producer):
+    """Lies in CUDA memory, but does not say so before it is read."""
+
+    __dlpack_device__ = None
+
+
+@pytest.mark.parametrize("kind", [1, 3])
+def test_arrays_in_host_memory_are_read_without_a_stream(detector, kind):
+    vertices, faces = Producer(MESH.vertices, kind), Producer(MESH.faces, kind)
+    assert detector.find_self(vertices, faces).pairs.tolist() == EXPECTED
+    assert vertices.calls == faces.calls == [{}]
+
+
+@pytest.mark.parametrize("kind", [2, 13])
+def test_arrays_in_cuda_memory_are_made_ready_on_a_stream(detector, kind):
+    vertices, faces = Producer(MESH.vertices, kind), Producer(MESH.faces.astype(np.int16), kind)
+    with pytest.raises(crumple.InvalidInput, match="^faces in CUDA memory must be"):
+        detector.find_self(vertices, faces)
+    assert vertices.calls == faces.calls == [{"stream": 1}]
+
+
+@pytest.mark.parametrize(("kind", "stream"), [(1, {}), (2, {"stream": 1})])
+def test_read_only_arrays_are_requested_once_more_by_version(detector, kind, stream):
+    vertices = Producer(MESH.vertices, kind, [BufferError("read-only")])
+    faces = MESH.faces if kind == 1 else Producer(MESH.faces.astype(np.int16))
+    if kind == 1:
+        assert detector.find_self(vertices, faces).pairs.tolist() == EXPECTED
+    else:
+        with pytest.raises(crumple.InvalidInput, match="^faces in CUDA memory must be"):
+            detector.find_self(vertices, faces)
+    first, second = vertices.calls
+    assert first == stream and second.pop("max_version") >= (1, 0) and second == stream
+
+
+@pytest.mark.parametrize(
+    ("errors", "told"),
+    [
+        ([TypeError("no argument 'stream'")], "TypeError: no argument 'stream'"),
+        ([ZeroDivisionError("division by zero")], "ZeroDivisionError: division by zero"),
+        ([BufferError("read-only"), BufferError("no such stream")], "BufferError: no such stream"),
+        ([BufferError("no such stream"), TypeError("no argument 'max_version'")], "BufferError: no such stream"),
+    ],
+)
+def test_errors_of_arrays_in_cuda_memory_name_the_argument(detector, errors, told):
+    message = rf"in CUDA memory cannot be read: __dlpack__\(stream=1\), which makes .*, raised {told}$"
+    vertices, faces = OnDevice(MESH.vertices), OnDevice(MESH.faces)
+    failing = Producer(MESH.vertices, errors=errors)
+    with pytest.raises(crumple.InvalidInput, match=f"^vertices {message}") as caught:
+        detector.find_self(failing, faces)
+    assert caught.value.__cause__ in errors
+    assert failing.calls[0] == {"stream": 1} and len(failing.calls) == len(errors)
+    with pytest.raises(crumple.InvalidInput, match=f"^second mesh: faces {message}"):
+        detector.find_between((vertices, faces), (vertices, Producer(MESH.faces, errors=errors)))
+    with pytest.raises(crumple.InvalidInput, match=f"^end vertices {message}"):
+        detector.find_impacts(MESH.vertices, Producer(MESH.vertices, errors=errors), MESH.faces)
+    with pytest.raises(crumple.InvalidInput, match=f"^end_poses {message}"):
+        crumple.World([MESH], end_poses=Producer(np.eye(4)[None, :3], errors=errors))
+
+
+@pytest.mark.parametrize("error", [MemoryError, KeyboardInterrupt])
+def test_what_is_no_fault_of_an_array_in_cuda_memory_passes_through(detector, error):
+    with pytest.raises(error):
+        detector.find_self(Producer(MESH.vertices, errors=[error]), OnDevice(MESH.faces))
+
+
+def test_cuda_memory_without_a_place_is_refused(detector):
+    silent = Unannounced(MESH.vertices)
+    with pytest.raises(crumple.InvalidInput, match="^vertices lie in CUDA memory, but have no __dlpack_device__ that"):
+        detector.find_self(silent, MESH.faces)
+    assert silent.calls == [{}]
+
+
+def test_host_memory_needs_no_place(detector):
+    silent = Unannounced(MESH.vertices)
+    silent.place = (1, 0)
+    assert detector.find_self(silent, MESH.faces).pairs.tolist() == EXPECTED
+
+
 def test_a_device_of_another_kind_is_named(detector):
     with pytest.raises(crumple.InvalidInput, match="vertices lie in Metal memory.*copy them to the host"):
         detector.find_self(OnDevice(MESH.vertices, kind=8), MESH.faces)
