@@ -2,8 +2,8 @@
 //
 //     nvcc -std=c++20 -O3 -arch=sm_90 -ptx expansion_copy.cu
 //
-// The kernel stores the sign of each negated list of four numbers. By nvcc 13.0 it stores 0 for every list. A C++ compiler
-// compiles the same functions for the host, where they return the signs that are expected.
+// The kernel stores the sign of each negated list of four numbers. By nvcc 13.0 it stores 0 for every list. A C++
+// compiler compiles the same functions for the host, where they return the signs that are expected.
 
 #ifdef __CUDACC__
 #include <cstdio>
