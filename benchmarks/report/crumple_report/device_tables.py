@@ -31,22 +31,30 @@ def where(results):
             f"{results.cuda['commit']}.")
 
 
+def boxes_of_cubql(results):
+    """Maps scenes to what cuBQL took for pairs of boxes, in ms."""
+    return {row["scene"]: row["median"] for row in (results.cubql or {"scenes": []})["scenes"]}
+
+
 @block("cuda short")
 def cuda_short(results):
     if not results.cuda:
         return ""
-    rows = [[device_scene(row), f"{row['triangles']:,}", f"{row['counts']['pairs']:,} pairs", ms(row["device"]), ms(row["cpu_all_threads"])]
+    boxes = boxes_of_cubql(results)
+    rows = [[device_scene(row), f"{row['triangles']:,}", f"{row['counts']['pairs']:,} pairs", ms(row["device"]), ms(row["cpu_all_threads"]),
+             f"{digits(boxes[row['scene']])} ms" if row["scene"] in boxes else ""]
             for row in shown(results) if row["scene"] != LARGE[1]]
-    rows += [[scene(row["step"]), f"{row['triangles']:,}", f"{row['rows']:,} impacts", ms(row["device"]), ms(row["cpu_all_threads"])]
+    rows += [[scene(row["step"]), f"{row['triangles']:,}", f"{row['rows']:,} impacts", ms(row["device"]), ms(row["cpu_all_threads"]), ""]
              for row in results.cuda["steps"] if (row["step"], row["question"]) == ("unc_cloth_ball", "impacts")]
-    return table(["scene", "triangles", "found", results.cuda["device"]["name"], of_cpu(results)], rows)
+    return table(["scene", "triangles", "found", results.cuda["device"]["name"], of_cpu(results),
+                  "cuBQL on the H200, boxes only, not run again"], rows)
 
 
 @block("cuda frames")
 def cuda_frames(results):
     if not results.cuda:
         return ""
-    boxes = {row["scene"]: row["median"] for row in (results.cubql or {"scenes": []})["scenes"]}
+    boxes = boxes_of_cubql(results)
 
     def beside(row):
         other = boxes.get(row["scene"])
