@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Tests that take an hour and more, which .ci/run leaves out: all others thoroughly, paths through the code by clang-tidy's
-# analyzer, then fuzz targets. Prints a table of figures, for docs/fuzzing.md.
+# Tests that take an hour and more, which .ci/run leaves out: all others thoroughly, the kernels' PTX for each generation of
+# devices, paths through the code by clang-tidy's analyzer, then fuzz targets. Prints a table of figures, for docs/fuzzing.md.
 #   scripts/test_long.sh [READS [SEARCHES [WORLDS]]]   how many inputs of each fuzz target; ten, one and one million
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -22,6 +22,19 @@ row() {
 
 # More of what is random, and what the usual run leaves out.
 CRUMPLE_ROUNDS=5 scripts/test.sh
+
+# The optimizer of nvcc makes other code for other devices.
+if [[ -x build/tests/ptx/ptx_kernels_test ]]; then
+    for architecture in 75 80 90 100 110 120; do
+        files=()
+        for source in questions/intersect/cuda/narrow engine/cuda/contacts questions/features/cuda/narrow; do
+            files+=("build/tests/ptx/${source//\//_}_$architecture.ptx")
+            nvcc -std=c++20 --fmad=false --expt-relaxed-constexpr -I include -I src "-arch=compute_$architecture" -ptx \
+                -o "${files[-1]}" "src/$source.cu"
+        done
+        CRUMPLE_PTX=$(IFS=:; echo "${files[*]}") build/tests/ptx/ptx_kernels_test --gtest_brief=1
+    done
+fi
 
 # The analyzer follows paths only through what is written in the file that it is given, so each file is one.
 scripts/install_dependencies.sh --tests --mpi --ci
