@@ -4,8 +4,9 @@
 // the device's, between events around the graph on the caller's stream, which a kernel has kept busy until the graph
 // was there. Beside it: the same on a stream that was idle, so that the host's launch counts; by the host's clock, with
 // what wait() does; with the mesh on the host, so that it is brought in and the answer out; the cpu backend on all
-// threads; and, stage by stage, what bandwidth and launches allow. Each answer is compared with the cpu backend's; one
-// that differs ends the program with status 1.
+// threads; and, stage by stage, what bandwidth and launches allow. Each result is compared with the cpu backend's. A
+// wrong one is marked in its row ("right": false, with a sentence), the run goes on, and its status at the end is 1.
+// The file of figures grows row by row, so that a run that is cut leaves what was measured.
 //
 // With --serve it takes turns with peers on the same device: peers_python.py --on-device.
 
@@ -30,6 +31,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "comparison.h"
 #include "crumple/crumple.h"
 #include "cuda_features.h"
 #include "cuda_worlds.h"
@@ -101,10 +103,9 @@ class Simulation {
     cudaEvent_t begin_ = nullptr, end_ = nullptr;
 };
 
-void expect_same(const std::string& scene, const Collisions& cuda, const Collisions& cpu) {
-    const auto same = [](const auto& a, const auto& b) { return std::equal(a.begin(), a.end(), b.begin(), b.end()); };
-    if (!same(cuda.pairs, cpu.pairs) || !same(cuda.offsets, cpu.offsets) || !same(cuda.hit, cpu.hit))
-        throw std::runtime_error(scene + ": the answers of cuda and cpu differ");
+std::string difference(const Collisions& cuda, const Collisions& cpu) {
+    return array_difference("pairs", cuda.pairs, cpu.pairs) + array_difference("offsets", cuda.offsets, cpu.offsets) +
+           array_difference("hit flags", cuda.hit, cpu.hit);
 }
 
 /// Times of the stages over frames that are not launched as a graph, so that there are events between them.
@@ -181,7 +182,7 @@ nlohmann::json measure(const Settings& settings, const std::string& scene, Table
         device.push_back(simulation.frame(detector, answer, true));
         clock.push_back(milliseconds_of([&] { idle.push_back(simulation.frame(detector, answer, false)); }));
     }
-    expect_same(scene, detector.download(), cpu.find_self(host));
+    std::string wrong = difference(detector.download(), cpu.find_self(host));
 
     const std::array<Summary, stage_count> by_stage = stages(settings, other, simulation.view());
     nlohmann::json of_stages;
@@ -189,7 +190,7 @@ nlohmann::json measure(const Settings& settings, const std::string& scene, Table
         of_stages[std::string(stage_name(static_cast<Stage>(k)))] = to_json(by_stage[k]);
     const Statistics statistics = other.find_self(simulation.view()).statistics;
     const nlohmann::json counted = counts(statistics);
-    expect_same(scene, other.find_self(host), cpu.find_self(host));
+    wrong += difference(other.find_self(host), cpu.find_self(host));
     const Summary brought = repeated(settings.host_frames(), [&] { other.find_self(host); });
     const Summary on_cpu = repeated(settings.host_frames(), [&] { cpu.find_self(host); });
     const Summary graph = summarise(std::move(device)), waited = summarise(std::move(clock));
@@ -198,18 +199,20 @@ nlohmann::json measure(const Settings& settings, const std::string& scene, Table
                range(graph), number(from_idle.median), number(waited.median), number(brought.median),
                number(on_cpu.median), number(first)});
     const LeastWork least = least_work(host.vertices.rows, workload.scalar() == "float32", statistics);
-    return {{"scene", scene},
-            {"triangles", workload.triangle_count()},
-            {"scalar", workload.scalar()},
-            {"device", to_json(graph)},
-            {"device_from_idle", to_json(from_idle)},
-            {"device_and_wait", to_json(waited)},
-            {"from_and_to_host", to_json(brought)},
-            {"cpu_all_threads", to_json(on_cpu)},
-            {"first_milliseconds", first},
-            {"stages", of_stages},
-            {"bounds", bounds(settings.limits, scene, least, by_stage, graph)},
-            {"counts", counted}};
+    nlohmann::json row{{"scene", scene},
+                       {"triangles", workload.triangle_count()},
+                       {"scalar", workload.scalar()},
+                       {"device", to_json(graph)},
+                       {"device_from_idle", to_json(from_idle)},
+                       {"device_and_wait", to_json(waited)},
+                       {"from_and_to_host", to_json(brought)},
+                       {"cpu_all_threads", to_json(on_cpu)},
+                       {"first_milliseconds", first},
+                       {"stages", of_stages},
+                       {"bounds", bounds(settings.limits, scene, least, by_stage, graph)},
+                       {"counts", counted}};
+    set_right(row, scene, wrong);
+    return row;
 }
 
 /// From 10,000 triangles on. The exponent is that of the large sizes: below, a frame is mostly launches, which do not
@@ -311,6 +314,8 @@ int run(Settings settings) {
         settings.serving ? serve(settings) : play(settings);
         return 0;
     }
+    // Time to make the first backend of the process: kernels, their stacks, and the comparison with known results.
+    const double backend = milliseconds_of([&] { const Detector detector(settings.options()); });
     settings.limits = measure_limits(settings.device);
     int runtime = 0, driver = 0;
     check(cudaRuntimeGetVersion(&runtime));
@@ -323,40 +328,42 @@ int run(Settings settings) {
                           {"limits", to_json(settings.limits)},
                           {"cuda_runtime", runtime},
                           {"cuda_driver", driver},
+                          {"first_backend_milliseconds", backend},
                           {"frames", settings.frames},
                           {"unit", "milliseconds"}};
     Table table(fmt::format("cuda on {}, milliseconds, medians of {} frames", device.name, settings.frames),
                 {"scene", "triangles", "pairs", "device", "quartiles", "from idle", "with wait", "host to host", "cpu",
                  "first"});
-    nlohmann::json& scenes = result["scenes"] = nlohmann::json::array();
-    // Written scene by scene: a run that is cut short leaves what was measured.
-    for (const std::string& scene : settings.scenes) {
-        scenes.push_back(measure(settings, scene, table));
-        write(settings, result);
-    }
+    // Appends a row to a list of the figures, and writes them.
+    const auto add_to = [&](const char* list) {
+        result[list] = nlohmann::json::array();
+        return [&, list](nlohmann::json row) {
+            result[list].push_back(std::move(row));
+            write(settings, result);
+        };
+    };
+    const RowSink add_scene = add_to("scenes");
+    for (const std::string& scene : settings.scenes) add_scene(measure(settings, scene, table));
     if (settings.largest > 0)
         result["growth"] = growth(settings, table, [&](const nlohmann::json& rows) {
             result["growth"]["sizes"] = rows;
             write(settings, result);
         });
+    table.print();
     Table worlds = table_of_worlds();
     if (settings.worlds > 0)
-        result["worlds"] = measure_worlds(settings.worlds, settings.options(), settings.host_frames(), worlds);
-    write(settings, result);
-    table.print();
+        measure_worlds(settings.worlds, settings.options(), settings.host_frames(), worlds, add_to("worlds"));
     Table features = table_of_steps();
-    nlohmann::json& steps = result["steps"] = nlohmann::json::array();
-    for (const std::string& step : settings.steps) {
-        for (nlohmann::json& row : measure_step(step, settings.options(), settings.frames, features))
-            steps.push_back(std::move(row));
-        write(settings, result);
-    }
+    const RowSink add_step_row = add_to("steps");
+    for (const std::string& step : settings.steps)
+        measure_step(step, settings.options(), settings.frames, features, add_step_row);
     if (!settings.steps.empty()) features.print();
     if (settings.worlds > 0) worlds.print();
     if (result.contains("growth") && result["growth"].contains("exponent"))
         fmt::print("  time ~ triangles^{:.3f} on the device from 200,000 triangles on, ^{:.3f} over all sizes\n",
                    result["growth"]["exponent"].get<double>(), result["growth"]["exponent_of_all_sizes"].get<double>());
-    return 0;
+    write(settings, result);
+    return all_right(result) ? 0 : 1;
 }
 
 }  // namespace

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <stdexcept>
 #include <type_traits>
 #include <utility>
 #include <vector>
 
+#include "comparison.h"
 #include "crumple/crumple.h"
 #include "device_array.h"
 #include "step.h"
@@ -80,12 +80,15 @@ bool same_list(const DeviceNearList& there, const NearList& here) {
 }
 bool same_list(const DeviceCandidateList& there, const CandidateList& here) { return same(there.pairs, here.pairs); }
 
+/// Returns a sentence about the first difference, empty if there is none.
 template <class There, class Here>
-void expect_same(const std::string& name, const There& there, const Here& here) {
-    bool equal = there.count == here.count;
-    if constexpr (std::is_same_v<There, DeviceImpacts>) equal = equal && there.first == here.first;
-    for (std::size_t k = 0; k < here.lists.size() && equal; ++k) equal = same_list(there.lists[k], here.lists[k]);
-    if (!equal) throw std::runtime_error(name + ": the answers of cuda and cpu differ");
+std::string difference(const There& there, const Here& here) {
+    if (there.count != here.count) return fmt::format("cuda has {} rows, cpu has {}", there.count, here.count);
+    if constexpr (std::is_same_v<There, DeviceImpacts>)
+        if (!(there.first == here.first)) return "the first impacts differ";
+    for (std::size_t k = 0; k < here.lists.size(); ++k)
+        if (!same_list(there.lists[k], here.lists[k])) return fmt::format("the lists of kind {} differ", k);
+    return "";
 }
 
 }  // namespace
@@ -95,13 +98,12 @@ Table table_of_steps() {
             {"step", "question", "triangles", "rows", "device", "quartiles", "with wait", "cpu", "first"}};
 }
 
-nlohmann::json measure_step(const std::string& name, const Options& options, int frames, Table& table) {
+void measure_step(const std::string& name, const Options& options, int frames, Table& table, const RowSink& add) {
     const Step step = load_step(name);
     const MeshView here = step.start.view();
     const VertexView end_here = step.end_view();
     const StepThere there(step);
     Detector cpu({.backend = Backend::cpu});
-    nlohmann::json rows = nlohmann::json::array();
     const auto measure = [&](const char* question, auto launch, auto wait, auto find) {
         Detector detector(options);
         const auto frame = [&] { return there.milliseconds([&] { launch(detector); }, [&] { wait(detector); }); };
@@ -114,18 +116,20 @@ nlohmann::json measure_step(const std::string& name, const Options& options, int
         const Summary on_cpu = repeated(std::max(1, frames / 20), [&] { find(); });
         launch(detector);
         const auto& found = wait(detector);
-        expect_same(name + ", " + question, found, find());
+        const std::string wrong = difference(found, find());
         table.row({name, question, std::to_string(here.triangles.rows), std::to_string(found.count),
                    number(by_events.median), range(by_events), number(clock.median), number(on_cpu.median),
                    number(first)});
-        rows.push_back({{"step", name},
-                        {"question", question},
-                        {"triangles", here.triangles.rows},
-                        {"rows", found.count},
-                        {"device", to_json(by_events)},
-                        {"device_and_wait", to_json(clock)},
-                        {"cpu_all_threads", to_json(on_cpu)},
-                        {"first_milliseconds", first}});
+        nlohmann::json row{{"step", name},
+                           {"question", question},
+                           {"triangles", here.triangles.rows},
+                           {"rows", found.count},
+                           {"device", to_json(by_events)},
+                           {"device_and_wait", to_json(clock)},
+                           {"cpu_all_threads", to_json(on_cpu)},
+                           {"first_milliseconds", first}};
+        set_right(row, name + ", " + question, wrong);
+        add(std::move(row));
     };
     const Motion earliest{.wants = MotionWants::earliest};
     const Near near{.radius = step.radius};
@@ -144,7 +148,6 @@ nlohmann::json measure_step(const std::string& name, const Options& options, int
         "candidates", [&](Detector& d) { d.launch_candidates(there.view(), there.end()); },
         [](Detector& d) -> const DeviceCandidates& { return d.wait_candidates(); },
         [&]() -> const CandidateLists& { return cpu.find_candidates(here, end_here); });
-    return rows;
 }
 
 }  // namespace crumple::benchmark

@@ -3,7 +3,6 @@
 // Questions about the features of a mesh that moves on the device (step.h): impacts, the first one, what is near,
 // candidates. Arrays and answers stay there.
 
-#include <nlohmann/json.hpp>
 #include <string>
 
 #include "crumple/options.h"
@@ -14,8 +13,8 @@ namespace crumple::benchmark {
 Table table_of_steps();
 
 /// Each question by `frames` launches after a warm-up: on the device by events, on a stream that was kept busy until
-/// the graph was there; by the host's clock, with the wait; and the cpu backend on all threads, whose answer is
-/// compared. Adds rows to the table. Throws std::runtime_error if answers differ.
-nlohmann::json measure_step(const std::string& name, const Options& options, int frames, Table& table);
+/// the graph was there; by the host's clock, with the wait; and the cpu backend on all threads, whose result is
+/// compared (comparison.h). Adds rows to the table, and gives each row of figures to `add` when it is known.
+void measure_step(const std::string& name, const Options& options, int frames, Table& table, const RowSink& add);
 
 }  // namespace crumple::benchmark

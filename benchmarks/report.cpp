@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -87,9 +88,13 @@ void write_lines(std::ostream& out, const nlohmann::json& value, const std::stri
 }  // namespace
 
 void write_json(const std::string& path, const nlohmann::json& figures) {
-    std::ofstream file(path);
-    write_lines(file, figures, "");
-    if (!(file << '\n').flush()) throw std::runtime_error("cannot write " + path);
+    const std::string part = path + ".part";
+    {
+        std::ofstream file(part);
+        write_lines(file, figures, "");
+        if (!(file << '\n').flush()) throw std::runtime_error("cannot write " + part);
+    }
+    std::filesystem::rename(part, path);
 }
 
 }  // namespace crumple::benchmark

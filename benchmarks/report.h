@@ -2,6 +2,7 @@
 
 // Tables for people, JSON for machines.
 
+#include <functional>
 #include <nlohmann/json_fwd.hpp>
 #include <span>
 #include <string>
@@ -31,12 +32,16 @@ std::string range(const Summary& summary);
 /// Slope of the least squares line through (log x, log y).
 double exponent(std::span<const double> x, std::span<const double> y);
 
+/// Takes a row of figures as soon as it is known.
+using RowSink = std::function<void(nlohmann::json)>;
+
 /// Median and quartiles.
 nlohmann::json to_json(const Summary& summary);
 /// And the 99th percentile, for what a simulation waits for.
 nlohmann::json with_percentile_99(const Summary& summary);
 
-/// One record a line, as benchmarks/figures.py says. Throws std::runtime_error.
+/// Writes one record a line, as benchmarks/figures.py does, and replaces the file at once: a reader never sees half of
+/// it. Throws std::runtime_error.
 void write_json(const std::string& path, const nlohmann::json& figures);
 
 }  // namespace crumple::benchmark
