@@ -35,6 +35,14 @@ class SoupBuilder {
         triangle(a, c, d);
     }
 
+    /// Copy whose vertices are each moved by at most one unit along each axis.
+    SoupBuilder moved() const {
+        SoupBuilder copy(*this);
+        scenes::Random steps(13);
+        for (double& x : copy.xyz_) x += steps.integer(3) - 1;
+        return copy;
+    }
+
     template <class Scalar>
     io::TriangleMesh mesh(double unit = 1) const {
         io::TriangleMesh mesh;
@@ -165,6 +173,18 @@ inline SoupBuilder collinear_soup(int triangles) {
         };
         const std::int32_t a = on_line(), b = on_line();
         soup.triangle(a, b, on_line());
+    }
+    return soup;
+}
+
+/// Triangles a thousand times as long as they are wide, which cross around the origin.
+inline SoupBuilder needle_soup(int triangles) {
+    SoupBuilder soup(17);
+    for (int i = 0; i < triangles; ++i) {
+        const auto anywhere = [&] { return soup.random.integer(1001) - 500; };
+        const double x = anywhere(), y = anywhere(), z = anywhere();
+        const std::int32_t a = soup.vertex(x, y, z), b = soup.vertex(x + soup.random.integer(2), y + 1, z);
+        soup.triangle(a, b, soup.vertex(soup.random.integer(5) - x, soup.random.integer(5) - y, -z));
     }
     return soup;
 }
