@@ -1,22 +1,28 @@
+# shellcheck shell=bash disable=SC2034,SC2154
 # Sourced by gpu_pack.sh and gpu_check.sh: what both must agree on. `top` is the checkout.
-pack=$top/build-gpu/pack.tar.gz
-# Real scenes, and answers from outside.
-frames=(scalable-ccd/cloth-ball/frames/cloth_ball92.ply scalable-ccd/cloth-funnel/frames/227.ply
-    scalable-ccd/n-body-simulation/frames/balls16_18.ply gt/cloth_ball92.txt gt/cloth_funnel227.txt gt/balls16_18.txt
-    gt/balls16_18_welded.pairs.txt scalable-ccd/cloth-ball/frames/cloth_ball93.ply scalable-ccd/cloth-funnel/frames/228.ply
-    scalable-ccd/n-body-simulation/frames/balls16_19.ply)
-# The check's programs, where a build folder has them.
-programs=(tests/device/device_test tests/device/device_features_test tests/device/device_truth_test tests/device/device_agreement_test
-    tests/device/device_stages_test tests/device/device_portable_test benchmarks/crumple_cuda_benchmark cli/crumple)
+pack=$top/build-gpu/pack.tar.xz
+# Programs of the check, where a build folder has them, and the one that needs a checkout of cuBQL.
+programs=(tests/device/{device_test,device_features_test,device_truth_test,device_agreement_test,device_stages_test}
+    tests/device/{device_portable_test,write_hard_soups} benchmarks/crumple_cuda_benchmark cli/crumple)
+rival=benchmarks/crumple_cubql_benchmark
+
+# Prints files of $CRUMPLE_DATA: scenes of the benchmark, results from outside, and small scenes to compare backends on.
+list_real_files() {
+    printf '%s\n' scalable-ccd/cloth-ball/frames/cloth_ball{92,93}.ply scalable-ccd/cloth-funnel/frames/{227,228}.ply \
+        scalable-ccd/n-body-simulation/frames/balls16_{18,19}.ply gt/{cloth_ball92,cloth_funnel227,balls16_18}.txt \
+        gt/balls16_18_welded.pairs.txt meshes/{hull-mask,truck}.obj thingi10k-ember/case016_{a_88566,b_58011}.ply \
+        ipc-toolkit-test-data/{two-cubes-intersecting,spike-plane,thick-cloth/t0,thick-cloth/t1}.ply \
+        soups/soup_{degenerate,grid,huge32,repeat,tiny64}.ply
+}
 
 commit_of() {
     git -C "$1" rev-parse HEAD 2>/dev/null || { echo unknown; return; }
     [[ -z $(git -C "$1" status --porcelain --untracked-files=no) ]] || echo "with changes"
 }
 
-# One word for all that the programs are made of: a pack made of other sources is not to be taken for these.
+# Prints a hash of all sources of the programs and the Python package: a pack of other sources is refused.
 sources_of() {
-    (cd "$1" && find CMakeLists.txt benchmarks cli cmake include scenes src tests -type f \
-        \( -name '*.cpp' -o -name '*.cu' -o -name '*.cuh' -o -name '*.h' -o -name '*.cmake' -o -name CMakeLists.txt \) |
-        LC_ALL=C sort | xargs sha256sum | sha256sum | cut -c1-64)
+    (cd "$1" && find CMakeLists.txt benchmarks cli cmake include python/crumple python/src scenes src tests -type f \
+        \( -name '*.cpp' -o -name '*.cu' -o -name '*.cuh' -o -name '*.h' -o -name '*.cmake' -o -name CMakeLists.txt \
+        -o -path 'python/crumple/*.py' \) | LC_ALL=C sort | xargs sha256sum | sha256sum | cut -c1-64)
 }

@@ -1,99 +1,113 @@
 #!/usr/bin/env bash
-# Gathers for scripts/gpu_check.sh what the machine with the device may lack: build-gpu/pack.tar.gz.
-#   scripts/gpu_pack.sh [--warp]
-# In it: the programs of the check, built here for $CUDAARCHS (default 90: machine code for compute capability 9.0, PTX
-# for later ones), which find their libraries beside them; libraries, headers and tools to build them there, should these
-# not start; real scenes of $CRUMPLE_DATA; nanobind, for the Python package. --warp lays NVIDIA Warp's wheel beside the
-# pack: it is many times as large, and not everybody can carry it.
+# Makes build-gpu/pack.tar.xz, which scripts/gpu_check.sh needs on the machine that has the device; needs nvcc, no device.
+#   scripts/gpu_pack.sh [--python VERSION|PATH] [--cubql PATH] [--warp]
+# The pack holds the programs of the check, for $CUDAARCHS (default 90: machine code for compute capability 9.0, PTX for
+# later ones) and with line numbers for profilers; their libraries; a wheel of the Python package; scenes of $CRUMPLE_DATA.
+#   --python  the interpreter that the wheel is built by ($CRUMPLE_GPU_PYTHON, else python3.12). Since 3.12 wheels are of
+#             the stable ABI: one of 3.12 works in all later versions.
+#   --cubql   a checkout of cuBQL ($CUBQL, else cloned), whose BVH is measured beside the backend; its headers only
+#   --warp    puts NVIDIA Warp's wheel beside the pack: it is many times as large
 set -euo pipefail
 top=$(cd "$(dirname "$0")/.." && pwd)
+# shellcheck source=scripts/gpu_common.sh
 . "$top/scripts/gpu_common.sh"
 export PATH=$PATH:/usr/local/cuda/bin
-warp=''
-case ${1-} in
-    --warp) warp=1 ;;
-    '') ;;
-    *) echo "usage: $0 [--warp]" >&2; exit 2 ;;
-esac
-libraries=usr/lib/$(uname -m)-linux-gnu
+build=$top/build-gpu-programs  # not where the pack lies, which travels as a folder
+python=${CRUMPLE_GPU_PYTHON:-python3.12} cubql=${CUBQL-} warp=''
+cubql_commit=117617c1126c097deb505b4cd4a67c0f4363d9aa
 
+usage() { echo "usage: $0 [--python VERSION|PATH] [--cubql PATH] [--warp]" >&2; exit 2; }
+while (($#)); do
+    case $1 in
+        --python) python=${2-}; [[ $python ]] || usage; shift 2 ;;
+        --cubql) cubql=${2-}; [[ $cubql ]] || usage; shift 2 ;;
+        --warp) warp=1; shift ;;
+        *) usage ;;
+    esac
+done
+[[ $python != [0-9]* ]] || python=python$python
+command -v nvcc >/dev/null || { echo "$0: nvcc is not on the path" >&2; exit 1; }
+without() { echo "Without $1: $2" >&2; }
+
+# Sets cubql to a checkout, or to nothing.
+find_cubql() {
+    if [[ ! $cubql && ! -d $build/cuBQL ]]; then
+        { timeout 60 git clone --quiet https://github.com/NVIDIA/cuBQL "$build/cuBQL" &&
+            git -C "$build/cuBQL" checkout --quiet --detach "$cubql_commit"; } 2>/dev/null || rm -rf "$build/cuBQL"
+    fi
+    cubql=${cubql:-$build/cuBQL}
+    if [[ -f $cubql/cuBQL/bvh.h ]]; then
+        programs+=("$rival")
+    else
+        without cuBQL "$cubql has no cuBQL/bvh.h (--cubql PATH)"
+        cubql=''
+    fi
+}
+
+# Builds the wheel, by pip, and the programs in one build folder, so that the library is compiled once. Both are linked
+# with shared libraries, which the pack puts into lib/: static ones are not position independent everywhere.
 build_programs() {
-    local build=$top/build-gpu-programs  # not where the pack lies, which is carried as a folder
-    cmake -G Ninja -S "$top" -B "$build" -DCMAKE_BUILD_TYPE=Release -DCRUMPLE_CUDA=ON \
-        "-DCMAKE_CUDA_ARCHITECTURES=${CUDAARCHS:-90}" -DCRUMPLE_DEVICE_TESTS=ON -DCRUMPLE_BENCHMARKS=ON \
-        -DCRUMPLE_TESTS=OFF -DCRUMPLE_EXAMPLES=OFF -DCMAKE_BUILD_WITH_INSTALL_RPATH=ON \
-        "-DCMAKE_INSTALL_RPATH=\$ORIGIN/../$libraries" -DCMAKE_EXE_LINKER_FLAGS=-Wl,--disable-new-dtags >/dev/null
-    ninja -C "$build" "${programs[@]}"
-    mkdir -p "$tree/bin"
-    local program
-    for program in "${programs[@]}"; do strip -o "$tree/bin/${program##*/}" "$build/$program"; done
+    local settings=("CMAKE_CUDA_ARCHITECTURES=${CUDAARCHS:-90}" CMAKE_CUDA_FLAGS=-lineinfo CRUMPLE_CUDA=ON
+        CRUMPLE_DEVICE_TESTS=ON CRUMPLE_BENCHMARKS=ON "CRUMPLE_CUBQL=$cubql" CMAKE_BUILD_WITH_INSTALL_RPATH=ON
+        "CMAKE_INSTALL_RPATH=\$ORIGIN/../lib;\$ORIGIN/../../lib" "CMAKE_EXE_LINKER_FLAGS=-Wl,--disable-new-dtags"
+        "CMAKE_MODULE_LINKER_FLAGS=-Wl,--disable-new-dtags")
+    rm -rf "$build/wheel"
+    if "$python" -c 'import venv' 2>/dev/null; then
+        [[ -x $build/venv/bin/python ]] || "$python" -m venv "$build/venv"
+        "$build/venv/bin/python" -m pip install --quiet --disable-pip-version-check 'scikit-build-core>=0.11' 'nanobind>=3' \
+            'numpy>=2'
+        "$build/venv/bin/python" -m pip --disable-pip-version-check --verbose wheel "$top" --no-build-isolation --no-deps \
+            --wheel-dir "$build/wheel" -Cbuild-dir="$build/build" -Ccmake.args=-GNinja \
+            "${settings[@]/#/-Ccmake.define.}" >"$build/wheel.log" 2>&1 || { tail -n 40 "$build/wheel.log" >&2; exit 1; }
+    else
+        without "the Python package" "$python does not start (--python)"
+        cmake -G Ninja -S "$top" -B "$build/build" -DCMAKE_BUILD_TYPE=Release -DCRUMPLE_TESTS=OFF -DCRUMPLE_EXAMPLES=OFF \
+            "${settings[@]/#/-D}" >/dev/null
+    fi
+    ninja -C "$build/build" "${programs[@]}"
+}
+
+# Lays out in $tree what travels. The wheel is stored anew without compression, for its code is that of the programs.
+fill_tree() {
+    local file
+    mkdir -p "$tree/bin" "$tree/lib"
+    for file in "${programs[@]}"; do strip -o "$tree/bin/${file##*/}" "$build/build/$file"; done
+    for file in "$build"/wheel/*.whl; do
+        [[ ! -f $file ]] || python3 - "$file" "$tree/${file##*/}" <<'END'
+import sys, zipfile
+with zipfile.ZipFile(sys.argv[1]) as source, zipfile.ZipFile(sys.argv[2], "w", zipfile.ZIP_STORED) as target:
+    for entry in source.infolist():
+        target.writestr(entry.filename, source.read(entry))
+END
+    done
+    # All shared libraries but those of C, C++ and Linux; oneTBB opens its allocator by itself.
+    ldd "$tree"/bin/* "$build"/build/python/_core*.so 2>/dev/null | sed -n 's/.*=> \(\/[^ ]*\).*/\1/p' | sort -u |
+        grep -Ev '/(libc|libm|libdl|libpthread|librt|libgcc_s|libstdc\+\+)\.so' | while read -r file; do
+        cp -L "$file" "$tree/lib"
+        [[ $file != */libtbb.so.* ]] || cp -L "${file%/*}"/libtbbmalloc.so.2 "$tree/lib"
+    done
+    list_real_files | while read -r file; do
+        install -D -m 644 "$data/$file" "$tree/data/$file" 2>/dev/null || without "$file" "it is not in $data"
+    done
     sources_of "$top" >"$tree/sources"
+    commit_of "$top" | paste -sd' ' >"$tree/commit"
     echo "${CUDAARCHS:-90}" | grep -o '[0-9]*' | sort -n | head -1 >"$tree/architecture"
 }
 
-# The files of the packages, and of Boost only what is included.
-list_files() {
-    local packages=(pkg-config pkgconf pkgconf-bin libpkgconf3 libtbb-dev libhwy-dev libcli11-dev libfmt-dev
-        nlohmann-json3-dev libtinygltf-dev libstb-dev libminizip-dev zlib1g-dev libexpat1-dev libgtest-dev googletest) package
-    for package in "${packages[@]}"; do
-        dpkg -L "$package" 2>/dev/null || true
-    done | grep -E '^/usr/(bin/pkg|include/|lib/|share/(cmake|pkgconfig))' | sort -u |
-        while read -r file; do [[ -d $file && ! -L $file ]] || echo "$file"; done
-    git -C "$top" grep -ho '#include <boost/[^>]*>' -- src | sort -u >"$lists/boost.cpp"
-    echo '#include <boost/version.hpp>' >>"$lists/boost.cpp"
-    g++ -std=c++20 -M "$lists/boost.cpp" | tr -s '\\ ' '\n' | grep '^/usr/include/boost/'
-    find /usr/include/boost/config -type f
-}
-
-# Shared libraries that the listed ones and the programs need, but for the C and C++ libraries.
-list_needed() {
-    grep '\.so$' "$lists/files" | while read -r file; do echo "$file" "$file".*; done | tr ' ' '\n' >"$lists/shared"
-    cat "$lists/shared"
-    { cat "$lists/shared"; ls "$tree"/bin/*; } | xargs -r ldd 2>/dev/null | sed -n 's/.*=> \(\/[^ ]*\).*/\1/p' |
-        grep -Ev '/(libc|libm|libdl|libpthread|librt|libgcc_s|libstdc\+\+)\.so' | sort -u |
-        while read -r file; do echo "$file"; readlink -f "$file"; done
-}
-
-copy_scenes() {
-    local data=${CRUMPLE_DATA:-$top/../shared/data} file
-    for file in "${frames[@]}"; do
-        if [[ -f $data/$file ]]; then
-            install -D -m 644 "$data/$file" "$tree/data/$file"
-        else
-            echo "Without $file: it is not in $data" >&2
-        fi
-    done
-}
-
-# A wheel of PyPI's, into a folder.
-download() {
-    local name=$1 folder=$2
-    shift 2
-    python3 -m pip download --quiet --disable-pip-version-check --no-deps --only-binary=:all: "$@" --dest "$folder" "$name" ||
-        echo "Without $name: pip could not download it" >&2
-}
-
 "$top/scripts/install_dependencies.sh" --tests
-tree=$(mktemp -d) lists=$(mktemp -d)
-trap 'rm -rf "$tree" "$lists"' EXIT
-mkdir -p "$top/build-gpu"
-if command -v nvcc >/dev/null; then
-    build_programs
-else
-    echo "Without programs: nvcc is not here, so they will be built where the device is" >&2
-fi
-list_files >"$lists/files"
-list_needed >"$lists/needed"
-# /lib is /usr/lib.
-sed 's|^/lib/|/usr/lib/|' "$lists/files" "$lists/needed" | sort -u |
-    tar -C / --no-recursion -c -T - 2>/dev/null | tar -C "$tree" -x
-copy_scenes
-download nanobind "$tree/wheels"
-commit_of "$top" | paste -sd' ' >"$tree/commit"
-tar -C "$tree" -czf "$pack" .
-echo "$pack: $(($(stat -c %s "$pack") >> 20)) MiB"
+tree=$(mktemp -d) data=${CRUMPLE_DATA:-$top/../shared/data}
+trap 'rm -rf "$tree"' EXIT
+mkdir -p "$build" "${pack%/*}"
+find_cubql
+build_programs
+fill_tree
+# Programs share most of their code, which a dictionary as large as all of them finds.
+tar -C "$tree" --sort=name -c . | xz -T1 --lzma2=preset=9e,dict=256MiB >"$pack.part"
+mv "$pack.part" "$pack"
 if [[ $warp ]]; then
-    rm -f "$top"/build-gpu/warp_lang-*.whl
-    download warp-lang "$top/build-gpu" --platform "manylinux_2_34_$(uname -m)" --platform "manylinux_2_28_$(uname -m)"
-    du -m "$top"/build-gpu/warp_lang-*.whl | awk '{print $2 ": " $1 " MiB"}'
+    rm -f "${pack%/*}"/warp_lang-*.whl
+    python3 -m pip download --quiet --disable-pip-version-check --no-deps --only-binary=:all: --dest "${pack%/*}" \
+        --platform "manylinux_2_34_$(uname -m)" --platform "manylinux_2_28_$(uname -m)" warp-lang ||
+        without "NVIDIA Warp" "pip could not download it"
 fi
+du -k "${pack%/*}"/* | awk '{printf "%s: %.1f MiB\n", $2, $1 / 1024}'

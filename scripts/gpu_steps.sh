@@ -1,0 +1,182 @@
+# shellcheck shell=bash disable=SC2154
+# Sourced by the shell of each step of gpu_check.sh, whose variables it inherits: $bin has the programs, $data the files of
+# $CRUMPLE_DATA, $work is for files between steps, $out for results, $log is the step's own output and $budget its seconds.
+# shellcheck source=scripts/gpu_common.sh
+. "$top/scripts/gpu_common.sh"
+
+remark() { echo "remark: $*"; }  # the last one is shown beside the step's result
+leave_out() { remark "$*"; exit "$left_out"; }
+need() { command -v "$1" >/dev/null || leave_out "$1 is not here"; }
+
+unpack() {
+    rm -rf "$packed"
+    mkdir -p "$packed/site"
+    tar -C "$packed" -xJf "$pack" || python3 -m tarfile -e "$pack" "$packed"
+    [[ $(sources_of "$top") == "$(cat "$packed/sources")" ]] || { remark "made of other sources: --pack makes it anew"; exit 1; }
+    for wheel in "$packed"/*.whl; do
+        [[ ! -f $wheel ]] || python3 -m zipfile -e "$wheel" "$packed/site"
+    done
+    remark "made of $(cat "$packed/commit") for compute capability $(cat "$packed/architecture") and later"
+}
+version_of() { "$@" 2>/dev/null | grep -oE '[0-9]+\.[0-9]+(\.[0-9]+)*' | tail -n 1 || echo none; }
+show_info() {
+    nvidia-smi -q -d CLOCK,POWER,ECC,COMPUTE,MEMORY || true
+    python3 - <<'END' || true
+import importlib.metadata, sys
+packages = ("numpy", "pytest", "torch", "jax", "cupy-cuda13x", "cupy-cuda12x", "warp-lang")
+here = {d.metadata["Name"].lower(): d.version for d in importlib.metadata.distributions() if d.metadata["Name"]}
+print("packages of Python", sys.version.split()[0], {name: here.get(name, "none") for name in packages})
+END
+    echo "nvcc $(version_of nvcc --version), ncu $(version_of ncu --version), compute-sanitizer $(version_of compute-sanitizer --version)"
+    "$bin/crumple" info --devices | tee "$work/devices"
+    remark "$(head -n 1 "$work/devices"); driver $(version_of nvidia-smi --query-gpu=driver_version --format=csv,noheader)"
+    ! grep -q '^none' "$work/devices"
+}
+# Makes the backend by its name: it compares itself with known results then, and throws if it computes others.
+find_known_results() {
+    local begin
+    "$bin/write_hard_soups" "$work/soups"
+    begin=${EPOCHREALTIME/./}
+    "$bin/crumple" detect "$work/soups/grid.ply" --backend cuda -o "$work/grid.csv"
+    remark "first call of a process: $(((${EPOCHREALTIME/./} - begin) / 1000)) ms"
+}
+
+# Runs a program's tests in several processes, and then alone, one after the other, those that did not end well there: an
+# error of the device stays with its process and fails all that follows. The first that fails alone is given to memcheck.
+run_tests() {  # PROGRAM PROCESSES
+    local program=$bin/$1 shard again count test alone=0 first='' memory=''
+    [[ -x $program ]] || leave_out "no $1 in $bin"
+    "$program" --gtest_list_tests | awk '/^[^ ]/ {suite = $1} /^ / && !/DISABLED_/ {print suite $1}' | sort >"$log.listed"
+    for ((shard = 0; shard < $2; ++shard)); do
+        GTEST_TOTAL_SHARDS=$2 GTEST_SHARD_INDEX=$shard timeout -k 2 $((2 * budget / 3)) "$program" >"$log.$shard" 2>&1 &
+    done
+    wait
+    cat "$log".[0-9]
+    again=$(sed -nE 's/^\[ +(OK|SKIPPED) +\] ([^ ,]+).*/\2/p' "$log".[0-9] | sort -u | comm -23 "$log.listed" -)
+    count=$(wc -l <"$log.listed")
+    remark "$count tests passed, in $2 processes"
+    [[ $again ]] || return 0
+    count="$(wc -l <<<"$again") of $count tests failed"
+    for test in $(head -n 10 <<<"$again"); do
+        remark "$count, $alone of them also alone${first:+: $first${memory:+, memcheck: $memory}}"
+        if timeout -k 2 $((budget / 4)) "$program" --gtest_filter="$test"; then continue; fi
+        alone=$((alone + 1))
+        [[ ! $first ]] || continue
+        first=$test
+        memory=$(timeout -k 2 $((budget / 3)) compute-sanitizer --tool memcheck --report-api-errors all "$program" \
+            --gtest_filter="$test" 2>&1 | tee /dev/stderr | sed -n 's/.*ERROR SUMMARY: //p') || memory="did not run"
+    done
+    remark "$count, $alone of the first ten also alone: ${first:-$(head -n 1 <<<"$again")}${memory:+, memcheck: $memory}"
+    return 1
+}
+
+# Prints calls of the command line, one a line; those on files name them below $CRUMPLE_DATA.
+list_calls() {
+    local soup
+    for soup in "$work"/soups/*.ply; do
+        echo "detect $soup --contacts"
+        echo "impacts $soup $work/soups/moved/${soup##*/}"
+        [[ $soup == *_tenths.ply ]] || echo "near $soup --radius 0.5"
+    done
+    echo "detect meshes/hull-mask.obj --contacts"
+    echo "detect thingi10k-ember/case016_a_88566.ply thingi10k-ember/case016_b_58011.ply --contacts"
+    echo "impacts scalable-ccd/cloth-funnel/frames/227.ply scalable-ccd/cloth-funnel/frames/228.ply"
+}
+list_real_calls() {
+    list_real_files | sed -n 's/.*\.\(ply\|obj\)$/detect & --contacts/p'
+    echo "impacts ipc-toolkit-test-data/thick-cloth/t0.ply ipc-toolkit-test-data/thick-cloth/t1.ply"
+    echo "impacts scalable-ccd/cloth-ball/frames/cloth_ball92.ply scalable-ccd/cloth-ball/frames/cloth_ball93.ply"
+    echo "near scalable-ccd/cloth-funnel/frames/227.ply --radius 0.01"
+}
+# Compares what cpu and cuda write for each call that it reads.
+compare_bytes() {
+    export -f compare_call
+    cd "$(readlink -e "$data" || echo "$work")" || exit
+    # shellcheck disable=SC2016
+    xargs -d '\n' -n 1 -P 8 bash -c 'compare_call $1' - | tee "$log.calls"
+    remark "$(grep -c ^same "$log.calls") calls have the same bytes, $(grep -c ^other "$log.calls") not:" \
+        "$(grep -m 1 ^other "$log.calls" | sed "s|$work/soups/||g")"
+    ! grep -q ^other "$log.calls"
+}
+compare_call() {
+    local word backend part=$work/bytes.$BASHPID
+    for word; do
+        if [[ $word == *.@(ply|obj) && ! -f $word ]]; then echo "left out, no $word"; return; fi
+    done
+    for backend in cpu cuda; do
+        "$bin/crumple" "$@" --backend "$backend" -o "$part.$backend.csv" || echo "error: $? of $backend: $*"
+    done
+    if cmp "$part.cpu.csv" "$part.cuda.csv"; then echo "same: $*"; else echo "other: $*"; fi
+    rm -f "$part".*
+}
+
+benchmark() {  # FILE OPTIONS
+    local file=$out/$1 status=0
+    shift
+    "$bin/crumple_cuda_benchmark" --commit "$version" --json "$file" "$@" || status=$?
+    python3 - "$file" <<'END' || true
+import json, sys
+rows = json.load(open(sys.argv[1]))["scenes"]
+print("remark:", "; ".join(f"{row['scene']} {row['device']['median']:.3f} ms, cpu {row['cpu_all_threads']['median']:.3f}"
+                           + ("" if row["right"] else ", WRONG") for row in rows))
+END
+    return "$status"
+}
+run_rival() {
+    local program=$bin/${rival##*/}
+    [[ -x $program ]] || leave_out "built without cuBQL"
+    # shellcheck disable=SC2086
+    "$program" $scenes | tee "$out/cuda_rival.json"
+    remark "$(sed -E 's/.*"scene": "([^"]*)".*"median": ([0-9.]*).*/\1 \2 ms/' "$out/cuda_rival.json" | paste -sd';'), boxes only"
+}
+
+# Watches the last of eight frames. Caches stay as the kernels before leave them, as in a frame; clocks stay as they are.
+profile() {  # OPTIONS of ncu
+    need ncu
+    ncu --print-kernel-base function --profile-from-start off --cache-control none --clock-control none "$@" \
+        "$bin/crumple_cuda_benchmark" --profile --frames 8 --scene "$scene"
+}
+profile_kernels() {
+    local metrics=gpu__time_duration.sum,launch__registers_per_thread,launch__grid_size,launch__block_size
+    metrics+=,launch__shared_mem_per_block,sm__maximum_warps_per_active_cycle_pct,smsp__inst_executed.sum,lts__t_bytes.sum
+    metrics+=,sm__warps_active.avg.pct_of_peak_sustained_active,dram__bytes.sum
+    # One of the metrics may be unknown to a device.
+    profile --csv --metrics "$metrics" || profile --csv --metrics gpu__time_duration.sum
+    python3 "$top/scripts/kernels_of_a_frame.py" "$log" --scene "$scene" --figures "$out/cuda_first.json" >"$out/kernels.txt"
+    cat "$out/kernels.txt"
+    remark "$(grep ' kernels: ' "$out/kernels.txt")"
+}
+profile_sections() {
+    profile --force-overwrite --export "$out/ncu.ncu-rep" --section SpeedOfLight --section LaunchStats --section Occupancy \
+        --section MemoryWorkloadAnalysis --section WarpStateStats --section SourceCounters
+    ncu --import "$out/ncu.ncu-rep" --page details >"$out/ncu.txt"
+    remark ncu.txt
+}
+
+run_python_tests() {
+    [[ -d $packed/site/crumple ]] || leave_out "no wheel in a pack"
+    python3 -c 'import numpy, pytest, torch' || leave_out "not all of numpy, pytest and torch are here"
+    PYTHONPATH=$packed/site PYTHONDONTWRITEBYTECODE=1 XLA_PYTHON_CLIENT_PREALLOCATE=false python3 -m pytest -q \
+        -p no:cacheprovider -c "$top/pyproject.toml" --rootdir "$top" "$top/python/tests/test_device.py"
+    remark "$(tail -n 1 "$log")"
+    grep -q ' passed' "$log"
+}
+# Races NVIDIA Warp, boxes only, where it is installed or its wheel was brought along.
+race_warp() {
+    local wheel=("$top"/build-gpu/warp_lang-*.whl)
+    [[ ! -f ${wheel[0]} ]] || python3 -m zipfile -e "${wheel[0]}" "$work/warp"
+    export PYTHONPATH=$work/warp${PYTHONPATH:+:$PYTHONPATH}
+    python3 -c 'import numpy, warp; warp.Bvh' || leave_out "python3 has no numpy or no warp"
+    # shellcheck disable=SC2046,SC2086
+    python3 "$top/benchmarks/peers_python.py" --on-device --benchmark "$bin/crumple_cuda_benchmark" \
+        $(printf ' --scene %s' $scenes) --json "$out/cuda_peers.json"
+}
+sanitize() {  # TOOL
+    need compute-sanitizer
+    local tests
+    for tests in device_test:'*of_every_layout:*answers_between_two_meshes:*puts_long_rows_in_order:*forgets_launches*' \
+        device_features_test:'*have_radii*:*are_read_as_they_lie*'; do
+        compute-sanitizer --tool "$1" --error-exitcode 9 "$bin/${tests%%:*}" --gtest_brief=1 --gtest_filter="${tests#*:}"
+    done
+    remark "$(grep -a 'SUMMARY' "$log" | tail -n 1)"
+}
