@@ -137,8 +137,8 @@ finish() {
 }
 
 # What the shells of the steps inherit.
-export top out work left_out version data packed bin scene scenes few CRUMPLE_DATA PATH=$PATH:/usr/local/cuda/bin
-scene=cloth_ball92 scenes='cloth_ball92 227 balls16_18' few=''
+export top out work left_out version data packed bin scene scenes few most_calls CRUMPLE_DATA PATH=$PATH:/usr/local/cuda/bin
+scene=cloth_ball92 scenes='cloth_ball92 227 balls16_18' few='' most_calls=1000
 if [[ -f $pack ]]; then
     packed=$top/build-device/pack data=$top/build-device/pack/data
     step unpack 60 unpack
@@ -147,7 +147,7 @@ if [[ -f $pack ]]; then
 fi
 [[ -f $data/scalable-ccd/cloth-ball/frames/cloth_ball92.ply ]] || scene=cloth:100000 scenes=$scene
 # A device that the CPU plays is slow.
-[[ ! $bin ]] || scene=cloth:300@40 scenes=$scene few='--frames 2 --largest 0 --worlds 3 --step cloth:300'
+[[ ! $bin ]] || scene=cloth:300@40 scenes=$scene few='--frames 2 --largest 0 --worlds 3 --step cloth:300' most_calls=8
 bin=${bin:-$packed/bin} CRUMPLE_DATA=$data
 [[ -x $bin/crumple ]] || { note programs failed 0 "no crumple in $bin: --pack makes the programs"; finish; }
 step info 20 show_info

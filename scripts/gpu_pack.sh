@@ -5,7 +5,7 @@
 # later ones) and with line numbers for profilers; their libraries; a wheel of the Python package; scenes of $CRUMPLE_DATA.
 #   --python  the interpreter that the wheel is built by ($CRUMPLE_GPU_PYTHON, else python3.12). Since 3.12 wheels are of
 #             the stable ABI: one of 3.12 works in all later versions.
-#   --cubql   a checkout of cuBQL ($CUBQL, else cloned), whose BVH is measured beside the backend; its headers only
+#   --cubql   a checkout or a repository of cuBQL ($CUBQL, else GitHub's), whose BVH is measured beside the backend
 #   --warp    puts NVIDIA Warp's wheel beside the pack: it is many times as large
 set -euo pipefail
 top=$(cd "$(dirname "$0")/.." && pwd)
@@ -29,17 +29,20 @@ done
 command -v nvcc >/dev/null || { echo "$0: nvcc is not on the path" >&2; exit 1; }
 without() { echo "Without $1: $2" >&2; }
 
-# Sets cubql to a checkout, or to nothing.
+# Sets cubql to a folder with cuBQL's headers, or to nothing.
 find_cubql() {
-    if [[ ! $cubql && ! -d $build/cuBQL ]]; then
-        { timeout 60 git clone --quiet https://github.com/NVIDIA/cuBQL "$build/cuBQL" &&
-            git -C "$build/cuBQL" checkout --quiet --detach "$cubql_commit"; } 2>/dev/null || rm -rf "$build/cuBQL"
+    local source=${cubql:-https://github.com/NVIDIA/cuBQL} commit=HEAD
+    [[ $cubql ]] || commit=$cubql_commit
+    if [[ ! -f $cubql/cuBQL/bvh.h ]]; then  # a repository
+        cubql=$build/cuBQL
+        rm -rf "$cubql"
+        { timeout 60 git clone --quiet --no-checkout "$source" "$cubql" &&
+            git -C "$cubql" checkout --quiet "$commit" -- cuBQL; } 2>/dev/null || true
     fi
-    cubql=${cubql:-$build/cuBQL}
     if [[ -f $cubql/cuBQL/bvh.h ]]; then
         programs+=("$rival")
     else
-        without cuBQL "$cubql has no cuBQL/bvh.h (--cubql PATH)"
+        without cuBQL "no cuBQL/bvh.h from $source (--cubql PATH)"
         cubql=''
     fi
 }
@@ -57,21 +60,21 @@ build_programs() {
         "$build/venv/bin/python" -m pip install --quiet --disable-pip-version-check 'scikit-build-core>=0.11' 'nanobind>=3' \
             'numpy>=2'
         "$build/venv/bin/python" -m pip --disable-pip-version-check --verbose wheel "$top" --no-build-isolation --no-deps \
-            --wheel-dir "$build/wheel" -Cbuild-dir="$build/build" -Ccmake.args=-GNinja \
+            --wheel-dir "$build/wheel" -Cbuild-dir="$build" -Ccmake.args=-GNinja \
             "${settings[@]/#/-Ccmake.define.}" >"$build/wheel.log" 2>&1 || { tail -n 40 "$build/wheel.log" >&2; exit 1; }
     else
         without "the Python package" "$python does not start (--python)"
-        cmake -G Ninja -S "$top" -B "$build/build" -DCMAKE_BUILD_TYPE=Release -DCRUMPLE_TESTS=OFF -DCRUMPLE_EXAMPLES=OFF \
+        cmake -G Ninja -S "$top" -B "$build" -DCMAKE_BUILD_TYPE=Release -DCRUMPLE_TESTS=OFF -DCRUMPLE_EXAMPLES=OFF \
             "${settings[@]/#/-D}" >/dev/null
     fi
-    ninja -C "$build/build" "${programs[@]}"
+    ninja -C "$build" "${programs[@]}"
 }
 
 # Lays out in $tree what travels. The wheel is stored anew without compression, for its code is that of the programs.
 fill_tree() {
     local file
     mkdir -p "$tree/bin" "$tree/lib"
-    for file in "${programs[@]}"; do strip -o "$tree/bin/${file##*/}" "$build/build/$file"; done
+    for file in "${programs[@]}"; do strip -o "$tree/bin/${file##*/}" "$build/$file"; done
     for file in "$build"/wheel/*.whl; do
         [[ ! -f $file ]] || python3 - "$file" "$tree/${file##*/}" <<'END'
 import sys, zipfile
@@ -81,7 +84,7 @@ with zipfile.ZipFile(sys.argv[1]) as source, zipfile.ZipFile(sys.argv[2], "w", z
 END
     done
     # All shared libraries but those of C, C++ and Linux; oneTBB opens its allocator by itself.
-    ldd "$tree"/bin/* "$build"/build/python/_core*.so 2>/dev/null | sed -n 's/.*=> \(\/[^ ]*\).*/\1/p' | sort -u |
+    ldd "$tree"/bin/* "$build"/python/_core*.so 2>/dev/null | sed -n 's/.*=> \(\/[^ ]*\).*/\1/p' | sort -u |
         grep -Ev '/(libc|libm|libdl|libpthread|librt|libgcc_s|libstdc\+\+)\.so' | while read -r file; do
         cp -L "$file" "$tree/lib"
         [[ $file != */libtbb.so.* ]] || cp -L "${file%/*}"/libtbbmalloc.so.2 "$tree/lib"

@@ -93,9 +93,9 @@ compare_bytes() {
     export -f compare_call
     cd "$(readlink -e "$data" || echo "$work")" || exit
     # shellcheck disable=SC2016
-    xargs -d '\n' -n 1 -P 8 bash -c 'compare_call $1' - | tee "$log.calls"
-    remark "$(grep -c ^same "$log.calls") calls have the same bytes, $(grep -c ^other "$log.calls") not:" \
-        "$(grep -m 1 ^other "$log.calls" | sed "s|$work/soups/||g")"
+    head -n "$most_calls" | xargs -d '\n' -n 1 -P 8 bash -c 'compare_call $1' - | tee "$log.calls"
+    remark "$(awk '/^same/ {++calls; lines += $2} END {print calls + 0, "calls have the same bytes,", lines + 0, "lines"}' \
+        "$log.calls"); $(grep -c ^other "$log.calls") have not: $(grep -m 1 ^other "$log.calls" | sed "s|$work/soups/||g")"
     ! grep -q ^other "$log.calls"
 }
 compare_call() {
@@ -106,7 +106,7 @@ compare_call() {
     for backend in cpu cuda; do
         "$bin/crumple" "$@" --backend "$backend" -o "$part.$backend.csv" || echo "error: $? of $backend: $*"
     done
-    if cmp "$part.cpu.csv" "$part.cuda.csv"; then echo "same: $*"; else echo "other: $*"; fi
+    if cmp "$part.cpu.csv" "$part.cuda.csv"; then echo "same $(wc -l <"$part.cpu.csv") lines: $*"; else echo "other: $*"; fi
     rm -f "$part".*
 }
 
@@ -126,8 +126,9 @@ run_rival() {
     local program=$bin/${rival##*/}
     [[ -x $program ]] || leave_out "built without cuBQL"
     # shellcheck disable=SC2086
-    "$program" $scenes | tee "$out/cuda_rival.json"
-    remark "$(sed -E 's/.*"scene": "([^"]*)".*"median": ([0-9.]*).*/\1 \2 ms/' "$out/cuda_rival.json" | paste -sd';'), boxes only"
+    "$program" $scenes | tee "$log.rows"
+    { echo '['; sed '$!s/$/,/' "$log.rows"; echo ']'; } >"$out/cuda_rival.json"
+    remark "$(sed -E 's/.*"scene": "([^"]*)".*"median": ([0-9.]*).*/\1 \2 ms/' "$log.rows" | paste -sd';'), boxes only"
 }
 
 # Watches the last of eight frames. Caches stay as the kernels before leave them, as in a frame; clocks stay as they are.
