@@ -94,24 +94,22 @@ note() {  # NAME RESULT SECONDS REMARK
 remark_of() {  # LOG RESULT
     { sed -n 's/^remark: //p' "$1" | tail -n 1 | grep . ||
         { [[ $2 == ok ]] || grep -aE 'rror|FAILED|[0-9] failed' "$1" || tail -n 1 "$1"; } | tail -n 1; } |
-        tr -dc '[:alnum:] .,:;_/()+%-' | tr -s ' ' | cut -c1-200
+        tr -dc '[:alnum:] .,:;_/()+%-' | tr -s ' ' | cut -c1-300
 }
 # Runs a command within its seconds and the limit of the whole check.
 step() {  # NAME SECONDS COMMAND
-    local name=$1 budget=$2 begin=$SECONDS status=0 result=failed log=$work/logs/$1
+    local name=$1 begin=$SECONDS status=0 result=failed
+    local -x budget=$2 log=$work/logs/$1
     ((budget <= limit - SECONDS)) || budget=$((limit - SECONDS))
     if ((budget < 3)); then note "$name" "no time" 0 ""; return; fi
-    timeout -k 5 "$budget" bash -euo pipefail -c "log=$log budget=$budget; . $top/scripts/gpu_steps.sh; $3" >"$log" 2>&1 </dev/null ||
-        status=$?
+    timeout -k 5 "$budget" bash -euo pipefail -c ". \"\$top/scripts/gpu_steps.sh\"; $3" >"$log" 2>&1 </dev/null || status=$?
     { printf '\n===== %s\n' "$name"; tail -n 400 "$log"; } >>"$out/check.log"
+    # Not every machine lets programs read the counters of its device.
+    if ((status)) && grep -qaE 'ERR_NVGPUCTRPERM|LibraryNotLoaded|Device not supported' "$log"; then status=$left_out; fi
     case $status in
         0) result=ok ;;
+        "$left_out") result="left out" ;;
         124 | 137) result="out of time" ;;
-        *)
-            # Not every machine lets programs read the counters of its device.
-            if ((status == left_out)) || grep -qaE 'ERR_NVGPUCTRPERM|LibraryNotLoaded|Device not supported' "$log"; then
-                result="left out"
-            fi ;;
     esac
     note "$name" "$result" $((SECONDS - begin)) "$(remark_of "$log" "$result" || true)"
 }

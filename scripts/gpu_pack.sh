@@ -84,7 +84,7 @@ with zipfile.ZipFile(sys.argv[1]) as source, zipfile.ZipFile(sys.argv[2], "w", z
 END
     done
     # All shared libraries but those of C, C++ and Linux; oneTBB opens its allocator by itself.
-    ldd "$tree"/bin/* "$build"/python/_core*.so 2>/dev/null | sed -n 's/.*=> \(\/[^ ]*\).*/\1/p' | sort -u |
+    { ldd "$tree"/bin/* "$build"/python/_core*.so 2>/dev/null || true; } | sed -n 's/.*=> \(\/[^ ]*\).*/\1/p' | sort -u |
         grep -Ev '/(libc|libm|libdl|libpthread|librt|libgcc_s|libstdc\+\+)\.so' | while read -r file; do
         cp -L "$file" "$tree/lib"
         [[ $file != */libtbb.so.* ]] || cp -L "${file%/*}"/libtbbmalloc.so.2 "$tree/lib"

@@ -20,16 +20,18 @@ unpack() {
 }
 version_of() { "$@" 2>/dev/null | grep -oE '[0-9]+\.[0-9]+(\.[0-9]+)*' | tail -n 1 || echo none; }
 show_info() {
+    local packages='' name
     nvidia-smi -q -d CLOCK,POWER,ECC,COMPUTE,MEMORY || true
-    python3 - <<'END' || true
+    packages=$(python3 - <<'END' || echo "no python3"
 import importlib.metadata, sys
-packages = ("numpy", "pytest", "torch", "jax", "cupy-cuda13x", "cupy-cuda12x", "warp-lang")
 here = {d.metadata["Name"].lower(): d.version for d in importlib.metadata.distributions() if d.metadata["Name"]}
-print("packages of Python", sys.version.split()[0], {name: here.get(name, "none") for name in packages})
+print("python3", sys.version.split()[0] + "".join(f", {name} {here[name]}" for name in sorted(here) if name in
+      ("numpy", "pytest", "torch", "jax", "cupy-cuda13x", "cupy-cuda12x", "warp-lang")))
 END
-    echo "nvcc $(version_of nvcc --version), ncu $(version_of ncu --version), compute-sanitizer $(version_of compute-sanitizer --version)"
+    )
     "$bin/crumple" info --devices | tee "$work/devices"
-    remark "$(head -n 1 "$work/devices"); driver $(version_of nvidia-smi --query-gpu=driver_version --format=csv,noheader)"
+    remark "$(head -n 1 "$work/devices"), driver $(version_of nvidia-smi --query-gpu=driver_version --format=csv,noheader)," \
+        "$(for name in nvcc ncu compute-sanitizer; do echo -n "$name $(version_of "$name" --version), "; done)$packages"
     ! grep -q '^none' "$work/devices"
 }
 # Makes the backend by its name: it compares itself with known results then, and throws if it computes others.
@@ -64,7 +66,7 @@ run_tests() {  # PROGRAM PROCESSES
         [[ ! $first ]] || continue
         first=$test
         memory=$(timeout -k 2 $((budget / 3)) compute-sanitizer --tool memcheck --report-api-errors all "$program" \
-            --gtest_filter="$test" 2>&1 | tee /dev/stderr | sed -n 's/.*ERROR SUMMARY: //p') || memory="did not run"
+            --gtest_filter="$test" 2>&1 | tee /dev/stderr | sed -n 's/.*ERROR SUMMARY: //p') || memory=${memory:-did not run}
     done
     remark "$count, $alone of the first ten also alone: ${first:-$(head -n 1 <<<"$again")}${memory:+, memcheck: $memory}"
     return 1
