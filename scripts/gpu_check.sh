@@ -23,14 +23,14 @@ known_results           20 find_known_results
 & device_test           45 run_tests device_test 4
 & device_features_test  45 run_tests device_features_test 2
 bytes                   40 list_calls | compare_bytes
-figures                 40 benchmark cuda_first.json --scene "$scene" --largest 0 --worlds 0 --step none $few
+figures                 40 benchmark cuda_first.json --scene "$scene" --largest 0 --worlds 0 --step none $frames
 rival                   20 run_rival
 profile                 60 profile_kernels
 END
 }
 list_other_steps() {
     cat <<'END'
-all_figures            110 benchmark cuda.json ${few:+--scene "$scene"} $few
+all_figures            110 benchmark cuda.json $frames $small
 & portable              60 run_tests device_portable_test 1
 & stages                60 run_tests device_stages_test 1
 & truth                 60 GTEST_FILTER='*cloth_ball92*:*cloth_funnel227*:*balls16_18*' run_tests device_truth_test 1
@@ -135,8 +135,8 @@ finish() {
 }
 
 # What the shells of the steps inherit.
-export top out work left_out version data packed bin scene scenes few most_calls CRUMPLE_DATA PATH=$PATH:/usr/local/cuda/bin
-scene=cloth_ball92 scenes='cloth_ball92 227 balls16_18' few='' most_calls=1000
+export top out work left_out version data packed bin scene scenes frames small most_calls CRUMPLE_DATA PATH=$PATH:/usr/local/cuda/bin
+scene=cloth_ball92 scenes='cloth_ball92 227 balls16_18' frames='' small='' most_calls=1000
 if [[ -f $pack ]]; then
     packed=$top/build-device/pack data=$top/build-device/pack/data
     step unpack 60 unpack
@@ -145,7 +145,10 @@ if [[ -f $pack ]]; then
 fi
 [[ -f $data/scalable-ccd/cloth-ball/frames/cloth_ball92.ply ]] || scene=cloth:100000 scenes=$scene
 # A device that the CPU plays is slow.
-[[ ! $bin ]] || scene=cloth:300@40 scenes=$scene few='--frames 2 --largest 0 --worlds 3 --step cloth:300' most_calls=8
+if [[ $bin ]]; then
+    scene=cloth:300@40 scenes=$scene frames='--frames 2' most_calls=8
+    small="--scene $scene --largest 0 --worlds 3 --step cloth:300"
+fi
 bin=${bin:-$packed/bin} CRUMPLE_DATA=$data
 [[ -x $bin/crumple ]] || { note programs failed 0 "no crumple in $bin: --pack makes the programs"; finish; }
 step info 20 show_info
