@@ -56,7 +56,7 @@ build_programs() {
         "CMAKE_MODULE_LINKER_FLAGS=-Wl,--disable-new-dtags")
     rm -rf "$build/wheel"
     if "$python" -c 'import venv' 2>/dev/null; then
-        [[ -x $build/venv/bin/python ]] || "$python" -m venv "$build/venv"
+        [[ $("$build/venv/bin/python" -V 2>/dev/null) == "$("$python" -V)" ]] || "$python" -m venv --clear "$build/venv"
         "$build/venv/bin/python" -m pip install --quiet --disable-pip-version-check 'scikit-build-core>=0.11' 'nanobind>=3' \
             'numpy>=2'
         "$build/venv/bin/python" -m pip --disable-pip-version-check --verbose wheel "$top" --no-build-isolation --no-deps \
