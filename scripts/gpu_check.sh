@@ -142,6 +142,9 @@ if [[ -f $pack ]]; then
     step unpack 60 unpack
     ! has_failed || finish
     [[ $version != unknown ]] || version=$(cat "$packed/commit")  # a copy without its history
+elif [[ ! $bin ]]; then
+    note unpack failed 0 "no build-gpu/pack.tar.xz: --pack makes it"
+    finish
 fi
 [[ -f $data/scalable-ccd/cloth-ball/frames/cloth_ball92.ply ]] || scene=cloth:100000 scenes=$scene
 # A device that the CPU plays is slow.
@@ -150,7 +153,6 @@ if [[ $bin ]]; then
     small="--scene $scene --largest 0 --worlds 3 --step cloth:300"
 fi
 bin=${bin:-$packed/bin} CRUMPLE_DATA=$data
-[[ -x $bin/crumple ]] || { note programs failed 0 "no crumple in $bin: --pack makes the programs"; finish; }
 step info 20 show_info
 device=$(head -n 1 "$work/devices" | tr -dc '[:alnum:] .,:;_/()+-')
 ! has_failed || finish
