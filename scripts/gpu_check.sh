@@ -19,7 +19,7 @@ top=$(cd "$(dirname "$0")/.." && pwd)
 # Steps: NAME SECONDS COMMAND. Those marked by & run side by side.
 list_first_steps() {
     cat <<'END'
-known_results           20 find_known_results
+known_answers           20 find_known_answers
 & device_test           45 run_tests device_test 4
 & device_features_test  45 run_tests device_features_test 2
 bytes                   40 list_calls | compare_bytes

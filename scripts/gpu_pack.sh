@@ -14,7 +14,7 @@ top=$(cd "$(dirname "$0")/.." && pwd)
 export PATH=$PATH:/usr/local/cuda/bin
 build=$top/build-gpu-programs  # not where the pack lies, which travels as a folder
 python=${CRUMPLE_GPU_PYTHON:-python3.12} cubql=${CUBQL-} warp=''
-cubql_commit=117617c1126c097deb505b4cd4a67c0f4363d9aa
+cubql_commit=3a6e0b18a6ed733012c183e333f6b7a1c6e9277f
 
 usage() { echo "usage: $0 [--python VERSION|PATH] [--cubql PATH] [--warp]" >&2; exit 2; }
 while (($#)); do

@@ -35,7 +35,7 @@ END
     ! grep -q '^none' "$work/devices"
 }
 # Makes the backend by its name: it compares itself with known results then, and throws if it computes others.
-find_known_results() {
+find_known_answers() {
     local begin
     "$bin/write_hard_soups" "$work/soups"
     begin=${EPOCHREALTIME/./}
