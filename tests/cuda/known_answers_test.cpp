@@ -15,7 +15,7 @@ TEST(KnownAnswers, of_this_device_are_those_of_the_host) {
     const cuda::Stream stream = cuda::make_stream(device);
     for (const char* when : {"the first time", "again"}) {
         const auto begin = std::chrono::steady_clock::now();
-        EXPECT_EQ(cuda::find_difference_from_host(device.geometry(), stream.get()), "");
+        EXPECT_EQ(cuda::find_difference_from_host(device, stream.get()), "");
         const std::chrono::duration<double, std::milli> time = std::chrono::steady_clock::now() - begin;
         std::cout << "known answers, " << when << ": " << time.count() << " ms\n";
     }

@@ -43,7 +43,7 @@ class CudaBackend final : public BackendBase {
           worlds_(search_, stream_.get(), meter),
           features_(device_, geometry_, stream_.get(), options_, meter, cancellation, turns_, search_.inputs()) {
         reserve_stacks();
-        check_known_answers(device_, geometry_, stream_.get());
+        check_known_answers(device_, stream_.get());
     }
     ~CudaBackend() override {
         const CaptureMode relaxed(cudaStreamCaptureModeRelaxed);  // waiting would spoil captures

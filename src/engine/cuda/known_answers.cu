@@ -20,9 +20,9 @@
 namespace crumple::cuda {
 namespace {
 
-constexpr std::size_t case_count = 160;
-constexpr std::size_t kinds = 2;    // of features: those of triangles
-constexpr std::size_t queries = 3;  // near, impacts, impacts with a minimum distance
+constexpr std::size_t case_count = 96;  // three warps, of which each kernel is one block
+constexpr std::size_t kinds = 2;        // of features: those of triangles
+constexpr std::size_t queries = 3;      // near, impacts, impacts with a minimum distance
 using Count = unsigned long long;
 
 /// Which pairs of triangles collide, by one policy.
@@ -228,7 +228,9 @@ std::string feature_difference(const Arrays& a, std::size_t query) {
 
 }  // namespace
 
-std::string find_difference_from_host(const Geometry& geometry, cudaStream_t stream) {
+std::string find_difference_from_host(const Device& device, cudaStream_t stream) {
+    Geometry geometry = device.geometry();
+    geometry.threads = case_count;
     MemoryMeter unlimited;
     Block block(unlimited);
     Arrays there;
@@ -239,10 +241,10 @@ std::string find_difference_from_host(const Geometry& geometry, cudaStream_t str
     Cutter cutter(image);
     here.cut(cutter);
     write_cases(here);
-    auto* const device = reinterpret_cast<std::byte*>(there.start);
-    CRUMPLE_CUDA(cudaMemcpyAsync(device, image, block.capacity(), cudaMemcpyHostToDevice, stream));
+    auto* const copy = reinterpret_cast<std::byte*>(there.start);
+    CRUMPLE_CUDA(cudaMemcpyAsync(copy, image, block.capacity(), cudaMemcpyHostToDevice, stream));
     decide_on_device(geometry, stream, there);
-    CRUMPLE_CUDA(cudaMemcpyAsync(image, device, block.capacity(), cudaMemcpyDeviceToHost, stream));
+    CRUMPLE_CUDA(cudaMemcpyAsync(image, copy, block.capacity(), cudaMemcpyDeviceToHost, stream));
     CRUMPLE_CUDA(cudaStreamSynchronize(stream));
 
     std::string found = difference(here, here.all, Intersections::all);
@@ -262,12 +264,12 @@ std::map<int, std::string> differences;
 
 }  // namespace
 
-void check_known_answers(const Device& device, const Geometry& geometry, cudaStream_t stream) {
+void check_known_answers(const Device& device, cudaStream_t stream) {
     const Device::Current current(device);
     const std::lock_guard lock(differences_mutex);
     auto known = differences.find(device.index());
     if (known == differences.end())
-        known = differences.emplace(device.index(), find_difference_from_host(geometry, stream)).first;
+        known = differences.emplace(device.index(), find_difference_from_host(device, stream)).first;
     if (!known->second.empty())
         throw Error(ErrorCode::backend_unavailable,
                     "the cuda backend is not available: device " + std::to_string(device.index()) +

@@ -11,12 +11,12 @@
 
 namespace crumple::cuda {
 
-/// Describes the first result that differs; empty if none does. Cost: eight kernels, an upload and a download of some
-/// hundred KB.
-std::string find_difference_from_host(const Geometry& geometry, cudaStream_t stream);
+/// Describes the first result that differs; empty if none does. Cost: eight kernels, an upload and a download of 100
+/// KB.
+std::string find_difference_from_host(const Device& device, cudaStream_t stream);
 
 /// Throws Error (backend_unavailable) if the device's results differ. Compares once per device and process.
-void check_known_answers(const Device& device, const Geometry& geometry, cudaStream_t stream);
+void check_known_answers(const Device& device, cudaStream_t stream);
 
 /// Makes the next check compare again. For tests.
 void forget_known_answers();
