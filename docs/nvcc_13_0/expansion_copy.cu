@@ -1,9 +1,9 @@
-// Smallest program that nvcc 13.0 compiles wrongly for sm_75 to sm_90 (../nvcc_13_0.md says how to see it):
+// Smallest program we found that nvcc 13.0 miscompiles, for sm_75 to sm_90a (see ../nvcc_13_0.md):
 //
 //     nvcc -std=c++20 -O3 -arch=sm_90 -ptx expansion_copy.cu
 //
-// The kernel stores the sign of each negated list of four numbers. By nvcc 13.0 it stores 0 for every list. A C++
-// compiler compiles the same functions for the host, where they return the signs that are expected.
+// The kernel stores the sign of each negated list of four numbers. Compiled with nvcc 13.0, it stores 0 for every list; on
+// the host, the same functions return the expected signs.
 
 #ifdef __CUDACC__
 #include <cstdio>
@@ -31,8 +31,8 @@ struct Expansion {
 
 HD inline int opposite_sign(const Expansion& f) { return (-f).sign(); }
 
-/// Returns the opposite sign of the last of four numbers that is not zero.
-HD inline int sign_of_item(const double* numbers) {
+/// Returns the negated sign of the last nonzero number among four, or 0 if all are zero.
+HD inline int opposite_sign_of_list(const double* numbers) {
     Expansion f;
     for (int k = 0; k < 4; ++k) f.append(numbers[k]);
     return opposite_sign(f);
@@ -41,7 +41,7 @@ HD inline int sign_of_item(const double* numbers) {
 #ifdef __CUDACC__
 extern "C" __global__ void opposite_signs(const double* numbers, int n, int* signs) {
     const int i = blockIdx.x * blockDim.x + threadIdx.x;
-    if (i < n) signs[i] = sign_of_item(numbers + 4 * i);
+    if (i < n) signs[i] = opposite_sign_of_list(numbers + 4 * i);
 }
 
 int main() {
@@ -53,6 +53,6 @@ int main() {
     for (int k = 0; k < 16; ++k) numbers[k] = host[k];
     opposite_signs<<<1, 4>>>(numbers, 4, signs);
     std::puts(cudaGetErrorString(cudaDeviceSynchronize()));
-    for (int i = 0; i < 4; ++i) std::printf("device %d, host %d\n", signs[i], sign_of_item(host + 4 * i));
+    for (int i = 0; i < 4; ++i) std::printf("device %d, host %d\n", signs[i], opposite_sign_of_list(host + 4 * i));
 }
 #endif

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cfenv>
 #include <string>
 
 #include "crumple/crumple.h"
@@ -24,10 +25,10 @@ using cuda_on_cpu::settings;
 
 class KnownAnswersOfAMachine : public testing::Test {
    protected:
-    KnownAnswersOfAMachine() { cuda::forget_known_answers(); }
+    KnownAnswersOfAMachine() { cuda::reset_known_answers(); }
     ~KnownAnswersOfAMachine() override {
         settings().run_instead = nullptr;
-        cuda::forget_known_answers();
+        cuda::reset_known_answers();
     }
     // Launches of kernels, before which there are `before`, do nothing.
     static void break_launch(int before) {
@@ -44,6 +45,14 @@ TEST_F(KnownAnswersOfAMachine, take_eight_launches_and_a_copy_each_way) {
     EXPECT_EQ(difference(), "");
     EXPECT_LE(cuda_on_cpu::work_count().launches - before.launches, 8u);
     EXPECT_EQ(cuda_on_cpu::work_count().copies - before.copies, 2u);
+}
+
+TEST_F(KnownAnswersOfAMachine, do_not_depend_on_the_rounding_mode_of_the_caller) {
+    std::fesetround(FE_UPWARD);
+    const std::string found = difference();
+    EXPECT_EQ(std::fegetround(), FE_UPWARD);
+    std::fesetround(FE_TONEAREST);
+    EXPECT_EQ(found, "");
 }
 
 TEST_F(KnownAnswersOfAMachine, are_compared_once) {

@@ -1,6 +1,6 @@
 #pragma once
 
-// Kernels of the played device, run by their PTX instead of by their C++.
+// Runs kernels of the played device from their PTX instead of their C++.
 
 #include <map>
 #include <memory>
@@ -12,24 +12,24 @@
 
 namespace crumple::ptx {
 
-/// The PTX in a file: the text itself, or what lies uncompressed in a fat binary.
+/// Returns the PTX in a file: the text itself, or the uncompressed PTX of a fat binary.
 std::string read_ptx(const std::string& path);
 
 class Kernels {
    public:
-    /// Takes from each file the kernels that have one of these words in their names.
+    /// Loads from each file the kernels whose names contain one of `words`.
     Kernels(const std::vector<std::string>& files, const std::vector<std::string>& words);
 
-    /// Runs a launch as a grid of one thread, for which the kernel's loop goes over all items. False if there is no PTX
-    /// of the kernel.
+    /// Runs a launch as a grid of one thread, so that the kernel's loop visits every item. Returns false if the
+    /// kernel's PTX was not loaded.
     bool run(const cuda_on_cpu::Kernel& launch);
 
-    /// Mangled names of the kernels, and how often each was launched.
+    /// Launches of each kernel, by its name as the host's compiler mangles it.
     std::map<std::string, int> launches;
 
    private:
     std::vector<std::unique_ptr<Program>> programs_;
-    std::map<std::string, const Function*> functions_;  ///< by name as the host's compiler mangles it
+    std::map<std::string, const Function*> functions_;  ///< by the same names
     Thread thread_;
 };
 

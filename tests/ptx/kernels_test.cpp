@@ -71,7 +71,7 @@ class KernelsByTheirPtx : public testing::Test {
 };
 
 TEST_F(KernelsByTheirPtx, know_the_known_answers) {
-    cuda::forget_known_answers();
+    cuda::reset_known_answers();
     Detector({.backend = Backend::cuda});  // else it throws
     // Kernels of listed edges and points are launched for nothing, but for their stacks.
     for (const auto& [name, launches] : kernels_.launches) {

@@ -24,7 +24,7 @@ TEST(Ptx, shows_what_nvcc_13_0_miscompiles) {
         int* const out = &sign;
         const void* const arguments[] = {&in, &n, &out};
         thread.run(kernel, arguments);
-        wrong += sign != sign_of_item(numbers);
+        wrong += sign != opposite_sign_of_list(numbers);
     }
     const std::string version = CRUMPLE_NVCC_VERSION;
     if (version == "13.0")

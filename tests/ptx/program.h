@@ -4,12 +4,13 @@
 // host's. The text is what nvcc makes of the shipped kernels, so a fault of its optimizer shows without a device
 // (docs/nvcc_13_0.md). Reference: "Parallel Thread Execution ISA", version 9.0, NVIDIA.
 //
-// Every register is 64 bits wide; a narrower value lies in its low bits, and the others are 0. A function's frame is
+// Every PTX register is stored in a 64-bit slot; narrower values occupy its low bits, and the others are 0. A
+// function's frame is
 //
 //     slots    constants | addresses of its memory | registers
 //     memory   parameters, result, local arrays, parameters and results of its calls
 //
-// and constants are slots like any other, so an instruction is a function of the host and the numbers of its slots.
+// Constants occupy slots, too, so a decoded instruction is a function of the host and the indices of its slots.
 
 #include <cstddef>
 #include <cstdint>
@@ -24,7 +25,7 @@
 
 namespace crumple::ptx {
 
-/// Thrown for text that the interpreter does not know, and for what no thread may do.
+/// Thrown for PTX that the interpreter does not support, and for illegal operations of a thread.
 struct Failure : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
@@ -39,7 +40,7 @@ struct Instruction {
     std::uint32_t slot[6] = {};    ///< operands from left to right, vectors and pairs taken apart
     std::uint32_t guard = always;  ///< slot of the predicate
     bool guard_is_negated = false;
-    unsigned register_bytes = 8;  ///< width of the first operand's register, to which a load extends
+    unsigned register_bytes = 8;  ///< width of the first operand's register, to which loads extend
     std::int64_t number = 0;      ///< offset of an address; of a branch its target, of a call its place in `calls`
 };
 
@@ -64,15 +65,15 @@ struct Function {
     std::vector<Call> calls;
 };
 
-/// The text of one translation unit.
+/// PTX of one translation unit, whose functions are decoded on first use.
 class Program {
    public:
     explicit Program(std::string text);
 
-    /// Names of the kernels.
+    /// Returns the names of the kernels.
     std::vector<std::string> kernels() const;
-    /// The decoded function. Throws Failure where it, or a function that it calls, is not there or has an unknown
-    /// instruction.
+    /// Returns the decoded function, which the program owns. Throws Failure if it, or a function that it calls, is
+    /// missing or contains an unknown instruction.
     const Function& function(std::string_view name);
 
    private:
@@ -95,7 +96,7 @@ class Thread {
    public:
     Thread() : slot_stack_(std::size_t{1} << 20), memory_stack_(std::size_t{1} << 20) {}
 
-    /// Runs a kernel as a grid of one thread. `arguments` are addresses.
+    /// Runs a kernel as a grid of one thread. Each element of `arguments` points to the value of one parameter.
     void run(const Function& kernel, std::span<const void* const> arguments);
     /// Number of instructions that were run.
     std::uint64_t steps() const { return steps_; }
@@ -117,7 +118,8 @@ class Thread {
     std::uint64_t steps_ = 0;
 };
 
-/// What runs an instruction of this name. A move of vectors names their lengths: "mov.b64:2,1". Null: unknown.
+/// Returns the function that executes the named instruction, or null if it is unknown. Moves of vectors append the
+/// lengths of their operands: "mov.b64:2,1".
 using Run = void (*)(Thread&, const Instruction&);
 Run find_instruction(const std::string& name);
 

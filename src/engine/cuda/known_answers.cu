@@ -7,6 +7,7 @@
 #include <mutex>
 #include <vector>
 
+#include "base/float_environment.h"
 #include "crumple/error.h"
 #include "engine/cuda/contacts.h"
 #include "engine/cuda/known_cases.h"
@@ -105,7 +106,7 @@ struct Arrays {
     }
 };
 
-AskedOfFeatures asked_in(std::size_t query) {
+AskedOfFeatures query_of(std::size_t query) {
     AskedOfFeatures asked;
     asked.motion = query > 0;
     asked.distance = query == 0 ? 1 : query == 1 ? 0 : 0.25;
@@ -151,7 +152,7 @@ void decide_on_device(const Geometry& geometry, cudaStream_t stream, const Array
             tests.of[k] = {a.tests[k], a.test_count + k, case_count};
             open.of[k] = {results.open[k], results.open_count + k, case_count};
         }
-        decide_tests(geometry, stream, q > 0 ? moving : scene, asked_in(q), false, tests, open,
+        decide_tests(geometry, stream, q > 0 ? moving : scene, query_of(q), false, tests, open,
                      {results.beyond, results.beyond_count, kinds * case_count}, results.hits);
     }
 }
@@ -200,7 +201,7 @@ std::string difference(const Arrays& a, const ContactArrays& found) {
 template <class Question>
 std::string feature_difference(const Arrays& a, std::size_t query) {
     const Scene scene = a.scene(query > 0);
-    const Question question({scene, is_aligned(scene)}, asked_in(query), false);
+    const Question question({scene, is_aligned(scene)}, query_of(query), false);
     const FeatureResults& found = a.features[query];
     const RankedHit* of[kinds * case_count] = {};
     for (std::size_t i = 0; i < std::min<Count>(*found.hits.list.count, kinds * case_count); ++i)
@@ -229,30 +230,31 @@ std::string feature_difference(const Arrays& a, std::size_t query) {
 }  // namespace
 
 std::string find_difference_from_host(const Device& device, cudaStream_t stream) {
+    const FloatEnvironment environment;  // for the host's results
     Geometry geometry = device.geometry();
     geometry.threads = case_count;
     MemoryMeter unlimited;
     Block block(unlimited);
-    Arrays there;
-    lay_out(block, [&](Cutter& c) { there.cut(c); });
+    Arrays on_device;
+    lay_out(block, [&](Cutter& c) { on_device.cut(c); });
     std::vector<std::uint64_t> memory(block.capacity() / sizeof(std::uint64_t));
     auto* const image = reinterpret_cast<std::byte*>(memory.data());
-    Arrays here;
+    Arrays on_host;
     Cutter cutter(image);
-    here.cut(cutter);
-    write_cases(here);
-    auto* const copy = reinterpret_cast<std::byte*>(there.start);
+    on_host.cut(cutter);
+    write_cases(on_host);
+    auto* const copy = reinterpret_cast<std::byte*>(on_device.start);  // the first array
     CRUMPLE_CUDA(cudaMemcpyAsync(copy, image, block.capacity(), cudaMemcpyHostToDevice, stream));
-    decide_on_device(geometry, stream, there);
+    decide_on_device(geometry, stream, on_device);
     CRUMPLE_CUDA(cudaMemcpyAsync(image, copy, block.capacity(), cudaMemcpyDeviceToHost, stream));
     CRUMPLE_CUDA(cudaStreamSynchronize(stream));
 
-    std::string found = difference(here, here.all, Intersections::all);
-    if (found.empty()) found = difference(here, here.proper, Intersections::proper);
-    if (found.empty()) found = difference(here, here.contacts);
-    if (found.empty()) found = feature_difference<NearQuestion>(here, 0);
-    if (found.empty()) found = feature_difference<ImpactQuestion>(here, 1);
-    if (found.empty()) found = feature_difference<SeparationQuestion>(here, 2);
+    std::string found = difference(on_host, on_host.all, Intersections::all);
+    if (found.empty()) found = difference(on_host, on_host.proper, Intersections::proper);
+    if (found.empty()) found = difference(on_host, on_host.contacts);
+    if (found.empty()) found = feature_difference<NearQuestion>(on_host, 0);
+    if (found.empty()) found = feature_difference<ImpactQuestion>(on_host, 1);
+    if (found.empty()) found = feature_difference<SeparationQuestion>(on_host, 2);
     return found;
 }
 
@@ -277,7 +279,7 @@ void check_known_answers(const Device& device, cudaStream_t stream) {
                     Element::option);
 }
 
-void forget_known_answers() {
+void reset_known_answers() {
     const std::lock_guard lock(differences_mutex);
     differences.clear();
 }

@@ -1,8 +1,8 @@
 #pragma once
 
-// A device that computes wrong results is found before it is used: small cases, which need every path of the exact
-// arithmetic, are decided on it by the kernels that decide, and compared with the host's results bit for bit. Compilers
-// have been at fault there (docs/nvcc_13_0.md).
+// Known-answer test, run before a device is used: the kernels that decide exactly evaluate small cases that cover every
+// path of the exact arithmetic, and their results are compared bit for bit with the host's. It detects miscompiled
+// kernels (docs/nvcc_13_0.md).
 
 #include <string>
 
@@ -11,14 +11,15 @@
 
 namespace crumple::cuda {
 
-/// Describes the first result that differs; empty if none does. Cost: eight kernels, an upload and a download of 100
-/// KB.
+/// Returns a description of the first result that differs from the host's, or an empty string. Cost: eight launches,
+/// one upload and one download, each of about 100 KB.
 std::string find_difference_from_host(const Device& device, cudaStream_t stream);
 
-/// Throws Error (backend_unavailable) if the device's results differ. Compares once per device and process.
+/// Throws Error (backend_unavailable) if the device's results differ. Compares once per device and process; later calls
+/// reuse the outcome.
 void check_known_answers(const Device& device, cudaStream_t stream);
 
 /// Makes the next check compare again. For tests.
-void forget_known_answers();
+void reset_known_answers();
 
 }  // namespace crumple::cuda

@@ -1,8 +1,8 @@
 #pragma once
 
-// Small cases that need every path of the exact arithmetic, for the comparison of a device with the host
-// (known_answers.h). Each is a pair of triangles of which the first two corners may be shared, and whose corners move
-// on a grid: signs that are 0, and signs that only expansions tell, are common there.
+// Small cases that exercise every path of the exact arithmetic, to compare a device with the host (known_answers.h).
+// Each is a pair of moving triangles that may share one or two vertices. Most start on a small integer grid, where
+// signs are often 0 or can be decided only with expansions.
 
 #include <array>
 #include <cstdint>
@@ -13,14 +13,16 @@
 namespace crumple::cuda {
 
 struct KnownCases {
-    /// Three corners of each triangle; the two triangles of a case are neighbours.
+    /// Vertices at the start and at the end of the motion, six a case.
     std::vector<Vec3d> start, end;
+    /// Vertex indices, three a triangle; triangles 2i and 2i + 1 are case i. Vertices replaced by shared ones are not
+    /// referenced.
     std::vector<std::int32_t> corners;
 
     std::size_t count() const { return corners.size() / 6; }
 };
 
-/// The same cases on every machine.
+/// Returns pseudo-random cases, identical on every machine.
 inline KnownCases make_known_cases(std::size_t count) {
     std::uint64_t state = 1;
     const auto below = [&](std::uint64_t n) {  // after Vigna's splitmix64
@@ -40,38 +42,38 @@ inline KnownCases make_known_cases(std::size_t count) {
         const Vec3d u = p[1] - p[0], v = p[2] - p[0];
         std::size_t shared = 0;
         switch (i % 10) {
-            case 0:  // anyhow
+            case 0:  // arbitrary
                 break;
-            case 1:  // neighbours
+            case 1:  // adjacent
                 shared = 1 + i / 10 % 2;
                 break;
-            case 2:  // neighbours in one plane
+            case 2:  // adjacent and coplanar
                 shared = 1 + i / 10 % 2;
                 for (Vec3d& corner : p) corner.z = 0;
                 break;
-            case 3:  // in one plane
+            case 3:  // coplanar
                 for (Vec3d& corner : p) corner.z = corner.x - 2 * corner.y;
                 break;
-            case 4:  // a triangle that is a segment
+            case 4:  // degenerate: collinear corners
                 p[2] = p[0] + 2 * u;
                 break;
-            case 5:  // a corner in the other's plane, or on its edge
+            case 5:  // a corner in the other triangle's plane, or on its edge
                 p[3] = p[0] + 0.25 * (u + below(4) * v);
                 break;
-            case 6:  // nearly so, by rounding
+            case 6:  // almost coplanar, because of rounding
                 for (std::size_t k = 0; k < 3; ++k) p[k] = (1. / 3) * p[k] + Vec3d{0.1, 0.2, 0.3};
                 for (std::size_t k = 3; k < 6; ++k)
                     p[k] = p[0] + (1. / 7) * (below(8) * (p[1] - p[0]) + below(8) * (p[2] - p[0]));
                 break;
-            case 7:  // coordinates of many magnitudes
+            case 7:  // coordinates of widely different magnitude
                 for (Vec3d& corner : p)
                     corner = {corner.x + 0x1p-52 * below(4), 0x1p30 * corner.y + below(4), corner.z - 0x1p-40};
                 break;
-            case 8:  // coordinates beyond the range of expansions, once
+            case 8:  // beyond the range of expansions in case 8, otherwise arbitrary
                 if (i == 8)
                     for (Vec3d& corner : p) corner = 0x1p310 * corner;
                 break;
-            default:  // two triangles that cross, whose contact has to be rounded
+            default:  // crossing triangles with a contact that is rounded
                 p = {Vec3d{0, 0, 0}, {3, 0, 0.1 * below(9)}, {0, 3, 0},
                      {1, 1, -1},     {1, 1, 1 + below(3)},   {0.7, 2.3, 1}};
                 break;
@@ -80,7 +82,8 @@ inline KnownCases make_known_cases(std::size_t count) {
             const std::size_t corner = k >= 3 && k - 3 < shared ? k - 3 : k;
             cases.corners.push_back(static_cast<std::int32_t>(6 * i + corner));
             cases.start.push_back(p[k]);
-            // Every third case moves apart from grid to grid, the others in a way that has to be rounded.
+            // Each corner moves independently: in every third case by integers, in the others by 0.3 of them, so that
+            // the end is rounded.
             const Vec3d way = on_grid(5) - Vec3d{2, 2, 2};
             cases.end.push_back(p[k] + (i % 3 == 0 ? 1 : 0.3) * way);
         }

@@ -1,8 +1,8 @@
 #pragma once
 
 // How a device decides a test of features: quickly, in registers; closely, with expansions or pairs of numbers; what
-// both leave open is for the host. Each question is a struct of two functions, which the host calls, too, to know what
-// a device has to say (engine/cuda/known_answers.h).
+// both leave open is for the host. Each question is a struct of two functions. The host calls them, too, to check a
+// device (engine/cuda/known_answers.h).
 
 #include "questions/features/cuda/asked.h"
 #include "questions/features/cuda/exact_points.h"
