@@ -189,6 +189,7 @@ void add_integer(Table& table, const std::string& type) {
     table["neg." + type] = one<Bits>([](Bits a) { return static_cast<Bits>(0 - a); });
     table["min." + type] = two<T>([](T a, T b) { return a < b ? a : b; });
     table["max." + type] = two<T>([](T a, T b) { return a > b ? a : b; });
+    table["abs." + type] = one<T>([](T a) { return static_cast<T>(std::is_signed_v<T> && a < 0 ? 0 - a : a); });
     table["mul.lo." + type] = two<T>([](T a, T b) { return static_cast<T>(Twice<T>{a} * b); });
     table["mul.hi." + type] = two<T>([](T a, T b) { return static_cast<T>((Twice<T>{a} * b) >> width); });
     table["mad.lo." + type] = three<T>(
@@ -199,11 +200,16 @@ void add_integer(Table& table, const std::string& type) {
     table["shr." + type] = two<T, uint32_t>([](T a, uint32_t n) {
         return static_cast<T>(n < width ? a >> n : a < 0 ? -1 : 0);
     });
-    for (const char* of : {"global.", ""}) {
-        table[std::string("atom.") + of + "add." + type] = atomic<Bits>([](Bits a, Bits b) { return Bits(a + b); });
-        table[std::string("atom.") + of + "min." + type] = atomic<T>([](T a, T b) { return a < b ? a : b; });
-        table[std::string("red.") + of + "add." + type] = reduce<Bits>([](Bits a, Bits b) { return Bits(a + b); });
-    }
+    table["bfe." + type] = [](Thread& t, const Instruction& i) {  // a field, extended by its highest bit if signed
+        const auto value = static_cast<uint64_t>(static_cast<int64_t>(get<T>(t, i.slot[1])));
+        const auto begin = get<uint32_t>(t, i.slot[2]) & 255, length = get<uint32_t>(t, i.slot[3]) & 255;
+        const uint32_t end = begin + length < width ? begin + length : width;
+        if (begin >= width || length == 0) return put(t, i.slot[0], T{0});
+        put(t, i.slot[0], static_cast<T>(static_cast<T>(value << (width - end)) >> (width - end + begin)));
+    };
+    table["atom.global.add." + type] = atomic<Bits>([](Bits a, Bits b) { return static_cast<Bits>(a + b); });
+    table["atom.global.min." + type] = atomic<T>([](T a, T b) { return a < b ? a : b; });
+    table["red.global.add." + type] = reduce<Bits>([](Bits a, Bits b) { return static_cast<Bits>(a + b); });
 }
 
 template <class T>
@@ -221,6 +227,7 @@ void add_bits(Table& table, const std::string& type) {
         two<T, uint32_t>([](T a, uint32_t n) { return static_cast<T>(n < width ? uint64_t{a} << n : 0); });
     table["popc." + type] = one<T>([](T a) { return static_cast<uint32_t>(std::popcount(a)); });
     table["clz." + type] = one<T>([](T a) { return static_cast<uint32_t>(std::countl_zero(a)); });
+    table["atom.global.or." + type] = atomic<T>([](T a, T b) { return static_cast<T>(a | b); });
     table["bfi." + type] = [](Thread& t, const Instruction& i) {
         const auto begin = get<uint32_t>(t, i.slot[3]) & 255, length = get<uint32_t>(t, i.slot[4]) & 255;
         const uint64_t ones = length >= width ? ~0ull : (1ull << length) - 1;

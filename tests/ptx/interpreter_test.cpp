@@ -101,6 +101,18 @@ TEST(Ptx, handles_integers_of_every_width) {
               0x5566778811228844u);
 }
 
+TEST(Ptx, extracts_fields_of_bits) {
+    const auto field = [](const std::string& type, std::uint32_t value, int begin, int length) {
+        return run<std::uint32_t>("ld.param.u32 %r1, [in0];\nbfe." + type + " %r2, %r1, " + std::to_string(begin) +
+                                      ", " + std::to_string(length) + ";\nst.global.u32 [%rd0], %r2;",
+                                  value);
+    };
+    EXPECT_EQ(field("u32", 0x80c01234, 24, 8), 0x80u);
+    EXPECT_EQ(field("u32", 0x80c01234, 4, 8), 0x23u);
+    EXPECT_EQ(field("s32", 0x80c01234, 20, 4), 0xfffffffcu);
+    EXPECT_EQ(field("u32", 0x80c01234, 32, 8), 0u);
+}
+
 TEST(Ptx, takes_minus_one_for_true) {
     EXPECT_EQ(run<std::uint32_t>("mov.pred %p1, -1;\nsetp.eq.u32 %p2, 7, 7;\nxor.pred %p3, %p1, %p2;\n"
                                  "selp.u32 %r1, 1, 0, %p3;\nst.global.u32 [%rd0], %r1;"),
