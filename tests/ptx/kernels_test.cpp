@@ -58,10 +58,12 @@ class KernelsByTheirPtx : public testing::Test {
             EXPECT_TRUE(same_features(found, cpu_.find_impacts(soup.view(), soup.end_view(), query)));
             impacts_ += found.count;
         }
-        const Near query{.radius = 1.5 * unit};
-        const Nearby& found = cuda_.find_near(soup.view(), query);
-        EXPECT_TRUE(same_features(found, cpu_.find_near(soup.view(), query)));
-        near_ += found.count;
+        for (const double radius : {unit, 1.5 * unit}) {  // on a grid many distances are the first one
+            const Near query{.radius = radius};
+            const Nearby& found = cuda_.find_near(soup.view(), query);
+            EXPECT_TRUE(same_features(found, cpu_.find_near(soup.view(), query)));
+            near_ += found.count;
+        }
     }
 
     ptx::Kernels kernels_{ptx_files(), {"exact_kernel", "contact_kernel", "decide_kernel", "close_kernel"}};
@@ -84,7 +86,7 @@ TEST_F(KernelsByTheirPtx, decide_hard_soups) {
         SCOPED_TRACE(scene.name);
         expect_same(scene.mesh.view());
     }
-    for (int seed = 10; seed < 10 + more_or_less(12); ++seed) {
+    for (int seed = 10; seed < 10 + more_or_less(3); ++seed) {
         SCOPED_TRACE(seed);
         expect_same(grid_soup(3 + seed % 4, 40, 60, static_cast<std::uint64_t>(seed)).mesh<double>(1. / 3).view());
         expect_same(random_soup<double>(80, 0.8, static_cast<unsigned>(seed)).view());
@@ -94,11 +96,11 @@ TEST_F(KernelsByTheirPtx, decide_hard_soups) {
 }
 
 TEST_F(KernelsByTheirPtx, decide_hard_motions_and_distances) {
-    for (const auto& move : moving_soups<double>(0.2)) {
+    for (const auto& move : moving_soups<double>(0.1)) {
         SCOPED_TRACE(move.name);
         if (move.unit < 1e300) expect_same(move.soup, move.unit);
     }
-    for (unsigned seed = 1; seed <= static_cast<unsigned>(more_or_less(3)); ++seed) {
+    for (unsigned seed = 1; seed <= static_cast<unsigned>(more_or_less(1)); ++seed) {
         SCOPED_TRACE(seed);
         expect_same(moving_grid(5, 60, 60, seed), 1);
         expect_same(changed<double>(moving_through_a_line(40, 40, seed), [](double x) { return x / 3; }), 1);
