@@ -23,6 +23,12 @@ row() {
 # More of what is random, and what the usual run leaves out.
 CRUMPLE_ROUNDS=5 scripts/test.sh
 
+# The usual tests compile only the device's part of the cuda backend by nvcc.
+if command -v nvcc >/dev/null; then
+    cmake --preset cuda -DCMAKE_CUDA_ARCHITECTURES=90 >/dev/null
+    cmake --build --preset cuda
+fi
+
 # The optimizer of nvcc makes other code for other devices.
 if [[ -x build/tests/ptx/ptx_kernels_test ]]; then
     for architecture in 75 80 90 100 110 120; do
