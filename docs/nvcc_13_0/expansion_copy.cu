@@ -2,8 +2,8 @@
 //
 //     nvcc -std=c++20 -O3 -arch=sm_90 -ptx expansion_copy.cu
 //
-// The kernel stores the sign of each negated list of four numbers. Compiled with nvcc 13.0, it stores 0 for every list; on
-// the host, the same functions return the expected signs.
+// The kernel stores the sign of each negated list of four numbers. Compiled with nvcc 13.0, it stores 0 for every list;
+// on the host, the same functions return the expected signs.
 
 #ifdef __CUDACC__
 #include <cstdio>
