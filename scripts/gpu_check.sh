@@ -134,7 +134,7 @@ finish() {
     if [[ $result == ok ]]; then exit 0; else exit 1; fi
 }
 
-# What the shells of the steps inherit.
+# Variables that the shells of the steps inherit.
 export top out work left_out version data packed bin scene scenes frames small most_calls CRUMPLE_DATA PATH=$PATH:/usr/local/cuda/bin
 scene=cloth_ball92 scenes='cloth_ball92 227 balls16_18' frames='' small='' most_calls=1000
 if [[ -f $pack ]]; then

@@ -59,7 +59,7 @@ class BorrowedPoses {
     std::span<const Pose> read(const Bodies& bodies, std::vector<Pose>& buffer) const;
     /// The CUDA device that they lie on, which read() refuses, or BorrowedArray::on_host.
     int device() const { return object_ ? array_.device : BorrowedArray::on_host; }
-    /// Those on a device, ready on the stream. Refuses those of configurations with bodies at rest.
+    /// Returns the poses on a device, ready on the stream. Refuses poses of configurations with bodies at rest.
     DevicePoses on_device(const Bodies& bodies) const;
     bool given() const { return object_.is_valid(); }
     /// As they were given.

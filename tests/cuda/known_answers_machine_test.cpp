@@ -100,7 +100,7 @@ TEST_F(KnownAnswersOfAMachine, that_are_wrong_make_the_backend_unavailable) {
     EXPECT_EQ(automatic.fallback().substr(0, reason.size()), reason);
 }
 
-// What the cases need, as the host decides them.
+// Counts the paths that the cases take on the host.
 TEST_F(KnownAnswersOfAMachine, need_every_path_of_the_arithmetic) {
     const cuda::KnownCases cases = cuda::make_known_cases(96);
     int collide = 0, apart = 0, undecided_pairs = 0, expanded = 0, shared = 0;

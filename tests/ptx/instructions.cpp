@@ -1,4 +1,4 @@
-// What PTX's instructions do, by name. Only those that the kernels have, each for all of its types.
+// Functions of PTX's instructions, by name: only those that the kernels have, each for all of its types.
 //
 // Compiled with -frounding-math, since some set the rounding mode.
 

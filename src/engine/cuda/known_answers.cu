@@ -42,7 +42,7 @@ struct Decisions {
     }
 };
 
-/// What one query about features finds.
+/// Results of one query about features.
 struct FeatureResults {
     FeatureHits hits;
     FeatureTest* open[kinds];
