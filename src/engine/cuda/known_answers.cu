@@ -27,9 +27,9 @@ constexpr std::size_t kinds = 2;        // of features: those of triangles
 constexpr std::size_t queries = 3;      // near, impacts, impacts with a minimum distance
 using Count = unsigned long long;
 
-/// Which pairs of triangles collide, by one policy.
+/// Pairs of triangles that collide by one policy.
 struct Decisions {
-    Count* collides;  ///< by triangle; of the first of each case
+    Count* collides;  ///< by triangle; 1 for the first one of a case that collides
     Count* found;
     Pair* beyond;
     Count* beyond_count;
@@ -71,7 +71,7 @@ struct Arrays {
     Candidate* candidates;
     Pair* pairs;
     FeatureTest* tests[kinds];
-    Count* test_count;  ///< of any list of tests or candidates
+    Count* test_count;  ///< of each list of tests, and of the candidates
     Decisions all, proper;
     ContactArrays contacts;
     FeatureResults features[queries];
@@ -132,7 +132,7 @@ void write_cases(const Arrays& a) {
     std::fill_n(a.test_count, feature_kinds, case_count);
 }
 
-// Contacts are asked for of pairs that collide. Those that do not, which are fewer, tell as much.
+// Launches all kernels. Contacts are computed for every pair: most collide, and the others must have none.
 void decide_on_device(const Geometry& geometry, cudaStream_t stream, const Arrays& a) {
     const Scene scene = a.scene(false), moving = a.scene(true);
     Sorted sorted{};
