@@ -58,6 +58,7 @@ struct Expansion {
     CRUMPLE_HD Expansion(const Expansion& other) : size(other.size) {
         for (int i = 0; i < size; ++i) term[i] = other.term[i];
     }
+    // NOLINTNEXTLINE(bugprone-unhandled-self-assignment): copying a term onto itself changes nothing
     CRUMPLE_HD Expansion& operator=(const Expansion& other) {
         size = other.size;
         for (int i = 0; i < size; ++i) term[i] = other.term[i];
