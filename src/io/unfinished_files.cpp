@@ -9,7 +9,7 @@
 namespace crumple::io {
 
 /// The thread that takes the name out of its slot removes the file. A handler never frees the name: the heap is not
-/// safe there. Nor does anybody else then, who cannot know whether the handler is through; but `given` still names it.
+/// safe there. Nor does anybody else then, who cannot know whether the handler is through: its slot is not taken again.
 struct UnfinishedFile::Slot {
     std::atomic<bool> taken{true};
     std::atomic<char*> name{nullptr};
@@ -49,20 +49,17 @@ void UnfinishedFile::begin(const std::filesystem::path& name) {
     slot_->name = copy;
 }
 
-void UnfinishedFile::finish() {
-    if (!slot_) return;
-    std::free(slot_->name.exchange(nullptr));
-    slot_->taken = false;
-    slot_ = nullptr;
-}
+void UnfinishedFile::finish() { give_back(false); }
+void UnfinishedFile::remove() { give_back(true); }
 
-void UnfinishedFile::remove() {
+void UnfinishedFile::give_back(bool unlink) {
     if (!slot_) return;
     if (char* const name = slot_->name.exchange(nullptr)) {
-        ::unlink(name);
+        if (unlink) ::unlink(name);
         std::free(name);
+        slot_->taken = false;
     }
-    finish();
+    slot_ = nullptr;
 }
 
 }  // namespace crumple::io

@@ -27,6 +27,7 @@ class UnfinishedFile {
 
    private:
     struct Slot;
+    void give_back(bool unlink);
     friend void remove_unfinished_files() noexcept;
 
     /// All slots there have ever been; they are used again and never freed.
