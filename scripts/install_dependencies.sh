@@ -21,7 +21,7 @@ for option in "$@"; do
         --mpi) packages+=(libopenmpi-dev openmpi-bin) ;;
         --mpich) packages+=(libmpich-dev mpich) ;;
         --python-peers) packages+=(libegl1 libgl1 libgomp1 libusb-1.0-0 libx11-6) ;;
-        --ci) packages+=(clang clang-format clang-tidy clang-tools) ;;
+        --ci) packages+=(clang clang-format clang-tidy clang-tools lld) ;;
         --fuzz) packages+=(ccache clang libclang-rt-dev llvm python3) ;;  # libFuzzer, sanitizers, names in stacks
         --arm64) packages+=(g++-aarch64-linux-gnu qemu-user-static) ;;
         *) echo "usage: $0 [--tests] [--python] [--mpi] [--mpich] [--python-peers] [--ci] [--fuzz] [--arm64]" >&2; exit 2 ;;

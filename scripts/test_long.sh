@@ -22,6 +22,10 @@ row() {
 
 # More of what is random, and what the usual run leaves out.
 CRUMPLE_ROUNDS=5 scripts/test.sh
+ctest --preset release -C nvcc -L nvcc -j "$(nproc)"
+
+# The player of devices, of which .ci/run tests only what has changed.
+cuda_on_cpu/test.sh
 
 # The usual tests compile only the device's part of the cuda backend by nvcc.
 if command -v nvcc >/dev/null; then

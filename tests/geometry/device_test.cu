@@ -2,7 +2,7 @@
 
 #include <cstring>
 
-#include "cuda_on_cpu/portable/portable.h"
+#include "cuda_on_cpu/tests/portable/portable.h"
 #include "geometry/ball.h"
 #include "geometry/random_pairs.h"
 #include "model/part_tree.h"

@@ -1,7 +1,7 @@
 #pragma once
 
 // The CUDA runtime, wrapped: calls that throw, launches, owners of streams, events and graphs. The same text compiles
-// with nvcc and, with the headers of tests/cuda_on_cpu on the include path, as plain C++ (docs/cuda_on_cpu.md).
+// with nvcc and, with the headers of cuda_on_cpu/shim on the include path, as plain C++ (cuda_on_cpu/README.md).
 
 #include <cuda_runtime.h>
 
@@ -140,7 +140,7 @@ __device__ inline bool has_ended(unsigned long long* counter) {
 }
 
 /// Owner of a handle that is created and destroyed by functions of the runtime. Destroys it in relaxed mode: elsewhere
-/// that would spoil captures, of this thread or of others (docs/cuda_on_cpu.md).
+/// that would spoil captures, of this thread or of others (cuda_on_cpu/README.md).
 template <class Handle, cudaError_t (*destroy)(Handle)>
 class Owner {
    public:

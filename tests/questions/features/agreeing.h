@@ -17,6 +17,9 @@ namespace crumple::test {
 
 /// Whether the CPU plays a device, on which all takes some hundred times as long.
 inline constexpr bool played = Backend::CRUMPLE_TESTED_BACKEND == Backend::cuda;
+/// Brute force and the backend that is tested; where a device is played, that one alone, for brute force ran elsewhere.
+inline const std::vector<Backend> tested_backends =
+    played ? std::vector{Backend::cuda} : std::vector{Backend::reference, Backend::CRUMPLE_TESTED_BACKEND};
 /// Soups to try, see moving_soups(). Under sanitizers they are smaller, as the yardstick takes the square of it; where
 /// a device is played, they are fewer.
 template <class Scalar>

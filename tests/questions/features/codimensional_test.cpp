@@ -407,10 +407,8 @@ TEST_P(ListsMean, OneListAfterTheOther) {
     EXPECT_EQ(near(soup).vertex_faces().pairs.size(), 5U);
 }
 
-INSTANTIATE_TEST_SUITE_P(Backends, ListsMean, testing::Values(Backend::CRUMPLE_TESTED_BACKEND, Backend::reference),
-                         [](const auto& info) {
-                             return info.param == Backend::CRUMPLE_TESTED_BACKEND ? "cpu" : "reference";
-                         });
+INSTANTIATE_TEST_SUITE_P(Backends, ListsMean, testing::ValuesIn(tested_backends),
+                         [](const auto& info) { return std::string(backend_name(info.param)); });
 
 }  // namespace
 }  // namespace crumple::test

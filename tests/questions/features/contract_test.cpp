@@ -176,7 +176,7 @@ TEST_P(FeatureErrors, of_calls_that_were_stopped) {
     EXPECT_EQ(code([&] { detector_.find({shapes, bodies, {}}, Near(), token); }), ErrorCode::cancelled);
 }
 
-INSTANTIATE_TEST_SUITE_P(, FeatureErrors, testing::Values(Backend::reference, Backend::CRUMPLE_TESTED_BACKEND),
+INSTANTIATE_TEST_SUITE_P(, FeatureErrors, testing::ValuesIn(tested_backends),
                          [](const auto& info) { return std::string(backend_name(info.param)); });
 
 /// All in one leaf, whose tests take a second or so together, for no filter in floating point knows such numbers.

@@ -38,7 +38,7 @@ class NearFilters : public testing::TestWithParam<Backend> {
         return detector.find_near(soup.view(), question).vertex_faces().pairs.size();
     }
 };
-INSTANTIATE_TEST_SUITE_P(, NearFilters, testing::Values(Backend::reference, Backend::CRUMPLE_TESTED_BACKEND),
+INSTANTIATE_TEST_SUITE_P(, NearFilters, testing::ValuesIn(tested_backends),
                          [](const auto& info) { return std::string(backend_name(info.param)); });
 
 /// A small triangle, whose first vertex is the lowest, one above the middle of a large one.

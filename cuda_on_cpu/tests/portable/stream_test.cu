@@ -2,7 +2,7 @@
 
 #include <thread>
 
-#include "cuda_on_cpu/portable/portable.h"
+#include "cuda_on_cpu/tests/portable/portable.h"
 
 namespace {
 

@@ -4,7 +4,7 @@
 
 #include <cub/device/device_scan.cuh>
 
-#include "cuda_on_cpu/portable/portable.h"
+#include "cuda_on_cpu/tests/portable/portable.h"
 
 namespace {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "cuda_on_cpu/portable/portable.h"
+#include "cuda_on_cpu/tests/portable/portable.h"
 
 namespace {
 

@@ -1,4 +1,4 @@
-# CUDA sources compiled as C++ and run by the CPU: see docs/cuda_on_cpu.md.
+# CUDA sources compiled as C++ and run by the CPU (README.md).
 
 # cuda_on_cpu_sources(TARGET SOURCES...): adds .cu and .cpp files to a target; <cuda_runtime.h> and <cub/...> are
 # the shim's.
@@ -6,9 +6,8 @@ function(cuda_on_cpu_sources target)
     set_source_files_properties(${ARGN} PROPERTIES LANGUAGE CXX)
     target_sources(${target} PRIVATE ${ARGN})
     target_link_libraries(${target} PUBLIC cuda_on_cpu)
-    # As nvcc's --fmad=false and as all of the library.
+    # As nvcc's --fmad=false.
     target_compile_options(${target} PRIVATE -ffp-contract=off -Wno-unknown-pragmas)
-    crumple_warnings(${target})
 endfunction()
 
 # cuda_on_cpu_library(NAME SOURCES ... [LIBRARIES ...]): a static library of them.

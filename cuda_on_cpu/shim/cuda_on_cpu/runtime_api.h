@@ -1,7 +1,7 @@
 #pragma once
 
 // Functions of the runtime API. Each means what CUDA's documentation says; what is stricter or missing here is in
-// docs/cuda_on_cpu.md.
+// cuda_on_cpu/README.md.
 
 #include <cstddef>
 #include <cstdint>

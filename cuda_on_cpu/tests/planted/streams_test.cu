@@ -2,8 +2,8 @@
 
 #include <thread>
 
-#include "cuda_on_cpu/planted/planted.h"
-#include "cuda_on_cpu/portable/portable.h"
+#include "cuda_on_cpu/tests/planted/planted.h"
+#include "cuda_on_cpu/tests/portable/portable.h"
 
 namespace {
 

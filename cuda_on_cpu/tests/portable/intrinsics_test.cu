@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "cuda_on_cpu/portable/portable.h"
+#include "cuda_on_cpu/tests/portable/portable.h"
 
 namespace {
 

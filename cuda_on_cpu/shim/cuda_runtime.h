@@ -1,6 +1,6 @@
 #pragma once
 
-// CUDA's runtime API and device functions, done by the CPU. See docs/cuda_on_cpu.md.
+// CUDA's runtime API and device functions, done by the CPU. See cuda_on_cpu/README.md.
 
 // As CUDA's own header, this one brings the host's mathematics along.
 #include <math.h>

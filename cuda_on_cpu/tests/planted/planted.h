@@ -1,6 +1,6 @@
 #pragma once
 
-#include "cuda_on_cpu/fixture.h"
+#include "cuda_on_cpu/tests/fixture.h"
 
 namespace planted {
 

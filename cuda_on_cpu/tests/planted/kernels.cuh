@@ -5,7 +5,7 @@
 #include <cub/block/block_reduce.cuh>
 #include <cub/block/block_scan.cuh>
 
-#include "cuda_on_cpu/portable/portable.h"
+#include "cuda_on_cpu/tests/portable/portable.h"
 
 namespace planted {
 

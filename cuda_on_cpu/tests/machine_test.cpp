@@ -5,10 +5,10 @@
 #include <cfenv>
 #include <cstdlib>
 
-#include "cuda_on_cpu/fixture.h"
 #include "cuda_on_cpu/machine/memory.h"
 #include "cuda_on_cpu/machine/settings.h"
-#include "cuda_on_cpu/portable/portable.h"
+#include "cuda_on_cpu/tests/fixture.h"
+#include "cuda_on_cpu/tests/portable/portable.h"
 
 namespace {
 

@@ -12,7 +12,7 @@
 #include <numeric>
 #include <random>
 
-#include "cuda_on_cpu/portable/portable.h"
+#include "cuda_on_cpu/tests/portable/portable.h"
 
 namespace {
 

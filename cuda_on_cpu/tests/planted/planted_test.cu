@@ -8,8 +8,8 @@
 
 #include "cuda_on_cpu/machine/sanitizers.h"
 #include "cuda_on_cpu/machine/settings.h"
-#include "cuda_on_cpu/planted/kernels.cuh"
-#include "cuda_on_cpu/planted/planted.h"
+#include "cuda_on_cpu/tests/planted/kernels.cuh"
+#include "cuda_on_cpu/tests/planted/planted.h"
 
 #ifdef CUDA_ON_CPU_TSAN
 // A race anywhere in this executable is a failure at once.

@@ -1,2 +1,0 @@
-// Only so that nvcc compiles the kernels.
-#include "cuda_on_cpu/planted/kernels.cuh"
