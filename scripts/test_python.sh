@@ -1,20 +1,22 @@
 #!/usr/bin/env bash
 # Builds the Python package as pip does, installs it into a virtual environment of its own (build-python/), and runs its
 # tests and examples:
-#   scripts/test_python.sh [--all | --sanitize | --cuda | --mpi] [pytest's options]
+#   scripts/test_python.sh [--all | --sanitize | --cuda | --mpi | --quick] [pytest's options]
 # --all also installs the packages that it works with (PyVista, Open3D, JAX, Warp, IPC Toolkit, ...: about 3 GB), whose
 # tests are skipped otherwise; PyTorch is tested where it is installed. --sanitize builds with AddressSanitizer and runs
 # what concerns arrays, their lifetimes and threads. --cuda builds the module alone, with the cuda backend that the CPU
-# plays (docs/cuda_on_cpu.md), and runs what concerns arrays on a device, those of ranks, too, where there is MPI. --mpi
-# builds crumple.mpi's, too, and runs what concerns ranks. PYTHON names the interpreter.
+# plays (cuda_on_cpu/README.md), and runs what concerns arrays on a device, those of ranks, too, where there is MPI. --mpi
+# builds crumple.mpi's, too, and runs what concerns ranks. --quick builds the module alone and leaves out what takes seconds.
+# PYTHON names the interpreter.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-all=() sanitize='' cuda='' mpi=()
+all=() sanitize='' cuda='' mpi=() quick=''
 case ${1-} in
     --all) all=(--python-peers); shift ;;
     --sanitize) sanitize=-sanitized; shift ;;
     --cuda) cuda=1; shift ;;
     --mpi) mpi=(--mpi); shift ;;
+    --quick) quick=1; shift ;;
 esac
 scripts/install_dependencies.sh --python "${all[@]}" "${mpi[@]}"
 ! command -v ccache >/dev/null || . scripts/ccache.sh
@@ -50,6 +52,10 @@ if [[ $cuda ]]; then
     modules build-python-cuda -DCRUMPLE_MPI=$with_mpi
     CRUMPLE_CUDA_ON_CPU=1 exec "$python" -m pytest -q -n "$(nproc)" python/tests/test_{arguments,device,input}.py \
         "python/tests/test_mpi.py::test_ranks[arrays_may_lie_on_a_device-3]" "$@"
+fi
+if [[ $quick ]]; then
+    modules build-python-quick -DCRUMPLE_TESTS=OFF
+    exec "$python" -m pytest -q -n "$(nproc)" -m "not slow" "$@"
 fi
 if ((${#mpi[@]})); then
     "$python" -c 'import mpi4py' 2>/dev/null || pip install 'mpi4py>=4'

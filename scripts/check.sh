@@ -1,0 +1,85 @@
+#!/usr/bin/env bash
+# Checks a change in a few minutes, before it is committed: formatting, the build, and the tests of what it touches, by folder.
+#   scripts/check.sh [COMMIT]   what has changed since that commit; HEAD, or, where nothing has changed since, the one before
+# All tests: scripts/test.sh. All that must hold before a change lands: .ci/run.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+. scripts/steps.sh
+jobs=$(nproc)
+
+base=${1-HEAD}
+changed() { git diff --name-only --diff-filter=d "$1" -- && git ls-files --others --exclude-standard; }
+files=$(changed "$base")
+[[ -n $files || -n ${1-} ]] || files=$(changed HEAD~1)
+[[ -n $files ]] || { echo "Nothing has changed since $base"; exit 0; }
+
+# Lists the folders of tests/ (or `python`, `player`) for the beginning of a path. A path takes the first line that fits.
+table='
+src/questions/intersect/cuda    cuda stages
+src/questions/features/cuda     cuda
+src/questions/candidates/cuda   cuda
+src/questions/intersect         intersect agreement stages
+src/questions/motion            motion features
+src/questions/nearest           nearest
+src/questions/near              near features
+src/questions/features          features
+src/questions/candidates        candidates
+src/engine/cuda                 cuda stages
+src/engine/cpu                  cpu stages agreement
+src/engine                      detector worlds agreement features
+src/geometry                    geometry intersect motion near
+src/model                       detector worlds features
+src/distribute                  distribute
+src/io                          io cli python
+src                             detector worlds features python
+include                         detector worlds features python
+scenes                          scenes agreement
+cli                             cli
+examples/python                 python
+python                          python
+cuda_on_cpu                     player
+README.md                       docs python
+docs                            docs python
+'
+suites=''
+while read -r file; do
+    if [[ $file == tests/*/* ]]; then
+        folder=$(dirname "$file")
+        suites+=" ${folder##*/}"
+        continue
+    fi
+    while read -r beginning tests; do
+        [[ -n $beginning && $file == "$beginning"* ]] || continue
+        suites+=" $tests"
+        break
+    done <<<"$table"
+done <<<"$files"
+read -ra suites <<<"$(tr ' ' '\n' <<<"$suites" | sort -u | tr '\n' ' ')"
+echo "$(wc -l <<<"$files") changed files; tests of: ${suites[*]:-nothing}"
+
+formatted() {
+    local sources
+    sources=$(grep -E '\.(h|cpp|cu|cuh)$' <<<"$files") || return 0
+    xargs clang-format --dry-run --Werror <<<"$sources"
+}
+build() {
+    cmake --preset release -DCRUMPLE_WERROR=ON -DCRUMPLE_MPI=ON >/dev/null
+    cmake --build --preset release -j "$jobs" --target "$@"
+}
+wants() { [[ " ${suites[*]} " == *" $1 "* ]]; }
+
+scripts/install_dependencies.sh --tests --python --mpi --ci
+. scripts/ccache.sh
+step "format" formatted
+targets=() labels=''
+for suite in "${suites[@]}"; do
+    case $suite in python | player | consumer | device | fuzz) continue ;; esac
+    targets+=("crumple_tests_of_$suite")
+    labels+="${labels:+|}$suite"
+done
+if ((${#targets[@]})); then
+    step "build" build "${targets[@]}"
+    step "tests" ctest --preset release -j "$jobs" -L "^($labels)\$" -LE '^slow$'
+fi
+! wants player || step "the player of devices" cuda_on_cpu/test.sh
+! wants python || step "Python" scripts/test_python.sh --quick

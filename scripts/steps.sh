@@ -1,0 +1,27 @@
+# Sourced by scripts that do one thing after the other:
+#   step NAME COMMAND...    runs the command, its output in a log, and says how long it took
+# If it fails, the script prints the end of the log and then, last of all, its first failure, and ends.
+log=$(mktemp)
+trap 'rm -f "$log"' EXIT
+
+# Matches how compilers, GoogleTest, ctest, pytest, sanitizers and scripts begin the report of a failure.
+failure='(^|[^[:alnum:]_])([Ee]rror|ERROR):|(^|[^[:alnum:]])FAILED|: Failure|Traceback|Sanitizer:|\*\*\*(Failed|Timeout|Exception)|^E  '
+
+step() {
+    local name=$1 began=$SECONDS status
+    shift
+    printf '== %s (after %d s)\n' "$name" "$began"
+    set +e
+    (set -e; "$@") >"$log" 2>&1  # alone, for behind || and in conditions bash ignores set -e
+    status=$?
+    set -e
+    if ((status == 0)); then
+        tail -n 1 "$log" | cut -c 1-200
+        printf '   passed in %d s\n' $((SECONDS - began))
+        return
+    fi
+    tail -n 300 "$log"
+    printf '\n== FAILED: %s (status %d, after %d s). The first failure:\n' "$name" "$status" $((SECONDS - began))
+    grep -nE -m 1 -A 25 "$failure" "$log" || tail -n 25 "$log"
+    exit "$status"
+}
