@@ -5,4 +5,4 @@ cd "$(dirname "$0")/.."
 scripts/install_dependencies.sh --ci
 how=-i
 [[ ${1-} != --check ]] || how='--dry-run --Werror'
-git ls-files '*.h' '*.cpp' '*.cu' '*.cuh' | xargs clang-format $how
+git ls-files --cached --others --exclude-standard '*.h' '*.cpp' '*.cu' '*.cuh' | xargs clang-format $how

@@ -59,7 +59,8 @@ int main(int argc, char** argv) {
             filter += (filter.find('-') == filter.npos ? "-" : ":") + cases;
         else
             continue;
-        std::cout << name.substr(2) << ' ' << cases << ": " << value.substr(std::min(value.size(), cases.size() + 1)) << '\n';
+        std::cout << name.substr(2) << ' ' << cases << ": " << value.substr(std::min(value.size(), cases.size() + 1))
+                  << '\n';
     }
     return RUN_ALL_TESTS();
 }
