@@ -11,6 +11,7 @@
 
 #include "crumple/crumple.h"
 #include "soups.h"
+#include "tested_backend.h"
 
 namespace crumple::test {
 
@@ -50,10 +51,6 @@ inline std::string test_name(std::string text) {
     std::replace_if(
         text.begin(), text.end(), [](unsigned char c) { return !std::isalnum(c); }, '_');
     return text;
-}
-
-inline std::string_view backend_name(Backend backend) {
-    return backend == Backend::reference ? "reference" : backend == Backend::cuda ? "cuda" : "cpu";
 }
 
 }  // namespace crumple::test

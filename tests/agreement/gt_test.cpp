@@ -58,15 +58,11 @@ class DataTest : public testing::Test {
 };
 
 // The same tests are built once for each backend that has to be shown right.
-#ifndef CRUMPLE_TESTED_BACKEND
-#define CRUMPLE_TESTED_BACKEND cpu
-#endif
-constexpr Backend tested = Backend::CRUMPLE_TESTED_BACKEND;
 
 /// Brute force is left out where it takes more than a second.
 std::vector<Backend> backends_for(std::int64_t triangles) {
-    if (triangles <= 1'500) return {Backend::reference, tested};
-    return {tested};
+    if (triangles <= 1'500) return {Backend::reference, test::tested_backend};
+    return {test::tested_backend};
 }
 
 Detector detector_of(Backend backend) {
@@ -149,7 +145,7 @@ TEST_P(SelfTruth, IsFoundByBruteForce) {
         io::read_mesh(*folder / scene.mesh, {.precision = scene.precision, .triangulation = io::Triangulation::fan});
     if (mesh.triangle_count() > 20'000) GTEST_SKIP() << "too large";
     if (backends_for(mesh.triangle_count()).size() > 1) GTEST_SKIP() << "small, so compared in IsFoundByEveryBackend";
-    Detector detector = detector_of(tested), reference = detector_of(Backend::reference);
+    Detector detector = detector_of(test::tested_backend), reference = detector_of(Backend::reference);
     const Collisions& found = detector.find_self(mesh.view());
     if (found.statistics.box_overlaps > most_overlaps) GTEST_SKIP() << "too many boxes overlap";
     EXPECT_TRUE(same_pairs(reference.find_self(mesh.view()).pairs.span(), found.pairs.span()));
@@ -160,7 +156,7 @@ TEST_P(SelfTruth, IsTheUnionOfItsParts) {
     const SelfCase scene = GetParam();
     const io::TriangleMesh mesh =
         io::read_mesh(*folder / scene.mesh, {.precision = scene.precision, .triangulation = io::Triangulation::fan});
-    Detector detector = detector_of(tested);
+    Detector detector = detector_of(test::tested_backend);
     const std::vector<Pair> whole = test::pairs_of(detector.find_self(mesh.view()));
     for (const int count : part_counts(scene)) {
         std::vector<Pair> joined;
@@ -231,7 +227,7 @@ TEST_P(WeldedTruth, IsFoundWhenEqualPositionsAreOneVertex) {
     for (Pair pair; file >> pair.a >> pair.b;) expected.push_back(pair);
     ASSERT_FALSE(expected.empty());
 
-    Detector detector = detector_of(tested);
+    Detector detector = detector_of(test::tested_backend);
     Query query;
     query.weld = true;
     for (const Precision precision : precisions(scene)) {
@@ -267,7 +263,7 @@ TEST_P(BetweenTruth, IsFoundForOneMeshAgainstAnother) {
     }
     ASSERT_FALSE(all.empty());
 
-    Detector detector = detector_of(tested);
+    Detector detector = detector_of(test::tested_backend);
     for (const Precision precision : {single, twofold}) {
         const io::TriangleMesh a =
             io::read_mesh(*folder / scene.a, {.precision = precision, .triangulation = io::Triangulation::fan});
@@ -304,7 +300,7 @@ TEST_F(Frames, ClothNeverMeetsTheBall) {
         constexpr std::int64_t cloth_end = 91'470;
         mesh.groups.assign(static_cast<std::size_t>(mesh.triangle_count()), 0);
         std::fill(mesh.groups.begin() + cloth_end, mesh.groups.end(), 1);
-        Detector detector = detector_of(tested);
+        Detector detector = detector_of(test::tested_backend);
         Query query;
         query.wanted = Wanted::between;
         EXPECT_TRUE(same_pairs(detector.find_self(mesh.view(), query).pairs.span(), {}));
@@ -333,7 +329,7 @@ TEST_F(Frames, OfACharacterAreRightOneAfterTheOther) {
     std::string heading;
     std::getline(counts, heading);
 
-    Detector detector = detector_of(tested);
+    Detector detector = detector_of(test::tested_backend);
     int frame, all, skip, neighbours;
     char comma;
     int frames = 0;

@@ -19,6 +19,7 @@
 #include "halves.h"
 #include "rounds.h"
 #include "scenes/scenes.h"
+#include "tested_backend.h"
 
 namespace crumple::test {
 namespace {
@@ -53,26 +54,16 @@ const io::TriangleMesh& mesh_of(std::size_t i) {
     return found->second;
 }
 
-// The backend that is compared with `reference`; the same tests are built once for each.
-#ifndef CRUMPLE_TESTED_BACKEND
-#define CRUMPLE_TESTED_BACKEND cpu
-#endif
-constexpr Backend tested = Backend::CRUMPLE_TESTED_BACKEND;
-constexpr bool on_cpu = tested == Backend::cpu;
-#ifdef CRUMPLE_PLAYED_DEVICE
-constexpr bool played = true;
-#else
-constexpr bool played = false;
-#endif
+const bool on_cpu = tested_backend == Backend::cpu;
 // Sanitizers are slow, and so is a device that the CPU plays; what else options and queries cover is no matter of
 // memory or of threads.
 constexpr std::size_t cpu_options = sanitized ? 6 : 24;
-constexpr std::size_t query_step = played ? (sanitized ? 4 : 3) : (sanitized ? 2 : 1);
+const std::size_t query_step = played ? (sanitized ? 4 : 3) : (sanitized ? 2 : 1);
 const std::vector<int> part_counts = sanitized ? played ? std::vector{5} : std::vector{2, 70}
                                      : played ? thorough() ? std::vector{1, 3, 13} : std::vector{1, 3}
                                               : std::vector{1, 2, 3, 8, 31, 64, 150};
-constexpr std::size_t option_count = on_cpu ? cpu_options : 4;
-constexpr std::int64_t limit_step = on_cpu ? 3 : 20;
+const std::size_t option_count = on_cpu ? cpu_options : 4;
+const std::int64_t limit_step = on_cpu ? 3 : 20;
 
 struct NamedQuery {
     std::string name;
@@ -129,14 +120,14 @@ std::string describe(const Options& o) {
 /// Few and many clusters, leaves so small that there are several levels, all thread counts and instruction sets.
 std::vector<Options> option_list() {
     std::vector<Options> list(1);
-    list[0].backend = tested;
+    list[0].backend = tested_backend;
     constexpr std::array clusters{1, 2, 3, 5, 16, 33, 64};
     constexpr std::array leaves{1, 4, 16, 60, 200, 3000};
     constexpr std::array threads{1, 2, 3, 7, 16};
     constexpr std::array instructions{Simd::automatic, Simd::scalar, Simd::sse4, Simd::avx2, Simd::avx512, Simd::neon};
     for (std::size_t i = 0; i < option_count; ++i) {
         Options o;
-        o.backend = tested;
+        o.backend = tested_backend;
         o.clusters = clusters[i % clusters.size()];
         o.leaf_size = leaves[i % leaves.size()];
         o.threads = threads[i % threads.size()];
@@ -242,7 +233,7 @@ struct Union {
 };
 
 TEST_P(Agreement, OfTheUnionOfAnyNumberOfParts) {
-    Detector parted({.backend = tested, .leaf_size = 100});
+    Detector parted({.backend = tested_backend, .leaf_size = 100});
     Query query;
     query.contacts = true;
     Union whole, whole_between;
@@ -271,7 +262,7 @@ TEST_P(Agreement, OfTheUnionOfAnyNumberOfParts) {
 TEST_P(Agreement, UnderAnyMemoryLimit) {
     Query query;
     query.contacts = true;
-    const Options unlimited{.backend = tested, .leaf_size = 100};
+    const Options unlimited{.backend = tested_backend, .leaf_size = 100};
     const auto limited = [&](std::int64_t bytes, bool count = true) {
         Options options = unlimited;
         options.memory_limit = bytes;

@@ -12,6 +12,7 @@
 #include "distribute/pretended_ranks.h"
 #include "distribute/rank_detector.h"
 #include "distribute/verdicts.h"
+#include "tested_backend.h"
 
 namespace crumple::test {
 namespace {
@@ -19,13 +20,9 @@ namespace {
 using distribute::RankDetector;
 using distribute::Transport;
 
-#ifndef CRUMPLE_TESTED_BACKEND
-#define CRUMPLE_TESTED_BACKEND cpu
-#endif
-
 DistributedOptions single_thread(int parts = 0) {
     DistributedOptions options;
-    options.detector.backend = Backend::CRUMPLE_TESTED_BACKEND;
+    options.detector.backend = tested_backend;
     options.detector.threads = 1;
     options.parts = parts;
     return options;

@@ -17,6 +17,7 @@
 #include "distribute/shares.h"
 #include "distribute/verdicts.h"
 #include "error_of.h"
+#include "tested_backend.h"
 
 namespace crumple::test {
 namespace {
@@ -25,13 +26,10 @@ using distribute::RankDetector;
 using distribute::Transport;
 
 // The backend of the ranks; the same tests are built once for each.
-#ifndef CRUMPLE_TESTED_BACKEND
-#define CRUMPLE_TESTED_BACKEND cpu
-#endif
 
 DistributedOptions one_thread(int parts = 0, std::int64_t round_bytes = std::int64_t{1} << 26) {
     DistributedOptions options;
-    options.detector.backend = Backend::CRUMPLE_TESTED_BACKEND;
+    options.detector.backend = tested_backend;
     options.detector.threads = 1;
     options.parts = parts;
     options.round_bytes = round_bytes;

@@ -7,6 +7,7 @@
 #include <limits>
 #include <vector>
 
+#include "tested_backend.h"
 #include "worlds/compare_worlds.h"
 #include "worlds/random_worlds.h"
 
@@ -17,13 +18,7 @@ using test::random_question;
 using test::random_world;
 using test::same_world_answer;
 
-#ifdef CRUMPLE_TESTED_BACKEND
-constexpr Backend tested = Backend::CRUMPLE_TESTED_BACKEND;
-constexpr unsigned seeds = 4;  // the CPU plays the device, which takes time
-#else
-constexpr Backend tested = Backend::cpu;
-constexpr unsigned seeds = 40;
-#endif
+const unsigned seeds = test::played ? 4 : 40;
 
 class Worlds : public testing::TestWithParam<Backend> {
    protected:
@@ -110,8 +105,7 @@ TEST_P(Worlds, of_shapes_that_reach_to_the_largest_numbers) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(, Worlds, testing::Values(tested),
-                         [](const auto& info) { return std::string(test::backend_name(info.param)); });
+INSTANTIATE_TEST_SUITE_P(, Worlds, testing::Values(test::tested_backend), test::name_of_backend);
 
 }  // namespace
 }  // namespace crumple

@@ -81,7 +81,7 @@ TYPED_TEST(CandidateAgreement, OfAnyGrowth) {
 
 TEST(CandidateKinds, AreListedAsAskedFor) {
     const MovingSoup<> soup = moving_grid(4, 30, 24, 3);
-    Detector detector({.backend = Backend::CRUMPLE_TESTED_BACKEND, .threads = 2, .leaf_size = 8});
+    Detector detector({.backend = tested_backend, .threads = 2, .leaf_size = 8});
     const CandidateLists all = detector.find_candidates(soup.view(), soup.end_view(), {.kinds = all_candidate_kinds()});
     for (unsigned chosen = 1; chosen < 64; ++chosen) {
         CandidateQuestion question{.kinds = {}};

@@ -1,25 +1,16 @@
 #pragma once
 
-// Detectors on the cpu, or on the backend that the build names, that work in many ways, and shall agree with brute
-// force in every one.
+// Detectors on the tested backend that work in many ways, and shall agree with brute force in every one.
 
 #include <memory>
 
 #include "questions/features/compare_features.h"
 #include "questions/features/moving_soups.h"
 #include "rounds.h"
-
-#ifndef CRUMPLE_TESTED_BACKEND
-#define CRUMPLE_TESTED_BACKEND cpu
-#endif
+#include "tested_backend.h"
 
 namespace crumple::test {
 
-/// Whether the CPU plays a device, on which all takes some hundred times as long.
-inline constexpr bool played = Backend::CRUMPLE_TESTED_BACKEND == Backend::cuda;
-/// Brute force and the backend that is tested; where a device is played, that one alone, for brute force ran elsewhere.
-inline const std::vector<Backend> tested_backends =
-    played ? std::vector{Backend::cuda} : std::vector{Backend::reference, Backend::CRUMPLE_TESTED_BACKEND};
 /// Soups to try, see moving_soups(). Under sanitizers they are smaller, as the yardstick takes the square of it; where
 /// a device is played, they are fewer.
 template <class Scalar>
@@ -49,7 +40,7 @@ inline const std::vector<Tested>& tested() {
     static const std::vector<Tested> all = [] {
         std::vector<Tested> list;
         const auto add = [&](const std::string& name, Options options) {
-            options.backend = Backend::CRUMPLE_TESTED_BACKEND;
+            options.backend = tested_backend;
             try {
                 list.push_back({name, std::make_unique<Detector>(options)});
             } catch (const Error& error) {

@@ -341,7 +341,7 @@ TEST_P(ListsMean, BodiesCountWithinThemselves) {
             EXPECT_GT(count, 0U);
         };
         const World world{shapes, bodies, {}, {}};
-        Detector single({.backend = Backend::CRUMPLE_TESTED_BACKEND});
+        Detector single({.backend = tested_backend});
         expect_rows(detector_.find(world, Motion()), single.find_impacts(all.view(), all.end_view()));
         expect_rows(detector_.find(world, Near{.radius = 1, .weld = true}),
                     single.find_near(all.view(), {.radius = 1, .weld = true}));
@@ -407,8 +407,7 @@ TEST_P(ListsMean, OneListAfterTheOther) {
     EXPECT_EQ(near(soup).vertex_faces().pairs.size(), 5U);
 }
 
-INSTANTIATE_TEST_SUITE_P(Backends, ListsMean, testing::ValuesIn(tested_backends),
-                         [](const auto& info) { return std::string(backend_name(info.param)); });
+INSTANTIATE_TEST_SUITE_P(Backends, ListsMean, testing::ValuesIn(tested_backends), name_of_backend);
 
 }  // namespace
 }  // namespace crumple::test

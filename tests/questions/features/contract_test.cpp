@@ -176,8 +176,7 @@ TEST_P(FeatureErrors, of_calls_that_were_stopped) {
     EXPECT_EQ(code([&] { detector_.find({shapes, bodies, {}}, Near(), token); }), ErrorCode::cancelled);
 }
 
-INSTANTIATE_TEST_SUITE_P(, FeatureErrors, testing::ValuesIn(tested_backends),
-                         [](const auto& info) { return std::string(backend_name(info.param)); });
+INSTANTIATE_TEST_SUITE_P(, FeatureErrors, testing::ValuesIn(tested_backends), name_of_backend);
 
 /// All in one leaf, whose tests take a second or so together, for no filter in floating point knows such numbers.
 /// Between leaves and chunks alone there would be some three polls.
@@ -187,7 +186,7 @@ TEST(FeatureCalls, LookForAStopBetweenTests) {
     for (auto* vertices : {&soup.start, &soup.end})
         for (auto& p : *vertices)
             for (double& x : p) x *= unit;
-    Detector detector({.backend = Backend::CRUMPLE_TESTED_BACKEND, .threads = 1});
+    Detector detector({.backend = tested_backend, .threads = 1});
     int polls = 0;
     detector.set_poll([&] { ++polls; });
     // A machine that stands still meanwhile polls less.
@@ -206,8 +205,7 @@ TEST(FeatureCalls, LookForAStopBetweenTests) {
 
 TEST(FeatureCalls, HandTheirAnswersOver) {
     const MovingSoup<> soup = moving_grid(4, 30, 24, 3);
-    Detector detector({.backend = Backend::CRUMPLE_TESTED_BACKEND, .threads = 2}),
-        fresh({.backend = Backend::CRUMPLE_TESTED_BACKEND});
+    Detector detector({.backend = tested_backend, .threads = 2}), fresh({.backend = tested_backend});
     const Impacts& impacts = detector.find_impacts(soup.view(), soup.end_view(), {.index = true});
     const Nearby& nearby = detector.find_near(soup.view(), {.radius = 1, .index = true});
     const Pair* const storage = impacts.vertex_faces().pairs.data();
@@ -239,12 +237,12 @@ TEST(FeatureCalls, DoNotDependOnThoseBefore) {
         std::swap(all.back().triangles[3], all.back().triangles[40]);  // other triangles, as many
         return all;
     }();
-    Detector warm({.backend = Backend::CRUMPLE_TESTED_BACKEND, .threads = 2, .leaf_size = 8});
+    Detector warm({.backend = tested_backend, .threads = 2, .leaf_size = 8});
     for (int round = 0; round < 2; ++round)
         for (std::size_t s = 0; s < soups.size(); ++s) {
             SCOPED_TRACE(s);
             const MovingSoup<>& soup = soups[s];
-            Detector fresh({.backend = Backend::CRUMPLE_TESTED_BACKEND, .threads = 2, .leaf_size = 8});
+            Detector fresh({.backend = tested_backend, .threads = 2, .leaf_size = 8});
             const Motion motion{.weld = s % 2 == 0, .index = true};
             ASSERT_TRUE(same_features(warm.find_impacts(soup.view(), soup.end_view(), motion),
                                       fresh.find_impacts(soup.view(), soup.end_view(), motion)));
@@ -266,7 +264,7 @@ class FeatureMemory : public testing::TestWithParam<int> {};
 
 TEST_P(FeatureMemory, IsBounded) {
     const MovingSoup<> soup = in_general(played ? 400 : 1500, played ? 0.14 : 0.07, played ? 0.12 : 0.06, 6);
-    const Options options{.backend = Backend::CRUMPLE_TESTED_BACKEND, .threads = GetParam(), .leaf_size = 40};
+    const Options options{.backend = tested_backend, .threads = GetParam(), .leaf_size = 40};
     const std::vector<double> radii(soup.start.size(), 0.005);
     const Near one{.radius = 0.01}, filtered{.radii = radii, .rings = 3, .rest = soup.end_view(), .rest_radius = 0.01};
     const auto questions = {0, 1, 2};

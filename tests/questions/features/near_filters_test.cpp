@@ -38,8 +38,7 @@ class NearFilters : public testing::TestWithParam<Backend> {
         return detector.find_near(soup.view(), question).vertex_faces().pairs.size();
     }
 };
-INSTANTIATE_TEST_SUITE_P(, NearFilters, testing::ValuesIn(tested_backends),
-                         [](const auto& info) { return std::string(backend_name(info.param)); });
+INSTANTIATE_TEST_SUITE_P(, NearFilters, testing::ValuesIn(tested_backends), name_of_backend);
 
 /// A small triangle, whose first vertex is the lowest, one above the middle of a large one.
 MovingSoup<> two(double height = 1) {
@@ -206,7 +205,7 @@ TEST_P(NearFilters, ErrorsNameArgumentAndVertex) {
 TEST(NearFiltersOfWorlds, ConcernPairsWithinABody) {
     const MovingSoup<> soup = two();
     const std::vector<double> radii(6, 0.5);
-    for (const Backend backend : {Backend::reference, Backend::CRUMPLE_TESTED_BACKEND}) {
+    for (const Backend backend : {Backend::reference, tested_backend}) {
         Detector detector({.backend = backend, .threads = 2});
         std::vector<Shape> shapes{Shape(soup.view()), Shape(soup.view())};
         const std::vector<Body> bodies{{.shape = 0}, {.shape = 1}};
@@ -235,7 +234,7 @@ TEST(NearFiltersOfWorlds, RadiiAreNotPosed) {
     std::vector<Shape> shapes{Shape(soup.view())};
     shapes[0].radii = radii;
     const std::vector<Body> bodies(1);
-    Detector detector({.backend = Backend::CRUMPLE_TESTED_BACKEND});
+    Detector detector({.backend = tested_backend});
     for (const double scale : {0.5, 1.0, 1.0 + ulp, 2.0}) {
         const std::vector<Pose> poses{{{scale, 0, 0, 1, 0, scale, 0, 1, 0, 0, scale, 0}}};
         shapes[0].rest = {};

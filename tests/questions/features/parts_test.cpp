@@ -9,6 +9,7 @@
 #include "questions/features/joined_blocks.h"
 #include "questions/features/listed_soups.h"
 #include "rounds.h"
+#include "tested_backend.h"
 
 namespace crumple::test {
 namespace {
@@ -61,13 +62,9 @@ Detector& at_home() {
     static Detector detector({.backend = Backend::cpu, .threads = 2, .leaf_size = 40});
     return detector;
 }
-// The backend that answers parts; the same tests are built once for each.
-#ifndef CRUMPLE_TESTED_BACKEND
-#define CRUMPLE_TESTED_BACKEND cpu
-#endif
+// The backend that answers parts.
 Detector& elsewhere() {
-    static Detector detector(
-        {.backend = Backend::CRUMPLE_TESTED_BACKEND, .threads = 1, .clusters = 3, .leaf_size = 10});
+    static Detector detector({.backend = tested_backend, .threads = 1, .clusters = 3, .leaf_size = 10});
     return detector;
 }
 Detector& by_brute_force() {
@@ -93,13 +90,8 @@ Nearby whole(const Soup& soup, const Near& question) {
 }
 
 constexpr std::int64_t most_for_brute_force = 400;
-#ifdef CRUMPLE_PLAYED_DEVICE
-constexpr std::array numbers_of_parts{3};
-constexpr double share_of_soups = 0.2;
-#else
-constexpr std::array numbers_of_parts{1, 7, 70};
-constexpr double share_of_soups = 1;
-#endif
+const std::vector<int> numbers_of_parts = played ? std::vector{3} : std::vector{1, 7, 70};
+const double share_of_soups = played ? 0.2 : 1;
 
 template <class Soup, class Question>
 void expect_union(const Soup& soup, const Question& question) {

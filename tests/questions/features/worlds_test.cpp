@@ -273,7 +273,7 @@ class FeaturesOfWorlds : public testing::TestWithParam<unsigned> {
         const World world = moving->view();
         const Together together(world);
         const MovingSoup<>& soup = together.soup();
-        Detector detector({.backend = Backend::CRUMPLE_TESTED_BACKEND, .threads = 2, .leaf_size = 8});
+        Detector detector({.backend = tested_backend, .threads = 2, .leaf_size = 8});
         Detector single({.backend = Backend::cpu, .threads = 1});
         for (unsigned i = 0; i < 3; ++i) {
             SCOPED_TRACE(testing::Message() << "question " << i);
@@ -410,7 +410,7 @@ INSTANTIATE_TEST_SUITE_P(Seeds, FeaturesOfWorlds, testing::Range(0u, played ? 3u
 TEST(FeaturesOfOneMesh, AreThoseOfAMeshWhateverTheRules) {
     MovingSoup<> soup = moving_grid(4, 30, 24, 5);
     for (std::size_t t = 0; t < soup.triangles.size(); ++t) soup.groups.push_back(static_cast<std::int32_t>(t % 3));
-    Detector detector({.backend = Backend::CRUMPLE_TESTED_BACKEND}), plain({.backend = Backend::cpu});
+    Detector detector({.backend = tested_backend}), plain({.backend = Backend::cpu});
     Motion motion{.index = true};
     Near near{.radius = 1, .index = true};
     // Nothing is in group 7, so nothing is excluded.
