@@ -3,6 +3,10 @@
 #   scripts/check.sh [COMMIT]   what has changed since that commit; HEAD, or, where nothing has changed since, the one before
 # All tests: scripts/test.sh. All that must hold before a change lands: .ci/run.
 set -euo pipefail
+case ${1-} in
+    -h | --help) sed -n '2,4s/^# \{0,1\}//p' "$0"; exit ;;
+    -*) echo "check.sh: $1 is no option; check.sh --help tells what there is" >&2; exit 2 ;;
+esac
 cd "$(dirname "$0")/.."
 . scripts/steps.sh
 jobs=$(nproc)
@@ -13,7 +17,8 @@ files=$(changed "$base")
 [[ -n $files || -n ${1-} ]] || files=$(changed HEAD~1)
 [[ -n $files ]] || { echo "Nothing has changed since $base"; exit 0; }
 
-# Lists the folders of tests/ (or `python`, `player`) for the beginning of a path. A path takes the first line that fits.
+# Lists the folders of tests/ (or `python`, `player`) for the beginning of a path. A path takes the first line that fits; files
+# of other tests take their own folder.
 table='
 src/questions/intersect/cuda    cuda stages
 src/questions/features/cuda     cuda
@@ -40,20 +45,20 @@ python                          python
 cuda_on_cpu                     player
 README.md                       docs python
 docs                            docs python
+tests/played                    cuda
+tests/consumer
+tests/device
+tests/fuzz
 '
-suites=''
-while read -r file; do
-    if [[ $file == tests/*/* ]]; then
-        folder=$(dirname "$file")
-        suites+=" ${folder##*/}"
-        continue
-    fi
+tests_of() {
+    local beginning tests folder
     while read -r beginning tests; do
-        [[ -n $beginning && $file == "$beginning"* ]] || continue
-        suites+=" $tests"
-        break
+        [[ -z $beginning || $1 != "$beginning"* ]] || { echo "$tests"; return; }
     done <<<"$table"
-done <<<"$files"
+    folder=$(dirname "$1")
+    [[ $1 != tests/*/* ]] || echo "${folder##*/}"
+}
+suites=$(while read -r file; do tests_of "$file"; done <<<"$files")
 read -ra suites <<<"$(tr ' ' '\n' <<<"$suites" | sort -u | tr '\n' ' ')"
 echo "$(wc -l <<<"$files") changed files; tests of: ${suites[*]:-nothing}"
 
@@ -73,7 +78,7 @@ scripts/install_dependencies.sh --tests --python --mpi --ci
 step "format" formatted
 targets=() labels=''
 for suite in "${suites[@]}"; do
-    case $suite in python | player | consumer | device | fuzz) continue ;; esac
+    [[ $suite != python && $suite != player ]] || continue
     targets+=("crumple_tests_of_$suite")
     labels+="${labels:+|}$suite"
 done
