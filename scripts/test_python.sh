@@ -6,8 +6,8 @@
 # tests are skipped otherwise; PyTorch is tested where it is installed. --sanitize builds with AddressSanitizer and runs
 # what concerns arrays, their lifetimes and threads. --cuda builds the module alone, with the cuda backend that the CPU
 # plays (cuda_on_cpu/README.md), and runs what concerns arrays on a device, those of ranks, too, where there is MPI. --mpi
-# builds crumple.mpi's, too, and runs what concerns ranks. --quick builds the module alone and leaves out what takes seconds.
-# PYTHON names the interpreter.
+# builds crumple.mpi's, too, and runs what concerns ranks. --quick builds the module alone, and leaves out what needs the
+# installed package. PYTHON names the interpreter.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 all=() sanitize='' cuda='' mpi=() quick=''
@@ -55,7 +55,7 @@ if [[ $cuda ]]; then
 fi
 if [[ $quick ]]; then
     modules build-python-quick -DCRUMPLE_TESTS=OFF
-    exec "$python" -m pytest -q -n "$(nproc)" -m "not slow" "$@"
+    exec "$python" -m pytest -q -n "$(nproc)" -m "not installed" "$@"
 fi
 if ((${#mpi[@]})); then
     "$python" -c 'import mpi4py' 2>/dev/null || pip install 'mpi4py>=4'

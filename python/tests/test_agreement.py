@@ -38,6 +38,7 @@ def same(found: crumple.Result, expected: crumple.Result) -> None:
             np.testing.assert_array_equal(getattr(found.contacts, field), getattr(expected.contacts, field), field)
 
 
+@pytest.mark.installed
 @pytest.mark.parametrize("name", SCENES)
 def test_gives_the_bytes_of_the_command_line(name, tmp_path, detector):
     crumple.write_mesh(tmp_path / "mesh.ply", small(name, 3000))

@@ -7,8 +7,12 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 import crumple
 from conftest import peer, soup
+
+pytestmark = pytest.mark.installed
 
 PACKAGE = Path(crumple.__file__).parent
 TOP = Path(__file__).parents[2]

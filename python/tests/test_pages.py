@@ -6,6 +6,8 @@ import pytest
 
 from pages import PAGES, TOP, programs, run, without_times
 
+pytestmark = pytest.mark.installed
+
 STARTS = ("cloth", "printing", "research", "robots")
 PROGRAMS = [program for page in PAGES for program in programs(page)]
 # C++ is built and compared by tests/docs, with CMake.
