@@ -27,7 +27,7 @@ std::vector<std::string> names_of_cases() {
     return names;
 }
 
-/// Whether each of the patterns, with colons between them, fits a case.
+/// Asks whether each pattern fits a case; colons stand between patterns.
 bool fit(const std::string& cases) {
     static const std::vector<std::string> names = names_of_cases();
     std::istringstream patterns(cases);

@@ -17,7 +17,7 @@
 
 namespace crumple::test {
 
-/// Whether the CPU plays a device, on which all takes some hundred times as long.
+/// True if the CPU plays a device, on which all takes some hundred times as long.
 inline const bool played = [] {
     const char* const tested = std::getenv("CRUMPLE_TESTED_BACKEND");
     return tested && tested == std::string_view("played");
