@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <cstring>
 #include <thread>
+#include <utility>
 
 #include "cuda_on_cpu/machine/device_limits.h"
 #include "cuda_on_cpu/machine/fiber.h"
@@ -41,16 +42,22 @@ bool same(const Site& a, const Site& b) { return a.line == b.line && same(a.what
 
 }  // namespace
 
+/// One thread of the block, which is to start, runs, waits or has ended.
+struct Block::Thread {
+    uint3 index{};
+    unsigned uses = 0;
+    bool started = false, alive = false;
+    const Site* waits_in = nullptr;
+    std::uint32_t mask = 0;  // 0: a meeting of the block
+};
+
+/// A fiber and the thread that it runs, of one block after another.
 struct Block::Lane {
     Lane(Block* owner) : block(owner), fiber(&Block::live, this) {}
     Block* block;
     Fiber fiber;
-    uint3 index{};
-    unsigned rank = 0;
-    unsigned uses = 0;
-    bool alive = false, quit = false;
-    const Site* waits_in = nullptr;
-    std::uint32_t mask = 0;  // 0: a meeting of the block
+    Thread thread;
+    bool quit = false;
 };
 
 /// Threads that wait for others of their block or of a mask. Edges alternate between two objects, so that who is slow
@@ -76,6 +83,7 @@ Block::Block() : random_(settings().seed) {
     mprotect(arena_ + arena_bytes, page, PROT_NONE);
     lanes_ = new Lane*[most_threads];
     contributions_ = new void*[most_threads];
+    caller_ = new Fiber;
     warps_ = new Warp[most_threads / warp_size];
     barrier_ = new Meeting;
 }
@@ -83,9 +91,10 @@ Block::Block() : random_(settings().seed) {
 Block::~Block() {
     for (unsigned i = 0; i < fiber_count_; ++i) {
         fibers_[i]->quit = true;
-        fibers_[i]->fiber.resume();
+        caller_->switch_to(fibers_[i]->fiber);
         delete fibers_[i];
     }
+    delete caller_;
     delete[] fibers_;
     delete[] lanes_;
     delete[] contributions_;
@@ -102,8 +111,8 @@ Block& Block::current() {
     return *current_block;
 }
 
-uint3 Block::thread() const { return lanes_[rank_]->index; }
-unsigned Block::next_use() { return lanes_[rank_]->uses++; }
+uint3 Block::thread() const { return lanes_[rank_]->thread.index; }
+unsigned Block::next_use() { return lanes_[rank_]->thread.uses++; }
 
 void Block::run(const Kernel& kernel, LaunchEdges& edges, uint3 index) {
     kernel_ = &kernel;
@@ -116,12 +125,7 @@ void Block::run(const Kernel& kernel, LaunchEdges& edges, uint3 index) {
     current_block = this;
     prepare_shared();
     prepare_lanes(kernel);
-    while ((rank_ = pick()) < size_) {
-        threadIdx = lanes_[rank_]->index;
-        inside_ = true;
-        lanes_[rank_]->fiber.resume();
-        inside_ = false;
-    }
+    caller_->switch_to(next(false));  // and back when no thread can run
     if (alive_) stuck();
     check_shared();
 }
@@ -133,22 +137,17 @@ void Block::prepare_lanes(const Kernel& kernel) {
     if (fiber_count_ < wanted) {
         auto** more = new Lane*[wanted];
         std::copy(fibers_, fibers_ + fiber_count_, more);
-        for (; fiber_count_ < wanted; ++fiber_count_) {
-            more[fiber_count_] = new Lane(this);
-            more[fiber_count_]->fiber.resume();
-        }
+        for (; fiber_count_ < wanted; ++fiber_count_) more[fiber_count_] = new Lane(this);
         delete[] fibers_;
         fibers_ = more;
     }
     ++rotation_;
     for (unsigned rank = 0; rank < size_; ++rank) {
-        Lane& lane = *(lanes_[rank] = fibers_[(rank + rotation_) % fiber_count_]);
-        lane.rank = rank;
-        lane.index = {rank % kernel.block.x, rank / kernel.block.x % kernel.block.y,
-                      rank / (kernel.block.x * kernel.block.y)};
-        lane.uses = 0;
-        lane.alive = true;
-        lane.waits_in = nullptr;
+        lanes_[rank] = fibers_[(rank + rotation_) % fiber_count_];
+        Thread& thread = lanes_[rank]->thread = {};
+        thread.index = {rank % kernel.block.x, rank / kernel.block.x % kernel.block.y,
+                        rank / (kernel.block.x * kernel.block.y)};
+        thread.alive = true;
         contributions_[rank] = nullptr;
         wake(rank);
     }
@@ -248,25 +247,47 @@ unsigned Block::pick() {
     return rank;
 }
 
-/// A fiber's life: one thread of one block after another.
-void Block::live(void* argument) {
+/// A fiber's life: one thread after another.
+Fiber& Block::live(void* argument) {
     Lane& lane = *static_cast<Lane*>(argument);
-    lane.fiber.suspend();
+    Block& block = *lane.block;
     while (!lane.quit) {
-        Block& block = *lane.block;
         acquire_edge(&block.edges_->begin);
         block.kernel_->body();
         release_edge(&block.edges_->end);
         block.leave();
-        lane.fiber.suspend();
+        block.pass_on(true);
     }
+    return *block.caller_;
 }
 
-void Block::sleep() { lanes_[rank_]->fiber.suspend(); }
+/// Makes the thread that is to run next the running one, and returns its fiber; that of run() if none can run. The
+/// fiber of a thread that has just ended takes over one that has not started, which saves the switch.
+Fiber& Block::next(bool ended) {
+    const unsigned last = rank_;
+    inside_ = false;
+    rank_ = pick();
+    if (rank_ == size_) return *caller_;
+    // To ThreadSanitizer a fiber is a thread, so there each thread has its own.
+    if (ended && !lanes_[rank_]->thread.started && !thread_sanitizer) {
+        std::swap(lanes_[last]->thread, lanes_[rank_]->thread);
+        std::swap(lanes_[last], lanes_[rank_]);
+    }
+    lanes_[rank_]->thread.started = true;
+    threadIdx = lanes_[rank_]->thread.index;
+    inside_ = true;
+    return lanes_[rank_]->fiber;
+}
+
+/// Lets the next thread run; returns when the caller's fiber has one to run again.
+void Block::pass_on(bool ended) {
+    Fiber& mine = lanes_[rank_]->fiber;
+    Fiber& other = next(ended);
+    if (&other != &mine) mine.switch_to(other);
+}
 
 void Block::leave() {
-    Lane& lane = *lanes_[rank_];
-    lane.alive = false;
+    lanes_[rank_]->thread.alive = false;
     --alive_;
     spins_ = 0;
     Warp& warp = warps_[rank_ / warp_size];
@@ -284,7 +305,7 @@ void Block::leave() {
 }
 
 void Block::meet(const Site& site, bool fence, void* contribution, Combine combine, void* context) {
-    Lane& me = *lanes_[rank_];
+    Thread& me = lanes_[rank_]->thread;
     Meeting& meeting = *barrier_;
     if (alive_ < size_)
         fail_in_kernel("comes to %s at %s:%d, which %u threads that have exited will never reach", site.what, site.file,
@@ -308,7 +329,7 @@ void Block::meet(const Site& site, bool fence, void* contribution, Combine combi
         spins_ = 0;
         for (unsigned rank = 0; rank < size_; ++rank) wake(rank);
     }
-    sleep();
+    pass_on(false);
     me.waits_in = nullptr;
     if (fence) acquire_edge(edge);
 }
@@ -346,7 +367,7 @@ Block::Meeting& Block::join(Warp& warp, const Site& site, std::uint32_t mask) co
 
 void Block::meet_in_warp(const Site& site, std::uint32_t mask, bool fence, void* contribution, Combine combine,
                          void* context) {
-    Lane& me = *lanes_[rank_];
+    Thread& me = lanes_[rank_]->thread;
     const unsigned first = rank_ / warp_size * warp_size;
     check_mask(site, mask);
     Warp& warp = warps_[rank_ / warp_size];
@@ -368,14 +389,14 @@ void Block::meet_in_warp(const Site& site, std::uint32_t mask, bool fence, void*
         for (std::uint32_t left = mask; left; left &= left - 1)
             wake(first + static_cast<unsigned>(std::countr_zero(left)));
     }
-    sleep();
+    pass_on(false);
     me.waits_in = nullptr;
     if (fence) acquire_edge(edge);
 }
 
 void Block::yield() {
     yielded_[rank_ / 64] |= std::uint64_t{1} << rank_ % 64;
-    sleep();
+    pass_on(false);
 }
 
 void Block::fence() {
@@ -410,25 +431,25 @@ void Block::stuck() const {
     // One line for each place in which threads wait.
     bool told[most_threads] = {};
     for (unsigned rank = 0; rank < size_; ++rank) {
-        const Lane& lane = *lanes_[rank];
-        if (told[rank] || !lane.alive) continue;
+        const Thread& thread = lanes_[rank]->thread;
+        if (told[rank] || !thread.alive) continue;
         unsigned count = 0;
         for (unsigned other = rank; other < size_; ++other) {
-            const Lane& o = *lanes_[other];
-            const bool together = o.alive && o.mask == lane.mask && !o.waits_in == !lane.waits_in &&
-                                  (!lane.waits_in || same(*o.waits_in, *lane.waits_in));
+            const Thread& o = lanes_[other]->thread;
+            const bool together = o.alive && o.mask == thread.mask && !o.waits_in == !thread.waits_in &&
+                                  (!thread.waits_in || same(*o.waits_in, *thread.waits_in));
             if (!together) continue;
             told[other] = true;
             ++count;
         }
-        if (!lane.waits_in)
+        if (!thread.waits_in)
             say("\n  %u threads, the first is %u, spin in __nanosleep", count, rank);
-        else if (lane.mask)
-            say("\n  %u threads, the first is %u, wait in %s(0x%08x) at %s:%d", count, rank, lane.waits_in->what,
-                lane.mask, lane.waits_in->file, lane.waits_in->line);
+        else if (thread.mask)
+            say("\n  %u threads, the first is %u, wait in %s(0x%08x) at %s:%d", count, rank, thread.waits_in->what,
+                thread.mask, thread.waits_in->file, thread.waits_in->line);
         else
-            say("\n  %u threads, the first is %u, wait in %s at %s:%d", count, rank, lane.waits_in->what,
-                lane.waits_in->file, lane.waits_in->line);
+            say("\n  %u threads, the first is %u, wait in %s at %s:%d", count, rank, thread.waits_in->what,
+                thread.waits_in->file, thread.waits_in->line);
     }
     fail("block (%u,%u,%u) is in deadlock:%s\n  %u threads have exited", index_.x, index_.y, index_.z, text,
          size_ - alive_);

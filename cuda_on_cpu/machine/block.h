@@ -31,6 +31,8 @@ struct Site {
     int line;
 };
 
+class Fiber;
+
 class Block {
    public:
     /// Called by the last thread to come. contributions[i] is what thread i of the block, or lane i of the warp, handed
@@ -77,18 +79,20 @@ class Block {
     bool in_shared_guard(const void* address) const;
 
    private:
+    struct Thread;
     struct Lane;
     struct Meeting;
     struct Warp;
 
-    static void live(void* lane);
+    static Fiber& live(void* lane);
     void prepare_lanes(const Kernel& kernel);
     void prepare_shared();
     void check_shared() const;
     unsigned pick();
     unsigned next_ready(unsigned rank) const;
     void wake(unsigned rank) { ready_[rank / 64] |= std::uint64_t{1} << rank % 64; }
-    void sleep();
+    Fiber& next(bool ended);
+    void pass_on(bool ended);
     void leave();
     void check_mask(const Site& site, std::uint32_t mask) const;
     Meeting& join(Warp& warp, const Site& site, std::uint32_t mask) const;
@@ -100,6 +104,7 @@ class Block {
     unsigned size_ = 0, alive_ = 0, rank_ = 0;
     bool inside_ = false;
 
+    Fiber* caller_ = nullptr;  ///< of run()
     Lane** fibers_ = nullptr;  ///< all that were ever made
     unsigned fiber_count_ = 0, rotation_ = 0;
     Lane** lanes_ = nullptr;          ///< by rank, this run's

@@ -8,7 +8,9 @@
 
 namespace cuda_on_cpu {
 
-Fiber::Fiber(void (*body)(void*), void* argument) : own_thread_(new_thread()) {
+Fiber::Fiber() : thread_(current_thread()) {}
+
+Fiber::Fiber(Fiber& (*body)(void*), void* argument) : thread_(new_thread()), owns_stack_(true) {
     boost::context::protected_fixedsize_stack stacks(stack_bytes);
     const boost::context::stack_context stack = stacks.allocate();
     const auto page = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
@@ -16,31 +18,31 @@ Fiber::Fiber(void (*body)(void*), void* argument) : own_thread_(new_thread()) {
     bottom_ = static_cast<const char*>(guard_) + page;
     usable_bytes_ = stack.size - page;
     context_ = boost::context::fiber(std::allocator_arg, boost::context::preallocated(stack.sp, stack.size, stack),
-                                     stacks, [this, body, argument](boost::context::fiber&& resumer) {
-                                         resumer_ = std::move(resumer);
-                                         arrive_on_stack(nullptr, &resumer_bottom_, &resumer_bytes_);
-                                         body(argument);
-                                         leave_stack(nullptr, resumer_bottom_, resumer_bytes_);
-                                         switch_thread(resumer_thread_);
-                                         return std::move(resumer_);
+                                     stacks, [this, body, argument](boost::context::fiber&& from) {
+                                         arrive(std::move(from));
+                                         Fiber& next = body(argument);
+                                         next.from_ = this;
+                                         leave_stack(nullptr, next.bottom_, next.usable_bytes_);
+                                         switch_thread(next.thread_);
+                                         return std::move(next.context_);
                                      });
 }
 
-Fiber::~Fiber() { end_thread(own_thread_); }
-
-void Fiber::resume() {
-    leave_stack(&resumer_fake_stack_, bottom_, usable_bytes_);
-    resumer_thread_ = current_thread();
-    switch_thread(own_thread_);
-    context_ = std::move(context_).resume();
-    arrive_on_stack(resumer_fake_stack_, nullptr, nullptr);
+Fiber::~Fiber() {
+    if (owns_stack_) end_thread(thread_);
 }
 
-void Fiber::suspend() {
-    leave_stack(&own_fake_stack_, resumer_bottom_, resumer_bytes_);
-    switch_thread(resumer_thread_);
-    resumer_ = std::move(resumer_).resume();
-    arrive_on_stack(own_fake_stack_, &resumer_bottom_, &resumer_bytes_);
+void Fiber::switch_to(Fiber& next) {
+    next.from_ = this;
+    leave_stack(&fake_stack_, next.bottom_, next.usable_bytes_);
+    switch_thread(next.thread_);
+    arrive(std::move(next.context_).resume());
+}
+
+/// What runs next says who ran before, and where: nobody else knows an OS thread's stack.
+void Fiber::arrive(boost::context::fiber&& from) {
+    from_->context_ = std::move(from);
+    arrive_on_stack(fake_stack_, &from_->bottom_, &from_->usable_bytes_);
 }
 
 }  // namespace cuda_on_cpu

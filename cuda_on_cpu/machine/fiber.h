@@ -15,33 +15,32 @@ class Fiber {
     /// memory.
     static constexpr std::size_t stack_bytes = 256 << 10;
 
-    /// `body(argument)` starts at the first resume(); it must call suspend() of this fiber to wait, and return to end.
-    Fiber(void (*body)(void*), void* argument);
+    /// The calling OS thread itself, on its own stack.
+    Fiber();
+    /// `body(argument)` starts when this fiber is first switched to, and must end by returning the fiber to go on with.
+    Fiber(Fiber& (*body)(void*), void* argument);
     Fiber(const Fiber&) = delete;
     Fiber& operator=(const Fiber&) = delete;
     /// The body must have returned, or never started.
     ~Fiber();
 
-    /// Runs the body until it suspends or returns. Called from the OS thread's own stack.
-    void resume();
-    /// Goes back to whoever resumed. Called by the body.
-    void suspend();
+    /// Stops this fiber, which must be the running one, and goes on with `next`; returns when another switches back.
+    void switch_to(Fiber& next);
 
     /// The pages at the stack's end, whose touch is an overflow.
     const void* guard() const { return guard_; }
 
    private:
-    boost::context::fiber context_;  ///< the body while it is suspended
-    boost::context::fiber resumer_;  ///< whoever resumed, while it runs
+    void arrive(boost::context::fiber&& from);
+
+    boost::context::fiber context_;  ///< where it stopped, while it does not run
+    Fiber* from_ = nullptr;          ///< the fiber that switched to it last
     const void* guard_ = nullptr;
     const void* bottom_ = nullptr;  ///< lowest byte of the usable stack
     std::size_t usable_bytes_ = 0;
-    void* own_fake_stack_ = nullptr;  ///< AddressSanitizer's
-    void* resumer_fake_stack_ = nullptr;
-    const void* resumer_bottom_ = nullptr;
-    std::size_t resumer_bytes_ = 0;
-    void* own_thread_ = nullptr;  ///< ThreadSanitizer's
-    void* resumer_thread_ = nullptr;
+    void* fake_stack_ = nullptr;  ///< AddressSanitizer's
+    void* thread_ = nullptr;      ///< ThreadSanitizer's
+    bool owns_stack_ = false;
 };
 
 }  // namespace cuda_on_cpu

@@ -8,15 +8,17 @@
 
 #include <cstddef>
 
+// Parts of the machine are compiled without instrumentation; the build tells those that the rest has it.
+#if !defined(CUDA_ON_CPU_ASAN)
 #if defined(__SANITIZE_ADDRESS__)
-#define CUDA_ON_CPU_ASAN 1
+#define CUDA_ON_CPU_ASAN
 #elif defined(__has_feature)
 #if __has_feature(address_sanitizer)
-#define CUDA_ON_CPU_ASAN 1
+#define CUDA_ON_CPU_ASAN
+#endif
 #endif
 #endif
 
-// The machine is compiled without -fsanitize=thread, so the build says when the rest has it.
 #ifdef CUDA_ON_CPU_TSAN
 #include <sanitizer/tsan_interface.h>
 extern "C" {
