@@ -1,41 +1,54 @@
 #!/usr/bin/env bash
-# Builds a fuzz target and runs it on seeds and on what earlier runs have found (docs/fuzzing.md).
-#   scripts/fuzz.sh readers|search|worlds [options of libFuzzer, as -max_total_time=60 or -runs=1000000]
-# Everything lies in build-fuzz: NAME.log, corpus/NAME, artefacts. What breaks a promise is printed, also as base64.
+# Builds fuzz targets and runs them, all at once, on seeds and on what earlier runs have found (docs/fuzzing.md).
+#   scripts/fuzz.sh readers|search|worlds... [options of libFuzzer, as -max_total_time=60 or -runs=1000000]
+# Everything lies in build-fuzz: NAME.log, corpus/NAME, artefacts/NAME. What breaks a promise is printed, also as base64.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-name=${1:-}
-case $name in
-    readers) options=(-max_len=4096 -dict=tests/fuzz/readers.dict -entropic=0) ;;
-    # Kept detectors look like leaks; what is left at the end is told. Small scenes are mutated more often than large
-    # ones, which makes it three times as many in the same time.
-    search | worlds) options=(-max_len=512 -detect_leaks=0 -entropic=1 -entropic_scale_per_exec_time=1) ;;
-    *) echo "usage: $0 readers|search|worlds [options of libFuzzer]" >&2; exit 2 ;;
-esac
-shift
+names=()
+while [[ ${1-} == readers || ${1-} == search || ${1-} == worlds ]]; do names+=("$1"); shift; done
+if ((${#names[@]} == 0)); then
+    echo "usage: $0 readers|search|worlds... [options of libFuzzer]" >&2
+    exit 2
+fi
 
 scripts/install_dependencies.sh --fuzz
 . scripts/ccache.sh
 cmake --preset fuzz -DCRUMPLE_WERROR=ON >/dev/null
-cmake --build --preset fuzz -j "$(nproc)" --target "fuzz_$name" >/dev/null
-mkdir -p "build-fuzz/corpus/$name" build-fuzz/artefacts
+cmake --build --preset fuzz -j "$(nproc)" --target "${names[@]/#/fuzz_}" >/dev/null
 rm -rf build-fuzz/seeds
 python3 tests/fuzz/make_seeds.py build-fuzz/seeds
 
 # A third of the time goes into AddressSanitizer's stacks and quarantine unless they are short. Errors of memory are told
 # by AddressSanitizer rather than by libFuzzer, for the target adds to what that says.
 export ASAN_OPTIONS=quarantine_size_mb=16:malloc_context_size=4
-started=$(mktemp)
-trap 'rm -f "$started"' EXIT
-if "build-fuzz/tests/fuzz/fuzz_$name" "${options[@]}" -timeout=20 -rss_limit_mb=2048 -malloc_limit_mb=256 \
-    -handle_segv=0 -handle_bus=0 -handle_fpe=0 -print_final_stats=1 -artifact_prefix=build-fuzz/artefacts/ "$@" \
-    "build-fuzz/corpus/$name" "build-fuzz/seeds/$name" >"build-fuzz/$name.log" 2>&1; then
-    grep -E '^#[0-9]+\s+DONE' "build-fuzz/$name.log"
-    exit 0
-fi
-grep -vE '^#[0-9]+\s|NEW_FUNC' "build-fuzz/$name.log" | tail -n 200
-for artefact in $(find build-fuzz/artefacts -type f -newer "$started"); do
-    printf '\n%s, for base64 -d:\n' "$artefact"
-    base64 "$artefact"
-done
-exit 1
+
+# Runs the target $1 with the options that follow.
+run() {
+    local name=$1 log=build-fuzz/$1.log artefacts=build-fuzz/artefacts/$1 options started artefact
+    shift
+    case $name in
+        readers) options=(-max_len=4096 -dict=tests/fuzz/readers.dict -entropic=0) ;;
+        # Kept detectors look like leaks; what is left at the end is told. Small scenes are mutated more often than large
+        # ones, which makes it three times as many in the same time.
+        *) options=(-max_len=512 -detect_leaks=0 -entropic=1 -entropic_scale_per_exec_time=1) ;;
+    esac
+    mkdir -p "build-fuzz/corpus/$name" "$artefacts"
+    started=$(mktemp)
+    if "build-fuzz/tests/fuzz/fuzz_$name" "${options[@]}" -timeout=20 -rss_limit_mb=2048 -malloc_limit_mb=256 \
+        -handle_segv=0 -handle_bus=0 -handle_fpe=0 -print_final_stats=1 -artifact_prefix="$artefacts/" "$@" \
+        "build-fuzz/corpus/$name" "build-fuzz/seeds/$name" >"$log" 2>&1; then
+        echo "$name: $(grep -E '^#[0-9]+\s+DONE' "$log")"
+        return
+    fi
+    grep -vE '^#[0-9]+\s|NEW_FUNC' "$log" | tail -n 200
+    for artefact in $(find "$artefacts" -type f -newer "$started"); do
+        printf '\n%s, for base64 -d:\n' "$artefact"
+        base64 "$artefact"
+    done
+    return 1
+}
+runs=()
+for name in "${names[@]}"; do run "$name" "$@" & runs+=($!); done
+status=0
+for run in "${runs[@]}"; do wait "$run" || status=1; done
+exit "$status"
