@@ -46,10 +46,15 @@ modules() {
     cp -r python/crumple/. "$folder"/python/_*.so "$package"
     export PYTHONPATH=$PWD/$folder/package PYTHONDONTWRITEBYTECODE=1
 }
-if [[ $cuda ]]; then
-    with_mpi=OFF
+# The modules with all that the package is built without: the cuda backend that the CPU plays and, where there is MPI,
+# crumple.mpi's.
+special_modules() {
+    local with_mpi=OFF
     ! command -v mpirun >/dev/null || ! "$python" -c 'import mpi4py' 2>/dev/null || with_mpi=ON
-    modules build-python-cuda -DCRUMPLE_MPI=$with_mpi
+    modules build-python-special -DCRUMPLE_MPI=$with_mpi
+}
+if [[ $cuda ]]; then
+    special_modules
     CRUMPLE_CUDA_ON_CPU=1 exec "$python" -m pytest -q -n "$(nproc)" python/tests/test_{arguments,device,input}.py \
         "python/tests/test_mpi.py::test_ranks[arrays_may_lie_on_a_device-3]" "$@"
 fi
@@ -59,9 +64,8 @@ if [[ $quick ]]; then
 fi
 if ((${#mpi[@]})); then
     "$python" -c 'import mpi4py' 2>/dev/null || pip install 'mpi4py>=4'
-    modules build-python-mpi -DCRUMPLE_MPI=ON -DCRUMPLE_TESTS=OFF
-    "$python" -m pytest -q python/tests/test_{mpi,examples}.py -k 'mpi or ranks' "$@"
-    exit
+    special_modules
+    exec "$python" -m pytest -q -n "$(nproc)" python/tests/test_{mpi,examples}.py -k 'mpi or ranks' "$@"
 fi
 
 log=build-python/build-$version$sanitize.log
