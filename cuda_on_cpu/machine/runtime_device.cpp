@@ -222,7 +222,8 @@ cudaError_t cudaDeviceGetStreamPriorityRange(int* least, int* greatest) {
 
 cudaError_t cudaDeviceSynchronize() {
     return call([&] {
-        if (const cudaError_t error = leave_capture_alone()) return error;
+        // A thread in relaxed mode spoils a global capture, too.
+        if (const cudaError_t error = leave_capture_alone(cudaStreamCaptureModeGlobal)) return error;
         drain_all();
         return cudaSuccess;
     });

@@ -276,10 +276,7 @@ cudaError_t cudaMemcpy2DAsync(void* to, std::size_t to_pitch, const void* from, 
     });
 }
 cudaError_t cudaMemset(void* pointer, int value, std::size_t bytes) {
-    return call([&] {
-        if (const cudaError_t error = leave_capture_alone()) return error;
-        return enqueue_set(pointer, value, bytes, nullptr);  // a fill does not make the host wait
-    });
+    return call([&] { return enqueue_set(pointer, value, bytes, nullptr); });  // the host does not wait
 }
 cudaError_t cudaMemsetAsync(void* pointer, int value, std::size_t bytes, cudaStream_t stream) {
     return call([&] { return enqueue_set(pointer, value, bytes, stream); });

@@ -45,7 +45,6 @@ cudaError_t cudaStreamCreate(cudaStream_t* stream) { return cudaStreamCreateWith
 cudaError_t cudaStreamDestroy(cudaStream_t handle) {
     return with_stream(handle, [&](CUstream_st& stream) {
         if (&stream != handle) return cudaErrorInvalidResourceHandle;
-        if (const cudaError_t error = leave_capture_alone()) return error;
         destroy_stream(&stream);
         return cudaSuccess;
     });
@@ -53,6 +52,7 @@ cudaError_t cudaStreamDestroy(cudaStream_t handle) {
 cudaError_t cudaStreamSynchronize(cudaStream_t handle) {
     return with_stream(handle, [](CUstream_st& stream) {
         if (const cudaError_t error = refuse_capture(stream)) return error;
+        if (const cudaError_t error = leave_capture_alone()) return error;
         drain(&stream);
         return cudaSuccess;
     });
@@ -60,6 +60,7 @@ cudaError_t cudaStreamSynchronize(cudaStream_t handle) {
 cudaError_t cudaStreamQuery(cudaStream_t handle) {
     return with_stream(handle, [](CUstream_st& stream) {
         if (const cudaError_t error = refuse_capture(stream)) return error;
+        if (const cudaError_t error = leave_capture_alone()) return error;
         if (stream.queue.empty()) return cudaSuccess;
         step(&stream);
         return cudaErrorNotReady;
@@ -106,7 +107,6 @@ cudaError_t cudaEventCreateWithFlags(cudaEvent_t* event, unsigned flags) {
 cudaError_t cudaEventCreate(cudaEvent_t* event) { return cudaEventCreateWithFlags(event, cudaEventDefault); }
 cudaError_t cudaEventDestroy(cudaEvent_t handle) {
     return with_event(handle, [](CUevent_st& event) {
-        if (const cudaError_t error = leave_capture_alone()) return error;
         destroy_event(&event);
         return cudaSuccess;
     });

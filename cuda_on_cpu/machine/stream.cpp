@@ -170,9 +170,9 @@ bool is_blocked(const CUstream_st* stream) {
     return blocked;
 }
 
-cudaError_t leave_capture_alone() {
+cudaError_t leave_capture_alone() { return leave_capture_alone(host_thread().capture_mode); }
+cudaError_t leave_capture_alone(cudaStreamCaptureMode mode) {
     cudaError_t result = cudaSuccess;
-    const cudaStreamCaptureMode mode = host_thread().capture_mode;
     if (mode == cudaStreamCaptureModeRelaxed) return result;
     for (const auto& weak : state().captures) {
         const auto capture = weak.lock();

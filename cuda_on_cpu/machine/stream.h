@@ -69,9 +69,10 @@ cudaError_t enqueue_uncaptured(cudaStream_t handle, std::function<void()> run);
 /// True for the legacy stream while a blocking stream captures: it would wait for that one, so it cannot be used.
 bool is_blocked(const CUstream_st* stream);
 
-/// cudaSuccess if the host may wait, allocate, free or destroy now, in the mode of its thread. If a capture forbids
-/// that, the capture is invalid from now on.
+/// cudaSuccess if the host may wait, allocate, free or destroy a graph's executable now, in the mode of its thread or
+/// in `mode`. If a capture forbids that, the capture is invalid from now on.
 cudaError_t leave_capture_alone();
+cudaError_t leave_capture_alone(cudaStreamCaptureMode mode);
 
 /// Does all that waits in a stream, or up to and with a number.
 void drain(CUstream_st* stream);

@@ -226,15 +226,19 @@ TEST_F(Planted, allocation_in_a_callers_capture) {
     EXPECT_EQ(allocates_in_capture(true), std::pair(true, true)) << "hidden";
 }
 // A library destroys what it has kept while its caller captures, or another thread. Planted: not in relaxed mode.
-TEST_F(Planted, handle_destroyed_during_a_capture) {
+TEST_F(Planted, executable_destroyed_during_a_capture) {
     const TwoStreams s;
     const auto leaves_capture_alone = [&](bool bug, bool in_another_thread) {
-        cudaEvent_t kept = nullptr;
-        check(cudaEventCreate(&kept));
+        check(cudaStreamBeginCapture(s.first, cudaStreamCaptureModeThreadLocal));
+        cudaGraph_t empty = nullptr;
+        check(cudaStreamEndCapture(s.first, &empty));
+        cudaGraphExec_t kept = nullptr;
+        check(cudaGraphInstantiate(&kept, empty, 0));
+        check(cudaGraphDestroy(empty));
         const auto destroy = [&] {
             cudaStreamCaptureMode mode = bug ? cudaStreamCaptureModeGlobal : cudaStreamCaptureModeRelaxed;
             check(cudaThreadExchangeStreamCaptureMode(&mode));
-            const bool destroyed = cudaEventDestroy(kept) == cudaSuccess;
+            const bool destroyed = cudaGraphExecDestroy(kept) == cudaSuccess;
             check(cudaThreadExchangeStreamCaptureMode(&mode));
             return destroyed;
         };
@@ -247,7 +251,7 @@ TEST_F(Planted, handle_destroyed_during_a_capture) {
         cudaGraph_t graph = nullptr;
         const bool sound = cudaStreamEndCapture(s.first, &graph) == cudaSuccess;
         if (graph) check(cudaGraphDestroy(graph));
-        if (!destroyed) check(cudaEventDestroy(kept));
+        if (!destroyed) check(cudaGraphExecDestroy(kept));
         cudaGetLastError();
         return sound;
     };

@@ -140,7 +140,7 @@ __device__ inline bool has_ended(unsigned long long* counter) {
 }
 
 /// Owner of a handle that is created and destroyed by functions of the runtime. Destroys it in relaxed mode: elsewhere
-/// that would spoil captures, of this thread or of others (cuda_on_cpu/README.md).
+/// an executable would spoil captures, of this thread or of others (cuda_on_cpu/README.md).
 template <class Handle, cudaError_t (*destroy)(Handle)>
 class Owner {
    public:
