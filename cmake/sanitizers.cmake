@@ -1,8 +1,8 @@
 if(CRUMPLE_SANITIZE)
     add_compile_options(-fsanitize=${CRUMPLE_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
     if(CRUMPLE_SANITIZE MATCHES "undefined")
-        # AddressSanitizer sees most of the same, and they are a third of the time to compile. The fuzz targets keep the
-        # last of them.
+        # AddressSanitizer sees most of the same, and they are a third of the time to compile. Fuzz targets keep
+        # pointer-overflow.
         add_compile_options(-fno-sanitize=null,object-size,vptr)
         if(NOT CRUMPLE_FUZZ)
             add_compile_options(-fno-sanitize=pointer-overflow)

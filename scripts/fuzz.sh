@@ -33,7 +33,8 @@ run() {
         *) options=(-max_len=512 -detect_leaks=0 -entropic=1 -entropic_scale_per_exec_time=1) ;;
     esac
     mkdir -p "build-fuzz/corpus/$name" "$artefacts"
-    started=$(mktemp)
+    started=build-fuzz/$name.started
+    touch "$started"
     if "build-fuzz/tests/fuzz/fuzz_$name" "${options[@]}" -timeout=20 -rss_limit_mb=2048 -malloc_limit_mb=256 \
         -handle_segv=0 -handle_bus=0 -handle_fpe=0 -print_final_stats=1 -artifact_prefix="$artefacts/" "$@" \
         "build-fuzz/corpus/$name" "build-fuzz/seeds/$name" >"$log" 2>&1; then
@@ -47,8 +48,8 @@ run() {
     done
     return 1
 }
-runs=()
-for name in "${names[@]}"; do run "$name" "$@" & runs+=($!); done
+processes=()
+for name in "${names[@]}"; do run "$name" "$@" & processes+=($!); done
 status=0
-for run in "${runs[@]}"; do wait "$run" || status=1; done
+for process in "${processes[@]}"; do wait "$process" || status=1; done
 exit "$status"

@@ -4,9 +4,9 @@
 #   scripts/test_python.sh [--all | --sanitize | --cuda | --mpi | --quick] [pytest's options]
 # --all also installs the packages that it works with (PyVista, Open3D, JAX, Warp, IPC Toolkit, ...: about 3 GB), whose
 # tests are skipped otherwise; PyTorch is tested where it is installed. --sanitize builds with AddressSanitizer and runs
-# what concerns arrays, their lifetimes and threads. --cuda builds the module alone, with the cuda backend that the CPU
-# plays (cuda_on_cpu/README.md), and runs what concerns arrays on a device, those of ranks, too, where there is MPI. --mpi
-# builds crumple.mpi's, too, and runs what concerns ranks. --quick builds the module alone, and leaves out what needs the
+# what concerns arrays, their lifetimes and threads. --cuda and --mpi build the modules alone, with the cuda backend that
+# the CPU plays (cuda_on_cpu/README.md) and, where there is MPI, crumple.mpi's; --cuda runs what concerns arrays on a
+# device, --mpi what concerns ranks. --quick builds the module alone, and leaves out what needs the
 # installed package. PYTHON names the interpreter.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -46,7 +46,7 @@ modules() {
     cp -r python/crumple/. "$folder"/python/_*.so "$package"
     export PYTHONPATH=$PWD/$folder/package PYTHONDONTWRITEBYTECODE=1
 }
-# The modules with all that the package is built without: the cuda backend that the CPU plays and, where there is MPI,
+# Builds the modules with what the package leaves out: the cuda backend that the CPU plays and, where there is MPI,
 # crumple.mpi's.
 special_modules() {
     local with_mpi=OFF

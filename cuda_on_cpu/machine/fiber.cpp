@@ -39,7 +39,7 @@ void Fiber::switch_to(Fiber& next) {
     arrive(std::move(next.context_).resume());
 }
 
-/// What runs next says who ran before, and where: nobody else knows an OS thread's stack.
+/// Stores where the fiber that ran before stopped, and its stack: that of an OS thread is known only from this.
 void Fiber::arrive(boost::context::fiber&& from) {
     from_->context_ = std::move(from);
     arrive_on_stack(fake_stack_, &from_->bottom_, &from_->usable_bytes_);

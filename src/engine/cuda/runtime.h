@@ -139,8 +139,8 @@ __device__ inline bool has_ended(unsigned long long* counter) {
     return __shfl_sync(whole_warp, count, 0) != 0;
 }
 
-/// Owner of a handle that is created and destroyed by functions of the runtime. Destroys it in relaxed mode: elsewhere
-/// an executable would spoil captures, of this thread or of others (cuda_on_cpu/README.md).
+/// Owner of a handle that is created and destroyed by functions of the runtime. Destroys it in relaxed mode:
+/// in another, destroying a graph executable invalidates captures, of this thread or of others (cuda_on_cpu/README.md).
 template <class Handle, cudaError_t (*destroy)(Handle)>
 class Owner {
    public:
