@@ -6,6 +6,7 @@
 #include <iosfwd>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "crumple/array.h"
@@ -20,6 +21,8 @@ class Source {
     explicit Source(const std::filesystem::path& path);
     /// Reads a stream to its end. `name` is for messages. Throws Error (file).
     Source(std::istream& in, const std::string& name);
+    /// Bytes that are there, as of an entry of an archive.
+    Source(Array<char> bytes, std::string name) : name_(std::move(name)), bytes_(std::move(bytes)) {}
 
     const char* begin() const { return bytes_.begin(); }
     /// Where text begins: after the byte order mark that some editors put before UTF-8.

@@ -11,7 +11,7 @@ namespace crumple::io {
 namespace {
 
 constexpr int piece = 1 << 16;
-constexpr int deepest = 256;
+constexpr int deepest_elements = 256;
 /// Of what expat holds until it has seen its end.
 constexpr std::int64_t longest_tag = 1 << 20;
 
@@ -42,8 +42,8 @@ struct XmlReader::Callbacks {
     }
     static void begin(void* self, const char* name, const char** attributes) {
         guard(self, [&](XmlReader& reader) {
-            if (++reader.depth_ > deepest)
-                reader.fail("elements are nested more than " + std::to_string(deepest) + " deep");
+            if (++reader.depth_ > deepest_elements)
+                reader.fail("elements are nested more than " + std::to_string(deepest_elements) + " deep");
             reader.begin(name, XmlAttributes(attributes));
         });
     }

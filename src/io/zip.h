@@ -1,13 +1,18 @@
 #pragma once
 
-// Zip archives in memory, by minizip: entries are stored or compressed by deflate, and have their checksums verified.
+// Zip archives in memory, with ZIP64's fields where they are needed or not: entries are stored or compressed by
+// deflate. minizip writes them. Its reader does not resolve every mixture of ZIP64's fields, so that ours reads them by
+// zlib.
 
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <ostream>
 #include <string>
 #include <string_view>
+#include <unordered_map>
+#include <vector>
 
 #include "io/source.h"
 
@@ -44,28 +49,35 @@ class ZipWriter {
 /// Refers to the source. One entry is open at a time.
 class ZipReader {
    public:
-    /// Throws Error (format): "NAME: this is not a KIND archive".
+    /// Throws Error (format): "NAME: this is not a KIND archive", or "... its list of entries is damaged".
     ZipReader(const Source& source, const std::string& kind);
     ZipReader(const ZipReader&) = delete;
     ZipReader& operator=(const ZipReader&) = delete;
     ~ZipReader();
 
+    /// Names of all entries, in the order of the archive's list.
+    const std::vector<std::string>& names() const { return names_; }
+    bool has(const std::string& name, bool any_case = false) const;
+    /// All bytes of an entry; nothing if there is none that can be read, or if it has more than `most`.
+    std::optional<Array<char>> expand(const std::string& name, std::uint64_t most);
     /// Opens an entry; false if there is none of the name that can be read: another method, a password, damage.
     bool open(const std::string& name, bool any_case = false);
-    /// The next bytes of the open entry, at most so many; none at its end. Nothing if it is truncated or damaged, which
+    /// The next bytes of the open entry, at most so many; none at its end. False if it is truncated or damaged, which
     /// a wrong checksum tells at the end.
     bool read(char* to, std::size_t size, std::size_t& got);
 
    private:
-    struct Memory;
-    struct Index;
-    void close();
-    void list_entries();
+    struct Entry;
+    struct Inflation;
+    using Entries = std::unordered_map<std::string, Entry>;
 
-    std::unique_ptr<Memory> memory_;
-    std::unique_ptr<Index> index_;
-    void* archive_ = nullptr;
-    bool is_open_ = false;
+    bool list_entries(std::size_t end_record);
+    const Entry* find(const std::string& name, bool any_case) const;
+
+    std::string_view bytes_;
+    std::vector<std::string> names_;
+    std::unique_ptr<Entries> exact_, any_case_;  ///< of several with one name the first
+    std::unique_ptr<Inflation> open_;
 };
 
 /// By ASCII, as names of entries are compared.
