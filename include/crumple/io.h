@@ -36,7 +36,7 @@ struct ReadOptions {
     std::string group_property = {};  ///< PLY: integer face property that holds the groups; empty: none
     Triangulation triangulation = Triangulation::ears;
     bool strict = false;            ///< what would be a warning is an error
-    bool lines_and_points = false;  ///< OBJ: also read what `l` and `p` name, which is skipped else
+    bool lines_and_points = false;  ///< OBJ: also read what `l` and `p` name; PLY without faces: its vertices
 };
 
 /// The polygons that a file's triangles were cut from. All arrays are empty where each triangle is a face of the file.

@@ -32,10 +32,13 @@ class Faces {
         previous_ = corner;
         ++corners_;
     }
-    std::int64_t corners() const { return corners_; }
-    /// Ends a face of at least three corners.
+    /// Ends a face. One of less than three corners is left out, with a warning.
     void end() {
-        if (has_polygons_) end_polygon();
+        if (corners_ < 3) {
+            leave_out();
+        } else if (has_polygons_) {
+            end_polygon();
+        }
     }
 
     std::size_t triangle_count() const { return triangles_.size() / 3; }
@@ -43,14 +46,18 @@ class Faces {
     /// The mesh of these faces and vertices, which all corners must name. Places of warnings are lines, else bytes.
     template <class Scalar>
     TriangleMesh mesh(std::vector<Scalar>&& vertices, Triangulation triangulation, Warnings& warnings, bool lines) {
+        const auto warn = [&](const Tally& faces, const std::string& what) {
+            if (faces.count == 0) return;
+            const std::string sentence = what + faces.others();
+            lines ? warnings.at_line(faces.first, sentence) : warnings.at_byte(faces.first, sentence);
+        };
+        warn(left_out_, "a face has less than three corners and is left out");
         if (triangulation == Triangulation::ears) {
             const Tally crossing = cut_polygons([&](std::int32_t corner) {
                 const Scalar* const p = &vertices[3 * static_cast<std::size_t>(corner)];
                 return Vec3d{double{p[0]}, double{p[1]}, double{p[2]}};
             });
-            const std::string what = "a polygon crosses itself and is fanned" + crossing.others();
-            if (crossing.count > 0)
-                lines ? warnings.at_line(crossing.first, what) : warnings.at_byte(crossing.first, what);
+            warn(crossing, "a polygon crosses itself and is fanned");
         }
         TriangleMesh mesh{std::move(vertices), std::move(triangles_)};
         mesh.polygons = std::move(polygons_);
@@ -63,6 +70,10 @@ class Faces {
         const char* place;
     };
 
+    void leave_out() {
+        left_out_.add(place_);
+        if (has_polygons_) polygons_.corners.resize(polygons_.corners.size() - static_cast<std::size_t>(corners_));
+    }
     void begin_polygons();
     void end_polygon();
     Tally cut_polygons(const std::function<Vec3d(std::int32_t)>& point);
@@ -70,6 +81,7 @@ class Faces {
     std::vector<std::int32_t> triangles_;
     Polygons polygons_;
     std::vector<Polygon> to_cut_;  ///< those of more than three corners
+    Tally left_out_;
     bool has_polygons_ = false;
     const char* place_ = nullptr;
     std::int64_t corners_ = 0;  ///< of the face at hand

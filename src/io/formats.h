@@ -21,8 +21,9 @@ TriangleMesh read_off(const Source& source, const ReadOptions& options, Warnings
 
 /// 84 bytes and 50 for each of the triangles that it announces: a file of text would need 7 GB for that.
 bool is_binary_stl(const Source& source);
-/// "OFF" with the prefixes that tell what a vertex has: ST, C, N, 4, n.
-bool is_off_header(std::string_view word);
+/// Length of the keyword that a word begins with: "OFF" after prefixes that tell what a vertex has (ST, C, N, 4, n), in
+/// any order. Digits may follow, a count. 0 if the word is none.
+std::size_t off_keyword(std::string_view word);
 /// A statement that OBJ files begin with.
 bool starts_obj(std::string_view word);
 

@@ -93,7 +93,6 @@ class ObjReader {
     void read_face(const char* place) {
         faces_.begin(place);
         while (!in_.finished()) faces_.add(read_corner("face"));
-        if (faces_.corners() < 3) in_.fail(place, "a face has " + std::to_string(faces_.corners()) + " corners");
         faces_.end();
     }
 
@@ -115,7 +114,8 @@ class ObjReader {
         while (!in_.finished()) points_.push_back(read_corner("point"));
     }
 
-    /// v, v/vt, v//vn or v/vt/vn of what names it. Negative indices count back from the last vertex so far.
+    /// v, v/vt, v//vn or v/vt/vn of what names it, where vt and vn may be missing after their slash, as some exporters
+    /// write it. Negative indices count back from the last vertex so far.
     std::int32_t read_corner(const char* what) {
         const char* const place = in_.position();
         const std::int64_t written = in_.leading_integer("a vertex index");
@@ -134,24 +134,16 @@ class ObjReader {
         return static_cast<std::int32_t>(index);
     }
 
-    /// /vt, //vn or /vt/vn: integers that are not looked at any further.
+    /// At most two slashes, each with an integer after it or none. They are not looked at any further.
     static bool are_further_indices(std::string_view text) {
-        const auto integer = [&] {
-            std::size_t digits = text.starts_with('-') ? 1 : 0;
-            const std::size_t begin = digits;
-            while (digits < text.size() && text[digits] >= '0' && text[digits] <= '9') ++digits;
+        for (int slashes = 0; slashes < 2 && text.starts_with('/'); ++slashes) {
+            text.remove_prefix(1);
+            const bool negative = text.starts_with('-');
+            const std::size_t digits = std::min(text.find_first_not_of("0123456789", negative), text.size());
+            if (negative && digits == 1) return false;
             text.remove_prefix(digits);
-            return digits > begin;
-        };
-        const auto slash = [&] {
-            const bool found = text.starts_with('/');
-            text.remove_prefix(found);
-            return found;
-        };
-        if (!slash()) return false;
-        const bool texture = integer();
-        if (text.empty()) return texture;
-        return slash() && integer() && text.empty();
+        }
+        return text.empty();
     }
 
     [[noreturn]] void fail_range(const char* what, const char* place, std::int64_t written) const {

@@ -1,5 +1,7 @@
-// OFF: counts, then a vertex a line, then a face a line. The header's prefixes (ST, C, N) announce what else a vertex
-// line holds after its coordinates; that is skipped, as are colours after a face's corners.
+// OFF: counts, then a vertex a line, then faces. The header's prefixes (ST, C, N) announce what else the line of a
+// vertex holds after its coordinates; that is skipped, as are colours in the line of a face's last corner.
+
+#include <algorithm>
 
 #include "io/faces.h"
 #include "io/formats.h"
@@ -18,7 +20,7 @@ class OffReader {
     TriangleMesh read(const ReadOptions& options, Warnings& warnings) {
         read_header();
         const std::int64_t vertices = read_count("vertices", 6);  // "0 0 0" and the line's end
-        const std::int64_t faces = read_count("faces", 8);        // "3 0 1 2"
+        const std::int64_t faces = read_count("faces", 2);        // "0" and the line's end
         if (!in_.finished()) in_.integer("a count of edges");     // never used, often wrong or missing
         if (!in_.finished()) in_.fail("the line of counts goes on");
         in_.skip_line();
@@ -26,13 +28,12 @@ class OffReader {
         std::vector<Scalar> xyz;
         xyz.reserve(3 * static_cast<std::size_t>(vertices));
         for (std::int64_t v = 0; v < vertices; ++v) {
-            next_line("a vertex");
+            next_item("a vertex");
             for (int axis = 0; axis < 3; ++axis) xyz.push_back(in_.real<Scalar>());
             in_.skip_line();
         }
-        faces_.reserve(faces);
+        faces_.reserve(std::min(faces, static_cast<std::int64_t>(in_.remaining()) / 8));  // "3 0 1 2"
         for (std::int64_t f = 0; f < faces; ++f) {
-            next_line("a face");
             read_face(vertices);
             in_.skip_line();
         }
@@ -41,20 +42,21 @@ class OffReader {
     }
 
    private:
-    void next_line(const char* what) {
+    /// To the next item, in this line or a later one.
+    void next_item(const char* what) {
         if (!in_.next_line_with_items()) in_.fail(std::string(what) + " is missing");
     }
 
     void read_header() {
-        next_line("the header");
+        next_item("the header");
         const std::string_view word = in_.rest_of_word();
-        const bool named = is_off_header(word);
-        if (!named && word[0] >= '0' && word[0] <= '9') return;  // the keyword is optional
-        if (!named) in_.fail(in_quotes(word) + " instead of OFF");
-        if (word.find_first_of("4n") != word.npos) in_.fail("only OFF in three dimensions is read");
-        in_.word();
+        const std::size_t keyword = off_keyword(word);
+        if (!keyword && word[0] >= '0' && word[0] <= '9') return;  // the keyword is optional
+        if (!keyword) in_.fail(in_quotes(word) + " instead of OFF");
+        if (word.substr(0, keyword).find_first_of("4n") != word.npos) in_.fail("only OFF in three dimensions is read");
+        in_.skip_characters(keyword);
         if (!in_.finished() && *in_.position() == 'B') in_.fail("binary OFF is not read");
-        next_line("a count of vertices");
+        next_item("a count of vertices");
     }
 
     std::int64_t read_count(const char* what, std::int64_t least_size) {
@@ -67,11 +69,13 @@ class OffReader {
     }
 
     void read_face(std::int64_t vertices) {
+        next_item("a face");
         const char* const place = in_.position();
         const std::int64_t corners = in_.integer("a count of corners");
-        if (corners < 3) in_.fail(place, "a face has " + std::to_string(corners) + " corners");
+        if (corners < 0) in_.fail(place, "a face has " + std::to_string(corners) + " corners");
         faces_.begin(place);
         for (std::int64_t i = 0; i < corners; ++i) {
+            next_item("a corner");
             const std::int64_t index = in_.integer("a corner");
             if (index < 0 || index >= vertices) {
                 in_.fail(place, "a face names vertex " + std::to_string(index) + " of " + std::to_string(vertices));
@@ -87,11 +91,15 @@ class OffReader {
 
 }  // namespace
 
-bool is_off_header(std::string_view word) {
-    for (const std::string_view prefix : {"ST", "C", "N", "4", "n"}) {
-        if (word.substr(0, prefix.size()) == prefix) word.remove_prefix(prefix.size());
+std::size_t off_keyword(std::string_view word) {
+    const std::size_t off = word.find("OFF");
+    if (off == word.npos || word.find_first_not_of("0123456789", off + 3) != word.npos) return 0;
+    for (std::string_view prefixes = word.substr(0, off); !prefixes.empty();) {
+        const bool texture = prefixes.starts_with("ST");
+        if (!texture && std::string_view("CN4n").find(prefixes[0]) == word.npos) return 0;
+        prefixes.remove_prefix(texture ? 2 : 1);
     }
-    return word == "OFF";
+    return off + 3;
 }
 
 TriangleMesh read_off(const Source& source, const ReadOptions& options, Warnings& warnings) {

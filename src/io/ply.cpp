@@ -1,8 +1,10 @@
-// PLY: a header that announces elements, then the rows of each. The reader walks the rows of `vertex` and `face` and
-// skips the rest. Before anything is allocated or looped over, the announced count is compared with the bytes left.
+// PLY: a header that announces elements, then the rows of each. The reader walks the rows of `vertex`, `face` and
+// `tristrips` and skips the rest; a file without faces is a cloud of points. Before anything is allocated or looped
+// over, the announced count is compared with the bytes left.
 
 #include <algorithm>
 #include <array>
+#include <numeric>
 #include <span>
 
 #include "io/faces.h"
@@ -22,25 +24,20 @@ class BodyReader {
         : source_(source),
           header_(header),
           body_(source, header),
-          vertex_(header.element(source, "vertex")),
-          face_(header.element(source, "face")),
+          vertex_(vertices()),
           xyz_{scalar(vertex_, "x"), scalar(vertex_, "y"), scalar(vertex_, "z")},
-          corners_(face_.find(source, {"vertex_indices", "vertex_index"})) {
-        for (const PlyElement& element : header.elements) {
-            if (element.name != "tristrips" || element.count == 0) continue;
-            source.fail_at_line(element.place, "triangle strips ('tristrips') are not read; convert them to faces");
-        }
-        if (!corners_ || !corners_->count_type || !is_integer(corners_->type)) {
-            source.fail_at_line(face_.place, "faces have no list of integers 'vertex_indices'");
-        }
-        if (!group_property.empty() && !face_.find(source, {group_property})) {
+          face_(header.find(source, "face")),
+          corners_(indices(face_)),
+          strips_(header.find(source, "tristrips")),
+          strip_corners_(indices(strips_)) {
+        if (group_property.empty()) return;
+        if (!face_ || !face_->find(source, {group_property}) || (strips_ && strips_->count > 0)) {
             throw Error(ErrorCode::invalid_argument,
                         source.name() + ": its faces have no property " + in_quotes(group_property), Element::option);
         }
-        if (!group_property.empty()) group_ = scalar(face_, group_property);
-        if (group_ && !is_integer(group_->type)) {
-            source.fail_at_line(face_.place, "face property " + in_quotes(group_property) + " is not an integer");
-        }
+        group_ = scalar(*face_, group_property);
+        if (!is_integer(group_->type))
+            source.fail_at_line(face_->place, "face property " + in_quotes(group_property) + " is not an integer");
     }
 
     ScalarType precision() const {
@@ -51,14 +48,16 @@ class BodyReader {
     }
 
     template <class Scalar>
-    TriangleMesh read(Triangulation triangulation, Warnings& warnings) {
+    TriangleMesh read(const ReadOptions& options, Warnings& warnings) {
         std::vector<Scalar> xyz;
         for (const PlyElement& element : header_.elements) {
             check_count(element);
             if (&element == &vertex_)
                 xyz = read_vertices<Scalar>();
-            else if (&element == &face_)
+            else if (&element == face_)
                 read_faces();
+            else if (&element == strips_)
+                read_strips();
             else
                 skip_rows(element);
         }
@@ -69,12 +68,30 @@ class BodyReader {
             body_.fail(rest, "data follows the last row that the header announces");
         }
         const bool lines = header_.encoding == PlyEncoding::ascii;
-        TriangleMesh mesh = faces_.mesh(std::move(xyz), triangulation, warnings, lines);
+        TriangleMesh mesh = faces_.mesh(std::move(xyz), options.triangulation, warnings, lines);
         mesh.groups = std::move(groups_);
+        if (options.lines_and_points && mesh.triangles.empty()) {
+            mesh.points.resize(static_cast<std::size_t>(mesh.vertex_count()));
+            std::iota(mesh.points.begin(), mesh.points.end(), 0);
+        }
         return mesh;
     }
 
    private:
+    const PlyElement& vertices() const {
+        const PlyElement* const vertex = header_.find(source_, "vertex");
+        if (!vertex) source_.fail_at_line(header_.body - 1, "the header has no element 'vertex'");
+        return *vertex;
+    }
+    /// The list of faces' or strips' corners.
+    const PlyProperty* indices(const PlyElement* element) const {
+        if (!element) return nullptr;
+        const PlyProperty* const found = element->find(source_, {"vertex_indices", "vertex_index"});
+        if (!found || !found->count_type || !is_integer(found->type))
+            source_.fail_at_line(element->place,
+                                 "element " + in_quotes(element->name) + " has no list of integers 'vertex_indices'");
+        return found;
+    }
     const PlyProperty* scalar(const PlyElement& element, const std::string& name) const {
         const PlyProperty* property = element.find(source_, {name});
         if (!property || property->count_type) {
@@ -88,7 +105,6 @@ class BodyReader {
         std::int64_t row = 0;
         for (const PlyProperty& property : element.properties) {
             row += body_.least_size(property.count_type.value_or(property.type));
-            if (&property == corners_) row += 3 * body_.least_size(property.type);
         }
         if (row > 0 && element.count > body_.remaining() / row) {
             source_.fail_at_line(element.place, std::to_string(element.count) + " rows of element " +
@@ -138,10 +154,10 @@ class BodyReader {
     }
 
     void read_faces() {
-        faces_.reserve(face_.count);
-        for (std::int64_t row = 0; row < face_.count; ++row) {
+        faces_.reserve(std::min(face_->count, body_.remaining() / (3 * body_.least_size(corners_->type))));
+        for (std::int64_t row = 0; row < face_->count; ++row) {
             std::int32_t group = 0;
-            for (const PlyProperty& property : face_.properties) {
+            for (const PlyProperty& property : face_->properties) {
                 if (&property == corners_)
                     read_polygon();
                 else if (&property == group_)
@@ -156,18 +172,49 @@ class BodyReader {
     void read_polygon() {
         const char* const place = body_.position();
         const std::int64_t count = list_count(*corners_);
-        if (count < 3) body_.fail(place, "a face has " + std::to_string(count) + " corners");
         faces_.begin(place);
-        for (std::int64_t i = 0; i < count; ++i) {
-            const char* const corner = body_.position();
-            const std::int64_t index = body_.integer(corners_->type);
-            if (index < 0 || index >= vertex_.count) {
-                body_.fail(corner,
-                           "a face names vertex " + std::to_string(index) + " of " + std::to_string(vertex_.count));
-            }
-            faces_.add(static_cast<std::int32_t>(index));
-        }
+        for (std::int64_t i = 0; i < count; ++i) faces_.add(read_corner(*corners_, "face"));
         faces_.end();
+    }
+
+    std::int32_t read_corner(const PlyProperty& list, const char* what, std::int64_t least = 0) {
+        const char* const place = body_.position();
+        const std::int64_t index = body_.integer(list.type);
+        if (index < least || index >= vertex_.count) {
+            body_.fail(place, std::string("a ") + what + " names vertex " + std::to_string(index) + " of " +
+                                  std::to_string(vertex_.count));
+        }
+        return static_cast<std::int32_t>(index);
+    }
+
+    void read_strips() {
+        for (std::int64_t row = 0; row < strips_->count; ++row) {
+            for (const PlyProperty& property : strips_->properties) {
+                if (&property == strip_corners_)
+                    read_strip();
+                else
+                    skip_value(property);
+            }
+        }
+    }
+
+    /// Each corner makes a triangle with the two before it, and every other triangle is turned; -1 begins anew. Strips
+    /// turn and jump by triangles that name a vertex twice, which are left out.
+    void read_strip() {
+        std::int32_t before = -1, last = -1;
+        bool turned = false;
+        for (std::int64_t left = list_count(*strip_corners_); left > 0; --left) {
+            const char* const place = body_.position();
+            const std::int32_t corner = read_corner(*strip_corners_, "strip", -1);
+            if (before >= 0 && corner >= 0 && before != last && last != corner && corner != before) {
+                faces_.begin(place);
+                for (const std::int32_t c : {turned ? last : before, turned ? before : last, corner}) faces_.add(c);
+                faces_.end();
+            }
+            turned = corner >= 0 && before >= 0 && !turned;
+            before = corner < 0 ? -1 : last;
+            last = corner;
+        }
     }
 
     std::int32_t read_group() {
@@ -180,9 +227,12 @@ class BodyReader {
     const Source& source_;
     const PlyHeader& header_;
     Body body_;
-    const PlyElement &vertex_, &face_;
+    const PlyElement& vertex_;
     std::array<const PlyProperty*, 3> xyz_;
+    const PlyElement* face_;  ///< null if there are none, as for strips
     const PlyProperty* corners_;
+    const PlyElement* strips_;
+    const PlyProperty* strip_corners_;
     const PlyProperty* group_ = nullptr;
     Faces faces_;
     std::vector<std::int32_t> groups_;
@@ -191,9 +241,8 @@ class BodyReader {
 template <class Body>
 TriangleMesh read(const Source& source, const PlyHeader& header, const ReadOptions& options, Warnings& warnings) {
     BodyReader<Body> reader(source, header, options.group_property);
-    return in_precision(options.precision, reader.precision(), [&](auto zero) {
-        return reader.template read<decltype(zero)>(options.triangulation, warnings);
-    });
+    return in_precision(options.precision, reader.precision(),
+                        [&](auto zero) { return reader.template read<decltype(zero)>(options, warnings); });
 }
 
 constexpr std::string_view colour_properties = "property uchar red\nproperty uchar green\nproperty uchar blue\n";

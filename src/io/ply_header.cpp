@@ -140,18 +140,14 @@ const PlyProperty* PlyElement::find(const Source& source, std::initializer_list<
     return found;
 }
 
-const PlyElement& PlyHeader::element(const Source& source, std::string_view name) const {
+const PlyElement* PlyHeader::find(const Source& source, std::string_view name) const {
     const PlyElement* found = nullptr;
     for (const PlyElement& candidate : elements) {
         if (candidate.name != name) continue;
         if (found) source.fail_at_line(candidate.place, "a second element " + in_quotes(name));
         found = &candidate;
     }
-    if (found) return *found;
-    const bool strips =
-        std::any_of(elements.begin(), elements.end(), [](const auto& e) { return e.name == "tristrips"; });
-    source.fail_at_line(body - 1, "the header has no element " + in_quotes(name) +
-                                      (strips ? "; triangle strips are not read, convert them to faces" : ""));
+    return found;
 }
 
 PlyHeader read_ply_header(const Source& source) { return HeaderReader(source).read(); }

@@ -65,8 +65,8 @@ struct PlyHeader {
     std::vector<PlyElement> elements;
     const char* body = nullptr;  ///< the first byte after the header
 
-    /// Throws Error unless there is one such element.
-    const PlyElement& element(const Source& source, std::string_view name) const;
+    /// The element of the name, or null. Throws Error if there are two.
+    const PlyElement* find(const Source& source, std::string_view name) const;
 };
 
 PlyHeader read_ply_header(const Source& source);

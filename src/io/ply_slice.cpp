@@ -57,19 +57,20 @@ class PlySliceReader {
         header_ = read_ply_header(beginning);
         if (header_.encoding == PlyEncoding::ascii) return false;
         order_ = header_.encoding == PlyEncoding::big_endian ? std::endian::big : std::endian::little;
-        const PlyElement& vertex = header_.element(beginning, "vertex");
-        const PlyElement& face = header_.element(beginning, "face");
+        const PlyElement* const vertex = header_.find(beginning, "vertex");
+        const PlyElement* const face = header_.find(beginning, "face");
+        if (!vertex || !face) return false;
         for (std::size_t axis = 0; axis < 3; ++axis) {
-            xyz_[axis] = vertex.find(beginning, {std::array{"x", "y", "z"}[axis]});
+            xyz_[axis] = vertex->find(beginning, {std::array{"x", "y", "z"}[axis]});
             if (!xyz_[axis]) return false;
         }
-        corners_ = face.find(beginning, {"vertex_indices", "vertex_index"});
+        corners_ = face->find(beginning, {"vertex_indices", "vertex_index"});
         if (!corners_ || !corners_->count_type || !is_integer(corners_->type)) return false;
         if (!options_.group_property.empty()) {
-            group_ = face.find(beginning, {options_.group_property});
+            group_ = face->find(beginning, {options_.group_property});
             if (!group_ || group_->count_type || !is_integer(group_->type)) return false;
         }
-        return find_rows(header_.body - beginning.begin(), vertex, face) && face.count > 0;
+        return find_rows(header_.body - beginning.begin(), *vertex, *face) && face->count > 0;
     }
 
     std::optional<MeshSlice> read() {
@@ -151,8 +152,6 @@ class PlySliceReader {
                               blocks.size(reader_), [&](const char* row, std::int64_t byte) {
                                   if (group_ && group_place < place) read_group(row, byte);
                                   const std::int64_t corners = integer_at(row + place, *corners_->count_type, order_);
-                                  if (corners >= 0 && corners < 3)
-                                      file_.fail_at(byte + place, "a face has " + std::to_string(corners) + " corners");
                                   if (corners != 3) return false;
                                   for (std::int64_t at = first; at < first + 3 * step; at += step) {
                                       const std::int64_t index = integer_at(row + at, corners_->type, order_);

@@ -32,7 +32,7 @@ Format format_of(const Source& source, const std::string& extension) {
     if (in.next_line_with_items()) {
         const std::string_view word = in.word();
         if (word == "ply" && word.data() == source.text_begin()) return Format::ply;
-        if (is_off_header(word)) return Format::off;
+        if (off_keyword(word)) return Format::off;
         if (starts_obj(word)) return Format::obj;
         if (word.size() == 5 && std::tolower(word[0]) == 's' && word.substr(1) == "olid") return Format::stl;
     }

@@ -47,69 +47,112 @@ TriangleMesh read_binary(const Source& source) {
     return {std::move(xyz), std::move(triangles)};
 }
 
+enum class Keyword : std::uint8_t { solid, facet, normal, outer, loop, vertex, endloop, endfacet, endsolid, none };
+constexpr std::string_view keywords[] = {"solid",  "facet",   "normal",   "outer",   "loop",
+                                         "vertex", "endloop", "endfacet", "endsolid"};
+
+Keyword keyword_named(std::string_view word) {
+    const auto* const found = std::find_if(std::begin(keywords), std::end(keywords), [&](std::string_view keyword) {
+        return equal_ignoring_case(word, keyword);
+    });
+    return static_cast<Keyword>(found - std::begin(keywords));
+}
+
+/// Keywords may have words of their own after them in their line, as names and colours, and a blank after "end".
 template <class Scalar>
 class AsciiReader {
    public:
-    explicit AsciiReader(const Source& source) : in_(source, {}) {}
+    AsciiReader(const Source& source, Warnings& warnings) : in_(source, {.lines = true}), warnings_(warnings) {}
 
     TriangleMesh read() {
+        expect(Keyword::solid);
         do read_solid();
-        while (!in_.finished());
+        while (!at_end_ && next() && expected(Keyword::solid));
         std::vector<std::int32_t> triangles(xyz_.size() / 3);
         std::iota(triangles.begin(), triangles.end(), 0);
         return {std::move(xyz_), std::move(triangles)};
     }
 
    private:
+    /// After its first keyword.
     void read_solid() {
-        const char* const solid = next();
-        expect("solid");
-        in_.skip_line();  // a name: anything
-        if (in_.finished() && in_.at_end()) in_.fail(solid, "no line follows this one, which holds the solid's name");
-        while (true) {
-            const char* const place = next();
-            if (in_.at_end()) in_.fail("endsolid is missing: the file has lost its end");
-            const std::string_view word = in_.word("endsolid");
-            if (equal_ignoring_case(word, "endsolid")) break;
-            if (!equal_ignoring_case(word, "facet")) in_.fail(place, in_quotes(word) + " instead of facet or endsolid");
+        const char* const solid = place_;
+        skip_line();  // a name: anything
+        if (in_.at_end()) in_.fail(solid, "no line follows this one, which holds the solid's name");
+        while (next()) {
+            if (keyword_ == Keyword::endsolid) return skip_line();  // its name again
+            if (keyword_ != Keyword::facet) fail("facet or endsolid");
             read_facet();
         }
-        in_.skip_line();
+        warnings_.at_line(in_.position(), "endsolid is missing: the file may have lost its end");
+        at_end_ = true;
     }
 
     void read_facet() {
-        expect("normal");
+        expect(Keyword::normal);
         for (int axis = 0; axis < 3; ++axis) in_.word("a normal");
-        expect("outer");
-        expect("loop");
+        expect(Keyword::outer);
+        expect(Keyword::loop);
         std::int64_t corners = 0;
-        while (true) {
-            const char* const place = next();
-            const std::string_view word = in_.word("endloop");
-            if (equal_ignoring_case(word, "endloop")) {
-                if (corners != 3) in_.fail(place, "a facet has " + std::to_string(corners) + " corners instead of 3");
-                break;
+        while (require_next("endloop"), keyword_ != Keyword::endloop) {
+            if (keyword_ != Keyword::vertex) fail("vertex or endloop");
+            for (int axis = 0; axis < 3; ++axis) {
+                in_.next_line_with_items();
+                xyz_.push_back(in_.real<Scalar>());
             }
-            if (!equal_ignoring_case(word, "vertex"))
-                in_.fail(place, in_quotes(word) + " instead of vertex or endloop");
-            for (int axis = 0; axis < 3; ++axis) xyz_.push_back(in_.real<Scalar>());
             ++corners;
         }
-        expect("endfacet");
+        if (corners != 3) in_.fail(place_, "a facet has " + std::to_string(corners) + " corners instead of 3");
+        expect(Keyword::endfacet);
     }
 
-    const char* next() {
-        in_.finished();
-        return in_.position();
+    /// To the next keyword. False at the end of the file.
+    bool next() {
+        while (true) {
+            same_line_ = same_line_ && !in_.finished();
+            if (!in_.next_line_with_items()) return false;
+            place_ = in_.position();
+            word_ = in_.word();
+            if (equal_ignoring_case(word_, "end") && !in_.finished())
+                keyword_ = keyword_named("end" + std::string(in_.word()));
+            else
+                keyword_ = keyword_named(word_);
+            const bool is_keyword = keyword_ != Keyword::none;
+            if (!is_keyword && equal_ignoring_case(word_, "color")) {
+                skip_line();
+            } else if (is_keyword || !same_line_) {
+                same_line_ = true;
+                return true;
+            }
+        }
     }
-    void expect(const char* keyword) {
-        const char* const place = next();
-        const std::string_view word = in_.word(keyword);
-        if (!equal_ignoring_case(word, keyword)) in_.fail(place, in_quotes(word) + " instead of " + keyword);
+    void skip_line() {
+        in_.skip_line();
+        same_line_ = false;
+    }
+    void require_next(const std::string& what) {
+        if (!next()) in_.fail(what + " is missing");
+    }
+    void expect(Keyword keyword) {
+        require_next(std::string(keywords[static_cast<std::size_t>(keyword)]));
+        expected(keyword);
+    }
+    bool expected(Keyword keyword) const {
+        if (keyword_ != keyword) fail(std::string(keywords[static_cast<std::size_t>(keyword)]));
+        return true;
+    }
+    [[noreturn]] void fail(const std::string& wanted) const {
+        in_.fail(place_, in_quotes(word_) + " instead of " + wanted);
     }
 
     Scanner in_;
+    Warnings& warnings_;
     std::vector<Scalar> xyz_;
+    const char* place_ = nullptr;  ///< of the last keyword
+    std::string_view word_;        ///< the word there
+    Keyword keyword_ = Keyword::none;
+    bool same_line_ = false;  ///< whether what follows is in the line of the last keyword
+    bool at_end_ = false;
 };
 
 /// Unit normal, or zero of a degenerate triangle. float32 coordinates neither overflow nor underflow here.
@@ -136,7 +179,7 @@ TriangleMesh read_stl(const Source& source, const ReadOptions& options, Warnings
     const std::size_t size = source.text().size();
     if (!is_binary_stl(source) && is_text(source)) {
         return in_precision(options.precision, ScalarType::float64,
-                            [&](auto zero) { return AsciiReader<decltype(zero)>(source).read(); });
+                            [&](auto zero) { return AsciiReader<decltype(zero)>(source, warnings).read(); });
     }
     const char* const place = source.begin() + std::min(header_size, size);
     const std::size_t end = size < prologue_size ? SIZE_MAX : prologue_size + record_size * announced_count(source);

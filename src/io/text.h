@@ -145,6 +145,9 @@ class Scanner {
         return true;
     }
 
+    /// Skips so many characters of this word.
+    void skip_characters(std::size_t count) { p_ += count; }
+
     /// The next word's integer, up to the first character that is not a digit.
     std::int64_t leading_integer(const char* what) {
         if (finished()) fail(std::string(what) + " is missing");

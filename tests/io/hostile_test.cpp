@@ -68,7 +68,9 @@ TEST(Hostile, EveryTruncationIsAnErrorWhereTheFormatAnnouncesItsSize) {
             const bool in_last_word = size > sample.bytes.find_last_of(" ", last);
             const bool between_solids =
                 sample.name == "ascii.stl" && size >= first_solid_ends && size <= second_solid_begins;
-            if (announced && size <= last && !in_last_word && !between_solids) {
+            const bool warned =
+                mesh && !mesh->warnings.empty() && mesh->warnings[0].find("endsolid is missing") != std::string::npos;
+            if (announced && size <= last && !in_last_word && !between_solids && !warned) {
                 EXPECT_FALSE(mesh) << "part of a mesh was read";
             }
             if (size > last) expect_same(*mesh, whole);

@@ -69,13 +69,27 @@ TEST(Obj, FurtherComponentsOfAVertexAreSkipped) {
     EXPECT_EQ(coordinates(mesh), (std::vector<double>{1, 2, 3, 1, 2, 3, 1, 2, 3, 1, 2, 3}));
 }
 
+TEST(Obj, PartsOfACornerMayBeMissingAfterTheirSlashes) {
+    EXPECT_EQ(triangles(four + "f 1/ 2// 3/1/\nf 1//1 2/-1 3/1/-1\n"), (Indices{0, 1, 2, 0, 1, 2}));
+}
+
+TEST(Obj, FacesOfLessThanThreeCornersAreLeftOutWithAWarning) {
+    const std::string text = four + "f 1 2 3\nf 1 2\nf\nf 1 2 3 4\nf 4\n";
+    const TriangleMesh mesh = read_bytes(text, "a.obj");
+    EXPECT_EQ(mesh.triangles, (Indices{0, 1, 2, 0, 1, 2, 0, 2, 3}));
+    EXPECT_EQ(mesh.polygons.corners, (Indices{0, 1, 2, 0, 1, 2, 3}));
+    ASSERT_EQ(mesh.warnings.size(), 1u);
+    EXPECT_TRUE(contains(mesh.warnings[0],
+                         "a.obj, line 6: a face has less than three corners and is left out, and 2 more like that"))
+        << mesh.warnings[0];
+    expect_bad(text, "a.obj", Element::line, 6, "less than three corners", {.strict = true});
+}
+
 TEST(Obj, MistakesAreErrorsThatNameTheLine) {
     const auto bad = [](const std::string& text, std::int64_t line, const char* what) {
         SCOPED_TRACE(text);
         expect_bad(four + text, "a.obj", Element::line, line, what);
     };
-    bad("f 1 2\n", 5, "2 corners");
-    bad("f\n", 5, "0 corners");
     bad("f 0 1 2\n", 5, "vertex 0 of 4");
     bad("f 1 2 -5\n", 5, "vertex -5 of 4");
     bad("f 1 2 5\n", 5, "vertex 5 of 4");
@@ -95,10 +109,8 @@ TEST(Obj, MistakesAreErrorsThatNameTheLine) {
     bad("v 1 2 3 4 5\n", 5, "a vertex has 5 numbers");
     bad("v 1 2 3 4 5 6 7 8\n", 5, "a vertex has 8 numbers");
     bad("v 1 2 3 red\n", 5, "'red' is not a finite number");
-    bad("f 1/ 2 3\n", 5, "v/vt/vn");
-    bad("f 1/ 1 2/ 1\n", 5, "v/vt/vn");
-    bad("f 1// 2 3\n", 5, "v/vt/vn");
-    bad("f 1/2/ 2 3\n", 5, "v/vt/vn");
+    bad("f 1/- 2 3\n", 5, "v/vt/vn");
+    bad("f 1/// 2 3\n", 5, "v/vt/vn");
     bad("f 1/2/3/4 2 3\n", 5, "v/vt/vn");
     bad("f 1 2 3\n4\n", 6, "'4' is no statement");
     bad("\x1b[2J\n", 5, "'?[2J' is no statement");

@@ -7,8 +7,9 @@ const std::string body = "3 1 3\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
 const TriangleMesh one_triangle{std::vector<double>{0, 0, 0, 1, 0, 0, 0, 1, 0}, {0, 1, 2}, {}};
 
 TEST(Off, TheHeaderMayBeShortLongOrMissing) {
-    for (const char* const header : {"OFF\n", "OFF ", "COFF\n", "NOFF\n", "CNOFF\n", "STOFF\n", "STCNOFF ", "",
-                                     "# comment\nOFF\n\n# comment\n", "OFF # comment\n"}) {
+    for (const char* const header :
+         {"OFF\n", "OFF ", "COFF\n", "NOFF\n", "CNOFF\n", "STOFF\n", "STCNOFF ", "", "# comment\nOFF\n\n# comment\n",
+          "OFF # comment\n", "NCOFF\n", "CNSTOFF\n", "OFF", "COFF"}) {
         SCOPED_TRACE(header);
         expect_same(read_bytes(header + body, "a.off"), one_triangle);
     }
@@ -30,6 +31,23 @@ TEST(Off, PolygonsAreFannedFromTheirFirstCorner) {
               (std::vector<std::int32_t>{3, 0, 1, 3, 1, 2}));
 }
 
+TEST(Off, AFaceMayTakeSeveralLines) {
+    EXPECT_EQ(read_bytes("OFF\n4 2 0\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n4 0 1 # half\n\n3 2 255 0 0\n3\n0 1\n2 1\n", "a.off")
+                  .triangles,
+              (std::vector<std::int32_t>{0, 1, 3, 0, 3, 2, 0, 1, 2}));
+}
+
+TEST(Off, FacesOfLessThanThreeCornersAreLeftOutWithAWarning) {
+    const std::string text = "OFF\n3 4 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n2 0 1\n1 0\n0\n";
+    const TriangleMesh mesh = read_bytes(text, "a.off");
+    EXPECT_EQ(mesh.triangles, one_triangle.triangles);
+    ASSERT_EQ(mesh.warnings.size(), 1u);
+    EXPECT_TRUE(contains(mesh.warnings[0],
+                         "a.off, line 7: a face has less than three corners and is left out, and 2 more like that"))
+        << mesh.warnings[0];
+    expect_bad(text, "a.off", Element::line, 7, "less than three corners", {.strict = true});
+}
+
 TEST(Off, MistakesAreErrorsThatNameTheLine) {
     const auto bad = [](const std::string& text, std::int64_t line, const char* what) {
         SCOPED_TRACE(text);
@@ -46,7 +64,10 @@ TEST(Off, MistakesAreErrorsThatNameTheLine) {
     bad("OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", 7, "a face is missing");
     bad("OFF\n3 1 0\n0 0 0\n1 0\n0 1 0\n3 0 1 2\n", 4, "a number is missing");
     bad("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", 6, "vertex 3 of 3");
-    bad("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n2 0 1\n", 6, "2 corners");
+    bad("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n-1 0 1\n", 6, "-1 corners");
+    bad("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1\n", 7, "a corner is missing");
+    bad("OFFICE\n" + body, 1, "'OFFICE'");
+    bad("XOFF\n" + body, 1, "'XOFF'");
     bad("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n3 0 1 2\n", 7, "data follows");
 }
 

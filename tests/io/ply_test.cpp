@@ -120,7 +120,6 @@ TEST(Ply, HeadersWithMistakesAreErrorsThatNameTheLine) {
         "count must be an integer");
     bad("ply\nformat ascii 1.0\nelephant\nend_header\n", 3, "'elephant'");
     bad("ply\nformat ascii 1.0\nend_header\n", 3, "no element 'vertex'");
-    bad(ascii(three_vertices, corner_rows), 7, "no element 'face'");
     bad(ascii("element vertex 0\nproperty float x\nproperty float y\n" + one_face, ""), 3, "no scalar 'z'");
     bad(ascii("element vertex 0\n" + xyz_float + "property float x\n" + one_face, ""), 3, "two 'x'");
     bad(ascii(three_vertices + three_vertices + one_face, ""), 7, "a second element 'vertex'");
@@ -136,7 +135,7 @@ TEST(Ply, BodiesWithMistakesAreErrorsThatNameTheLine) {
     };
     bad(corner_rows + "3 0 1 3\n", 13, "vertex 3 of 3");
     bad(corner_rows + "3 0 1 -1\n", 13, "vertex -1 of 3");
-    bad(corner_rows + "2 0 1 2 1\n", 13, "2 corners");
+    bad(corner_rows + "2 0 1 2 1\n", 13, "data follows");
     bad(corner_rows + "-3 0 1 2\n", 13, "-3 values");
     bad(corner_rows + "2147483648 0 1 2\n", 13, "2147483648 values");
     bad(corner_rows + "3 0 1.5 2\n", 13, "'.5'");
@@ -158,7 +157,7 @@ TEST(Ply, BinaryMistakesNameTheByte) {
     EXPECT_EQ(read_bytes(good + "\r\n", "a.ply").triangle_count(), 1) << "blanks may follow";
     expect_bad(bytes(std::nan(""), 3, 2), "a.ply", Element::byte, body + 20, "not finite");
     expect_bad(bytes(1e300, 3, 2), "a.ply", Element::byte, body + 20, "float32", {.precision = Precision::float32});
-    expect_bad(bytes(0, 2, 2), "a.ply", Element::byte, body + 48, "2 corners");
+    expect_bad(bytes(0, 2, 2), "a.ply", Element::byte, body + 57, "data follows");
     expect_bad(bytes(0, 4, 2), "a.ply", Element::byte, body + 48, "4 values");
     expect_bad(bytes(0, 3, 3), "a.ply", Element::byte, body + 57, "vertex 3 of 3");
     expect_bad(bytes(0, 3, 2, "x"), "a.ply", Element::byte, body + 61, "data follows");
@@ -172,16 +171,46 @@ TEST(Ply, AnEmptyMeshIsAMesh) {
     EXPECT_EQ(mesh.triangle_count(), 0);
 }
 
-TEST(Ply, TriangleStripsAreRefusedByName) {
-    const std::string vertices =
-        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
-        "property float z\n";
-    const std::string faces = "element face 0\nproperty list uchar int vertex_indices\n";
-    const std::string strips =
-        "element tristrips 1\nproperty list int int vertex_indices\nend_header\n"
-        "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
-    expect_bad(vertices + strips, "a.ply", Element::line, 9, "triangle strips are not read, convert them to faces");
-    expect_bad(vertices + faces + strips, "a.ply", Element::line, 9, "triangle strips ('tristrips') are not read");
+TEST(Ply, TriangleStripsTurnEveryOtherTriangle) {
+    const std::string vertices = "element vertex 5\n" + xyz_float, rows = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 1 1\n",
+                      strips = "element tristrips 2\nproperty list int int vertex_indices\n";
+    const auto triangles = [&](const std::string& lists) {
+        return read_bytes(ascii(vertices + strips, rows + lists), "a.ply").triangles;
+    };
+    using Indices = std::vector<std::int32_t>;
+    EXPECT_EQ(triangles("4 0 1 2 3\n0\n"), (Indices{0, 1, 2, 2, 1, 3}));
+    EXPECT_EQ(triangles("5 0 1 2 3 4\n3 4 1 0\n"), (Indices{0, 1, 2, 2, 1, 3, 2, 3, 4, 4, 1, 0}));
+    EXPECT_EQ(triangles("8 0 1 2 3 -1 2 3 4\n2 0 1\n"), (Indices{0, 1, 2, 2, 1, 3, 2, 3, 4})) << "-1 begins anew";
+    EXPECT_EQ(triangles("7 0 1 2 2 3 3 4\n2 -1 -1\n"), (Indices{0, 1, 2})) << "jumps are no triangles";
+    const std::string faces = "element face 1\nproperty list uchar int vertex_indices\n";
+    EXPECT_EQ(read_bytes(ascii(vertices + faces + strips, rows + "3 4 3 2\n3 0 1 2\n0\n"), "a.ply").triangles,
+              (Indices{4, 3, 2, 0, 1, 2}));
+    expect_bad(ascii(vertices + strips, rows + "3 0 1 5\n0\n"), "a.ply", Element::line, 15,
+               "a strip names vertex 5 of 5");
+    expect_bad(ascii(vertices + strips, rows + "3 0 1 -2\n0\n"), "a.ply", Element::line, 15,
+               "a strip names vertex -2 of 5");
+}
+
+TEST(Ply, AFileWithoutFacesIsACloudOfPoints) {
+    const std::string text = ascii("element vertex 2\n" + xyz_float, "0 0 0\n1 2 3\n");
+    const TriangleMesh mesh = read_bytes(text, "a.ply");
+    EXPECT_EQ(coordinates(mesh), (std::vector<double>{0, 0, 0, 1, 2, 3}));
+    EXPECT_TRUE(mesh.triangles.empty() && mesh.points.empty());
+    ASSERT_EQ(mesh.warnings.size(), 1u);
+    EXPECT_TRUE(contains(mesh.warnings[0], "a.ply: it holds no triangles")) << mesh.warnings[0];
+    EXPECT_EQ(read_bytes(text, "a.ply", {.lines_and_points = true}).points, (std::vector<std::int32_t>{0, 1}));
+}
+
+TEST(Ply, FacesOfLessThanThreeCornersAreLeftOutWithAWarning) {
+    const std::string faces = "element face 3\nproperty int g\nproperty list uchar int vertex_indices\n";
+    const TriangleMesh mesh =
+        read_bytes(ascii(three_vertices + faces, corner_rows + "7 3 0 1 2\n8 2 0 1\n9 4 0 1 2 0\n"), "a.ply",
+                   {.group_property = "g"});
+    EXPECT_EQ(mesh.triangles, (std::vector<std::int32_t>{0, 1, 2, 0, 1, 2, 0, 2, 0}));
+    EXPECT_EQ(mesh.groups, (std::vector<std::int32_t>{7, 9, 9}));
+    EXPECT_EQ(mesh.polygons.offsets, (std::vector<std::int64_t>{0, 3, 7}));
+    ASSERT_EQ(mesh.warnings.size(), 1u);
+    EXPECT_NE(mesh.warnings[0].find("a face has less than three corners and is left out"), std::string::npos);
 }
 
 }  // namespace

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include "samples.h"
@@ -69,6 +70,26 @@ TEST(Stl, NormalsAndAttributesMayHoldAnything) {
     expect_same(read_bytes(bytes, "a.stl"), read_bytes(binary_stl(), "a.stl"));
 }
 
+TEST(Stl, AMissingEndOfASolidIsToldAsAWarning) {
+    const std::string whole = ascii_stl(), cut = whole.substr(0, whole.rfind("endsolid"));
+    const TriangleMesh mesh = read_bytes(cut, "a.stl");
+    EXPECT_EQ(coordinates(mesh), coordinates(read_bytes(whole, "a.stl")));
+    ASSERT_EQ(mesh.warnings.size(), 1u);
+    EXPECT_NE(mesh.warnings[0].find("endsolid is missing: the file may have lost its end"), std::string::npos);
+    expect_bad(cut, "a.stl", Element::line, std::count(cut.begin(), cut.end(), '\n') + 1, "endsolid is missing",
+               {.strict = true});
+}
+
+TEST(Stl, KeywordsMayHaveABlankAndWordsAfterThem) {
+    const std::string text =
+        "solid c\ncolor 0.1 0.2 0.3\nfacet normal 0 0 1 # up\n outer loop 1\n  vertex 0 0 0 red\n  vertex 1 0 0\n"
+        "  color 1 0 0\n  vertex 0 1 0\n END LOOP of it\nend facet\nend solid c\nfurther\n";
+    const TriangleMesh mesh = read_bytes(text.substr(0, text.rfind("further")), "a.stl");
+    EXPECT_EQ(coordinates(mesh), (std::vector<double>{0, 0, 0, 1, 0, 0, 0, 1, 0}));
+    EXPECT_TRUE(mesh.warnings.empty());
+    expect_bad(text, "a.stl", Element::line, 12, "'further' instead of solid");
+}
+
 TEST(Stl, AsciiMistakesAreErrorsThatNameTheLine) {
     const std::string facet =
         "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 1 1 0\nendloop\nendfacet\n";
@@ -76,7 +97,7 @@ TEST(Stl, AsciiMistakesAreErrorsThatNameTheLine) {
         SCOPED_TRACE(text);
         expect_bad(text, "a.stl", Element::line, line, what);
     };
-    bad("solid\n" + facet, 9, "endsolid is missing: the file has lost its end");
+    bad("solid\n" + facet.substr(0, facet.size() - 9), 8, "endfacet is missing");
     bad("solid a facet normal 0 0 1 outer loop vertex 0 0 0 vertex 1 0 0 vertex 1 1 0 endloop endfacet endsolid", 1,
         "no line follows this one, which holds the solid's name");
     bad("solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 1 1 0\nvertex 0 1 0\nendloop\n", 8,
