@@ -162,6 +162,7 @@ class Reader {
             warnings_.of_file(left.first + ' ' + what + more);
         };
         tell(meshes_.points_and_lines, "holds points or lines, which are skipped");
+        tell(meshes_.without_positions, "has no attribute POSITION and is skipped");
         tell(meshes_.morph_targets, "has morph targets with weights, which are not applied");
         tell(skins_, "has a skin, which is not applied: its mesh is where the node is");
         tell(instances_, "has instances by EXT_mesh_gpu_instancing, of which one is read");

@@ -1,10 +1,12 @@
 #include "io/gltf_file.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <utility>
 
 #include "io/bytes.h"
+#include "io/expansion.h"
 
 namespace crumple::io {
 
@@ -20,14 +22,14 @@ std::uint32_t word_at(const char* p) { return load<std::uint32_t>(p, std::endian
 /// Of a component; 0 for types that glTF does not know.
 std::size_t bytes_of(std::int64_t component_type) {
     switch (component_type) {
-        case 5120:
-        case 5121:
+        case gltf_int8:
+        case gltf_uint8:
             return 1;
-        case 5122:
-        case 5123:
+        case gltf_int16:
+        case gltf_uint16:
             return 2;
-        case 5125:
-        case 5126:
+        case gltf_uint32:
+        case gltf_float32:
             return 4;
         default:
             return 0;
@@ -137,31 +139,77 @@ GltfObject GltfFile::item(const char* list, std::int64_t index, const GltfObject
     return root_->object_of(list, static_cast<std::size_t>(index));
 }
 
+std::int64_t GltfElements::index_at(std::int64_t i) const {
+    switch (component_type) {
+        case gltf_uint8:
+            return load<std::uint8_t>(at(i), std::endian::little);
+        case gltf_uint16:
+            return load<std::uint16_t>(at(i), std::endian::little);
+        default:
+            return load<std::uint32_t>(at(i), std::endian::little);
+    }
+}
+
 GltfElements GltfFile::elements(const GltfObject& accessor, std::string_view type) {
-    if (accessor.has("sparse")) accessor.fail("is sparse, which is not read");
     const std::string found = accessor.text("type");
     if (found != type) accessor.fail("type", "is " + in_quotes(found) + ", not " + in_quotes(type));
     const std::int64_t component_type = accessor.required_integer("componentType");
     const std::size_t size = bytes_of(component_type) * (type == "VEC3" ? 3 : 1);
     if (!size) accessor.fail("componentType", "is " + std::to_string(component_type) + ", which glTF does not know");
-    const GltfObject view = item("bufferViews", accessor.required_integer("bufferView"), accessor, "bufferView");
-    const std::string_view bytes = buffer_view(view);
+    const std::int64_t count = accessor.required_integer("count");
+    const auto sparse = accessor.object("sparse");
+    GltfElements result{nullptr, size, count, component_type};
+    if (!sparse || accessor.has("bufferView")) result = elements_in_view(accessor, count, component_type, size);
+    if (sparse) replace_some(result, *sparse, size);
+    result.normalised = accessor.flag("normalized");
+    return result;
+}
 
-    GltfElements result{nullptr, size, accessor.required_integer("count"), component_type, accessor.flag("normalized")};
+GltfElements GltfFile::elements_in_view(const GltfObject& from, std::int64_t count, std::int64_t component_type,
+                                        std::size_t size) {
+    const GltfObject view = item("bufferViews", from.required_integer("bufferView"), from, "bufferView");
+    const std::string_view bytes = buffer_view(view);
+    GltfElements result{nullptr, size, count, component_type};
     if (const auto stride = view.integer("byteStride")) {
         if (static_cast<std::uint64_t>(*stride) < size)
-            view.fail("byteStride", "is " + std::to_string(*stride) + ", and the elements of " + accessor.place() +
+            view.fail("byteStride", "is " + std::to_string(*stride) + ", and the elements of " + from.place() +
                                         " take " + std::to_string(size) + " bytes");
         result.stride = static_cast<std::size_t>(*stride);
     }
-    const auto offset = static_cast<std::uint64_t>(accessor.integer_or("byteOffset", 0));
+    const auto offset = static_cast<std::uint64_t>(from.integer_or("byteOffset", 0));
     const std::uint64_t left = offset > bytes.size() ? 0 : bytes.size() - offset;
     const std::uint64_t fit = left < size ? 0 : 1 + (left - size) / result.stride;
-    if (static_cast<std::uint64_t>(result.count) > fit)
-        accessor.fail("announces " + std::to_string(result.count) + " elements, and " + view.place() + " holds " +
-                      std::to_string(fit));
-    result.data = bytes.data() + (result.count ? offset : 0);
+    if (static_cast<std::uint64_t>(count) > fit)
+        from.fail("announces " + std::to_string(count) + " elements, and " + view.place() + " holds " +
+                  std::to_string(fit));
+    result.data = bytes.data() + (count ? offset : 0);
     return result;
+}
+
+/// Copies elements, zeros if they lie in no buffer, and replaces those that a sparse accessor lists.
+void GltfFile::replace_some(GltfElements& elements, const GltfObject& sparse, std::size_t size) {
+    if (static_cast<std::uint64_t>(elements.count) > (most_expanded(bytes_read_) - replaced_bytes_) / size)
+        sparse.fail("replaces elements that expand beyond measure: they are " + std::string(expansion_rule));
+    std::string& bytes = replaced_.emplace_back(static_cast<std::size_t>(elements.count) * size, '\0');
+    replaced_bytes_ += bytes.size();
+    for (std::int64_t i = 0; elements.data && i < elements.count; ++i)
+        std::copy_n(elements.at(i), size, bytes.data() + static_cast<std::size_t>(i) * size);
+    elements.data = bytes.data();
+    elements.stride = size;
+
+    const auto at = sparse.object("indices"), values_at = sparse.object("values");
+    if (!at || !values_at) sparse.fail("lacks its indices or its values");
+    const std::int64_t count = sparse.required_integer("count"), type = at->required_integer("componentType");
+    const GltfElements values = elements_in_view(*values_at, count, elements.component_type, size);
+    if (!GltfElements{.component_type = type}.has_indices())
+        at->fail("componentType", "is " + std::to_string(type) + ", which is none of indices");
+    const GltfElements indices = elements_in_view(*at, count, type, bytes_of(type));
+    for (std::int64_t i = 0; i < count; ++i) {
+        const std::int64_t index = indices.index_at(i);
+        if (index >= elements.count)
+            at->fail("names element " + std::to_string(index) + " of " + std::to_string(elements.count));
+        std::copy_n(values.at(i), size, bytes.data() + static_cast<std::size_t>(index) * size);
+    }
 }
 
 std::string_view GltfFile::buffer_view(const GltfObject& view) {

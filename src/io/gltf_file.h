@@ -7,6 +7,7 @@
 // the header of its second chunk, takes 2^32 for 0, and passes over values of a wrong type in silence.
 
 #include <cstdint>
+#include <deque>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -53,6 +54,15 @@ class GltfObject {
     std::string place_;
 };
 
+enum GltfComponent : std::int64_t {
+    gltf_int8 = 5120,
+    gltf_uint8 = 5121,
+    gltf_int16 = 5122,
+    gltf_uint16 = 5123,
+    gltf_uint32 = 5125,
+    gltf_float32 = 5126
+};
+
 /// Elements of an accessor, one every `stride` bytes, all of them within their buffer.
 struct GltfElements {
     const char* data = nullptr;
@@ -60,6 +70,13 @@ struct GltfElements {
     std::int64_t count = 0;
     std::int64_t component_type = 0;
     bool normalised = false;
+
+    const char* at(std::int64_t i) const { return data + stride * static_cast<std::size_t>(i); }
+    bool has_indices() const {
+        return component_type == gltf_uint8 || component_type == gltf_uint16 || component_type == gltf_uint32;
+    }
+    /// The integer of one that has indices.
+    std::int64_t index_at(std::int64_t i) const;
 };
 
 class GltfFile {
@@ -83,6 +100,10 @@ class GltfFile {
         std::string_view bytes;
     };
     std::string_view read_container(Warnings& warnings);
+    /// `count` elements of `size` bytes, which `from` places in a view of a buffer.
+    GltfElements elements_in_view(const GltfObject& from, std::int64_t count, std::int64_t component_type,
+                                  std::size_t size);
+    void replace_some(GltfElements& elements, const GltfObject& sparse, std::size_t size);
     std::string_view buffer_view(const GltfObject& view);
     std::string_view buffer(std::int64_t index, const GltfObject& from);
     Buffer read_buffer(const GltfObject& buffer, bool first) const;
@@ -93,6 +114,8 @@ class GltfFile {
     nlohmann::json document_;
     std::optional<GltfObject> root_;
     std::vector<std::optional<Buffer>> buffers_;
+    std::deque<std::string> replaced_;  ///< elements of sparse accessors
+    std::uint64_t replaced_bytes_ = 0;
     std::size_t bytes_read_;
 };
 

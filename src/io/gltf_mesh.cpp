@@ -15,36 +15,22 @@ namespace {
 
 constexpr auto little = std::endian::little;
 
-enum Component : std::int64_t { int8 = 5120, uint8 = 5121, int16 = 5122, uint16 = 5123, uint32 = 5125, float32 = 5126 };
-
-std::int64_t index_at(const GltfElements& e, std::int64_t i) {
-    const char* const p = e.data + e.stride * static_cast<std::size_t>(i);
-    switch (e.component_type) {
-        case uint8:
-            return load<std::uint8_t>(p, little);
-        case uint16:
-            return load<std::uint16_t>(p, little);
-        default:
-            return load<std::uint32_t>(p, little);
-    }
-}
-
 /// Coordinate k of vertex i. A normalised integer is a fraction of the largest one of its type.
 double coordinate_at(const GltfElements& e, std::int64_t i, std::size_t k) {
-    const char* const p = e.data + e.stride * static_cast<std::size_t>(i);
+    const char* const p = e.at(i);
     const auto number = [&](auto type) {
         using T = decltype(type);
         const auto value = static_cast<double>(load<T>(p + k * sizeof(T), little));
         return e.normalised ? std::max(value / std::numeric_limits<T>::max(), -1.0) : value;
     };
     switch (e.component_type) {
-        case int8:
+        case gltf_int8:
             return number(std::int8_t{});
-        case uint8:
+        case gltf_uint8:
             return number(std::uint8_t{});
-        case int16:
+        case gltf_int16:
             return number(std::int16_t{});
-        case uint16:
+        case gltf_uint16:
             return number(std::uint16_t{});
         default:
             return static_cast<double>(load<float>(p + 4 * k, little));
@@ -96,7 +82,7 @@ std::vector<GltfMeshes::Primitive> GltfMeshes::primitives_of(const GltfObject& m
         if (mode < triangles)
             points_and_lines.add(primitive.place());
         else if (!positions)
-            primitive.fail("has no attribute POSITION");
+            without_positions.add(primitive.place());
         else
             primitives.push_back({mode, *positions, primitive.integer_or("indices", -1)});
     }
@@ -114,7 +100,7 @@ TriangleMesh GltfMeshes::read(const std::vector<Primitive>& primitives, const Gl
         if (is_new) {
             const GltfObject accessor = file_.item("accessors", primitive.positions, mesh, "primitives.POSITION");
             vertices = {file_.elements(accessor, "VEC3"), count, accessor.place()};
-            if (vertices.elements.component_type == uint32)
+            if (vertices.elements.component_type == gltf_uint32)
                 accessor.fail("componentType", "is 5125, which is none of positions");
             count += vertices.elements.count;
             all.push_back(&vertices);
@@ -158,12 +144,12 @@ void GltfMeshes::add_corners(const Primitive& primitive, const Vertices& vertice
         const GltfObject accessor = file_.item("accessors", primitive.indices, mesh, "primitives.indices");
         indices = file_.elements(accessor, "SCALAR");
         place = accessor.place();
-        const std::int64_t type = indices.component_type;
-        if (type != uint8 && type != uint16 && type != uint32)
-            accessor.fail("componentType", "is " + std::to_string(type) + ", which is none of indices");
+        if (!indices.has_indices())
+            accessor.fail("componentType",
+                          "is " + std::to_string(indices.component_type) + ", which is none of indices");
     }
     const auto corner = [&](std::int64_t i) {
-        const std::int64_t index = indices.data ? index_at(indices, i) : i;
+        const std::int64_t index = indices.data ? indices.index_at(i) : i;
         if (index >= vertices.elements.count)
             throw Error(ErrorCode::format, file_.name() + ": index " + std::to_string(i) + " of " + place +
                                                " names vertex " + std::to_string(index) + " of " +

@@ -30,7 +30,7 @@ class GltfMeshes {
             if (count++ == 0) first = place;
         }
     };
-    Left points_and_lines, morph_targets;
+    Left points_and_lines, without_positions, morph_targets;
 
    private:
     enum Mode : std::int64_t { triangles = 4, strip = 5, fan = 6 };

@@ -142,7 +142,19 @@ TEST(HostileGltf, IndicesOutOfRangeNameTheirPlace) {
     expect_refused_at("/meshes/0/primitives/0/mode", 7, "mode is 7");
     expect_refused_at("/accessors/0/bufferView", 2, "accessors[0].bufferView is 2, and there are 2 bufferViews");
     expect_refused_at("/accessors/0/componentType", 5124, "is 5124, which glTF does not know");
-    expect_refused_at("/accessors/0/sparse", Json::object(), "accessors[0] is sparse");
+    expect_refused_at("/accessors/0/sparse", Json::object(), "accessors[0].sparse lacks its indices or its values");
+    const auto sparse = [](int count, const Json& indices) {
+        return Json{{"count", count}, {"indices", indices}, {"values", {{"bufferView", 0}}}};
+    };
+    expect_refused_at("/accessors/0/sparse", sparse(1, {{"bufferView", 1}, {"componentType", 5126}}),
+                      "accessors[0].sparse.indices.componentType is 5126, which is none of indices");
+    expect_refused_at("/accessors/0/sparse", sparse(99, {{"bufferView", 1}, {"componentType", 5123}}),
+                      "accessors[0].sparse.values announces 99 elements");
+    expect_refused_at("/accessors/0/sparse",
+                      sparse(1, {{"bufferView", 0}, {"byteOffset", 14}, {"componentType", 5121}}),
+                      "accessors[0].sparse.indices names element 128 of 4");
+    expect_refused_at("/accessors/0/sparse", sparse(-1, {{"bufferView", 1}, {"componentType", 5123}}),
+                      "accessors[0].sparse.count is no integer");
     expect_refused_at("/accessors/1/count", 11, "a list of triangles with 11 corners");
     expect_refused_at("/accessors/0/count", 3, "index 5 of accessors[1] names vertex 3 of 3");
     expect_refused_at("/bufferViews/0/buffer", 1, "bufferViews[0].buffer is 1, and there are 1 buffers");
