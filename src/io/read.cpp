@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <iterator>
 #include <optional>
 #include <utility>
 
 #include "base/float_environment.h"
 #include "io/3mf.h"
+#include "io/expansion.h"
 #include "io/formats.h"
 #include "io/gltf.h"
 #include "io/gltf_file.h"
@@ -15,6 +17,7 @@
 #include "io/names.h"
 #include "io/text.h"
 #include "io/weld.h"
+#include "io/zip.h"
 
 namespace crumple::io {
 
@@ -23,10 +26,6 @@ namespace {
 enum class Format { ply, obj, stl, off };
 
 Format format_of(const Source& source, const std::string& extension) {
-    if (is_gltf(source, extension))
-        throw Error(ErrorCode::format,
-                    source.name() + ": glTF is a scene of bodies, not one mesh (read_world, --groups bodies)",
-                    Element::byte, 0);
     if (is_binary_stl(source)) return Format::stl;
     Scanner in(source, {.lines = true, .comments = true});
     if (in.next_line_with_items()) {
@@ -41,8 +40,8 @@ Format format_of(const Source& source, const std::string& extension) {
     if (extension == ".stl") return Format::stl;
     if (extension == ".off") return Format::off;
     throw Error(ErrorCode::format,
-                source.name() + ": neither content nor extension are those of PLY, OBJ, STL, OFF or 3MF", Element::byte,
-                0);
+                source.name() + ": neither content nor extension are those of PLY, OBJ, STL, OFF, glTF or 3MF",
+                Element::byte, 0);
 }
 
 TriangleMesh read(const Source& source, Format format, const ReadOptions& options, Warnings& warnings) {
@@ -58,9 +57,47 @@ TriangleMesh read(const Source& source, Format format, const ReadOptions& option
     }
 }
 
-void check_not_empty(const Source& source) {
-    if (source.text().find_first_not_of(" \t\r\n") == source.text().npos)
-        source.fail_at_byte(source.begin(), "the file is empty");
+/// Text in which every other byte is zero, or that begins with the mark of UTF-16.
+bool is_utf16(std::string_view text) {
+    if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff")) return true;
+    const auto is_zero = [&](std::size_t i) { return text[i] == 0; };
+    return text.size() >= 4 && is_zero(0) != is_zero(1) && is_zero(0) == is_zero(2) && is_zero(1) == is_zero(3);
+}
+
+/// Refuses what no reader could say a useful word about.
+void check_content(const Source& source) {
+    const auto fail = [&](const char* what) { source.fail_at_byte(source.begin(), what); };
+    if (source.text().find_first_not_of(" \t\r\n") == source.text().npos) fail("the file is empty");
+    if (source.text().starts_with("version https://git-lfs"))
+        fail("this is a pointer to a file that Git LFS keeps elsewhere; `git lfs pull` brings the file");
+    if (is_utf16(source.text()) && !is_binary_stl(source)) fail("this is text in UTF-16; save it as UTF-8");
+}
+
+bool names_mesh(const std::string& entry) {
+    const std::string extension = extension_of(entry);
+    if (entry.starts_with("__MACOSX/")) return false;  // attributes of a file of the same name
+    return extension == ".glb" || extension == ".gltf" || holds_meshes(mesh_format_of(extension));
+}
+
+/// The mesh that a zip archive holds, if it is no 3MF file; any other file as it is.
+Source unpacked(Source source) {
+    if (!is_zip(source) || extension_of(source.name()) == ".3mf") return source;
+    ZipReader archive(source, "3MF or zip");
+    if (archive.has("_rels/.rels", true)) return source;
+    std::vector<std::string> meshes;
+    std::copy_if(archive.names().begin(), archive.names().end(), std::back_inserter(meshes), names_mesh);
+    const auto fail = [&](const std::string& what) {
+        throw Error(ErrorCode::format, source.name() + ": this is a zip archive but no 3MF file, and " + what);
+    };
+    if (meshes.empty()) fail("it holds no mesh");
+    if (meshes.size() > 1)
+        fail("it holds " + std::to_string(meshes.size()) + " meshes, " + in_quotes(meshes[0]) +
+             " the first; unpack it");
+    const auto bytes = archive.expand(meshes[0], most_expanded(source.text().size()));
+    if (!bytes) fail(in_quotes(meshes[0]) + " is damaged, encrypted or too large");
+    Source mesh(*bytes, source.name() + '/' + meshes[0]);
+    check_content(mesh);
+    return mesh;
 }
 
 void check_has_properties(const Source& source, const ReadOptions& options, bool ply) {
@@ -88,14 +125,19 @@ TriangleMesh read(const Source& source, const ReadOptions& options) {
     }
 }
 
-/// read(warnings) gives the world.
-template <class Read>
-WorldMesh read_scene(const Source& source, const ReadOptions& options, Read read) {
+bool is_scene(const Source& source) {
+    const std::string extension = extension_of(source.name());
+    return is_3mf(source, extension) || is_gltf(source, extension);
+}
+
+WorldMesh read_scene(const Source& source, std::optional<std::filesystem::path> folder, const ReadOptions& options) {
     const FloatEnvironment environment;
     check_has_properties(source, options, false);
     try {
         Warnings warnings(source, options.strict);
-        WorldMesh world = read(warnings);
+        WorldMesh world = is_3mf(source, extension_of(source.name()))
+                              ? read_3mf(source, options, warnings)
+                              : read_gltf(source, std::move(folder), options, warnings);
         if (world.bodies.empty()) warnings.of_file("it holds no bodies");
         world.warnings = warnings.take();
         make_names_unique(world.bodies);
@@ -105,10 +147,6 @@ WorldMesh read_scene(const Source& source, const ReadOptions& options, Read read
     }
 }
 
-WorldMesh read_3mf(const Source& source, const ReadOptions& options) {
-    return read_scene(source, options, [&](Warnings& warnings) { return read_3mf(source, options, warnings); });
-}
-
 /// A few lines may name a large mesh often: as a world that is nothing, as one mesh more than memory holds.
 void check_expansion(const Source& source, const WorldMesh& world) {
     constexpr std::int64_t always = std::int64_t{1} << 24, per_byte = 16;
@@ -116,16 +154,15 @@ void check_expansion(const Source& source, const WorldMesh& world) {
     for (const NamedBody& body : world.bodies)
         triangles += world.shapes[static_cast<std::size_t>(body.shape)].triangle_count();
     if (triangles > std::max(always, per_byte * static_cast<std::int64_t>(source.text().size())))
-        throw Error(ErrorCode::format, source.name() + ": the build names meshes so often that they have " +
-                                           std::to_string(triangles) +
-                                           " triangles, more than 16 a byte of the file; read them as bodies");
+        throw Error(ErrorCode::format, source.name() + ": it names meshes so often that they have " +
+                                           std::to_string(triangles) + " triangles, more than 16 a byte of the file");
 }
 
-/// The bodies of a 3MF file, where they are; one that has not been moved keeps its bits.
-TriangleMesh read_posed(const Source& source, const ReadOptions& options) {
+/// The bodies of a scene, where they are; one that has not been moved keeps its bits.
+TriangleMesh read_posed(const Source& source, std::optional<std::filesystem::path> folder, const ReadOptions& options) {
     ReadOptions apart = options;
-    apart.weld = Weld::no;
-    WorldMesh world = read_3mf(source, apart);
+    if (options.weld == Weld::yes) apart.weld = Weld::no;
+    WorldMesh world = read_scene(source, std::move(folder), apart);
     check_expansion(source, world);
     const bool in_place = world.bodies.size() == 1 && world.bodies[0].pose == Pose{};
     try {
@@ -144,19 +181,16 @@ TriangleMesh read_posed(const Source& source, const ReadOptions& options) {
     }
 }
 
-TriangleMesh read_one(const Source& source, const ReadOptions& options) {
-    check_not_empty(source);
-    return is_3mf(source, extension_of(source.name())) ? read_posed(source, options) : read(source, options);
+TriangleMesh read_mesh(Source file, std::optional<std::filesystem::path> folder, const ReadOptions& options) {
+    check_content(file);
+    const Source source = unpacked(std::move(file));
+    return is_scene(source) ? read_posed(source, std::move(folder), options) : read(source, options);
 }
 
-WorldMesh read_world(const Source& source, std::optional<std::filesystem::path> folder, const ReadOptions& options) {
-    check_not_empty(source);
-    const std::string extension = extension_of(source.name());
-    if (is_3mf(source, extension)) return read_3mf(source, options);
-    if (is_gltf(source, extension)) {
-        return read_scene(source, options,
-                          [&](Warnings& warnings) { return read_gltf(source, std::move(folder), options, warnings); });
-    }
+WorldMesh read_world(Source file, std::optional<std::filesystem::path> folder, const ReadOptions& options) {
+    check_content(file);
+    const Source source = unpacked(std::move(file));
+    if (is_scene(source)) return read_scene(source, std::move(folder), options);
     WorldMesh world;
     world.shapes.push_back(read(source, options));
     world.warnings = std::move(world.shapes[0].warnings);
@@ -175,11 +209,11 @@ WorldMesh read_world(std::istream& in, const std::string& name, const ReadOption
 }
 
 TriangleMesh read_mesh(const std::filesystem::path& path, const ReadOptions& options) {
-    return read_one(Source(path), options);
+    return read_mesh(Source(path), path.parent_path(), options);
 }
 
 TriangleMesh read_mesh(std::istream& in, const std::string& name, const ReadOptions& options) {
-    return read_one(Source(in, name), options);
+    return read_mesh(Source(in, name), std::nullopt, options);
 }
 
 }  // namespace crumple::io

@@ -160,7 +160,7 @@ TEST_F(Misuse, OfFiles) {
     expect_refused("detect .", "crumple: ");
     expect_refused("detect five.off missing.ply", "missing.ply");
     refused("empty.ply", "", "the file is empty");
-    refused("text.txt", "Dear reader,\n", "PLY, OBJ, STL, OFF or 3MF");
+    refused("text.txt", "Dear reader,\n", "PLY, OBJ, STL, OFF, glTF or 3MF");
     refused("short.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n", "line");
     refused("index.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n", "line 6");
     refused("nan.off", "OFF\n3 1 0\n0 0 0\n1 nan 0\n0 1 0\n3 0 1 2\n", "line 4");

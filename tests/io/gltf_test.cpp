@@ -247,13 +247,44 @@ TEST(Gltf, ATransformThatIsNoneNamesItsNode) {
     EXPECT_TRUE(contains(error_of([&] { read_scene(text); }).what(), "a number beyond float64"));
 }
 
-TEST(Gltf, ReadMeshRefusesItAndTellsWhatReadsIt) {
+TEST(Gltf, AMeshIsAllBodiesWhereTheyAre) {
     const Folder folder;
-    const Error error = error_of([&] { read_mesh(folder.write("a.glb", crumple::test::robot_scene().glb())); });
-    EXPECT_EQ(error.code, ErrorCode::format);
-    EXPECT_TRUE(contains(error.what(), "glTF is a scene of bodies")) << error.what();
-    EXPECT_EQ(error_of([&] { read_world(folder / "a.glb", {.group_property = "part"}); }).code,
-              ErrorCode::invalid_argument);
+    const fs::path path = folder.write("a.glb", crumple::test::robot_scene().glb());
+    const TriangleMesh mesh = read_mesh(path), posed = posed_mesh(read_world(path));
+    EXPECT_EQ(coordinates(mesh), coordinates(posed));
+    EXPECT_EQ(mesh.triangles, posed.triangles);
+    EXPECT_TRUE(mesh.groups.empty());
+    EXPECT_EQ(read_mesh(path, {.weld = Weld::no}).triangle_count(), mesh.triangle_count());
+    EXPECT_EQ(error_of([&] { read_world(path, {.group_property = "part"}); }).code, ErrorCode::invalid_argument);
+}
+
+TEST(Gltf, SparseAccessorsReplaceElements) {
+    GltfScene scene;
+    const int shape = scene.add_tetrahedron();
+    scene.add_body("a", shape);
+    scene.add_accessor(std::vector<std::uint16_t>{1, 3}, 5123, "SCALAR");
+    scene.add_accessor(std::vector<float>{5, 0, 0, 0, 0, 7}, 5126, "VEC3");
+    const auto view = [&](int accessor) {
+        return scene.json["accessors"][static_cast<std::size_t>(accessor)]["bufferView"];
+    };
+    scene.json["accessors"][0]["sparse"] = {{"count", 2},
+                                            {"indices", {{"bufferView", view(2)}, {"componentType", 5123}}},
+                                            {"values", {{"bufferView", view(3)}}}};
+    EXPECT_EQ(coordinates(read_scene(scene.glb()).shapes[0]),
+              (std::vector<double>{0, 0, 0, 5, 0, 0, 0, 1, 0, 0, 0, 7}));
+    scene.json["accessors"][0].erase("bufferView");  // then the others are zeros
+    EXPECT_EQ(coordinates(read_scene(scene.glb(), {.weld = Weld::no}).shapes[0]),
+              (std::vector<double>{0, 0, 0, 5, 0, 0, 0, 0, 0, 0, 0, 7}));
+}
+
+TEST(Gltf, PrimitivesWithoutPositionsAreSkippedWithAWarning) {
+    GltfScene scene;
+    scene.add_body("a", scene.add_tetrahedron());
+    scene.json["meshes"][0]["primitives"].push_back({{"attributes", {{"NORMAL", 0}}}});
+    const WorldMesh world = read_scene(scene.glb());
+    EXPECT_EQ(world.triangle_count(), 4);
+    ASSERT_EQ(world.warnings.size(), 1u);
+    EXPECT_TRUE(contains(world.warnings[0], "meshes[0].primitives[1] has no attribute POSITION and is skipped"));
 }
 
 }  // namespace

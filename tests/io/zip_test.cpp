@@ -1,4 +1,5 @@
-// Zip archives as other programs write them: ZIP64's fields in any mixture, bytes before and after, damage.
+// Zip archives as other programs write them: ZIP64's fields in any mixture, bytes before and after, damage; and zips
+// that hold a mesh.
 
 #include <zlib.h>
 
@@ -162,6 +163,45 @@ TEST(Zip, EntriesThatCannotBeReadAreNamed) {
     expect_error({.method = 14}, "missing, encrypted, or compressed in a way that is not read");
     const Error error = error_of([] { read_bytes(std::string("PK\3\4") + std::string(40, 'x'), "a.3mf"); });
     EXPECT_TRUE(contains(error.what(), "a.3mf: this is not a 3MF archive")) << error.what();
+}
+
+TEST(Zip, OneMeshInItIsRead) {
+    const std::string off = "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+    const auto zip = [](const std::vector<std::pair<std::string, std::string>>& entries) {
+        return Archive().bytes(entries);
+    };
+    EXPECT_EQ(
+        read_bytes(zip({{"readme.txt", "?"}, {"parts/", ""}, {"parts/A.OFF", off}, {"__MACOSX/parts/._A.OFF", "?"}}),
+                   "a.zip")
+            .triangle_count(),
+        1);
+    const auto expect_error = [](const std::string& bytes, const std::string& what) {
+        const Error error = error_of([&] { read_bytes(bytes, "a.zip"); });
+        EXPECT_EQ(error.code, ErrorCode::format);
+        EXPECT_TRUE(contains(error.what(), "a.zip") && contains(error.what(), what)) << error.what();
+    };
+    expect_error(zip({{"a.off", off}, {"b.stl", ""}}), "holds 2 meshes, 'a.off' the first; unpack it");
+    expect_error(zip({{"readme.txt", off}}), "this is a zip archive but no 3MF file, and it holds no mesh");
+    expect_error(zip({{"a.off", "OFF\n1 0 0\n0 x 0\n"}}), "a.zip/a.off, line 3: 'x' is not a finite number");
+    expect_error(Archive{.flags = 1}.bytes({{"a.off", off}}), "'a.off' is damaged, encrypted or too large");
+    std::string damaged = Archive{.deflated = false}.bytes({{"a.off", off}});
+    damaged[damaged.find("3 0 1 2")] = '4';
+    expect_error(damaged, "'a.off' is damaged, encrypted or too large");
+}
+
+TEST(Contents, ThatAreNoMeshAreNamed) {
+    expect_bad("version https://git-lfs.github.com/spec/v1\noid sha256:00\nsize 5\n", "a.stl", Element::byte, 0,
+               "this is a pointer to a file that Git LFS keeps elsewhere; `git lfs pull` brings the file");
+    const std::string off = "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+    for (const bool big : {false, true}) {
+        std::string wide;
+        for (const char c : off) wide += big ? std::string{'\0', c} : std::string{c, '\0'};
+        for (const char* const mark : {"", big ? "\xfe\xff" : "\xff\xfe"})
+            expect_bad(mark + wide, "a.off", Element::byte, 0, "this is text in UTF-16; save it as UTF-8");
+    }
+    const Error error = error_of([] { read_bytes("\x89PNG\r\n", "a"); });
+    EXPECT_TRUE(contains(error.what(), "those of PLY, OBJ, STL, OFF, glTF or 3MF")) << error.what();
+    EXPECT_EQ(read_bytes("\xff\xfe" + std::string(82, '\0'), "a.stl").triangle_count(), 0) << "a binary STL's title";
 }
 
 }  // namespace
