@@ -30,6 +30,10 @@ enum class Weld : std::uint8_t { automatic, yes, no };
 /// a warning. Which it is, exact predicates tell, along the axis in which the polygon's Newell normal is largest.
 enum class Triangulation : std::uint8_t { ears, fan };
 
+/// Unit of a file's coordinates, as 3MF states it (millimetre unless it says another) and glTF prescribes it (metre).
+/// The other formats do not say.
+enum class Unit : std::uint8_t { unknown, micrometre, millimetre, centimetre, inch, foot, metre };
+
 struct ReadOptions {
     Precision precision = Precision::automatic;
     Weld weld = Weld::automatic;
@@ -37,6 +41,7 @@ struct ReadOptions {
     Triangulation triangulation = Triangulation::ears;
     bool strict = false;            ///< what would be a warning is an error
     bool lines_and_points = false;  ///< OBJ: also read what `l` and `p` name; PLY without faces: its vertices
+    Unit unit = Unit::unknown;      ///< that of coordinates: files that do not say are taken for it, others converted
 };
 
 /// The polygons that a file's triangles were cut from. All arrays are empty where each triangle is a face of the file.
@@ -58,6 +63,7 @@ struct CRUMPLE_API TriangleMesh {
     std::vector<std::string> warnings = {};                          ///< what was odd about the file, a sentence each
     std::vector<Edge> lines = {};                                    ///< segments of lines, as ReadOptions asks for
     std::vector<std::int32_t> points = {};                           ///< the same of points
+    Unit unit = Unit::unknown;                                       ///< of the coordinates; .3mf and .glb keep it
 
     std::int64_t vertex_count() const;
     std::int64_t triangle_count() const { return static_cast<std::int64_t>(triangles.size() / 3); }
@@ -111,6 +117,7 @@ struct CRUMPLE_API WorldMesh {
     std::vector<TriangleMesh> shapes;
     std::vector<NamedBody> bodies;           ///< every name once
     std::vector<std::string> warnings = {};  ///< what was odd about the file, a sentence each
+    Unit unit = Unit::unknown;  ///< of the shapes and of the poses' translations; those of shapes say no more
 
     /// Of all bodies.
     std::int64_t triangle_count() const;
@@ -145,17 +152,32 @@ CRUMPLE_API std::vector<Pose> read_poses(const std::filesystem::path& path, std:
 CRUMPLE_API std::vector<Pose> read_poses(std::istream& in, const std::string& name,
                                          std::span<const std::string> bodies);
 
+/// "mm", "um", "cm", "in", "ft", "m"; "unknown".
+CRUMPLE_API const char* name_of(Unit unit);
+/// The unit of such a name, or of one that 3MF or people write: "inch", "millimeter", "millimetres". Throws
+/// crumple::Error (invalid_argument).
+CRUMPLE_API Unit unit_named(std::string_view name);
+
+/// Brings coordinates to another unit, each rounded once to the mesh's precision; an unknown unit is stated, and no
+/// coordinate changes. What touched need not touch afterwards, and what did not may. Throws crumple::Error
+/// (invalid_argument) for Unit::unknown and, as the mesh was, for coordinates that overflow.
+CRUMPLE_API void convert_unit(TriangleMesh& mesh, Unit to);
+/// The same of all shapes, and of the poses' translations.
+CRUMPLE_API void convert_unit(WorldMesh& world, Unit to);
+
 /// All bodies as one mesh, one after the other, with each vertex where Detector::find has it; groups are the bodies.
 CRUMPLE_API TriangleMesh posed_mesh(const WorldMesh& world);
 
 struct WriteOptions {
-    bool polygons = false;  ///< the mesh's polygons instead of their triangles; .stl and .3mf hold triangles only
+    bool polygons = false;  ///< the mesh's polygons instead of their triangles; .stl, .glb and .3mf hold triangles only
 };
 
-/// Writes .ply (binary little endian), .obj, .stl (binary), .off or .3mf by extension. Throws crumple::Error (file,
-/// invalid_argument, index_out_of_range, not_finite); the file then stays as it was.
+/// Writes .ply (binary little endian), .obj, .stl (binary), .off, .glb or .3mf by extension. Throws crumple::Error
+/// (file, invalid_argument, index_out_of_range, not_finite); the file then stays as it was.
 ///
-/// Coordinates keep every bit, except in .stl, which holds float32 and no shared vertices. Text holds the shortest
+/// Coordinates keep every bit, except in .stl and .glb, which hold float32; .stl shares no vertices. A mesh of float64
+/// far from the origin is moved there in .glb, by its node's translation. .3mf keeps the unit, and so does .glb, by a
+/// node that scales to metres; the other formats have none. Text holds the shortest
 /// decimals that give the same number back in the mesh's own precision: read a float32 mesh's .obj or .off with
 /// Precision::float32, and .3mf, too. Groups are kept by .ply only, as the face property `group`.
 CRUMPLE_API void write_mesh(const std::filesystem::path& path, const TriangleMesh& mesh,
@@ -163,17 +185,17 @@ CRUMPLE_API void write_mesh(const std::filesystem::path& path, const TriangleMes
 
 enum class MeshFormat : std::uint8_t { automatic, ply, obj, stl, off, glb, html, threemf };
 
-/// The same to a stream, as ply, obj, stl, off or 3mf. Throws as well if the stream fails.
+/// The same to a stream, as ply, obj, stl, off, glb or 3mf. Throws as well if the stream fails.
 CRUMPLE_API void write_mesh(std::ostream& out, const TriangleMesh& mesh, MeshFormat format,
                             const WriteOptions& options = {});
 
-/// Writes a world as .3mf: bodies are objects with names, put where their poses have them, and share the meshes of
-/// their shapes. The unit says millimetre, for it has to say something. Throws as write_mesh does, and for bodies
-/// without a shape or with a pose that is not finite.
+/// Writes a world as .3mf or .glb: bodies are objects or nodes with names, put where their poses have them, and share
+/// the meshes of their shapes. An unknown unit is millimetre in .3mf, which has to name one, and metre in .glb. Throws
+/// as write_mesh does, and for bodies without a shape or with a pose that is not finite.
 CRUMPLE_API void write_world(const std::filesystem::path& path, const WorldMesh& world);
 
-/// The same to a stream.
-CRUMPLE_API void write_world(std::ostream& out, const WorldMesh& world);
+/// The same to a stream, as glb or 3mf.
+CRUMPLE_API void write_world(std::ostream& out, const WorldMesh& world, MeshFormat format = MeshFormat::threemf);
 
 /// Writes a mesh with colliding triangles coloured, the others grey: .ply, .obj (with .mtl beside it), .glb, .3mf or
 /// .html.

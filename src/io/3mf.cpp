@@ -30,6 +30,7 @@ class Assembler {
         root_ = part_named(package_.target_of(model_relationship));
         for (const ModelReference& item : part(root_).model.build) place(item, root_, {}, "");
         warn();
+        for (TriangleMesh& shape : world_.shapes) shape.unit = world_.unit;
         return std::move(world_);
     }
 
@@ -85,7 +86,8 @@ class Assembler {
 
     void warn() {
         std::int64_t left_out = 0, beams = 0, other_units = 0;
-        const std::string& unit = part(root_).model.unit;
+        const Unit unit = part(root_).model.unit;
+        world_.unit = unit;
         for (const auto& [key, part] : parts_) {
             left_out += std::count(part.shapes.begin(), part.shapes.end(), -1);
             beams += part.model.beams;

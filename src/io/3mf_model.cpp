@@ -9,6 +9,7 @@
 
 #include "io/formats.h"
 #include "io/text.h"
+#include "io/unit.h"
 
 namespace crumple::io {
 
@@ -125,11 +126,10 @@ class ModelReader : public XmlReader {
                 fail("the extension " + in_quotes(found->second, longest_namespace) +
                      " is required, which is not read");
         }
-        const std::string_view unit = trimmed(attributes.find("unit").value_or(model_.unit));
-        constexpr std::string_view units[] = {"micron", "millimeter", "centimeter", "inch", "foot", "meter"};
-        if (std::find(std::begin(units), std::end(units), unit) == std::end(units))
-            fail(in_quotes(unit) + " is no unit of 3MF");
-        model_.unit = unit;
+        const std::string_view unit = trimmed(attributes.find("unit").value_or(name_in_3mf(Unit::millimetre)));
+        const auto found = unit_in_3mf(unit);
+        if (!found) fail(in_quotes(unit) + " is no unit of 3MF");
+        model_.unit = *found;
     }
 
     void begin_object(const XmlAttributes& attributes) {

@@ -32,7 +32,7 @@ struct ModelObject {
 
 struct Model {
     std::string place;  ///< of the part, for messages
-    std::string unit = "millimeter";
+    Unit unit = Unit::millimetre;
     std::unordered_map<std::int64_t, ModelObject> objects = {};
     std::vector<TriangleMesh> meshes = {};
     std::vector<ModelReference> build = {};

@@ -12,6 +12,8 @@
 #include "io/formats.h"
 #include "io/json.h"
 #include "io/sink.h"
+#include "io/unit.h"
+#include "io/world.h"
 #include "io/zip.h"
 
 namespace crumple::io {
@@ -29,9 +31,8 @@ constexpr std::string_view relations =
     " <Relationship Target=\"/3D/3dmodel.model\" Id=\"model\" "
     "Type=\"http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel\"/>\n"
     "</Relationships>\n";
-/// A unit has to be named, and a mesh has none.
 constexpr std::string_view model_begin =
-    "<model unit=\"millimeter\" xml:lang=\"en-US\" "
+    "\" xml:lang=\"en-US\" "
     "xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\">\n"
     " <metadata name=\"Application\">Crumple</metadata>\n"
     " <resources>\n";
@@ -91,8 +92,9 @@ struct WrittenMesh {
 
 class ModelText {
    public:
-    ModelText(std::ostream& out, std::span<const Colour> materials) : out_(out), materials_(materials.size()) {
-        out_ << xml << model_begin;
+    ModelText(std::ostream& out, Unit unit, std::span<const Colour> materials)
+        : out_(out), materials_(materials.size()) {
+        out_ << xml << "<model unit=\"" << name_in_3mf(unit) << model_begin;
         if (materials.empty()) return;
         out_ << "  <basematerials id=\"1\">\n";
         for (std::size_t i = 0; i < materials.size(); ++i)
@@ -176,7 +178,7 @@ void add_model(std::ostream& out, const WorldMesh& world, std::span<const std::u
                std::span<const Colour> materials) {
     std::vector<std::size_t> of_body;
     std::vector<WrittenMesh> meshes = meshes_of(world, hit, of_body);
-    ModelText text(out, materials);
+    ModelText text(out, world.unit, materials);
     std::vector<std::int64_t> objects;
     for (std::size_t b = 0; b < world.bodies.size(); ++b) {
         WrittenMesh& mesh = meshes[of_body[b]];
@@ -222,16 +224,16 @@ void write_3mf(std::ostream& out, const WorldMesh& world, std::span<const std::u
     archive.write(out);
 }
 
-void write_3mf(std::ostream& out, const TriangleMesh& mesh, bool) {
-    write_3mf(out, WorldMesh{{{mesh.vertices, mesh.triangles}}, {{"mesh"}}}, {}, {});
-}
+void write_3mf(std::ostream& out, const WorldMesh& world) { write_3mf(out, world, {}, {}); }
+
+void write_3mf(std::ostream& out, const TriangleMesh& mesh, bool) { write_3mf(out, world_of(mesh)); }
 
 void write_coloured_3mf(std::ostream& out, const WorldMesh& world, std::span<const std::uint8_t> hit) {
     write_3mf(out, world, hit, std::array{free_colour, colliding_colour});
 }
 
 void write_coloured_3mf(std::ostream& out, const ColouredMesh& coloured) {
-    write_coloured_3mf(out, WorldMesh{{{coloured.mesh.vertices, coloured.mesh.triangles}}, {{"mesh"}}}, coloured.hit);
+    write_coloured_3mf(out, world_of(coloured.mesh), coloured.hit);
 }
 
 }  // namespace crumple::io

@@ -10,6 +10,7 @@
 #include "io/formats.h"
 #include "io/gzip.h"
 #include "io/polygons.h"
+#include "io/unit.h"
 
 namespace crumple::io {
 
@@ -37,6 +38,7 @@ bool has_hits_of_polygons(const TriangleMesh& mesh, const Array<std::uint8_t>& h
 
 ColouredMesh join(const TriangleMesh& mesh, const TriangleMesh* second, const Collisions& collisions) {
     ColouredMesh result{mesh, hit_triangles(mesh, collisions.hit)};
+    if (second && mesh.unit == Unit::unknown) result.mesh.unit = second->unit;
     const bool of_polygons =
         has_hits_of_polygons(mesh, collisions.hit) || (second && has_hits_of_polygons(*second, collisions.hit_second));
     result.mesh.polygons = of_polygons ? polygons_of(mesh) : Polygons();
@@ -122,6 +124,7 @@ void check_collisions(const TriangleMesh& mesh, const TriangleMesh* second, cons
     if (!second) return;
     validate(*second);
     check_hits(*second, collisions.hit_second);
+    check_same_unit(mesh.unit, second->unit);
 }
 
 ColouredMesh coloured_mesh(const TriangleMesh& mesh, const TriangleMesh* second, const Collisions& collisions) {

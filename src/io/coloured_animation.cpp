@@ -7,6 +7,7 @@
 #include "base/float_environment.h"
 #include "io/atomic_file.h"
 #include "io/glb.h"
+#include "io/unit.h"
 
 namespace crumple::io {
 
@@ -14,6 +15,7 @@ struct ColouredAnimation::Implementation {
     double frames_per_second;
     tinygltf::Model model = empty_glb();
     std::vector<std::optional<int>> nodes;  // one a frame; a frame without triangles has none
+    Unit unit = Unit::unknown;
 
     /// Shows the node from its frame's begin to its end; the last one stays.
     void add_channel(tinygltf::Model& to, tinygltf::Animation& animation, std::size_t frame) const {
@@ -55,7 +57,10 @@ ColouredAnimation& ColouredAnimation::operator=(ColouredAnimation&&) noexcept = 
 
 void ColouredAnimation::add(const TriangleMesh& mesh, const TriangleMesh* second, const Collisions& collisions) {
     const FloatEnvironment environment;
-    const auto node = add_node(implementation_->model, coloured_mesh(mesh, second, collisions));
+    const ColouredMesh coloured = coloured_mesh(mesh, second, collisions);
+    if (implementation_->nodes.empty()) implementation_->unit = coloured.mesh.unit;
+    check_same_unit(implementation_->unit, coloured.mesh.unit);
+    const auto node = add_node(implementation_->model, coloured);
     if (node) {
         const std::size_t frame = implementation_->nodes.size();
         tinygltf::Node& added = implementation_->model.nodes[static_cast<std::size_t>(*node)];
@@ -86,7 +91,7 @@ void ColouredAnimation::write(std::ostream& out) {
         if (implementation_->nodes[i]) implementation_->add_channel(model, animation, i);
     }
     if (!animation.channels.empty()) model.animations = {animation};
-    write_glb(out, model);
+    write_glb(out, model, implementation_->unit);
     model.animations.clear();
     model.accessors.resize(accessors);
     model.bufferViews.resize(views);

@@ -70,6 +70,10 @@ void write_obj(std::ostream& out, const TriangleMesh& mesh, bool polygons);
 void write_stl(std::ostream& out, const TriangleMesh& mesh, bool);
 void write_off(std::ostream& out, const TriangleMesh& mesh, bool polygons);
 void write_3mf(std::ostream& out, const TriangleMesh& mesh, bool);
+void write_glb(std::ostream& out, const TriangleMesh& mesh, bool);
+/// A world without colours.
+void write_3mf(std::ostream& out, const WorldMesh& world);
+void write_glb(std::ostream& out, const WorldMesh& world);
 /// `hit`: for each triangle of each body, which of the materials it has; without materials there are none.
 void write_3mf(std::ostream& out, const WorldMesh& world, std::span<const std::uint8_t> hit,
                std::span<const Colour> materials);

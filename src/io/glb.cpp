@@ -14,6 +14,8 @@
 #include "io/formats.h"
 #include "io/glb.h"
 #include "io/json.h"
+#include "io/unit.h"
+#include "io/world.h"
 
 namespace crumple::io {
 
@@ -179,9 +181,20 @@ std::optional<int> add_node(tinygltf::Model& model, const ColouredMesh& coloured
         coloured.mesh.vertices);
 }
 
-void write_glb(std::ostream& out, const tinygltf::Model& model) {
-    // It takes a pointer to what it only reads.
-    tinygltf::TinyGLTF().WriteGltfSceneToStream(const_cast<tinygltf::Model*>(&model), out, false, true);
+void write_glb(std::ostream& out, tinygltf::Model& model, Unit unit) {
+    const bool scaled = unit != Unit::unknown && unit != Unit::metre && !model.scenes[0].nodes.empty();
+    std::vector<int> roots = model.scenes[0].nodes;
+    if (scaled) {
+        tinygltf::Node above;
+        above.name = name_of(unit);
+        above.scale.assign(3, metres_in(unit));
+        above.children = roots;
+        model.scenes[0].nodes.clear();
+        add_to_scene(model, std::move(above));
+    }
+    tinygltf::TinyGLTF().WriteGltfSceneToStream(&model, out, false, true);
+    if (scaled) model.nodes.pop_back();
+    model.scenes[0].nodes = std::move(roots);
 }
 
 namespace {
@@ -225,8 +238,9 @@ std::vector<double> matrix_of(const Pose& pose, const Point& origin) {
 
 }  // namespace
 
-void write_coloured_glb(std::ostream& out, const WorldMesh& world, std::span<const std::uint8_t> hit) {
-    tinygltf::Model model = empty_glb();
+namespace {
+
+void write_glb(std::ostream& out, const WorldMesh& world, std::span<const std::uint8_t> hit, tinygltf::Model& model) {
     std::vector<WrittenShape> written(world.shapes.size());
     for (const NamedBody& body : world.bodies) {
         const auto s = static_cast<std::size_t>(body.shape);
@@ -240,8 +254,25 @@ void write_coloured_glb(std::ostream& out, const WorldMesh& world, std::span<con
         if (body.pose != Pose{} || written[s].origin != Point{}) node.matrix = matrix_of(body.pose, written[s].origin);
         add_to_scene(model, std::move(node));
     }
-    write_glb(out, model);
+    write_glb(out, model, world.unit);
 }
+
+}  // namespace
+
+void write_coloured_glb(std::ostream& out, const WorldMesh& world, std::span<const std::uint8_t> hit) {
+    tinygltf::Model model = empty_glb();
+    write_glb(out, world, hit, model);
+}
+
+void write_glb(std::ostream& out, const WorldMesh& world) {
+    tinygltf::Model model = empty_glb();
+    model.materials.resize(1);
+    model.materials[0].name = "surface";
+    model.scenes[0].name = "world";
+    write_glb(out, world, std::vector<std::uint8_t>(static_cast<std::size_t>(world.triangle_count())), model);
+}
+
+void write_glb(std::ostream& out, const TriangleMesh& mesh, bool) { write_glb(out, world_of(mesh)); }
 
 void write_shaded_glb(std::ostream& out, const ColouredMesh& coloured, std::span<const Colour> shades) {
     tinygltf::Model model = empty_glb();
@@ -249,13 +280,13 @@ void write_shaded_glb(std::ostream& out, const ColouredMesh& coloured, std::span
     for (std::size_t i = 0; i < shades.size(); ++i)
         model.materials.push_back(material(i ? ("shade " + std::to_string(i)).c_str() : "free", shades[i]));
     add_node(model, coloured);
-    write_glb(out, model);
+    write_glb(out, model, coloured.mesh.unit);
 }
 
 void write_coloured_glb(std::ostream& out, const ColouredMesh& coloured) {
     tinygltf::Model model = empty_glb();
     add_node(model, coloured);
-    write_glb(out, model);
+    write_glb(out, model, coloured.mesh.unit);
 }
 
 }  // namespace crumple::io

@@ -25,6 +25,7 @@ std::optional<int> add_node(tinygltf::Model& model, const ColouredMesh& coloured
 /// tinygltf's constants, target 0 for none.
 int add_floats(tinygltf::Model& model, const std::vector<float>& values, int type, int target);
 
-void write_glb(std::ostream& out, const tinygltf::Model& model);
+/// A known unit is scaled to metres by a node above all others. The model is left as it was.
+void write_glb(std::ostream& out, tinygltf::Model& model, Unit unit);
 
 }  // namespace crumple::io

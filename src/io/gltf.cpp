@@ -42,6 +42,8 @@ class Reader {
         place_nodes(roots());
         for (std::size_t n = 0; n < nodes_; ++n) add_body(n);
         world_.shapes = meshes_.take_shapes();
+        world_.unit = Unit::metre;
+        for (TriangleMesh& shape : world_.shapes) shape.unit = world_.unit;
         warn();
         return std::move(world_);
     }

@@ -181,21 +181,33 @@ TriangleMesh read_posed(const Source& source, std::optional<std::filesystem::pat
     }
 }
 
+/// A mesh or a world in the unit that is asked for, if one is.
+template <class Mesh>
+Mesh in_unit(Unit unit, const Source& source, Mesh mesh) {
+    try {
+        if (unit != Unit::unknown) convert_unit(mesh, unit);
+        return mesh;
+    } catch (const Error& error) {
+        throw Error(ErrorCode::format, source.name() + ": " + error.what(), error.element, error.index);
+    }
+}
+
 TriangleMesh read_mesh(Source file, std::optional<std::filesystem::path> folder, const ReadOptions& options) {
     check_content(file);
     const Source source = unpacked(std::move(file));
-    return is_scene(source) ? read_posed(source, std::move(folder), options) : read(source, options);
+    return in_unit(options.unit, source,
+                   is_scene(source) ? read_posed(source, std::move(folder), options) : read(source, options));
 }
 
 WorldMesh read_world(Source file, std::optional<std::filesystem::path> folder, const ReadOptions& options) {
     check_content(file);
     const Source source = unpacked(std::move(file));
-    if (is_scene(source)) return read_scene(source, std::move(folder), options);
+    if (is_scene(source)) return in_unit(options.unit, source, read_scene(source, std::move(folder), options));
     WorldMesh world;
     world.shapes.push_back(read(source, options));
     world.warnings = std::move(world.shapes[0].warnings);
     world.bodies.push_back({without_gzip_name(source.name()).stem().string()});
-    return world;
+    return in_unit(options.unit, source, std::move(world));
 }
 
 }  // namespace

@@ -45,6 +45,14 @@ void validate(const WorldMesh& world) {
     }
 }
 
+WorldMesh world_of(const TriangleMesh& mesh, std::string name) {
+    WorldMesh world;
+    world.shapes.push_back({mesh.vertices, mesh.triangles});
+    world.bodies.push_back({std::move(name)});
+    world.unit = mesh.unit;
+    return world;
+}
+
 namespace {
 
 template <class Scalar>
@@ -96,7 +104,9 @@ TriangleMesh posed_mesh(const WorldMesh& world) {
     check_size(world);
     const bool single = std::all_of(world.shapes.begin(), world.shapes.end(),
                                     [](const TriangleMesh& shape) { return shape.precision() == ScalarType::float32; });
-    return single ? posed<float>(world) : posed<double>(world);
+    TriangleMesh mesh = single ? posed<float>(world) : posed<double>(world);
+    mesh.unit = world.unit;
+    return mesh;
 }
 
 }  // namespace crumple::io

@@ -89,6 +89,8 @@ Writer writer_of(MeshFormat format) {
             return write_stl;
         case MeshFormat::off:
             return write_off;
+        case MeshFormat::glb:
+            return write_glb;
         case MeshFormat::threemf:
             return write_3mf;
         default:
@@ -115,7 +117,7 @@ MeshFormat mesh_format_of(std::string_view extension) {
 void write_mesh(std::ostream& out, const TriangleMesh& mesh, MeshFormat format, const WriteOptions& options) {
     const FloatEnvironment environment;
     const Writer write = writer_of(format);
-    if (!write) throw Error(ErrorCode::invalid_argument, "meshes are written as ply, obj, stl, off or 3mf");
+    if (!write) throw Error(ErrorCode::invalid_argument, "meshes are written as ply, obj, stl, off, glb or 3mf");
     validate(mesh);
     write(out, mesh, options.polygons && !mesh.polygons.empty());
     if (!out.flush()) throw Error(ErrorCode::file, "cannot write a mesh to the stream");
@@ -126,7 +128,7 @@ void write_mesh(const std::filesystem::path& path, const TriangleMesh& mesh, con
     const Writer write = writer_of(mesh_format_of(extension_of(path)));
     if (!write) {
         throw Error(ErrorCode::invalid_argument,
-                    "cannot write " + path.string() + ": meshes are written as .ply, .obj, .stl, .off or .3mf");
+                    "cannot write " + path.string() + ": meshes are written as .ply, .obj, .stl, .off, .glb or .3mf");
     }
     validate(mesh);
     AtomicFile file(path);
@@ -134,20 +136,23 @@ void write_mesh(const std::filesystem::path& path, const TriangleMesh& mesh, con
     file.commit();
 }
 
-void write_world(std::ostream& out, const WorldMesh& world) {
+void write_world(std::ostream& out, const WorldMesh& world, MeshFormat format) {
     const FloatEnvironment environment;
+    if (format != MeshFormat::threemf && format != MeshFormat::glb)
+        throw Error(ErrorCode::invalid_argument, "worlds are written as glb or 3mf");
     validate(world);
-    write_3mf(out, world, {}, {});
+    format == MeshFormat::glb ? write_glb(out, world) : write_3mf(out, world);
     if (!out.flush()) throw Error(ErrorCode::file, "cannot write a world to the stream");
 }
 
 void write_world(const std::filesystem::path& path, const WorldMesh& world) {
-    const FloatEnvironment environment;
-    if (mesh_format_of(extension_of(path)) != MeshFormat::threemf)
-        throw Error(ErrorCode::invalid_argument, "cannot write " + path.string() + ": worlds are written as .3mf");
+    const MeshFormat format = mesh_format_of(extension_of(path));
+    if (format != MeshFormat::threemf && format != MeshFormat::glb)
+        throw Error(ErrorCode::invalid_argument,
+                    "cannot write " + path.string() + ": worlds are written as .glb or .3mf");
     validate(world);
     AtomicFile file(path);
-    write_3mf(file.stream(), world, {}, {});
+    write_world(file.stream(), world, format);
     file.commit();
 }
 

@@ -287,5 +287,21 @@ TEST(Gltf, PrimitivesWithoutPositionsAreSkippedWithAWarning) {
     EXPECT_TRUE(contains(world.warnings[0], "meshes[0].primitives[1] has no attribute POSITION and is skipped"));
 }
 
+TEST(Gltf, AWorldIsWrittenWithItsBodiesAndSharedShapes) {
+    const Folder folder;
+    const WorldMesh world = read_scene(crumple::test::robot_scene().glb());
+    write_world(folder / "a.glb", world);
+    const WorldMesh back = read_world(folder / "a.glb");
+    EXPECT_EQ(back.shapes.size(), world.shapes.size());
+    ASSERT_EQ(back.bodies.size(), world.bodies.size());
+    for (std::size_t b = 0; b < world.bodies.size(); ++b) EXPECT_EQ(back.bodies[b].name, world.bodies[b].name);
+    EXPECT_EQ(coordinates(posed_mesh(back)), coordinates(posed_mesh(world)));
+    EXPECT_TRUE(back.warnings.empty());
+    std::ostringstream out;
+    write_world(out, world, MeshFormat::glb);
+    EXPECT_EQ(out.str(), bytes_of(folder / "a.glb"));
+    EXPECT_EQ(error_of([&] { write_world(out, world, MeshFormat::ply); }).code, ErrorCode::invalid_argument);
+}
+
 }  // namespace
 }  // namespace crumple::io::test

@@ -76,8 +76,8 @@ TEST(WriteThreeMf, AWorldKeepsBodiesAndSharedShapes) {
     std::ostringstream out;
     write_world(out, world);
     EXPECT_EQ(out.str(), bytes_of(folder / "a.3mf"));
-    EXPECT_EQ(error_of([&] { write_world(folder / "a.glb", world); }).code, ErrorCode::invalid_argument);
-    EXPECT_FALSE(fs::exists(folder / "a.glb"));
+    EXPECT_EQ(error_of([&] { write_world(folder / "a.ply", world); }).code, ErrorCode::invalid_argument);
+    EXPECT_FALSE(fs::exists(folder / "a.ply"));
 }
 
 TEST(WriteThreeMf, CollidingTrianglesHaveTheirColour) {
