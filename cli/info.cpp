@@ -2,18 +2,21 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
 
 #include "cli/bodies.h"
 #include "cli/commands.h"
-#include "cli/search.h"
 #include "cli/terminal.h"
 #include "cli/topology.h"
 #include "crumple/device.h"
+#include "io/formats.h"
 
 namespace crumple::cli {
 namespace {
@@ -34,53 +37,214 @@ std::int64_t count_unused_vertices(const io::TriangleMesh& mesh) {
     return std::count(used.begin(), used.end(), false);
 }
 
-void print_box(std::ostream& out, const io::TriangleMesh& mesh) {
-    std::visit(
-        [&](const auto& xyz) {
-            auto low = std::array{xyz[0], xyz[1], xyz[2]}, high = low;
-            for (std::size_t i = 0; i < xyz.size(); ++i) {
-                low[i % 3] = std::min(low[i % 3], xyz[i]);
-                high[i % 3] = std::max(high[i % 3], xyz[i]);
-            }
-            out << fmt::format("box                   {} to {}\n", fmt::join(low, " "), fmt::join(high, " "));
+using Point = std::array<double, 3>;
+
+Point point_of(const io::TriangleMesh& mesh, std::int32_t vertex) {
+    const auto at = 3 * static_cast<std::size_t>(vertex);
+    return std::visit(
+        [at](const auto& xyz) {
+            return Point{double{xyz[at]}, double{xyz[at + 1]}, double{xyz[at + 2]}};
         },
         mesh.vertices);
 }
 
-void print_information(std::ostream& out, const io::TriangleMesh& mesh) {
-    const auto row = [&](std::string_view name, const std::string& value) {
-        out << fmt::format("{:<22}{}\n", name, value);
-    };
-    row("vertices", fmt::format("{} ({} unused)", grouped(mesh.vertex_count()), grouped(count_unused_vertices(mesh))));
-    row("triangles", grouped(mesh.triangle_count()));
-    row("precision", mesh.precision() == ScalarType::float32 ? "float32" : "float64");
-    if (mesh.vertex_count() > 0) print_box(out, mesh);
-    row("degenerate triangles", some(degenerate_triangles(mesh)));
-    row("duplicated triangles", some(duplicated_triangles(mesh)));
-    const EdgeCounts edges = count_edges(mesh);
-    row("open edges", grouped(edges.open));
-    row("non-manifold edges", grouped(edges.non_manifold));
-    std::vector<std::int32_t> labels;
-    row("connected components", grouped(label_components(mesh, labels)));
+/// Coordinates by the shortest decimals that give the mesh's numbers back.
+std::string text_of(const io::TriangleMesh& mesh, const Point& p) {
+    if (mesh.precision() == ScalarType::float64) return fmt::format("{}", fmt::join(p, " "));
+    return fmt::format("{} {} {}", static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2]));
 }
 
-/// The bodies in their order, which is that of --poses.
-void print_information(std::ostream& out, const io::WorldMesh& world) {
-    const auto count = [](std::size_t n) { return grouped(static_cast<std::int64_t>(n)); };
-    out << fmt::format("{:<22}{}\n{:<22}{}\n{:<22}{}\n", "bodies", count(world.bodies.size()), "shapes",
-                       count(world.shapes.size()), "triangles", grouped(world.triangle_count()));
-    for (std::size_t b = 0; b < world.bodies.size(); ++b) {
-        const io::NamedBody& body = world.bodies[b];
-        const std::int64_t triangles = world.shapes[static_cast<std::size_t>(body.shape)].triangle_count();
-        out << fmt::format("body {:<17}{}: shape {}, {} triangles\n", b, quoted_name(body.name), body.shape,
-                           grouped(triangles));
+struct Box {
+    Point low, high;
+};
+
+std::optional<Box> box_of(const io::TriangleMesh& mesh) {
+    if (mesh.vertex_count() == 0) return std::nullopt;
+    Box box{point_of(mesh, 0), point_of(mesh, 0)};
+    for (std::int32_t v = 1; v < mesh.vertex_count(); ++v) {
+        const Point p = point_of(mesh, v);
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            box.low[axis] = std::min(box.low[axis], p[axis]);
+            box.high[axis] = std::max(box.high[axis], p[axis]);
+        }
     }
+    return box;
 }
 
-bool is_scene(const std::string& file) {
-    const std::string extension = extension_of(file);
-    return !is_standard(file) && (extension == ".glb" || extension == ".gltf" || extension == ".3mf");
+/// What can be said of a body, where it is.
+struct Report {
+    explicit Report(const io::TriangleMesh& mesh)
+        : vertices(mesh.vertex_count()),
+          unused(count_unused_vertices(mesh)),
+          triangles(mesh.triangle_count()),
+          precision(mesh.precision() == ScalarType::float32 ? "float32" : "float64"),
+          box(box_of(mesh)),
+          degenerate(degenerate_triangles(mesh)),
+          duplicated(duplicated_triangles(mesh)),
+          edges(report_edges(mesh)) {
+        std::vector<std::int32_t> labels;
+        components = label_components(mesh, labels);
+        if (triangles > 0 && edges.closed && !edges.flipped) volume = signed_volume(mesh);
+    }
+    /// The surface of a solid: closed, consistently oriented, with an area everywhere.
+    bool is_sound() const { return triangles > 0 && edges.closed && !edges.flipped && degenerate.empty(); }
+
+    std::int64_t vertices, unused, triangles;
+    const char* precision;
+    std::optional<Box> box;
+    std::vector<std::int32_t> degenerate, duplicated;
+    EdgeReport edges;
+    std::int32_t components = 0;
+    std::optional<double> volume;  ///< of a closed mesh with one orientation
+};
+
+constexpr std::size_t most_edges = 3;  // that are shown
+
+/// "3-5, from (0 0 0) to (1 0 0)", by the numbers of vertices in the file.
+std::string describe(const io::TriangleMesh& mesh, const Edge& edge) {
+    return fmt::format("{}-{}, from ({}) to ({})", edge.a, edge.b, text_of(mesh, point_of(mesh, edge.a)),
+                       text_of(mesh, point_of(mesh, edge.b)));
 }
+
+class Printer {
+   public:
+    Printer(std::ostream& out, io::Unit unit) : out_(out), unit_(unit) {}
+
+    void row(std::string_view name, const std::string& value) { out_ << fmt::format("{:<22}{}\n", name, value); }
+
+    void print_unit() { row("unit", io::name_of(unit_)); }
+
+    void print(const io::TriangleMesh& mesh, const Report& report) {
+        row("vertices", fmt::format("{} ({} unused)", grouped(report.vertices), grouped(report.unused)));
+        row("triangles", grouped(report.triangles));
+        row("precision", report.precision);
+        if (report.box)
+            row("box", fmt::format("{} to {}", text_of(mesh, report.box->low), text_of(mesh, report.box->high)));
+        row("degenerate triangles", some(report.degenerate));
+        row("duplicated triangles", some(report.duplicated));
+        row("open edges", grouped(std::ssize(report.edges.open)));
+        for (std::size_t i = 0; i < std::min(most_edges, report.edges.open.size()); ++i)
+            row(i ? "" : "  the first", describe(mesh, report.edges.open[i]));
+        row("holes", grouped(report.edges.holes));
+        row("non-manifold edges", grouped(report.edges.non_manifold));
+        row("orientation", report.edges.flipped ? "not consistent" : "consistent");
+        if (const auto& flipped = report.edges.flipped)
+            row("  the first", fmt::format("triangles {} and {} run along edge {}, in the same direction",
+                                           flipped->first, flipped->second, describe(mesh, flipped->edge)));
+        row("connected components", grouped(report.components));
+        row("closed", report.triangles == 0 ? "no: there are no triangles" : report.edges.closed ? "yes" : "no");
+        row("volume", volume_of(report));
+    }
+
+   private:
+    std::string volume_of(const Report& report) const {
+        if (!report.volume) return "none, for the surface is not closed, or not consistently oriented";
+        return fmt::format("{:.6g}{}{}", *report.volume,
+                           unit_ == io::Unit::unknown ? "" : fmt::format(" {}^3", io::name_of(unit_)),
+                           *report.volume < 0 ? ": the surface is inside out" : "");
+    }
+
+    std::ostream& out_;
+    io::Unit unit_;
+};
+
+nlohmann::json json_of(const io::TriangleMesh& mesh, const Edge& edge) {
+    return {{"vertices", {edge.a, edge.b}}, {"points", {point_of(mesh, edge.a), point_of(mesh, edge.b)}}};
+}
+
+nlohmann::json json_of(const std::string& name, const io::TriangleMesh& mesh, const Report& report) {
+    using Json = nlohmann::json;
+    Json open = Json::array();
+    for (std::size_t i = 0; i < std::min(most_edges, report.edges.open.size()); ++i)
+        open.push_back(json_of(mesh, report.edges.open[i]));
+    Json flipped;
+    if (const auto& found = report.edges.flipped) {
+        flipped = json_of(mesh, found->edge);
+        flipped["triangles"] = {found->first, found->second};
+    }
+    return {{"name", name},
+            {"vertices", report.vertices},
+            {"unused_vertices", report.unused},
+            {"triangles", report.triangles},
+            {"precision", report.precision},
+            {"box", report.box ? Json{{"low", report.box->low}, {"high", report.box->high}} : Json()},
+            {"degenerate_triangles", report.degenerate},
+            {"duplicated_triangles", report.duplicated},
+            {"open_edges", {{"count", report.edges.open.size()}, {"first", open}}},
+            {"holes", report.edges.holes},
+            {"non_manifold_edges", report.edges.non_manifold},
+            {"consistently_oriented", !report.edges.flipped},
+            {"first_flipped_edge", flipped},
+            {"connected_components", report.components},
+            {"closed", report.triangles > 0 && report.edges.closed},
+            {"volume", report.volume ? Json(*report.volume) : Json()},
+            {"sound", report.is_sound()}};
+}
+
+struct Info {
+    std::string file;
+    ReadingOptions reading;
+    bool json = false, check = false;
+
+    int run() const {
+        const io::WorldMesh world = read_bodies({file}, reading);
+        const auto bodies = world.bodies.size();
+        const auto body = [&](std::size_t b) -> const io::NamedBody& { return world.bodies[b]; };
+        const auto mesh = [&](std::size_t b) {
+            io::WorldMesh alone;
+            alone.shapes = {world.shapes[static_cast<std::size_t>(body(b).shape)]};
+            alone.bodies = {body(b)};
+            alone.bodies[0].shape = 0;
+            alone.unit = world.unit;
+            return body(b).pose == Pose{} ? std::move(alone.shapes[0]) : io::posed_mesh(alone);
+        };
+        bool sound = bodies > 0;
+        nlohmann::json list = nlohmann::json::array();
+        to_standard_output([&](std::ostream& out) {
+            Printer printer(out, world.unit);
+            if (!json && is_scene()) print_bodies(printer, world);
+            if (!json && !is_scene()) printer.print_unit();
+            for (std::size_t b = 0; b < bodies; ++b) {
+                const io::TriangleMesh posed = mesh(b);
+                const Report report(posed);
+                sound = sound && report.is_sound();
+                if (json) {
+                    list.push_back(json_of(body(b).name, posed, report));
+                    continue;
+                }
+                if (is_scene()) {
+                    out << '\n';
+                    printer.row(fmt::format("body {}", b), quoted_name(body(b).name));
+                    printer.row("shape", std::to_string(body(b).shape));
+                }
+                printer.print(posed, report);
+            }
+            if (json) print_json(out, world, std::move(list));
+        });
+        return check && !sound ? collided : done;
+    }
+
+   private:
+    bool is_scene() const {
+        const std::string extension = extension_of(file);
+        return extension == ".glb" || extension == ".gltf" || extension == ".3mf";
+    }
+
+    /// How many bodies there are; they follow in their order, which is that of --poses.
+    static void print_bodies(Printer& printer, const io::WorldMesh& world) {
+        printer.row("bodies", grouped(std::ssize(world.bodies)));
+        printer.row("shapes", grouped(std::ssize(world.shapes)));
+        printer.row("triangles", grouped(world.triangle_count()));
+        printer.print_unit();
+    }
+
+    void print_json(std::ostream& out, const io::WorldMesh& world, nlohmann::json bodies) const {
+        const nlohmann::json unit =
+            world.unit == io::Unit::unknown ? nlohmann::json() : nlohmann::json(io::name_of(world.unit));
+        const nlohmann::ordered_json all{{"file", file}, {"unit", unit}, {"bodies", std::move(bodies)}};
+        out << all.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
+    }
+};
 
 /// A line for each device, or the reason why there is none.
 std::string describe_devices() {
@@ -97,35 +261,28 @@ std::string describe_devices() {
 }  // namespace
 
 Command add_info(CLI::App& app) {
-    struct Info {
-        std::string file;
-        ReadingOptions reading;
-    };
     const auto info = std::make_shared<Info>();
-    CLI::App& command = *app.add_subcommand("info", "Tell what a mesh file holds, and what is odd about it");
+    CLI::App& command =
+        *app.add_subcommand("info", "Tell what a mesh file holds, and whether it is the surface of a solid");
     command
         .add_option("FILE", info->file,
                     "A mesh (PLY, OBJ, STL, OFF), a scene (.glb, .gltf, .3mf), or - for standard input")
         ->type_name("FILE")
         ->required();
     add_reading_options(command, info->reading);
+    command.add_flag("--json", info->json, "Write the same as JSON");
+    command.add_flag("--check", info->check,
+                     "Exit with status 1 unless every body is closed, consistently oriented, and without degenerate "
+                     "triangles. Whether it passes through itself is for detect --check");
     // Like --version, which CLI11 has this for: no file is needed, the text is printed, and that is all.
     command.set_version_flag("--devices", describe_devices,
                              "List the devices of the cuda backend, or why there is none, and exit");
     command.footer(
-        "Degenerate and duplicated triangles are found by exact tests on positions; edges and components go by vertex\n"
-        "index, so files without shared vertices want --weld.\n"
-        "Example: crumple info part.stl");
-    return {&command, [info] {
-                if (is_scene(info->file)) {
-                    const io::WorldMesh world = read_bodies({info->file}, info->reading);
-                    to_standard_output([&](std::ostream& out) { print_information(out, world); });
-                } else {
-                    const io::TriangleMesh mesh = read_mesh(info->file, info->reading);
-                    to_standard_output([&](std::ostream& out) { print_information(out, mesh); });
-                }
-                return static_cast<int>(done);
-            }};
+        "Closed: every edge has two triangles, or another even number. Degenerate and duplicated triangles are found\n"
+        "by exact tests on positions; edges, holes and components go by vertex index, so files without shared\n"
+        "vertices want --weld. Bodies of a scene are told of where they are posed.\n"
+        "Example: crumple info part.stl --check");
+    return {&command, [info] { return info->run(); }};
 }
 
 }  // namespace crumple::cli

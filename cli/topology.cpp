@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <numeric>
+#include <span>
 #include <utility>
 
 #include "geometry/predicates.h"
 #include "io/weld.h"
+#include "model/placement.h"
 #include "questions/intersect/contact.h"
 
 namespace crumple::cli {
@@ -40,52 +43,121 @@ bool is_degenerate(const Triangle& triangle) {
 
 }  // namespace
 
-std::int32_t label_components(const io::TriangleMesh& mesh, std::vector<std::int32_t>& labels) {
-    // Disjoint sets of vertices, each named by its lowest.
-    std::vector<std::int32_t> sets(static_cast<std::size_t>(mesh.vertex_count()));
-    std::iota(sets.begin(), sets.end(), 0);
-    std::int32_t* const parent = sets.data();
-    const auto root = [&](std::int32_t v) {
-        while (parent[v] != v) v = parent[v] = parent[parent[v]];
+namespace {
+
+/// Sets of vertices, each named by its lowest.
+class DisjointSets {
+   public:
+    explicit DisjointSets(std::int64_t count) : parents_(static_cast<std::size_t>(count)) {
+        std::iota(parents_.begin(), parents_.end(), 0);
+    }
+    std::int32_t root(std::int32_t v) {
+        while (parent(v) != v) v = parent(v) = parent(parent(v));
         return v;
-    };
+    }
+    void join(std::int32_t a, std::int32_t b) {
+        const std::int32_t p = root(a), q = root(b);
+        parent(std::max(p, q)) = std::min(p, q);
+    }
+
+   private:
+    std::int32_t& parent(std::int32_t v) { return parents_[static_cast<std::size_t>(v)]; }
+
+    std::vector<std::int32_t> parents_;
+};
+
+}  // namespace
+
+std::int32_t label_components(const io::TriangleMesh& mesh, std::vector<std::int32_t>& labels) {
+    DisjointSets sets(mesh.vertex_count());
     for (std::int64_t t = 0; t < mesh.triangle_count(); ++t) {
         const std::int32_t* const c = corners_of(mesh, t);
-        for (int k = 1; k < 3; ++k) {
-            const std::int32_t p = root(c[0]), q = root(c[k]);
-            parent[std::max(p, q)] = std::min(p, q);
-        }
+        sets.join(c[0], c[1]);
+        sets.join(c[0], c[2]);
     }
-    std::vector<std::int32_t> number(sets.size(), -1);
+    std::vector<std::int32_t> number(static_cast<std::size_t>(mesh.vertex_count()), -1);
     std::int32_t count = 0;
     labels.resize(static_cast<std::size_t>(mesh.triangle_count()));
     for (std::int64_t t = 0; t < mesh.triangle_count(); ++t) {
-        std::int32_t& label = number[static_cast<std::size_t>(root(*corners_of(mesh, t)))];
+        std::int32_t& label = number[static_cast<std::size_t>(sets.root(*corners_of(mesh, t)))];
         if (label < 0) label = count++;
         labels[static_cast<std::size_t>(t)] = label;
     }
     return count;
 }
 
-EdgeCounts count_edges(const io::TriangleMesh& mesh) {
-    std::vector<std::pair<std::int32_t, std::int32_t>> edges;
-    edges.reserve(mesh.triangles.size());
+namespace {
+
+/// An edge as a triangle runs along it.
+struct Side {
+    Edge edge;  ///< a < b
+    bool upwards;
+    std::int32_t triangle;
+};
+
+/// Of the triangles along one edge: half in each direction, or two that run in the same one.
+std::optional<FlippedEdge> find_flipped(std::span<const Side> sides) {
+    const auto up = std::count_if(sides.begin(), sides.end(), [](const Side& side) { return side.upwards; });
+    if (2 * up == std::ssize(sides)) return std::nullopt;
+    const bool most = 2 * up > std::ssize(sides);
+    const auto same = [&](const Side& side) { return side.upwards == most; };
+    const auto first = std::find_if(sides.begin(), sides.end(), same);
+    const auto second = std::find_if(first + 1, sides.end(), same);
+    return FlippedEdge{first->edge, first->triangle, second->triangle};
+}
+
+std::int64_t count_parts(const std::vector<Edge>& edges, std::int64_t vertices) {
+    DisjointSets sets(vertices);
+    for (const Edge& edge : edges) sets.join(edge.a, edge.b);
+    std::vector<std::int32_t> roots;
+    for (const Edge& edge : edges) roots.push_back(sets.root(edge.a));
+    std::sort(roots.begin(), roots.end());
+    return std::unique(roots.begin(), roots.end()) - roots.begin();
+}
+
+}  // namespace
+
+EdgeReport report_edges(const io::TriangleMesh& mesh) {
+    std::vector<Side> sides;
+    sides.reserve(mesh.triangles.size());
     for (std::int64_t t = 0; t < mesh.triangle_count(); ++t) {
         const std::int32_t* const c = corners_of(mesh, t);
         for (int k = 0; k < 3; ++k) {
-            const auto edge = std::minmax(c[k], c[(k + 1) % 3]);
-            if (edge.first != edge.second) edges.emplace_back(edge);
+            const std::int32_t a = c[k], b = c[(k + 1) % 3];
+            if (a != b) sides.push_back({{std::min(a, b), std::max(a, b)}, a < b, static_cast<std::int32_t>(t)});
         }
     }
-    std::sort(edges.begin(), edges.end());
-    EdgeCounts counts;
-    for (auto edge = edges.begin(); edge != edges.end();) {
-        const auto next = std::find_if(edge, edges.end(), [&](const auto& other) { return other != *edge; });
-        counts.open += next - edge == 1;
-        counts.non_manifold += next - edge > 2;
-        edge = next;
+    std::stable_sort(sides.begin(), sides.end(), [](const Side& p, const Side& q) { return p.edge < q.edge; });
+    EdgeReport report;
+    for (auto side = sides.begin(); side != sides.end();) {
+        const auto next = std::find_if(side, sides.end(), [&](const Side& other) { return other.edge != side->edge; });
+        const auto count = next - side;
+        if (count == 1) report.open.push_back(side->edge);
+        if (count > 2) ++report.non_manifold;
+        if (count % 2) report.closed = false;
+        if (count % 2 == 0 && !report.flipped) report.flipped = find_flipped({side, next});
+        side = next;
     }
-    return counts;
+    report.holes = count_parts(report.open, mesh.vertex_count());
+    return report;
+}
+
+double signed_volume(const io::TriangleMesh& mesh) {
+    Bounds box = no_bounds;
+    const auto for_each = [&](auto take) {
+        for (std::int64_t t = 0; t < mesh.triangle_count(); ++t) take(triangle_of(mesh, t).point);
+    };
+    for_each([&](const auto& p) {
+        for (const Vec3d& corner : p) box.widen(corner);
+    });
+    const Vec3d middle = 0.5 * box.low + 0.5 * box.high;
+    double volume = 0, lost = 0;  // by Neumaier's sum
+    for_each([&](const auto& p) {
+        const double part = dot(p[0] - middle, cross(p[1] - middle, p[2] - middle)) / 6, sum = volume + part;
+        lost += std::abs(volume) >= std::abs(part) ? (volume - sum) + part : (part - sum) + volume;
+        volume = sum;
+    });
+    return volume + lost;
 }
 
 std::vector<std::int32_t> degenerate_triangles(const io::TriangleMesh& mesh) {

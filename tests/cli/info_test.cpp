@@ -1,3 +1,5 @@
+#include <nlohmann/json.hpp>
+
 #include "run.h"
 
 namespace crumple::cli::test {
@@ -11,6 +13,7 @@ TEST_F(Info, TellsWhatAMeshHolds) {
     EXPECT_EQ(outcome.status, 0);
     EXPECT_EQ(outcome.err, "");
     EXPECT_EQ(outcome.out,
+              "unit                  unknown\n"
               "vertices              14 (1 unused)\n"
               "triangles             5\n"
               "precision             float64\n"
@@ -18,8 +21,71 @@ TEST_F(Info, TellsWhatAMeshHolds) {
               "degenerate triangles  0\n"
               "duplicated triangles  0\n"
               "open edges            13\n"
+              "  the first           0-1, from (0 0 0) to (4 0 0)\n"
+              "                      0-2, from (0 0 0) to (0 4 0)\n"
+              "                      1-2, from (4 0 0) to (0 4 0)\n"
+              "holes                 4\n"
               "non-manifold edges    0\n"
-              "connected components  4\n");
+              "orientation           not consistent\n"
+              "  the first           triangles 2 and 4 run along edge 6-7, from (10 0 0) to (14 0 0), in the same "
+              "direction\n"
+              "connected components  4\n"
+              "closed                no\n"
+              "volume                none, for the surface is not closed, or not consistently oriented\n");
+}
+
+/// Eight corners of a cube and its twelve triangles, seen from outside anticlockwise, in OFF.
+std::string cube_with(const std::string& last_triangle) {
+    return "OFF\n8 12 0\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 0 1\n1 0 1\n0 1 1\n1 1 1\n3 0 2 1\n3 1 2 3\n3 4 5 6\n"
+           "3 5 7 6\n3 0 1 4\n3 1 5 4\n3 2 6 3\n3 3 6 7\n3 0 4 2\n3 2 4 6\n3 1 3 5\n" +
+           last_triangle + "\n";
+}
+
+TEST_F(Info, JudgesWhetherASurfaceIsThatOfASolid) {
+    const auto info = [&](const std::string& off, const std::string& options = "") {
+        write("a.off", off);
+        return crumple("info a.off --check " + options);
+    };
+    const std::string good = cube_with("3 3 7 5");
+    EXPECT_EQ(info(good).status, 0);
+    EXPECT_TRUE(contains(info(good).out, "orientation           consistent\n"));
+    EXPECT_TRUE(contains(info(good).out, "closed                yes\nvolume                1\n"));
+    EXPECT_TRUE(contains(info(good, "--unit in").out, "volume                1 in^3\n"));
+
+    const Outcome flipped = info(cube_with("3 3 5 7"));
+    EXPECT_EQ(flipped.status, 1);
+    EXPECT_TRUE(contains(flipped.out, "triangles 10 and 11 run along edge 3-5, from (1 1 0) to (1 0 1), in the same"));
+    EXPECT_TRUE(contains(flipped.out, "closed                yes\nvolume                none"));
+
+    const Outcome open = info(cube_with("2 0 1"));
+    EXPECT_EQ(open.status, 1);
+    EXPECT_TRUE(contains(open.out, "open edges            3\n  the first           3-5, from (1 1 0) to (1 0 1)\n"));
+    EXPECT_TRUE(contains(open.out, "holes                 1\n"));
+
+    std::string inside_out = good;  // mirrored along x
+    for (const auto& [from, to] : {std::pair("\n1 ", "\n-1 ")})
+        for (std::size_t at = 0; (at = inside_out.find(from, at)) != inside_out.npos; at += 3)
+            inside_out.replace(at, 3, to);
+    EXPECT_TRUE(contains(info(inside_out).out, "volume                -1: the surface is inside out\n"));
+    EXPECT_EQ(info("OFF\n0 0 0\n").status, 1) << "nothing is no solid";
+}
+
+TEST_F(Info, WritesJson) {
+    write("a.off", cube_with("3 3 7 5"));
+    const auto json = nlohmann::json::parse(crumple("info a.off --json --unit mm").out);
+    EXPECT_EQ(json["file"], "a.off");
+    EXPECT_EQ(json["unit"], "mm");
+    const auto& body = json["bodies"][0];
+    EXPECT_EQ(body["name"], "a");
+    EXPECT_EQ(body["box"]["high"], (std::vector<double>{1, 1, 1}));
+    EXPECT_EQ(body["volume"], 1);
+    EXPECT_EQ(body["sound"], true);
+    EXPECT_TRUE(body["first_flipped_edge"].is_null());
+    write("b.off", cube_with("3 3 5 7"));
+    const auto flipped = nlohmann::json::parse(crumple("info b.off --json").out);
+    EXPECT_TRUE(flipped["unit"].is_null());
+    EXPECT_EQ(flipped["bodies"][0]["first_flipped_edge"]["triangles"], (std::vector<int>{10, 11}));
+    EXPECT_TRUE(flipped["bodies"][0]["volume"].is_null());
 }
 
 TEST_F(Info, GoesByPositionsIfWelded) {
