@@ -9,6 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "cli/common_unit.h"
 #include "cli/nearest.h"
 #include "cli/search.h"
 #include "cli/terminal.h"
@@ -63,8 +64,11 @@ void refuse(const std::string& what) { throw Error(ErrorCode::invalid_argument, 
 io::WorldMesh read_bodies(const std::vector<std::string>& files, const ReadingOptions& options) {
     check_standard_input(files);
     io::WorldMesh all;
+    CommonUnit unit(options.strict);
     for (const std::string& file : files) {
         io::WorldMesh world = read_one(file, read_options(options));
+        unit.apply(file, world);
+        if (all.unit == io::Unit::unknown) all.unit = world.unit;
         const auto first = static_cast<std::int32_t>(all.shapes.size());
         for (io::NamedBody& body : world.bodies) body.shape += first;
         std::move(world.shapes.begin(), world.shapes.end(), std::back_inserter(all.shapes));

@@ -5,6 +5,8 @@
 #include <string>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "cli/commands.h"
 #include "cli/options.h"
 #include "cli/search.h"
@@ -44,11 +46,20 @@ struct Convert {
         if (!io::holds_meshes(mesh_format)) {
             const std::string what = is_standard(output) ? "-o - --format " + format : output;
             throw Error(ErrorCode::invalid_argument,
-                        "cannot write " + what + ": meshes are written as .ply, .obj, .stl, .off or .3mf");
+                        "cannot write " + what + ": meshes are written as .ply, .obj, .stl, .off, .glb or .3mf");
         }
         check_not_input();
-        mesh_format == io::MeshFormat::threemf ? write_bodies(read()) : write(one_mesh(read()), mesh_format);
+        const bool keeps_bodies = mesh_format == io::MeshFormat::threemf || mesh_format == io::MeshFormat::glb;
+        keeps_bodies ? write_bodies(read(), mesh_format) : write(one_mesh(read()), mesh_format);
         return done;
+    }
+
+    void tell(std::int64_t triangles, std::size_t bodies, io::Unit unit) const {
+        std::string text = grouped(triangles) + (triangles == 1 ? " triangle" : " triangles");
+        if (bodies > 1) text += fmt::format(" in {} bodies", grouped(static_cast<std::int64_t>(bodies)));
+        text += " to " + (is_standard(output) ? "standard output" : output);
+        if (unit != io::Unit::unknown) text += fmt::format(", unit {}", io::name_of(unit));
+        say("{}\n", text);
     }
 
     void write(const io::TriangleMesh& mesh, io::MeshFormat mesh_format) const {
@@ -57,13 +68,17 @@ struct Convert {
             to_standard_output([&](std::ostream& out) { io::write_mesh(out, mesh, mesh_format, how); });
         else
             io::write_mesh(output, mesh, how);
+        tell(mesh.triangle_count(), 1, mesh.unit);
     }
 
-    void write_bodies(const io::WorldMesh& world) const {
+    void write_bodies(const io::WorldMesh& world, io::MeshFormat format_of_bodies) const {
         if (is_standard(output))
-            to_standard_output([&](std::ostream& out) { io::write_world(out, world); });
+            to_standard_output([&](std::ostream& out) { io::write_world(out, world, format_of_bodies); });
         else
             io::write_world(output, world);
+        // glTF is in metres; the bodies of a known unit are scaled to them.
+        const bool in_metres = format_of_bodies == io::MeshFormat::glb && world.unit != io::Unit::unknown;
+        tell(world.triangle_count(), world.bodies.size(), in_metres ? io::Unit::metre : world.unit);
     }
 
     void check_not_input() const {
@@ -82,20 +97,21 @@ Command add_convert(CLI::App& app) {
         .add_option(
             "IN", convert->input,
             "A mesh (PLY, OBJ, STL, OFF), or a scene (glTF, 3MF), whose bodies are put where they are and become "
-            "one mesh; in .3mf they stay bodies. - is standard input")
+            "one mesh; in .3mf and .glb they stay bodies. - is standard input")
         ->type_name("IN")
         ->required();
     command
         .add_option("OUT", convert->output,
-                    "Mesh file: .ply, .obj, .stl, .off or .3mf; - is standard output, see --format")
+                    "Mesh file: .ply, .obj, .stl, .off, .glb or .3mf; - is standard output, see --format")
         ->type_name("OUT")
         ->required();
-    add_format_option(command, convert->format, "ply|obj|stl|off|3mf");
+    add_format_option(command, convert->format, "ply|obj|stl|off|glb|3mf");
     add_reading_options(command, convert->reading);
     command.footer(
-        "Coordinates keep their precision, except in .stl, which holds float32. Polygons stay polygons, except\n"
-        "in .stl and .3mf. Colours, normals, texture coordinates, lines and points of OBJ and, but for .3mf,\n"
-        "names are left out. Files named .gz are compressed, here and in all commands.\n\n"
+        "Coordinates keep their precision, except in .stl and .glb, which hold float32. Polygons stay polygons,\n"
+        "except in .stl, .glb and .3mf. .3mf and .glb keep names and the unit; a .glb is in metres, to which its\n"
+        "bodies are scaled. Colours, normals, texture coordinates, lines and points of OBJ are left out. Files\n"
+        "named .gz are compressed, here and in all commands.\n\n"
         "Example: crumple convert --weld scan.stl scan.ply");
     return {&command, [convert] { return convert->run(); }};
 }

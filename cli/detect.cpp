@@ -108,7 +108,7 @@ struct Detect {
         else
             write_to(io::PairWriter(path, answer.contacts));
         if (stats) print_statistics(all.statistics, count_hits(all));
-        if (!stats && !is_standard(path)) say(summary(all.statistics.pairs, all));
+        if (!stats && (all.statistics.pairs == 0 || !is_standard(path))) say(summary(all.statistics.pairs, all));
         return done;
     }
 
@@ -143,7 +143,7 @@ struct Detect {
         const Collisions& found = answer.polygons ? of_polygons : of_triangles;
         for (const std::string& path : outputs) write(path, input, found);
         if (outputs.empty()) to_standard_output([&](std::ostream& out) { io::write_pairs(out, found); });
-        if (!stats && !std::all_of(outputs.begin(), outputs.end(), is_standard))
+        if (!stats && (found.pairs.empty() || !std::all_of(outputs.begin(), outputs.end(), is_standard)))
             say(summary(static_cast<std::int64_t>(found.pairs.size()), found));
         return check && !found.pairs.empty() ? collided : done;
     }

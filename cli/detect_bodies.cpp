@@ -157,7 +157,7 @@ int find_once(const BodyTask& task, Search& search, const Scene& scene, const St
             io::write_coloured(path, scene.mesh, found);
     }
     if (task.outputs.empty()) write("-", list, ListFormat::txt);
-    if (tells_summary(task)) say(summary(list));
+    if (list.pairs.empty() || tells_summary(task)) say(summary(list));
     return task.check && found.any ? collided : done;
 }
 

@@ -63,7 +63,7 @@ int detect(RankLink& link, const RanksDetection& asked) {
     if (asked.check && asked.outputs.empty()) return report(found.total > 0);
     steps.begin("write");
     write(link, asked, found, input.triangles, totals.statistics.search);
-    if (!asked.stats && !std::all_of(asked.outputs.begin(), asked.outputs.end(), is_standard))
+    if (!asked.stats && (found.total == 0 || !std::all_of(asked.outputs.begin(), asked.outputs.end(), is_standard)))
         say(summary_of_pairs(found.total, hits, input.triangles.rows, "triangles", totals.statistics.milliseconds));
     return asked.check && found.total > 0 ? collided : done;
 }

@@ -5,6 +5,7 @@
 #include "cli/bodies.h"
 #include "cli/commands.h"
 #include "cli/statistics_table.h"
+#include "cli/steps.h"
 #include "io/feature_kinds.h"
 
 namespace crumple::cli {
@@ -110,7 +111,7 @@ int FeatureCommand::finish_stream(const Statistics& statistics, const char* one,
 }
 
 int FeatureCommand::finish(bool any, const std::string& summary) const {
-    if (!stats && outputs.have_files()) say(summary);
+    if (!stats && (!any || outputs.have_files())) say(summary);
     return check && any ? collided : done;
 }
 

@@ -18,7 +18,11 @@ Frames::Frames(std::vector<std::string> files, const std::string& scene, const s
 }
 
 Input Frames::load(std::size_t i, const AnswerOptions& options) {
-    if (!scene_) return read_input({files_[i]}, options);
+    if (!scene_) {
+        Input input = read_input({files_[i]}, options);
+        unit_.apply(files_[i], input.first);
+        return input;
+    }
     return made_input(scene_name_ + ", frame " + std::to_string(i), scene_->frame(static_cast<int>(i)), options);
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "cli/common_unit.h"
 #include "cli/search.h"
 #include "scenes/scenes.h"
 
@@ -27,6 +28,7 @@ class Frames {
     std::string scene_name_;
     std::size_t scene_frames_ = 0;
     std::optional<scenes::Animation> scene_;
+    CommonUnit unit_{false};
 };
 
 }  // namespace crumple::cli

@@ -41,7 +41,7 @@ struct Make {
         const io::MeshFormat mesh_format = io::mesh_format_of(extension_of(output, format));
         if (!io::holds_meshes(mesh_format)) {  // now, not after minutes of simulation
             throw Error(ErrorCode::invalid_argument,
-                        "cannot write " + output + ": meshes are written as .ply, .obj, .stl, .off or .3mf");
+                        "cannot write " + output + ": meshes are written as .ply, .obj, .stl, .off, .glb or .3mf");
         }
         if (all_frames && frame) fail("--all-frames and --frame exclude each other");
         if (all_frames && is_standard(output)) fail("--all-frames needs files: -o FILE");
@@ -60,12 +60,15 @@ struct Make {
             } else {
                 to_standard_output([&](std::ostream& out) { io::write_mesh(out, mesh, mesh_format); });
             }
+            say("{} triangles to {}\n", grouped(mesh.triangle_count()),
+                is_standard(output) ? "standard output" : output);
             return done;
         }
         for (int i = 0; i < frames; ++i) {
             io::write_mesh(numbered(output, static_cast<std::size_t>(i), static_cast<std::size_t>(frames)),
                            animation.frame(i));
         }
+        say("{} frames to {}\n", frames, output);
         return done;
     }
 
@@ -92,9 +95,9 @@ Command add_make(CLI::App& app) {
         ->check(integer(0, std::numeric_limits<std::int64_t>::max()));
     command
         .add_option("-o,--output", make->output,
-                    "Mesh file: .ply, .obj, .stl, .off or .3mf; - is standard output, see --format")
+                    "Mesh file: .ply, .obj, .stl, .off, .glb or .3mf; - is standard output, see --format")
         ->type_name("FILE");
-    add_format_option(command, make->format, "ply|obj|stl|off|3mf");
+    add_format_option(command, make->format, "ply|obj|stl|off|glb|3mf");
     command.footer(
         "A simulated scene takes seconds to minutes; its frames are kept under $XDG_CACHE_HOME/crumple or\n"
         "~/.cache/crumple for the next time.\n\n"

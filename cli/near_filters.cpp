@@ -60,6 +60,8 @@ NearFilters::NearFilters(const NearFilterOptions& options, const Input& input, c
     if (!options.radii.empty()) radii_ = read_radii(options.radii, input.first.vertex_count());
     if (options.rest.empty()) return;
     rest_ = read_mesh(options.rest, answer);
+    if (input.first.unit != io::Unit::unknown && rest_.unit != io::Unit::unknown)
+        io::convert_unit(rest_, input.first.unit);
     check_same_faces(input, options.rest, rest_);
 }
 

@@ -56,6 +56,14 @@ std::int64_t parse_bytes(const std::string& text) {
     return static_cast<std::int64_t>(value);
 }
 
+Choices<io::Unit> units() {
+    Choices<io::Unit> choices;
+    for (const io::Unit unit : {io::Unit::micrometre, io::Unit::millimetre, io::Unit::centimetre, io::Unit::inch,
+                                io::Unit::foot, io::Unit::metre})
+        choices.emplace_back(io::name_of(unit), unit);
+    return choices;
+}
+
 void fail(const char* message) { throw Error(ErrorCode::invalid_argument, message, Element::option); }
 
 }  // namespace
@@ -98,6 +106,9 @@ void add_reading_options(CLI::App& app, ReadingOptions& options) {
         {{"ears", io::Triangulation::ears}, {"fan", io::Triangulation::fan}},
         "How polygons become triangles: concave ones without overlaps (ears, the default), or all from their first "
         "corner (fan)");
+    add_choice<io::Unit, io::Unit>(app, "--unit", options.unit, units(),
+                                   "Unit of the coordinates: files that do not say theirs, all but .3mf and glTF, are "
+                                   "taken for it, and those in another unit are converted");
     app.add_flag("--strict", options.strict, "What would be a warning about a file is an error");
 }
 

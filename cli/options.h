@@ -27,6 +27,7 @@ struct ReadingOptions {
     io::Precision precision = io::Precision::automatic;
     io::Triangulation triangulation = io::Triangulation::ears;
     bool strict = false;
+    io::Unit unit = io::Unit::unknown;
     bool lines_and_points = false;  ///< no option: questions about features read them
 };
 

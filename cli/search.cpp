@@ -6,6 +6,7 @@
 #include <iostream>
 #include <utility>
 
+#include "cli/common_unit.h"
 #include "cli/terminal.h"
 #include "cli/threads.h"
 #include "cli/topology.h"
@@ -84,11 +85,19 @@ io::ReadOptions read_options(const ReadingOptions& options) {
             .weld = weld,
             .triangulation = options.triangulation,
             .strict = options.strict,
-            .lines_and_points = options.lines_and_points};
+            .lines_and_points = options.lines_and_points,
+            .unit = options.unit};
 }
 
 io::TriangleMesh read_mesh(const std::string& path, const ReadingOptions& options) {
     return read(path, read_options(options));
+}
+
+void bring_to_one_unit(const std::string& file, io::TriangleMesh& mesh, const std::string& second_file,
+                       io::TriangleMesh& second, const ReadingOptions& options) {
+    CommonUnit unit(options.strict);
+    unit.apply(file, mesh);
+    unit.apply(second_file, second);
 }
 
 Input read_input(const std::vector<std::string>& files, const AnswerOptions& options) {
@@ -101,6 +110,7 @@ Input read_input(const std::vector<std::string>& files, const AnswerOptions& opt
     if (files.size() > 1) {
         input.name += ", " + files[1];
         input.second = read_with_groups(files[1], how);
+        bring_to_one_unit(files[0], input.first, files[1], *input.second, options);
     }
     if (source == GroupSource::components) group_by_components(input);
     if (source == GroupSource::file) group_by_file(input, options.groups);
@@ -170,6 +180,7 @@ MovingInput read_moving_input(const std::string& start, const std::string& end, 
     check_standard_input({start, end});
     const AnswerOptions reading = reading_of_motion(options);
     MovingInput input{read_input({start}, reading), read_mesh(end, reading)};
+    bring_to_one_unit(start, input.start.first, end, input.end, options);
     check_same_faces(input.start, end, input.end);
     input.start.name += " to " + end;
     return input;

@@ -34,6 +34,10 @@ io::ReadOptions read_options(const ReadingOptions& options);
 /// Reads a file, or standard input for `-`, and prints what is odd about it. Throws Error that names file and place.
 io::TriangleMesh read_mesh(const std::string& path, const ReadingOptions& options);
 
+/// Brings the second mesh to the unit of the first, and says so.
+void bring_to_one_unit(const std::string& file, io::TriangleMesh& mesh, const std::string& second_file,
+                       io::TriangleMesh& second, const ReadingOptions& options);
+
 /// Reads one file or two. Throws Error that names the file and the place.
 Input read_input(const std::vector<std::string>& files, const AnswerOptions& options);
 

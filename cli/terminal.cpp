@@ -63,6 +63,7 @@ void print_line(std::string_view title, fmt::terminal_color colour, std::string_
 
 void print_error(std::string_view message) { print_line("crumple:", fmt::terminal_color::red, message); }
 
+void print_note(std::string_view message) { print_line("crumple: note:", fmt::terminal_color::cyan, message); }
 void print_warning(std::string_view message) { print_line("crumple: warning:", fmt::terminal_color::yellow, message); }
 
 fmt::text_style on_terminal(int stream, fmt::text_style style) {

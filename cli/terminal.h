@@ -36,6 +36,8 @@ void say(fmt::text_style style, fmt::format_string<Args...> format, Args&&... ar
 
 /// `crumple: message` in one line on standard error.
 void print_error(std::string_view message);
+/// `crumple: note: message` in one line on standard error.
+void print_note(std::string_view message);
 /// `crumple: warning: message` in one line on standard error.
 void print_warning(std::string_view message);
 

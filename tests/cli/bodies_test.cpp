@@ -20,7 +20,7 @@ class Bodies : public Cli {
     std::string list(const std::string& arguments) const {
         const Outcome outcome = crumple("detect --groups bodies " + arguments);
         EXPECT_EQ(outcome.status, 0) << arguments;
-        EXPECT_EQ(outcome.err, "") << arguments;
+        EXPECT_TRUE(tells_emptiness(outcome)) << arguments << outcome.err;
         return outcome.out;
     }
     void expect_refused(const std::string& arguments, const std::string& reason) const {
@@ -205,8 +205,26 @@ TEST_F(Bodies, PosesThatAreNoneNameTheirRowAndBody) {
 TEST_F(Bodies, AreListedByInfo) {
     const Outcome outcome = crumple("info robot.glb");
     EXPECT_EQ(outcome.status, 0) << outcome.err;
-    EXPECT_TRUE(contains(outcome.out, "bodies                4\nshapes                1\ntriangles             16\n"));
-    EXPECT_TRUE(contains(outcome.out, "body 3                far away: shape 0, 4 triangles\n")) << outcome.out;
+    EXPECT_TRUE(contains(outcome.out,
+                         "bodies                4\nshapes                1\ntriangles             16\n"
+                         "unit                  m\n"));
+    const std::string last = outcome.out.substr(outcome.out.find("body 3 "));
+    EXPECT_TRUE(contains(last, "body 3                far away\nshape                 0\n")) << last;
+    EXPECT_TRUE(contains(last, "closed                yes\nvolume                0.166667 m^3\n")) << last;
+    EXPECT_EQ(crumple("info robot.glb --check").status, 0);
+}
+
+TEST_F(Bodies, AreOneMeshWithoutGroups) {
+    EXPECT_EQ(crumple("convert robot.glb robot.ply").status, 0);
+    const Outcome scene = crumple("detect robot.glb"), mesh = crumple("detect robot.ply");
+    EXPECT_EQ(scene.status, 0) << scene.err;
+    EXPECT_EQ(scene.out, mesh.out);
+    EXPECT_EQ(crumple("near robot.glb --radius 0.01").out, crumple("near robot.ply --radius 0.01").out);
+}
+
+TEST_F(Bodies, ThatDoNotCollideAreTold) {
+    EXPECT_TRUE(contains(crumple("detect robot.glb --groups bodies --exclude base,arm --exclude arm,hand").err,
+                         "nothing collides: 4 bodies"));
 }
 
 TEST_F(Bodies, WarningsAreToldAndStrictMakesThemErrors) {
@@ -221,7 +239,6 @@ TEST_F(Bodies, WarningsAreToldAndStrictMakesThemErrors) {
 
 TEST_F(Bodies, OptionsThatDoNotGoTogetherAreRefused) {
     write("poses.csv", three_configurations());
-    expect_refused("robot.glb", "robot.glb: glTF is a scene of bodies");
     expect_refused("robot.glb --exclude base,arm", "--exclude needs --groups bodies");
     expect_refused("five.off --exclude-from x", "--exclude-from needs --groups bodies");
     expect_refused("five.off --poses x", "--poses needs --groups bodies");

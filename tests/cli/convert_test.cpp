@@ -1,5 +1,6 @@
 // crumple convert: what comes out is what went in, as far as the format holds it.
 
+#include "3mf_file.h"
 #include "crumple/io.h"
 #include "run.h"
 
@@ -9,6 +10,10 @@ namespace {
 using Convert = Cli;
 
 constexpr std::string_view quad_and_triangle = "v 0 0 0\nv 0.1 0 0\nv 0.1 1 0\nv 0 1 0\nv 0 0 1\nf 1 2 3 4\nf 1 2 5\n";
+
+double second_x(const io::TriangleMesh& mesh) {
+    return std::visit([](const auto& xyz) { return double{xyz[3]}; }, mesh.vertices);
+}
 
 void expect_same(const io::TriangleMesh& mesh, const io::TriangleMesh& other) {
     EXPECT_EQ(mesh.vertices, other.vertices);
@@ -106,6 +111,35 @@ TEST_F(Convert, CompressesWhatIsNamedSo) {
     EXPECT_EQ(crumple("convert a.obj a.gz").status, 2);
 }
 
+TEST_F(Convert, KeepsTheUnitOrBringsItToAnother) {
+    write("inch.3mf", crumple::test::file_3mf(
+                          crumple::test::model_around("<resources><object id=\"1\">" + crumple::test::tetrahedron +
+                                                          "</object></resources><build><item objectid=\"1\"/></build>",
+                                                      "unit=\"inch\"")));
+    EXPECT_EQ(crumple("convert inch.3mf back.3mf").err, "4 triangles to back.3mf, unit in\n");
+    expect_same(io::read_mesh(file("back.3mf")), io::read_mesh(file("inch.3mf")));
+    EXPECT_EQ(io::read_mesh(file("back.3mf")).unit, io::Unit::inch);
+    EXPECT_EQ(crumple("convert inch.3mf mm.3mf --unit mm").status, 0);
+    EXPECT_EQ(second_x(io::read_mesh(file("mm.3mf"))), 25.4);
+    EXPECT_EQ(crumple("convert inch.3mf metres.glb").status, 0);
+    EXPECT_EQ(static_cast<float>(second_x(io::read_mesh(file("metres.glb")))), 0.0254f);
+    EXPECT_EQ(crumple("detect inch.3mf -o coloured.3mf").status, 0);
+    EXPECT_EQ(io::read_mesh(file("coloured.3mf")).unit, io::Unit::inch);
+
+    const Outcome two = crumple("detect mm.3mf inch.3mf");
+    EXPECT_TRUE(contains(two.err, "crumple: note: inch.3mf is converted from in to mm, the unit of mm.3mf")) << two.err;
+    EXPECT_NE(two.out, "");
+    EXPECT_EQ(crumple("convert inch.3mf plain.off").status, 0);
+    const std::string warning = "crumple: warning: plain.off states no unit, and inch.3mf states in:";
+    EXPECT_TRUE(contains(crumple("detect inch.3mf plain.off").err, warning));
+    EXPECT_TRUE(contains(crumple("detect plain.off inch.3mf --groups bodies").err, warning));
+    EXPECT_EQ(crumple("detect inch.3mf plain.off --strict").status, 2);
+    EXPECT_FALSE(contains(crumple("detect inch.3mf plain.off --unit in").err, "unit"));
+    EXPECT_FALSE(contains(crumple("detect plain.off plain.off").err, "unit"));
+    EXPECT_TRUE(contains(crumple("info inch.3mf").out, "unit                  in\n"));
+    EXPECT_EQ(crumple("convert inch.3mf x.3mf --unit miles").status, 2);
+}
+
 TEST_F(Convert, TellsWhatIsOdd) {
     write("a.obj", std::string(quad_and_triangle) + "hello 1\n");
     EXPECT_TRUE(contains(crumple("convert a.obj a.ply").err, "'hello'"));
@@ -120,9 +154,9 @@ TEST_F(Convert, RefusesWhatItCannotWrite) {
         EXPECT_EQ(outcome.status, 2) << arguments;
         EXPECT_TRUE(is_error_line(outcome.err) && contains(outcome.err, reason)) << outcome.err;
     };
-    for (const char* const name : {"a.glb", "a.html", "a.txt", "a"})
-        expect_refused(std::string("a.obj ") + name, ".ply, .obj, .stl, .off or .3mf");
-    expect_refused("a.obj - --format glb", ".ply, .obj, .stl, .off or .3mf");
+    for (const char* const name : {"a.html", "a.txt", "a"})
+        expect_refused(std::string("a.obj ") + name, ".ply, .obj, .stl, .off, .glb or .3mf");
+    expect_refused("a.obj - --format html", ".ply, .obj, .stl, .off, .glb or .3mf");
     expect_refused("a.obj -", "--format");
     expect_refused("a.obj b.ply --format ply", "--format");
     expect_refused("a.obj ./a.obj", "the file that is read");

@@ -15,11 +15,11 @@ class Detect : public Cli {
         write("two.off", two_off);
         write("near.off", near_off);
     }
-    /// Standard output of a run that succeeds and says nothing else.
+    /// Standard output of a run that succeeds, and says nothing else unless it is empty.
     std::string pairs(const std::string& arguments) const {
         const Outcome outcome = crumple("detect " + arguments);
         EXPECT_EQ(outcome.status, 0) << arguments;
-        EXPECT_EQ(outcome.err, "") << arguments;
+        EXPECT_TRUE(tells_emptiness(outcome)) << arguments << ": " << outcome.err;
         return outcome.out;
     }
     /// Standard error of a run that succeeds and prints no pairs: one line.
@@ -252,7 +252,7 @@ TEST_F(Detect, WarnsInALineEach) {
     write("odd.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nseam 1 2\nseam 2 3\n");
     const Outcome outcome = crumple("detect odd.obj");
     EXPECT_EQ(outcome.status, 0);
-    EXPECT_EQ(outcome.err,
+    EXPECT_EQ(outcome.err.substr(0, outcome.err.find("nothing collides: 0 triangles")),
               "crumple: warning: odd.obj, line 4: the unknown statement 'seam' is skipped, and 1 more like it\n"
               "crumple: warning: odd.obj: it holds no triangles\n");
     EXPECT_EQ(crumple("info odd.obj --strict").status, 2);

@@ -33,6 +33,14 @@ inline bool is_error_line(const std::string& text) {
     return text.starts_with("crumple: ") && std::count(text.begin(), text.end(), '\n') == 1 && text.back() == '\n';
 }
 
+/// What a run says that has nothing to list: one line, "nothing collides: ..." or "no candidates: ...". Nothing if it
+/// lists something.
+inline bool tells_emptiness(const Outcome& outcome) {
+    if (!outcome.out.empty()) return outcome.err.empty();
+    return (outcome.err.starts_with("nothing ") || outcome.err.starts_with("no candidates: ")) &&
+           std::count(outcome.err.begin(), outcome.err.end(), '\n') == 1;
+}
+
 /// A folder of its own to work in, removed at the end.
 class Cli : public testing::Test {
    protected:
