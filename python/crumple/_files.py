@@ -25,8 +25,11 @@ def read_mesh(
     group_property: str = "",
     triangulation: Literal["ears", "fan"] = "ears",
     strict: bool = False,
+    unit: Literal["um", "mm", "cm", "in", "ft", "m"] | None = None,
 ) -> FileMesh:
-    """Reads PLY, OBJ, STL, OFF or 3MF, told apart by content first and extension second.
+    """Reads PLY, OBJ, STL, OFF, glTF or 3MF, told apart by content first and extension second.
+
+    Of glTF and 3MF all bodies, where they are, are one mesh; read_world keeps them apart.
 
     Args:
         path: the file.
@@ -36,27 +39,31 @@ def read_mesh(
         triangulation: how polygons become triangles. "ears": convex ones as a fan, concave ones without overlaps;
             "fan": all from their first corner.
         strict: raise InvalidInput for what would be a FileWarning.
+        unit: of the coordinates: files that do not say theirs, all but .3mf and glTF, are taken for it, and those in
+            another unit are converted, each coordinate rounded once. None: as the file has it.
 
     Returns a FileMesh of (n, 3) float32 or float64, (m, 3) int32 and, if asked for, (m,) int32; it is a Mesh that also
-    names the polygon of each triangle. Issues a FileWarning for anything odd about the file. Raises FileError, and
+    names the polygon of each triangle and the unit. Issues a FileWarning for anything odd about the file. Raises FileError, and
     InvalidInput that names the file and the line or byte; never returns part of a mesh. Reads hundreds of MB a second;
     Ctrl-C waits until it is done. docs/input.md tells what the readers accept, warn of and refuse.
     """
-    (vertices, faces, groups, polygons), odd = _core.read_mesh(
-        path, precision, weld, group_property, triangulation, strict
+    (vertices, faces, groups, polygons), odd, unit_of_file = _core.read_mesh(
+        path, precision, weld, group_property, triangulation, strict, unit
     )
     for message in odd:
         warnings.warn(message, FileWarning, stacklevel=3)  # points at the caller, beyond `suggesting`
     mesh = FileMesh(vertices, faces, groups)
     if polygons is not None:
         mesh.polygons = Polygons(*polygons)
+    mesh.unit = unit_of_file
     return mesh
 
 
 def write_mesh(path: str | os.PathLike[str], mesh: Any) -> None:
-    """Writes .ply, .obj, .stl, .off or .3mf by extension. `mesh` is what as_mesh takes, with arrays on the host.
+    """Writes .ply, .obj, .stl, .off, .glb or .3mf by extension. `mesh` is what as_mesh takes, with arrays on the host.
 
-    Coordinates keep every bit, except in .stl, which holds float32; .ply keeps groups, as the face property `group`.
+    Coordinates keep every bit, except in .stl and .glb, which hold float32; .ply keeps groups, as the face property
+    `group`. .3mf keeps the unit of a FileMesh, and .glb, which is in metres, its size; the others have no unit.
     Raises FileError, InvalidInput; the file then stays as it was. Ctrl-C waits until the file is written.
     """
     _core.write_mesh(path, as_mesh(mesh))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
+from . import _core
 from ._errors import InvalidInput, InvalidType
 
 
@@ -43,9 +44,11 @@ class FileMesh(Mesh):
 
     Attributes:
         polygons: the file's Polygons, or None where each of its faces is a triangle.
+        unit: of the coordinates, "um", "mm", "cm", "in", "ft" or "m"; None if the file does not say.
     """
 
     polygons: Polygons | None = None
+    unit: str | None = None
 
 
 def as_mesh(mesh: Any) -> Mesh:
@@ -54,8 +57,8 @@ def as_mesh(mesh: Any) -> Mesh:
     Takes a Mesh, a tuple (vertices, faces) or (vertices, faces, groups), and meshes of
 
     - trimesh: Trimesh
-    - meshio: Mesh; triangles, and quadrilaterals split in two, in the order of its cells; vertices and lines,
-      higher-order ones too, bound nothing and are left out
+    - meshio: Mesh; triangles, and quadrilaterals cut in two as read_mesh cuts them (concave ones without overlap), in
+      the order of its cells; vertices and lines, higher-order ones too, bound nothing and are left out
     - Open3D: geometry.TriangleMesh and t.geometry.TriangleMesh
     - PyVista: PolyData of triangles
 
@@ -90,7 +93,12 @@ def soup_of(vertices: Any, faces: Any = None, groups: Any = None) -> Mesh:
     if faces is not None:
         return Mesh(vertices, faces, groups)
     mesh = as_mesh(vertices)
-    return mesh if groups is None else mesh._replace(groups=groups)
+    if groups is None:
+        return mesh
+    grouped = mesh._replace(groups=groups)
+    if isinstance(mesh, FileMesh) and isinstance(grouped, FileMesh):
+        grouped.polygons, grouped.unit = mesh.polygons, mesh.unit
+    return grouped
 
 
 def listing_of(vertices: Any, faces: Any, groups: Any, edges: Any, points: Any) -> Mesh:
@@ -135,20 +143,23 @@ def _from_pyvista(mesh: Any) -> Mesh:
 def _from_meshio(mesh: Any) -> Mesh:
     import numpy as np
 
+    points = np.asarray(mesh.points)
+    if points.dtype.kind in "iu":
+        points = points.astype(np.float64)
     blocks = []
     for block in mesh.cells:  # in their order; cells_dict gathers cells by type
         kind, cells = block.type, block.data
         if kind == "triangle":
             blocks.append(cells)
         elif kind == "quad":
-            blocks.append(cells[:, [[0, 1, 2], [0, 2, 3]]].reshape(-1, 3))
+            if points.shape[1:] != (3,):
+                raise InvalidInput(f"the meshio mesh has points of shape {points.shape}, not (n, 3)")
+            places = np.ascontiguousarray(points, np.float64)
+            blocks.append(_core.cut_quadrilaterals(places, np.ascontiguousarray(cells, np.int64)))
         elif kind != "vertex" and not kind.startswith("line"):
             raise InvalidInput(
                 f"the meshio mesh has cells of type {kind}: extract its surface, or pass "
                 "(mesh.points, mesh.cells_dict['triangle'])"
             )
     faces = blocks[0] if len(blocks) == 1 else np.concatenate([np.empty((0, 3), np.int64), *blocks])
-    points = np.asarray(mesh.points)
-    if points.dtype.kind in "iu":
-        points = points.astype(np.float64)
     return Mesh(points, faces)

@@ -36,6 +36,7 @@ def read_world(
     weld: Literal["automatic", "yes", "no"] = "automatic",
     triangulation: Literal["ears", "fan"] = "ears",
     strict: bool = False,
+    unit: Literal["um", "mm", "cm", "in", "ft", "m"] | None = None,
 ) -> World:
     """Reads glTF 2.0 (.glb, .gltf) as a World: each node of the default scene that has a mesh is a body.
 
@@ -45,13 +46,17 @@ def read_world(
     an object around it, or `object 7`. Any other mesh file is a world of one body in place. Shapes are read-only arrays
     that detectors remember.
 
-    Arguments, errors and warnings as of read_mesh; docs/input.md tells what is read, skipped and refused.
+    World.unit is that of the file. Arguments, errors and warnings as of read_mesh; docs/input.md tells what is read, skipped and refused.
     """
-    shapes, bodies, names, poses, odd = _core.read_world(path, precision, weld, triangulation, strict)
+    shapes, bodies, names, poses, odd, unit_of_file = _core.read_world(
+        path, precision, weld, triangulation, strict, unit
+    )
     for message in odd:
         warnings.warn(message, FileWarning, stacklevel=3)  # points at the caller, beyond `suggesting`
     made = [_constant_shape(Mesh(*shape[:3]), f"shape {i}: ") for i, shape in enumerate(shapes)]
-    return World(made, bodies, poses=poses, names=names)
+    world = World(made, bodies, poses=poses, names=names)
+    world.unit = unit_of_file
+    return world
 
 
 def read_poses(path: str | os.PathLike[str], bodies: World | int | Sequence[str] = 1) -> NDArray[np.float64]:

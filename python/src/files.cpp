@@ -1,5 +1,6 @@
 #include "files.h"
 
+#include <array>
 #include <cstring>
 #include <optional>
 #include <system_error>
@@ -18,6 +19,7 @@
 #include "crumple/io.h"
 #include "detector.h"
 #include "gil.h"
+#include "io/triangulate.h"
 #include "names.h"
 #include "scenes/scenes.h"
 #include "signals.h"
@@ -77,6 +79,12 @@ std::vector<To> rows(const ArrayView<Type>& view) {
 
 }  // namespace
 
+io::Unit unit_of(nb::handle unit) { return unit.is_none() ? io::Unit::unknown : named(unit_names, "unit", unit); }
+
+nb::object name_of_unit(io::Unit unit) {
+    return unit == io::Unit::unknown ? nb::none() : nb::object(nb::str(io::name_of(unit)));
+}
+
 io::TriangleMesh copy_of(const MeshView& view) {
     if (view.memory != MemorySpace::host)
         refuse(std::string("vertices lie in CUDA memory, but are wanted in the host's: ") + copy_to_host);
@@ -103,10 +111,20 @@ io::TriangleMesh copy_of(const MeshView& view) {
 
 namespace {
 
+// Units of two meshes, which those that were read from files know.
+std::pair<io::Unit, io::Unit> units_of(const nb::tuple& first, const std::optional<nb::tuple>& second) {
+    const auto unit = [](nb::handle mesh) { return unit_of(nb::getattr(mesh, "unit", nb::none())); };
+    return {unit(first), second ? unit(*second) : io::Unit::unknown};
+}
+
 // The meshes of a result, for those who draw them.
 struct CopiedMeshes {
-    explicit CopiedMeshes(const BorrowedMeshes& borrowed) : first(copy_of(borrowed.first.view())) {
-        if (borrowed.second) second = copy_of(borrowed.second->view());
+    CopiedMeshes(const BorrowedMeshes& borrowed, std::pair<io::Unit, io::Unit> units)
+        : first(copy_of(borrowed.first.view())) {
+        first.unit = units.first;
+        if (!borrowed.second) return;
+        second = copy_of(borrowed.second->view());
+        second->unit = units.second;
     }
     const io::TriangleMesh* second_or_null() const { return second ? &*second : nullptr; }
     io::TriangleMesh first;
@@ -137,16 +155,48 @@ int last_frame(std::string_view scene) {
 
 }  // namespace
 
+// Triangles of quadrilaterals, as the readers of files cut them: (2k, 3) for (k, 4). One that crosses itself, or names
+// what is not there or not finite, is fanned; a search tells of the latter.
+nb::object cut_quadrilaterals(
+    const nb::ndarray<const double, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>& points,
+    const nb::ndarray<const std::int64_t, nb::shape<-1, 4>, nb::c_contig, nb::device::cpu>& quads) {
+    import_numpy();
+    const auto triangles = new std::vector<std::int64_t>;
+    const nb::capsule owner(triangles, [](void* p) noexcept { delete static_cast<std::vector<std::int64_t>*>(p); });
+    triangles->reserve(6 * quads.shape(0));
+    io::Triangulator triangulator;
+    std::vector<std::int32_t> ears;
+    for (std::size_t q = 0; q < quads.shape(0); ++q) {
+        std::array<Vec3d, 4> corners;
+        bool sound = true;
+        for (std::size_t k = 0; k < 4; ++k) {
+            const auto v = static_cast<std::size_t>(quads(q, k));
+            sound = sound && v < points.shape(0);
+            if (sound) corners[k] = {points(v, 0), points(v, 1), points(v, 2)};
+            sound = sound && all_finite(corners[k]);
+        }
+        ears.clear();
+        if (sound) triangulator.cut(corners, ears);
+        if (ears.empty()) ears = {0, 1, 2, 0, 2, 3};
+        for (const std::int32_t k : ears) triangles->push_back(quads(q, static_cast<std::size_t>(k)));
+    }
+    return nb::cast(nb::ndarray<nb::numpy, std::int64_t>(triangles->data(), {triangles->size() / 3, 3}, owner));
+}
+
 void bind_files(nb::module_& module) {
+    module.def("cut_quadrilaterals", cut_quadrilaterals, "points"_a, "quads"_a);
     module.def(
         "read_mesh",
         [](nb::handle path, nb::handle precision, nb::handle weld, nb::handle group_property, nb::handle triangulation,
-           nb::handle strict) {
+           nb::handle strict, nb::handle unit) {
             const Path from = python::path("path", path);
-            const io::ReadOptions options{
-                named(precision_names, "precision", precision), named(weld_names, "weld", weld),
-                std::string(text("group_property", group_property)),
-                named(triangulation_names, "triangulation", triangulation), flag("strict", strict)};
+            const io::ReadOptions options{named(precision_names, "precision", precision),
+                                          named(weld_names, "weld", weld),
+                                          std::string(text("group_property", group_property)),
+                                          named(triangulation_names, "triangulation", triangulation),
+                                          flag("strict", strict),
+                                          false,
+                                          unit_of(unit)};
             io::TriangleMesh mesh;
             {
                 const WithoutGil released;
@@ -154,17 +204,21 @@ void bind_files(nb::module_& module) {
             }
             nb::list warnings;
             for (const std::string& warning : mesh.warnings) warnings.append(shown(warning));
-            return nb::make_tuple(give(std::move(mesh)), warnings);
+            const nb::object of = name_of_unit(mesh.unit);
+            return nb::make_tuple(give(std::move(mesh)), warnings, of);
         },
         "path"_a.none(), "precision"_a.none(), "weld"_a.none(), "group_property"_a.none(), "triangulation"_a.none(),
-        "strict"_a.none());
+        "strict"_a.none(), "unit"_a.none());
     module.def(
         "write_mesh",
         [](nb::handle path, const nb::tuple& mesh) {
             const Path to = python::path("path", path);
             const BorrowedMesh borrowed(mesh);
+            const io::Unit unit = units_of(mesh, {}).first;
             const WithoutGil released(at_exit(to));
-            io::write_mesh(to, copy_of(borrowed.view()));
+            io::TriangleMesh copy = copy_of(borrowed.view());
+            copy.unit = unit;
+            io::write_mesh(to, copy);
         },
         "path"_a.none(), "mesh"_a);
     module.def(
@@ -172,8 +226,9 @@ void bind_files(nb::module_& module) {
         [](nb::handle path, const nb::tuple& first, const std::optional<nb::tuple>& second, const Answer& answer) {
             const Path to = python::path("path", path);
             const BorrowedMeshes meshes(first, second);
+            const auto units = units_of(first, second);
             const WithoutGil released(at_exit(to));
-            const CopiedMeshes copies(meshes);
+            const CopiedMeshes copies(meshes, units);
             io::write_coloured(to, copies.first, copies.second_or_null(), answer.collisions());
         },
         "path"_a.none(), "first"_a, "second"_a.none(), "answer"_a);
@@ -182,8 +237,9 @@ void bind_files(nb::module_& module) {
         [](const nb::tuple& first, const std::optional<nb::tuple>& second, const Answer& answer, nb::handle height) {
             const int pixels = integer<int>("height", height);
             const BorrowedMeshes meshes(first, second);
+            const auto units = units_of(first, second);
             const WithoutGil released;
-            const CopiedMeshes copies(meshes);
+            const CopiedMeshes copies(meshes, units);
             return io::to_html(copies.first, copies.second_or_null(), answer.collisions(), pixels);
         },
         "first"_a, "second"_a.none(), "answer"_a, "height"_a.none());

@@ -18,6 +18,10 @@ nanobind::tuple give(io::TriangleMesh&& mesh);
 /// What the writers take: a copy, once a file.
 io::TriangleMesh copy_of(const MeshView& view);
 
+/// The unit of a word or of None, and back.
+io::Unit unit_of(nanobind::handle unit);
+nanobind::object name_of_unit(io::Unit unit);
+
 /// Text for people: the name of a file need not be UTF-8.
 nanobind::object shown(const std::string& text);
 

@@ -66,6 +66,13 @@ inline constexpr Names<io::Triangulation, 2> triangulation_names{
 inline constexpr Names<io::Weld, 3> weld_names{
     {{"automatic", io::Weld::automatic}, {"yes", io::Weld::yes}, {"no", io::Weld::no}}};
 
+inline constexpr Names<io::Unit, 6> unit_names{{{"um", io::Unit::micrometre},
+                                                {"mm", io::Unit::millimetre},
+                                                {"cm", io::Unit::centimetre},
+                                                {"in", io::Unit::inch},
+                                                {"ft", io::Unit::foot},
+                                                {"m", io::Unit::metre}}};
+
 template <class Enum, std::size_t count>
 std::string_view name_of(const Names<Enum, count>& names, Enum value) {
     for (const auto& [name, enumerator] : names)

@@ -36,15 +36,16 @@ nb::object give(std::vector<Pose>&& poses) {
     return nb::cast(nb::ndarray<nb::numpy, double>(static_cast<void*>(shared->data()), {shared->size(), 3, 4}, owner));
 }
 
-// (meshes, index of each body's shape, names, poses), and warnings.
+// (meshes, index of each body's shape, names, poses), warnings, and the unit.
 nb::tuple read_world(nb::handle path, nb::handle precision, nb::handle weld, nb::handle triangulation,
-                     nb::handle strict) {
+                     nb::handle strict, nb::handle unit) {
     const Path from = python::path("path", path);
     io::ReadOptions options;
     options.precision = named(precision_names, "precision", precision);
     options.weld = named(weld_names, "weld", weld);
     options.triangulation = named(triangulation_names, "triangulation", triangulation);
     options.strict = flag("strict", strict);
+    options.unit = unit_of(unit);
     io::WorldMesh world;
     {
         const WithoutGil released;
@@ -60,7 +61,7 @@ nb::tuple read_world(nb::handle path, nb::handle precision, nb::handle weld, nb:
     }
     for (io::TriangleMesh& shape : world.shapes) shapes.append(python::give(std::move(shape)));
     for (const std::string& warning : world.warnings) warnings.append(shown(warning));
-    return nb::make_tuple(shapes, of, names, give(std::move(poses)), warnings);
+    return nb::make_tuple(shapes, of, names, give(std::move(poses)), warnings, name_of_unit(world.unit));
 }
 
 nb::object read_poses(nb::handle path, const std::vector<std::string>& names) {
@@ -88,6 +89,7 @@ io::WorldMesh copy_of(nb::handle world, nb::handle poses, const std::vector<std:
     result.bodies.reserve(names.size());
     for (std::size_t b = 0; b < names.size(); ++b)
         result.bodies.push_back({names[b], bodies->bodies[b].shape, placed.empty() ? Pose() : placed[b]});
+    result.unit = unit_of(nb::getattr(world, "unit", nb::none()));
     return result;
 }
 
@@ -160,7 +162,7 @@ nb::tuple posed_mesh(nb::handle world, nb::handle poses, const std::vector<std::
 
 void bind_world_files(nb::module_& module) {
     module.def("read_world", read_world, "path"_a.none(), "precision"_a.none(), "weld"_a.none(),
-               "triangulation"_a.none(), "strict"_a.none());
+               "triangulation"_a.none(), "strict"_a.none(), "unit"_a.none());
     module.def("read_poses", read_poses, "path"_a.none(), "names"_a);
     module.def("write_coloured_world", write_coloured, "path"_a.none(), "world"_a.none(), "poses"_a.none(), "names"_a,
                "bodies"_a, "pairs"_a, "contact_kinds"_a, "contact_offsets"_a, "contact_points"_a);

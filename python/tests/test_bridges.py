@@ -75,6 +75,16 @@ def test_meshio_quadrilaterals_are_split_and_other_cells_refused():
     assert crumple.as_mesh(meshio.Mesh(points, [("vertex", [[0]])])).faces.shape == (0, 3)
 
 
+def test_concave_quadrilaterals_of_meshio_are_cut_without_overlap(detector):
+    meshio = peer("meshio")
+    points = np.array([[0, 0, 0], [2, 0, 0], [0.4, 0.4, 0], [0, 2, 0]])
+    for first in range(4):
+        quad = np.roll([0, 1, 2, 3], -first)
+        assert detector.find_self(meshio.Mesh(points, [("quad", [quad])])).pairs.tolist() == []
+    crossing = crumple.as_mesh(meshio.Mesh(points[[0, 1, 3, 2]], [("quad", [[0, 1, 2, 3], [0, 1, 2, 9]])]))
+    assert crossing.faces.tolist()[2:] == [[0, 1, 2], [0, 2, 9]], "what is not there is for the search to tell"
+
+
 def test_meshio_cells_keep_their_order():
     meshio = peer("meshio")
     points = np.zeros((4, 3))

@@ -267,3 +267,29 @@ for name in ("a.html", "a.ply", "a.csv", "a.png"):
     subprocess.run([sys.executable, "-c", code], check=True)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a.csv", "a.html", "a.ply", "a.png"]
     assert all(path.read_text() == "precious" for path in tmp_path.iterdir())
+
+
+def test_units_are_read_kept_stated_and_converted(tmp_path, detector):
+    mesh = soup(20, dtype=np.float64, size=0.5)
+    crumple.write_mesh(tmp_path / "a.off", mesh)
+    assert crumple.read_mesh(tmp_path / "a.off").unit is None
+    inch = crumple.read_mesh(tmp_path / "a.off", unit="in")
+    assert inch.unit == "in" and inch.vertices.tobytes() == mesh.vertices.tobytes()
+    crumple.write_mesh(tmp_path / "a.3mf", inch)
+    back = crumple.read_mesh(tmp_path / "a.3mf")
+    assert back.unit == "in" and back.vertices.tobytes() == mesh.vertices.tobytes()
+    millimetres = crumple.read_mesh(tmp_path / "a.3mf", unit="mm")
+    assert millimetres.unit == "mm" and np.allclose(millimetres.vertices, 25.4 * mesh.vertices, rtol=1e-15, atol=0)
+    crumple.write_mesh(tmp_path / "a.glb", inch)
+    metres = crumple.read_mesh(tmp_path / "a.glb")
+    assert metres.unit == "m" and np.allclose(metres.vertices, 0.0254 * mesh.vertices[mesh.faces].reshape(-1, 3))
+    detector.find_self(inch).save(tmp_path / "hits.3mf")
+    world = crumple.read_world(tmp_path / "hits.3mf")
+    assert world.unit == "in" and pickle.loads(pickle.dumps(world)).unit == "in"
+    detector.find(world).save(tmp_path / "again.3mf")
+    assert crumple.read_mesh(tmp_path / "again.3mf").unit == "in"
+    assert crumple.read_world(tmp_path / "again.3mf", unit="mm").unit == "mm"
+    with pytest.raises(crumple.InvalidInput, match='unit must be one of "um", "mm", "cm", "in", "ft", "m", not "mile"'):
+        crumple.read_mesh(tmp_path / "a.off", unit="mile")
+    with pytest.raises(crumple.InvalidInput, match="the meshes are in different units, in and mm"):
+        detector.find_between(inch, millimetres).save(tmp_path / "two.3mf")
