@@ -1,13 +1,29 @@
 #pragma once
 
 #include <array>
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
+#include <type_traits>
 #include <vector>
 
+#include "crumple/error.h"
 #include "crumple/features.h"
+
+// Clang warns of a view that outlives the temporary array it was made of.
+#if defined(__has_cpp_attribute)
+#if __has_cpp_attribute(clang::lifetimebound)
+#define CRUMPLE_LIFETIMEBOUND [[clang::lifetimebound]]
+#elif __has_cpp_attribute(msvc::lifetimebound)
+#define CRUMPLE_LIFETIMEBOUND [[msvc::lifetimebound]]
+#endif
+#endif
+#ifndef CRUMPLE_LIFETIMEBOUND
+#define CRUMPLE_LIFETIMEBOUND
+#endif
 
 namespace crumple {
 
@@ -29,6 +45,16 @@ struct ArrayView {
 
 using VertexView = ArrayView<ScalarType>;
 using TriangleView = ArrayView<IndexType>;
+
+/// A matrix in memory that knows its strides, in elements: Eigen's Matrix, Map, Ref and blocks, row- or column-major.
+template <class Matrix>
+concept MatrixInMemory = requires(const Matrix& m) {
+    *m.data();
+    { m.rows() } -> std::convertible_to<std::int64_t>;
+    { m.cols() } -> std::convertible_to<std::int64_t>;
+    { m.rowStride() } -> std::convertible_to<std::int64_t>;
+    { m.colStride() } -> std::convertible_to<std::int64_t>;
+};
 
 /// A triangle soup that somebody else owns; nothing is copied. Any soup will do: open, non-manifold, with
 /// duplicated or degenerate triangles, several objects in one array.
@@ -58,30 +84,92 @@ struct MeshView {
              std::span<const std::int32_t> groups = {});
 
     template <class Scalar, class Index>
-    MeshView(const std::vector<std::array<Scalar, 3>>& vertices, const std::vector<std::array<Index, 3>>& triangles,
+    MeshView(const std::vector<std::array<Scalar, 3>>& vertices CRUMPLE_LIFETIMEBOUND,
+             const std::vector<std::array<Index, 3>>& triangles CRUMPLE_LIFETIMEBOUND,
              std::span<const std::int32_t> groups = {})
         : MeshView(vertices.empty() ? nullptr : vertices[0].data(), static_cast<std::int64_t>(vertices.size()),
                    triangles.empty() ? nullptr : triangles[0].data(), static_cast<std::int64_t>(triangles.size()),
                    groups) {}
+
+    /// Matrices of three columns, such as Eigen's, in the order in which they lie. Throws Error (invalid_argument) for
+    /// another number of columns.
+    template <MatrixInMemory Vertices, MatrixInMemory Triangles>
+    MeshView(const Vertices& vertices CRUMPLE_LIFETIMEBOUND, const Triangles& triangles CRUMPLE_LIFETIMEBOUND,
+             std::span<const std::int32_t> groups = {});
 };
 
 namespace detail {
-constexpr ScalarType type_of(float) { return ScalarType::float32; }
-constexpr ScalarType type_of(double) { return ScalarType::float64; }
-constexpr IndexType type_of(std::int32_t) { return IndexType::int32; }
-constexpr IndexType type_of(std::uint32_t) { return IndexType::uint32; }
-constexpr IndexType type_of(std::int64_t) { return IndexType::int64; }
+template <class T>
+constexpr auto type_of() {
+    using Number = std::remove_cv_t<T>;
+    constexpr bool scalar = std::is_same_v<Number, float> || std::is_same_v<Number, double>;
+    constexpr bool index = std::is_integral_v<Number> && !std::is_same_v<Number, bool> &&
+                           (sizeof(T) == 4 || (sizeof(T) == 8 && std::is_signed_v<Number>));
+    static_assert(scalar || index, "coordinates are float or double; indices are int32_t, uint32_t or int64_t");
+    if constexpr (std::is_same_v<Number, float>)
+        return ScalarType::float32;
+    else if constexpr (scalar)
+        return ScalarType::float64;
+    else if constexpr (sizeof(T) == 8)
+        return IndexType::int64;
+    else
+        return std::is_signed_v<Number> ? IndexType::int32 : IndexType::uint32;
+}
+
+template <class T>
+constexpr void check_scalar() {
+    static_assert(std::is_floating_point_v<T>, "vertices come first, as float or double; then the triangles' indices");
+}
+template <class T>
+constexpr void check_index() {
+    static_assert(std::is_integral_v<T>, "triangles are indices, of int32_t, uint32_t or int64_t");
+}
 }  // namespace detail
 
 /// View of `rows` contiguous rows of three values.
 template <class T>
 auto rows_of_three(const T* data, std::int64_t rows) {
-    return ArrayView<decltype(detail::type_of(T{}))>{data, rows, 3 * sizeof(T), sizeof(T), detail::type_of(T{})};
+    constexpr auto type = detail::type_of<T>();
+    return ArrayView<std::remove_const_t<decltype(type)>>{data, rows, 3 * sizeof(T), sizeof(T), type};
+}
+
+/// View of a matrix of three columns where it lies. `what` is named in the message.
+template <MatrixInMemory Matrix>
+auto rows_of(const Matrix& matrix CRUMPLE_LIFETIMEBOUND, const char* what) {
+    if (matrix.cols() != 3)
+        throw Error(ErrorCode::invalid_argument,
+                    std::string(what) + " must have 3 columns, one row each, not " + std::to_string(matrix.cols()));
+    auto view = rows_of_three(matrix.data(), matrix.rows());
+    constexpr std::int64_t size = sizeof *matrix.data();
+    view.row_stride = size * static_cast<std::int64_t>(matrix.rowStride());
+    view.column_stride = size * static_cast<std::int64_t>(matrix.colStride());
+    return view;
 }
 
 template <class Scalar, class Index>
 MeshView::MeshView(const Scalar* xyz, std::int64_t vertex_count, const Index* ijk, std::int64_t triangle_count,
                    std::span<const std::int32_t> groups)
-    : vertices(rows_of_three(xyz, vertex_count)), triangles(rows_of_three(ijk, triangle_count)), groups(groups) {}
+    : groups(groups) {
+    detail::check_scalar<Scalar>();
+    detail::check_index<Index>();
+    if constexpr (std::is_floating_point_v<Scalar> && std::is_integral_v<Index>) {
+        vertices = rows_of_three(xyz, vertex_count);
+        triangles = rows_of_three(ijk, triangle_count);
+    }
+}
+
+template <MatrixInMemory Vertices, MatrixInMemory Triangles>
+MeshView::MeshView(const Vertices& v CRUMPLE_LIFETIMEBOUND, const Triangles& t CRUMPLE_LIFETIMEBOUND,
+                   std::span<const std::int32_t> groups)
+    : groups(groups) {
+    using Scalar = std::remove_cvref_t<decltype(*v.data())>;
+    using Index = std::remove_cvref_t<decltype(*t.data())>;
+    detail::check_scalar<Scalar>();
+    detail::check_index<Index>();
+    if constexpr (std::is_floating_point_v<Scalar> && std::is_integral_v<Index>) {
+        vertices = rows_of(v, "vertices");
+        triangles = rows_of(t, "triangles");
+    }
+}
 
 }  // namespace crumple
