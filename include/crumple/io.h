@@ -84,7 +84,7 @@ CRUMPLE_API MeshFeatures features_of(const TriangleMesh& mesh);
 /// underflows becomes subnormal or zero.
 ///
 /// Throws crumple::Error (file, format) that names the file and the line or byte: truncated, hostile or absurd content,
-/// faces with fewer than three corners, indices out of range, coordinates that are not finite or overflow the
+/// indices out of range, coordinates that are not finite or overflow the
 /// precision. Error::index is then a line, counted from 1, or a byte, counted from 0. Never answers with part of a mesh
 /// that a file announces. Normals, colours and texture coordinates are skipped. What each format's reader accepts,
 /// warns of and refuses: docs/input.md.

@@ -24,7 +24,8 @@ struct Motion {
     /// Features touch where their distance is at most this: Euclidean, finite, 0 or more; in the units of the
     /// coordinates. Exact as given.
     double separation = 0;
-    /// Or at most this share, in [0, 1), of the pair's own distance at the start, if that is more.
+    /// Or at most this share, in [0, 1), of the pair's own distance at the start, if that is more. A share above 0
+    /// takes 5 to 31 times as long as 0.
     double separation_share = 0;
     bool weld = false;  ///< vertices at equal positions at the start and at the end count as one, for neighbours
     Rules rules = {};

@@ -32,8 +32,10 @@ struct Near {
     std::span<const double> radii = {};
     bool strict = false;   ///< less, not equal
     bool closest = false;  ///< also tell where they are closest: NearList::type and at
-    bool least = false;    ///< also tell each feature's least distance: Nearby::vertex_distance and so on; single mesh
-    bool weld = false;     ///< vertices at equal positions count as one, for neighbours
+    /// Also tell each feature's least distance: Nearby::vertex_distance and so on; single mesh. Pairs that `rings` or
+    /// `rest` leave out do not count, so that with these it is no bound for a step.
+    bool least = false;
+    bool weld = false;  ///< vertices at equal positions count as one, for neighbours
     /// Neighbours, which are never near: features of which two vertices are joined by a path of at most so many edges.
     /// 0: those with a common vertex. Cost: 4 bytes for each vertex and each that is as close to it, kept for the next
     /// call; some 150 bytes a vertex for 3 rings.

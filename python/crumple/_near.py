@@ -353,7 +353,8 @@ def find_near(
             "any_by_world": in which worlds; "pairs": all pairs.
         strict: distances less than the radius, or the sum of radii, not equal to it.
         closest: also tell where the features of each pair are closest.
-        least: also tell the least distance of each vertex, face and edge.
+        least: also tell the least distance of each vertex, face and edge. Pairs that `rings` or `rest` leave out do not
+            count, so that with these it is no bound for a step.
         weld: vertices at equal positions count as one: their features are neighbours.
         rings: neighbours, which are never near, are also those from one of whose vertices at most so many edges lead
             to one of the other's: Newton's topological filter. Kept while the edges stay the same.

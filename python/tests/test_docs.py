@@ -19,7 +19,14 @@ def sections(page):
             yield page, part.splitlines()[0], programs
 
 
-PAGES = ("python.md", "python_coming_from.md", "worlds.md", "given_pairs.md", "coming_from_ipc_toolkit.md")
+PAGES = (
+    "python.md",
+    "python_coming_from.md",
+    "worlds.md",
+    "nearness.md",
+    "given_pairs.md",
+    "coming_from_ipc_toolkit.md",
+)
 SECTIONS = [section for page in PAGES for section in sections(page)]
 
 
