@@ -57,6 +57,31 @@ std::optional<std::pair<std::string, std::string>> split(std::string_view line) 
     return std::pair(words[0], words[1]);
 }
 
+/// Calls take(fields, place) for each record of CSV: fields may stand in quotes, within which a quote is doubled and a
+/// line may end. Blank lines are skipped.
+template <class Take>
+void for_each_record(const io::Source& source, Take take) {
+    const char* p = source.text_begin();
+    const auto ends_line = [&] { return p == source.end() || *p == '\n' || *p == '\r'; };
+    while (p != source.end()) {
+        const char* const place = p;
+        std::vector<std::string> fields;
+        do {
+            std::string& field = fields.emplace_back();
+            if (p != source.end() && *p == '"') {
+                for (++p; p != source.end() && (*p != '"' || (p + 1 != source.end() && p[1] == '"')); ++p) {
+                    field += *p;
+                    if (*p == '"') ++p;
+                }
+                if (p != source.end()) ++p;
+            }
+            while (!ends_line() && *p != ',') field += *p++;
+        } while (!ends_line() && *p++ == ',');
+        if (fields.size() > 1 || !fields[0].empty()) take(fields, place);
+        if (p != source.end()) ++p;
+    }
+}
+
 }  // namespace
 
 void refuse(const std::string& what) { throw Error(ErrorCode::invalid_argument, what, Element::option); }
@@ -115,7 +140,34 @@ BodyPair BodyNames::pair(const std::string& text) const {
 
 std::vector<BodyPair> BodyNames::read_pairs(const std::string& path) const {
     const io::Source source(path);
+    const std::string extension = extension_of(path);
+    const auto named = [&](const std::pair<std::string, std::string>& names, const char* place) -> BodyPair {
+        try {
+            return {require(names.first), require(names.second)};
+        } catch (const Error& error) {
+            source.fail_at_line(place, error.what());
+        }
+    };
     std::vector<BodyPair> pairs;
+    if (extension == ".csv") {
+        for_each_record(source, [&](const std::vector<std::string>& fields, const char* place) {
+            if (fields.size() != 2) source.fail_at_line(place, "two names are expected, with a comma between");
+            if (place != source.text_begin() || fields != std::vector<std::string>{"first", "second"})
+                pairs.push_back(named({fields[0], fields[1]}, place));
+        });
+        return pairs;
+    }
+    if (extension == ".json") {
+        const auto json = nlohmann::json::parse(source.text_begin(), source.end(), nullptr, false);
+        if (!json.is_object() || !json.contains("pairs") || !json["pairs"].is_array())
+            source.fail_at_byte(source.begin(), "an object with a list of pairs of names is expected");
+        for (const auto& pair : json["pairs"]) {
+            if (!pair.is_array() || pair.size() != 2 || !pair[0].is_string() || !pair[1].is_string())
+                source.fail_at_byte(source.begin(), "the list 'pairs' holds what is no pair of names");
+            pairs.push_back(named({pair[0].get<std::string>(), pair[1].get<std::string>()}, source.begin()));
+        }
+        return pairs;
+    }
     for (const char* begin = source.text_begin(); begin != source.end();) {
         const char* const end = std::find(begin, source.end(), '\n');
         const std::string_view line(begin, static_cast<std::size_t>(end - begin));
@@ -123,11 +175,7 @@ std::vector<BodyPair> BodyNames::read_pairs(const std::string& path) const {
         if (first != line.end() && *first != '#') {
             const auto names = split(line);
             if (!names) source.fail_at_line(begin, "two names are expected, with a tab between");
-            try {
-                pairs.push_back({require(names->first), require(names->second)});
-            } catch (const Error& error) {
-                source.fail_at_line(begin, error.what());
-            }
+            pairs.push_back(named(*names, begin));
         }
         begin = end == source.end() ? end : end + 1;
     }

@@ -26,8 +26,9 @@ class BodyNames {
     /// "A,B" as `--exclude` has it; commas in names are seen through. Throws Error (invalid_argument) that suggests a
     /// name for one that is unknown.
     BodyPair pair(const std::string& text) const;
-    /// Two names a line, with a tab between or, where no name has blanks, with blanks; quoted as `quoted` does. Blank
-    /// lines and comments (#) are skipped. Throws Error that names the line.
+    /// A list that detect has written, .csv or .json by extension. Any other is text: two names a line, with a tab
+    /// between or, where no name has blanks, with blanks; quoted as `quoted` does. Blank lines and comments (#) are
+    /// skipped. Throws Error that names the line.
     std::vector<BodyPair> read_pairs(const std::string& path) const;
 
     const std::vector<std::string>& list() const { return names_; }
