@@ -52,7 +52,7 @@ void measure_worlds(int count, const Options& options, int frames, Table& table,
     std::vector<Body> bodies;
     std::vector<Pose> poses(2 * static_cast<std::size_t>(count));
     for (int w = 0; w < count; ++w) {
-        bodies.insert(bodies.end(), 2, {.shape = 0, .world = w, .self = false});
+        bodies.insert(bodies.end(), 2, {.shape = 0, .world = w});
         poses[bodies.size() - 1].rows[3] = 4 * reach * w / count;
     }
     const World world{shapes, bodies, poses};

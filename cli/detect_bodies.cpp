@@ -65,13 +65,14 @@ struct Scene {
         excluded.insert(excluded.end(), more.begin(), more.end());
     }
 
-    /// In `count` configurations, each a world, whose bodies follow those of the one before.
+    /// In `count` configurations, each a world, whose bodies follow those of the one before. --wanted says whether
+    /// pairs within a body count, and --exclude A,A switches them off for one.
     std::vector<Body> bodies(std::size_t count) const {
         std::vector<Body> result;
         result.reserve(count * mesh.bodies.size());
         for (std::size_t c = 0; c < count; ++c)
             for (const io::NamedBody& body : mesh.bodies)
-                result.push_back({.shape = body.shape, .world = static_cast<std::int32_t>(c)});
+                result.push_back({.shape = body.shape, .world = static_cast<std::int32_t>(c), .self = true});
         for (const BodyPair& pair : excluded)
             for (std::size_t c = 0; c < count && pair.first == pair.second; ++c)
                 result[c * mesh.bodies.size() + static_cast<std::size_t>(pair.first)].self = false;

@@ -316,7 +316,7 @@ decltype(auto) Search::between(const Input& input, Ask ask) {
         if (!input.second) return ask(first.view());
         const ListedView second(*input.second);
         const Shape shapes[] = {Shape(first.view()), Shape(second.view())};
-        const Body bodies[] = {{.shape = 0, .self = false}, {.shape = 1, .self = false}};
+        const Body bodies[] = {{.shape = 0}, {.shape = 1}};
         return ask(World{shapes, bodies, {}});
     });
 }

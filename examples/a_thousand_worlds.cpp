@@ -55,7 +55,7 @@ int main() {
     std::mt19937 random(1);
     for (std::int32_t world = 0; world < worlds; ++world)
         for (std::int32_t i = 0; i < rings; ++i) {
-            bodies.push_back({.shape = 0, .world = world, .self = false});
+            bodies.push_back({.shape = 0, .world = world});
             poses.push_back(random_pose(random, 3.5));
         }
 

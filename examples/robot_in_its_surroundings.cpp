@@ -81,14 +81,14 @@ int main() {
             const auto body = static_cast<std::int32_t>(bodies.size());
             // A link begins where the last one ends: these two may touch.
             if (i > 0) question.rules.excluded_bodies.push_back({body - 1, body});
-            bodies.push_back({.shape = 0, .world = c, .self = false});
+            bodies.push_back({.shape = 0, .world = c});
             poses.push_back(pose);
             pose = joint(pose, 0, angle(1.5), length);
         }
     }
     for (std::int32_t i = 0; i < posts; ++i) {
         const double around = 2 * std::numbers::pi * i / posts;
-        bodies.push_back({.shape = 1, .group = 1, .world = -1, .self = false});
+        bodies.push_back({.shape = 1, .group = 1, .world = -1});
         poses.push_back({{1, 0, 0, 1.5 * std::cos(around), 0, 1, 0, 1.5 * std::sin(around), 0, 0, 1, -0.5}});
     }
     question.rules.excluded_groups = {{1, 1}};  // posts among themselves

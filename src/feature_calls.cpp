@@ -32,7 +32,7 @@ const Answer& WorldCalls::find_there(const DeviceShape& mesh, const Question& qu
 template <class Question, class Answer>
 const Answer& WorldCalls::find_of_mesh(const MeshView& mesh, const Shape& shape, const Question& question,
                                        Answer& answer, std::stop_token stop) {
-    const Body body;
+    const Body body{.self = true};
     const auto find_here = [&](const Shape& here) -> const Answer& {
         return find_features({{&here, 1}, {&body, 1}, {}, {}}, question, false, answer, std::move(stop));
     };

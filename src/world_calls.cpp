@@ -5,6 +5,7 @@
 #include "base/stopwatch.h"
 #include "engine/reference/nearest.h"
 #include "engine/reference/worlds.h"
+#include "model/lone_bodies.h"
 #include "model/part_centres.h"
 
 namespace crumple {
@@ -83,7 +84,7 @@ template <class Question>
 std::vector<Part> WorldCalls::partition_shape(const Shape& shape, const Question& question, int count,
                                               std::stop_token stop) {
     std::vector<Part> parts;
-    const Body body;
+    const Body body{.self = true};
     const World world{{&shape, 1}, {&body, 1}, {}, {}};
     const auto attempt = [&] {
         check(count >= 1 && count <= max_parts, "the number of parts must be 1 to 262144");
@@ -137,20 +138,20 @@ Statistics WorldCalls::stream_candidates(const World& world, TakeCandidates take
 Statistics WorldCalls::stream_impacts(const MeshView& mesh, const VertexView& end, TakeImpacts take,
                                       const Motion& question, const Streaming& how, std::stop_token stop) {
     const Shape shape = moving_shape(mesh, end);
-    const Body body;
+    const Body body{.self = true};
     return stream_features({{&shape, 1}, {&body, 1}, {}, {}}, question, false, {how, take}, impacts, std::move(stop));
 }
 Statistics WorldCalls::stream_near(const MeshView& mesh, TakeNearby take, const Near& question, const Streaming& how,
                                    std::stop_token stop) {
     const Shape shape = with_radii_and_rest(host_shape(mesh), question);
-    const Body body;
+    const Body body{.self = true};
     return stream_features({{&shape, 1}, {&body, 1}, {}, {}}, question, false, {how, take}, nearby, std::move(stop));
 }
 Statistics WorldCalls::stream_candidates(const MeshView& mesh, const VertexView* end, TakeCandidates take,
                                          const CandidateQuestion& question, const Streaming& how,
                                          std::stop_token stop) {
     const Shape shape = end ? moving_shape(mesh, *end) : host_shape(mesh);
-    const Body body;
+    const Body body{.self = true};
     return stream_features({{&shape, 1}, {&body, 1}, {}, {}}, question, false, {how, take}, candidates,
                            std::move(stop));
 }
@@ -161,6 +162,7 @@ const NearestBodies& WorldCalls::find_nearest(const World& world, const Nearest&
     const auto attempt = [&] {
         check(working != Backend::cuda, "distances of bodies need the cpu backend (Options::backend)");
         check_question(question);
+        check_bodies_have_triangles(world, question.rules, false, "distances of bodies are those of triangles");
         const PosedOnHost there(*backend, world);
         if (working == Backend::reference)
             find_nearest_by_brute_force(there.world(), question, meter, cancellation, nearest_bodies);
@@ -235,6 +237,7 @@ void WorldCalls::refuse(const char* message) {
 }
 
 void WorldCalls::search(const World& world, const Intersect& question, const WorldBlocks* blocks) {
+    check_bodies_have_triangles(world, question.rules, true, "only triangles intersect");
     if (!blocks && working == Backend::cuda && lies_on_device(world) && found_on_device(world, question)) return;
     const PosedOnHost there(*backend, world);
     if (working == Backend::reference)

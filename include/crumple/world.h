@@ -84,7 +84,7 @@ struct Body {
     std::int32_t group = 0;  ///< of its triangles, where the shape has no groups of its own
     /// Bodies of different worlds never meet; -1: in all worlds. Answers have an entry for each id up to the largest.
     std::int32_t world = 0;
-    bool self = true;  ///< whether pairs within the body are wanted
+    bool self = false;  ///< whether pairs within the body are wanted, as of a deformable one
 };
 
 /// Bodies, and where they are. World ids ascend over the bodies, and those that are in all worlds (-1) come last.

@@ -49,7 +49,9 @@ class FeatureResult(PairLists):
     def _check_listed(self, name: str) -> None:
         of_world = self._answer.of_world
         if name in _OF_THE_WHOLE and self._answer.of_part:
-            raise InvalidInput(f"{name} is told of a whole mesh, but this was asked of a part, which knows its edge_ids")
+            raise InvalidInput(
+                f"{name} is told of a whole mesh, but this was asked of a part, which knows its edge_ids"
+            )
         if name in _BODIES and not of_world:
             raise InvalidInput(f"{name} are those of a world, but this was asked of one mesh")
         if name in _INDEX and of_world:

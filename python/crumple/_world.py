@@ -42,6 +42,13 @@ def _number_of(name: Any) -> int:
     return number
 
 
+def name_of_number(number: int) -> str | int | None:
+    """The name that a number stands for; None: a shape's own, which has no other."""
+    if number < _FIRST_OWN:
+        return number
+    return next((name for name, known in _numbers.items() if known == number), None)
+
+
 class Shape(_core.Shape):
     """Triangles, and edges and points, that bodies are made of. Nothing is copied.
 
@@ -178,7 +185,7 @@ class Body(NamedTuple):
     pose: Any = None
     group: int = 0
     world: int = 0
-    self_collisions: bool = True
+    self_collisions: bool = False
     name: str = ""
     end_pose: Any = None
 
@@ -204,11 +211,17 @@ class World(_core.World):
             is posed at the start to where it is posed at the end. None: as `poses`.
 
     `world.poses = poses` and `world.end_poses = poses` cost next to nothing; all else stays as it is.
-    `len(world)` is the number of bodies. Raises InvalidInput, which names the argument; what only the whole tells, such
-    as world ids out of order, a search refuses.
+    `len(world)` is the number of bodies. Raises InvalidInput, which names the argument; what is wrong with arrays
+    of shapes, which are only read by a search, that search refuses.
 
     What is answered, and what a posed vertex is to the bit: docs/worlds.md.
+
+    Attributes:
+        unit: of the coordinates, "um", "mm", "cm", "in", "ft" or "m", as read_world found it; None: unknown. Pictures
+            and files that Result.save writes keep it.
     """
+
+    unit: str | None = None
 
     @suggesting
     def __init__(
@@ -219,7 +232,7 @@ class World(_core.World):
         poses: Any = None,
         groups: Any = None,
         worlds: Any = None,
-        self_collisions: Any = True,
+        self_collisions: Any = False,
         names: Iterable[str] | None = None,
         end_poses: Any = None,
     ) -> None:
@@ -232,7 +245,7 @@ class World(_core.World):
         made = tuple(shape_of(shape, f"shape {i}: ") for i, shape in enumerate(shapes))
         if isinstance(bodies, Sequence) and len(bodies) and all(isinstance(body, Body) for body in bodies):
             given = (poses, groups, worlds, names, end_poses)
-            if any(column is not None for column in given) or self_collisions is not True:
+            if any(column is not None for column in given) or self_collisions is not False:
                 raise InvalidInput("poses, groups, worlds, self_collisions and names are those of each crumple.Body")
             poses, groups, worlds, self_collisions, names, end_poses = columns.of_bodies(bodies)
             bodies = columns.shapes_of(made, bodies)
@@ -242,6 +255,8 @@ class World(_core.World):
         worlds = columns.ids(0 if worlds is None else worlds, "worlds", n)
         self_collisions = columns.flags(self_collisions, "self_collisions", n)
         all_names = columns.names(names, n)
+        columns.check_shapes(of, len(made), all_names)
+        columns.check_worlds(worlds, all_names)
         super().__init__(list(made), of, groups, worlds, self_collisions, poses, end_poses)
         self._shapes, self._names = made, all_names
         self._base: World | None = None
@@ -304,7 +319,7 @@ class World(_core.World):
             )
         made = World.__new__(World)
         made._configure(self, int(shape[0]), poses, end_poses)
-        made._shapes, made._columns, made._base = self._shapes, {}, self
+        made._shapes, made._columns, made._base, made.unit = self._shapes, {}, self, self.unit
         return made
 
     @property
@@ -429,10 +444,12 @@ class World(_core.World):
             base, moving = self._base.__reduce__(), np.tile(np.eye(3, 4), (self._moving, 1, 1))
             poses = np.concatenate([moving, self._poses_at_rest])
             base_world = restore_world(*base[1][:-2], poses)
-            return restore_configurations, (base_world, poses_of(self.poses), poses_of(self.end_poses))
+            arguments = (base_world, poses_of(self.poses), poses_of(self.end_poses))
+            return restore_configurations, arguments, {"unit": self.unit} if self.unit else None
         names = ("bodies", "groups", "worlds", "self_collisions")
         columns = (self._columns[name] for name in names)
-        return restore_world, (self._shapes, *columns, self._names, poses_of(self.poses), poses_of(self.end_poses))
+        arguments = (self._shapes, *columns, self._names, poses_of(self.poses), poses_of(self.end_poses))
+        return restore_world, arguments, {"unit": self.unit} if self.unit else None
 
     def __repr__(self) -> str:
         if self._base is None:

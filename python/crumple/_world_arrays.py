@@ -80,15 +80,38 @@ def names(given: Any, bodies: int) -> tuple[str, ...]:
     return result
 
 
+def _refuse(names: Sequence[str], body: int, what: str) -> None:
+    told = f" ({names[body]!r})" if names[body] else ""
+    raise InvalidInput(f"body {body}{told}: {what}", element="body", index=body)
+
+
+def check_shapes(of: np.ndarray, shapes: int, names: Sequence[str]) -> None:
+    """Refuses bodies of shapes that are not there."""
+    for body in np.flatnonzero((of < 0) | (of >= shapes))[:1].tolist():
+        _refuse(names, body, f"there is no shape {of[body]}; there are {shapes}")
+
+
+def check_worlds(worlds: np.ndarray, names: Sequence[str]) -> None:
+    """Refuses ids of worlds that do not ascend, or bodies after those that are in all worlds (-1)."""
+    for body in np.flatnonzero(worlds < -1)[:1].tolist():
+        _refuse(names, body, f"its world is {worlds[body]}; worlds are 0 and up, or -1, which is all")
+    order = np.where(worlds == -1, np.iinfo(np.int64).max, worlds.astype(np.int64))
+    for before in np.flatnonzero(order[1:] < order[:-1])[:1].tolist():
+        body, last = before + 1, worlds[before]
+        what = f"its world {worlds[body]} comes after world {last}; world ids ascend over the bodies"
+        _refuse(names, body, "bodies that are in all worlds (-1) come last" if last == -1 else what)
+
+
 def pose_of(pose: Any, body: int, name: str = "pose") -> np.ndarray:
     """The pose of one crumple.Body as (3, 4); None: as given."""
     if pose is None:
         return np.eye(3, 4)
     result = host_array(pose, f"body {body}: its {name}")
-    if result.shape not in ((3, 4), (4, 4)) or result.dtype.kind not in "iuf":
-        what = f"{result.shape}" if result.dtype.kind in "iuf" else f"{result.dtype}"
+    sound = result.dtype.kind in "iu" or result.dtype in (np.float32, np.float64)
+    if result.shape not in ((3, 4), (4, 4)) or not sound:
+        what = f"{result.shape}" if sound else f"{result.dtype}"
         raise InvalidInput(
-            f"body {body}: its {name} must have shape (3, 4) or (4, 4) and hold numbers, not {what}",
+            f"body {body}: its {name} must have shape (3, 4) or (4, 4) and hold float64, float32 or integers, not {what}",
             element="body",
             index=body,
         )

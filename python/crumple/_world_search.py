@@ -61,8 +61,17 @@ def with_names(world: World, find: Callable[..., Any], *given: Any) -> Any:
         raise type(error)(named, code=error.code, element=error.element, index=error.index) from None
 
 
+def _of_shape(number: int) -> str:
+    """What a shape's name names, in words: its number was made here if the name is a str, or is its own."""
+    from ._world import name_of_number
+
+    name = name_of_number(number)
+    return "what a file named " if name is None else f"what is named {name!r} "
+
+
 def _named(world: World, message: str) -> str:
-    """The message with the body's name, if it has one, and its configuration."""
+    """The message with names instead of numbers: of the body, if it has one, and its configuration; of a shape."""
+    message = re.sub(r"what is named (\d+) ", lambda found: _of_shape(int(found[1])), message)
     found = re.match(r"body (\d+): ", message)
     if not found or int(found[1]) >= len(world):
         return message

@@ -30,7 +30,7 @@ def bodies_are_refused_together():
     with crumple.mpi.Detector(COMM, **ONE) as detector:
         for failing in range(COMM.size):
             here = COMM.rank == failing
-            listed = crumple.World([crumple.Shape(soup(2), points=[0])] * len(share.body_ids))
+            listed = crumple.World([crumple.Shape(soup(2), points=[0])] * len(share.body_ids), self_collisions=True)
             for message, world, question in (
                 ("world must be a crumple.World, not str", "world" if here else share.world, {}),
                 ("body_ids must be one for each of the ", share.world, dict(body_ids=[1] * 99 if here else None)),

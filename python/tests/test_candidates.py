@@ -114,7 +114,7 @@ def test_a_world_is_its_bodies(either):
     parts = [(vertices[u], np.searchsorted(u, f).astype(np.int32)) for u, f in zip(used, (faces[:half], faces[half:]))]
     if set(used[0]) & set(used[1]):
         pytest.skip("the halves share vertices")
-    world = crumple.World(parts, names=["a", "b"])
+    world = crumple.World(parts, names=["a", "b"], self_collisions=True)
     found = either.find_candidates(world, kinds=KINDS, inflation=0.05)
     whole = either.find_candidates(vertices, faces, kinds=KINDS, inflation=0.05)
     assert found.count == whole.count and len(found.first_edge) == 3

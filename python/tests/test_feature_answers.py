@@ -18,7 +18,7 @@ MOVED = MESH.vertices + 0.3 * np.random.default_rng(1).normal(size=MESH.vertices
 HAIR = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 1.5]])
 POSES = np.tile(np.eye(3, 4), (3, 1, 1))
 POSES[:, 0, 3] = [0, 0.2, 5]
-WORLD = crumple.World([crumple.Shape(MESH, end=MOVED)], [0, 0, 0], poses=POSES, worlds=[0, 1, 1])
+WORLD = crumple.World([crumple.Shape(MESH, end=MOVED)], [0, 0, 0], poses=POSES, worlds=[0, 1, 1], self_collisions=True)
 
 ANSWERS = {
     "impacts of a mesh": lambda d, **how: d.find_impacts(MESH, MOVED, **how),
@@ -219,12 +219,14 @@ def test_the_raw_answers_are_not_made_in_python():
 
 
 def test_shapes_and_poses_at_the_end_come_back():
-    world = crumple.World([crumple.Shape(MESH, end=MOVED, name="falls")], [0], poses=POSES[:1], end_poses=POSES[1:2])
+    world = crumple.World(
+        [crumple.Shape(MESH, end=MOVED, name="falls")], [0], poses=POSES[:1], end_poses=POSES[1:2], self_collisions=True
+    )
     for found in (pickle.loads(pickle.dumps(world)), copy.copy(world), copy.deepcopy(world)):
         np.testing.assert_array_equal(found.shapes[0].end, MOVED)
         np.testing.assert_array_equal(found.end_poses, POSES[1:2])
         assert found.shapes[0].name == "falls"
-    many = crumple.World([MESH], [0, 0], worlds=[0, -1], poses=POSES[:2]).configurations(
+    many = crumple.World([MESH], [0, 0], worlds=[0, -1], poses=POSES[:2], self_collisions=True).configurations(
         POSES[:, None], POSES[::-1, None]
     )
     again = pickle.loads(pickle.dumps(many))
@@ -238,13 +240,28 @@ def test_shapes_and_poses_at_the_end_come_back():
         (lambda: crumple.Shape(MESH, end=MOVED[:9]), "^end vertices must be as many as those at the start, 36, not 9$"),
         (lambda: crumple.Shape(MESH, end=OnDevice(MOVED)), "^end vertices lie in the memory of CUDA device 0"),
         (lambda: crumple.Shape(MESH, end=MOVED.astype(int)), "^end vertices must be float32 or float64, not int64"),
-        (lambda: crumple.World([MESH], end_poses=POSES), r"^end_poses must have shape \(1, 3, 4\) or"),
-        (lambda: crumple.World([MESH], end_poses=np.eye(4)), r"^end_poses must have shape \(bodies, 3, 4\)"),
-        (lambda: crumple.World([MESH], end_poses=OnDevice(POSES[:, ::-1])), "^end_poses in CUDA memory must be"),
-        (lambda: crumple.World([MESH], [crumple.Body(0)], end_poses=POSES[:1]), "are those of each crumple.Body"),
-        (lambda: crumple.World([MESH], [crumple.Body(0, end_pose=np.eye(3))]), "body 0: its end pose must have shape"),
         (
-            lambda: crumple.World([MESH], [crumple.Body(0, end_pose=np.ones((4, 4)))]),
+            lambda: crumple.World([MESH], end_poses=POSES, self_collisions=True),
+            r"^end_poses must have shape \(1, 3, 4\) or",
+        ),
+        (
+            lambda: crumple.World([MESH], end_poses=np.eye(4), self_collisions=True),
+            r"^end_poses must have shape \(bodies, 3, 4\)",
+        ),
+        (
+            lambda: crumple.World([MESH], end_poses=OnDevice(POSES[:, ::-1]), self_collisions=True),
+            "^end_poses in CUDA memory must be",
+        ),
+        (
+            lambda: crumple.World([MESH], [crumple.Body(0, self_collisions=True)], end_poses=POSES[:1]),
+            "are those of each crumple.Body",
+        ),
+        (
+            lambda: crumple.World([MESH], [crumple.Body(0, end_pose=np.eye(3), self_collisions=True)]),
+            "body 0: its end pose must have shape",
+        ),
+        (
+            lambda: crumple.World([MESH], [crumple.Body(0, end_pose=np.ones((4, 4)), self_collisions=True)]),
             r"body 0: the last row of its end pose must be 0 0 0 1, not 1\.0",
         ),
     ],
@@ -256,7 +273,7 @@ def test_a_wrong_end_is_refused(make, message):
 
 def test_a_search_names_the_body_that_goes_wrong(detector):
     ends = np.tile(np.eye(4), (2, 1, 1))
-    world = crumple.World([MESH], [0, 0], names=["arm", "hand"], end_poses=ends)
+    world = crumple.World([MESH], [0, 0], names=["arm", "hand"], end_poses=ends, self_collisions=True)
     ends[1, 3, 0] = 2
     with pytest.raises(crumple.InvalidInput, match=r"body 1 \('hand'\): the last row of its end pose must be 0 0 0 1"):
         detector.find_impacts(world)
@@ -266,7 +283,7 @@ def test_a_search_names_the_body_that_goes_wrong(detector):
     assert detector.find_near(world, radius=0.2), "the end is no business of nearness"
     moved = MOVED.copy()
     moved[7, 1] = np.inf
-    world = crumple.World([MESH, crumple.Shape(MESH, end=moved)], names=["arm", "hand"])
+    world = crumple.World([MESH, crumple.Shape(MESH, end=moved)], names=["arm", "hand"], self_collisions=True)
     with pytest.raises(crumple.InvalidInput, match=r"body 1 \('hand'\): vertex 7 is not finite at the end"):
         detector.time_of_first_impact(world)
     with pytest.raises(crumple.InvalidInput, match="excluded: there is no body 'han'; did you mean 'hand'"):

@@ -11,7 +11,9 @@ import crumple
 from conftest import OnDevice
 from features import CANDIDATE_KINDS, END, FACES, LISTS, START
 
-WORLD = crumple.World([crumple.Shape(START[:3], FACES[:1]), crumple.Shape(START[3:], FACES[:1], end=END[3:])])
+WORLD = crumple.World(
+    [crumple.Shape(START[:3], FACES[:1]), crumple.Shape(START[3:], FACES[:1], end=END[3:])], self_collisions=True
+)
 ANSWERS = {
     "impacts": lambda d: d.find_impacts(START, END, FACES),
     "near": lambda d: d.find_near(START, FACES, radius=2),

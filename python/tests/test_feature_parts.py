@@ -39,8 +39,12 @@ def sorted_rows(answers, pairs, names):
 
 def assert_union(answers, whole, more=()):
     names = [*LISTS[type(whole).__name__], *more]
-    for kind, pairs in (("vertex_face", "vertex_faces"), ("edge_edge", "edge_edges"), ("vertex_edge", "vertex_edges"),
-                        ("vertex_vertex", "vertex_vertices")):
+    for kind, pairs in (
+        ("vertex_face", "vertex_faces"),
+        ("edge_edge", "edge_edges"),
+        ("vertex_edge", "vertex_edges"),
+        ("vertex_vertex", "vertex_vertices"),
+    ):
         of_kind = [name for name in names if name.startswith(f"{kind}_")]
         for name, array in sorted_rows(answers, pairs, of_kind).items():
             np.testing.assert_array_equal(array, getattr(whole, name), name, strict=True)
@@ -102,7 +106,9 @@ def test_an_answer_of_a_part_says_what_it_does_not_know(either, tmp_path):
     part = either.partition_motion(MESH, MOVED, count=2)[0]
     answer = either.find_impacts(part, index=True)
     for name in ("edges", "first_edge", "points", "first_point"):
-        with pytest.raises(crumple.InvalidInput, match=f"^{name} is told of a whole mesh, but this was asked of a part"):
+        with pytest.raises(
+            crumple.InvalidInput, match=f"^{name} is told of a whole mesh, but this was asked of a part"
+        ):
             getattr(answer, name)
     with pytest.raises(crumple.InvalidInput, match="an answer of a part is not saved"):
         answer.save(tmp_path / "part.txt")

@@ -77,7 +77,7 @@ def test_blocks_of_rods_and_particles(detector):
 
 def test_blocks_of_worlds(detector):
     shape = crumple.Shape(MESH.vertices, MESH.faces, end=END)
-    world = crumple.World([shape], [crumple.Body(0, world=number) for number in (0, 0, 1, -1)])
+    world = crumple.World([shape], [crumple.Body(0, world=number, self_collisions=True) for number in (0, 0, 1, -1)])
     for search, question in (("impacts", {}), ("near", {"radius": 0.01}), ("candidates", {"bodies": "between"})):
         whole = getattr(detector, f"find_{search}")(world, **question)
         blocks = gathered(getattr(detector, f"stream_{search}"), world, **question, block_pairs=300)

@@ -387,7 +387,7 @@ def test_errors_of_arrays_in_cuda_memory_name_the_argument(detector, errors, tol
     with pytest.raises(crumple.InvalidInput, match=f"^end vertices {message}"):
         detector.find_impacts(MESH.vertices, Producer(MESH.vertices, errors=errors), MESH.faces)
     with pytest.raises(crumple.InvalidInput, match=f"^end_poses {message}"):
-        crumple.World([MESH], end_poses=Producer(np.eye(4)[None, :3], errors=errors))
+        crumple.World([MESH], end_poses=Producer(np.eye(4)[None, :3], errors=errors), self_collisions=True)
 
 
 @pytest.mark.parametrize("error", [MemoryError, KeyboardInterrupt])

@@ -60,7 +60,9 @@ def test_a_mesh_may_list_its_own(dtype, either):
 
 def test_worlds(either):
     strand = crumple.Shape(LINE, edges=[[0, 1], [3, 4]], points=[2, 0])
-    world = crumple.World([strand, crumple.Shape(START, FACES, end=END)], [0, 0, 1], poses=poses_at([0, 0, 9]))
+    world = crumple.World(
+        [strand, crumple.Shape(START, FACES, end=END)], [0, 0, 1], poses=poses_at([0, 0, 9]), self_collisions=True
+    )
     found = either.find_near(world, radius=0.5, bodies="between")
     assert found.points.tolist() == [2, 0, 2, 0] and found.first_point.tolist() == [0, 2, 4, 4]
     assert found.first_edge.tolist() == [0, 2, 4, 10]
@@ -123,6 +125,6 @@ def test_the_error_names_the_element(detector):
     with pytest.raises(crumple.InvalidInput) as caught:
         detector.find_near(LINE, radius=1, edges=[[0, 1], [3, 3]])
     assert (caught.value.element, caught.value.index) == ("edge", 1)
-    world = crumple.World([crumple.Shape(LINE, points=[7])], names=["dust"])
+    world = crumple.World([crumple.Shape(LINE, points=[7])], names=["dust"], self_collisions=True)
     with pytest.raises(crumple.InvalidInput, match=r"body 0 \('dust'\): point 0 names vertex 7 of 5"):
         detector.find_near(world, radius=1)

@@ -241,7 +241,10 @@ def test_methods_tell_what_they_are(name, detector):
     defaults = {name: p.default for name, p in parameters.items() if p.default is not inspect.Parameter.empty}
     faces = defaults.pop("faces")
     assert faces is None and len(defaults) > 4
-    mesh, world = crumple.Mesh(START, FACES), crumple.World([crumple.Shape(START, FACES, end=END)])
+    mesh, world = (
+        crumple.Mesh(START, FACES),
+        crumple.World([crumple.Shape(START, FACES, end=END)], self_collisions=True),
+    )
     found, plain = (getattr(detector, name)(mesh, END, **given) for given in (defaults, {}))
     assert found == plain or found.vertex_faces.tolist() == plain.vertex_faces.tolist()
     for scene in ((mesh, END), (world,)):
@@ -310,7 +313,9 @@ def test_triangles_that_are_stuck_or_come_to_touch(either, tmp_path):
 def test_triangles_of_bodies(either):
     plate = crumple.Shape(np.array([[-9, -9, 0], [9, -9, 0], [0, 9, 0.0]]), FACES[:1])
     blade = crumple.Shape(np.array([[0, 0, -1], [0.5, 0, 1], [-0.5, 0.2, 1]]), FACES[:1])
-    world = crumple.World([plate, blade], [crumple.Body(0), crumple.Body(1)])
+    world = crumple.World(
+        [plate, blade], [crumple.Body(0, self_collisions=True), crumple.Body(1, self_collisions=True)]
+    )
     assert either.is_free(world) and not either.is_free(world, triangle_pairs=True)
     found = either.find_impacts(world, triangle_pairs=True)
     assert found.triangle_pairs.tolist() == [[0, 0]] and found.triangle_pair_bodies.tolist() == [[0, 1]]
@@ -346,7 +351,7 @@ def test_a_free_step_is_free_as_it_is_rounded(either):
     none = either.find_free_step((START, FACES), END, separation=5)
     assert none.share == 0 and none.positions.tolist() == START.tolist()
     with pytest.raises(crumple.InvalidType, match="find_free_step takes a mesh, not a crumple.World"):
-        either.find_free_step(crumple.World([(START, FACES)]), END)
+        either.find_free_step(crumple.World([(START, FACES)], self_collisions=True), END)
     with pytest.raises(TypeError, match=r"Detector\.find_free_step.*'wel'\. Did you mean 'weld'\?$"):
         either.find_free_step(START, END, FACES, wel=True)
     with pytest.raises(crumple.InvalidInput, match="end vertices must be as many"):
@@ -386,15 +391,21 @@ def test_poses_at_the_end(either):
     poses[1, 2, 3] = -5
     lowered = poses.copy()
     lowered[0, 2, 3] = -10
-    world = crumple.World([shape], [0, 0], poses=poses)
+    world = crumple.World([shape], [0, 0], poses=poses, self_collisions=True)
     assert world.end_poses is None and either.is_free(world)
     expected = either.find_impacts(world, end_poses=lowered)
     assert len(expected) and either.is_free(world), "for that call alone"
     world.end_poses = lowered
     assert world.end_poses is lowered
     assert_same(either.find_impacts(world), expected)
-    assert_same(either.find_impacts(crumple.World([shape], [0, 0], poses=poses, end_poses=lowered)), expected)
-    bodies = [crumple.Body(0, poses[0], end_pose=lowered[0]), crumple.Body(0, poses[1])]
+    assert_same(
+        either.find_impacts(crumple.World([shape], [0, 0], poses=poses, end_poses=lowered, self_collisions=True)),
+        expected,
+    )
+    bodies = [
+        crumple.Body(0, poses[0], end_pose=lowered[0], self_collisions=True),
+        crumple.Body(0, poses[1], self_collisions=True),
+    ]
     assert_same(either.find_impacts(crumple.World([shape], bodies)), expected)
     lowered[0, 2, 3] = 0
     assert either.is_free(world), "read where they lie"
@@ -409,7 +420,9 @@ def bodies_in_motion(seed, bodies=6, worlds=2):
     of[-1] = -1
     poses = random_poses(random, bodies, 1)
     ends = poses + 0.1 * random.normal(size=poses.shape)
-    return crumple.World(shapes, random.integers(0, 2, bodies), poses=poses, end_poses=ends, worlds=of)
+    return crumple.World(
+        shapes, random.integers(0, 2, bodies), poses=poses, end_poses=ends, worlds=of, self_collisions=True
+    )
 
 
 @pytest.mark.parametrize(
@@ -433,7 +446,7 @@ def test_brute_force_agrees_about_worlds(question, detector, reference):
 
 def test_one_body_in_place_is_a_mesh(either):
     vertices, end, faces = moving(5)
-    found = either.find_impacts(crumple.World([crumple.Shape(vertices, faces, end=end)]))
+    found = either.find_impacts(crumple.World([crumple.Shape(vertices, faces, end=end)], self_collisions=True))
     assert_same(found, either.find_impacts(vertices, end, faces))
     assert found.vertex_face_bodies.shape == found.vertex_faces.shape and not found.vertex_face_bodies.any()
 

@@ -82,7 +82,9 @@ def test_the_least_distance_of_each_feature(either):
 def test_without_a_detector():
     assert crumple.find_near(START, FACES, radius=1).vertex_faces.tolist() == [[3, 0]]
     assert crumple.find_near((START, FACES), radius=1, wants="any")
-    assert crumple.find_near(crumple.World([(START, FACES)]), radius=1).vertex_face_bodies.tolist() == [[0, 0]]
+    assert crumple.find_near(
+        crumple.World([(START, FACES)], self_collisions=True), radius=1
+    ).vertex_face_bodies.tolist() == [[0, 0]]
 
 
 QUESTIONS = [
@@ -176,7 +178,7 @@ def test_the_method_tells_what_it_is(detector):
         assert method.__name__ == "find_near" and method.__qualname__ == "Detector.find_near"
         assert inspect.isroutine(method) and len(inspect.getdoc(method)) > 100
     assert list(inspect.signature(detector.find_near).parameters)[:3] == ["vertices", "faces", "radius"]
-    for scene in ((START, FACES), (crumple.World([(START, FACES)]),)):
+    for scene in ((START, FACES), (crumple.World([(START, FACES)], self_collisions=True),)):
         with pytest.raises(TypeError, match="find_near needs a radius, or radii of the vertices"):
             detector.find_near(*scene)
         with pytest.raises(TypeError, match=r"find_near.*'stric'\. Did you mean 'strict'\?$"):
@@ -199,7 +201,7 @@ def test_what_was_not_asked_for_says_how_to_ask(detector):
         for name in names:
             with pytest.raises(crumple.InvalidInput, match=rf"{name} was not asked for: .*, {option}=True\)"):
                 getattr(every, name)
-    of_world = detector.find_near(crumple.World([(START, FACES)]), radius=1)
+    of_world = detector.find_near(crumple.World([(START, FACES)], self_collisions=True), radius=1)
     with pytest.raises(crumple.InvalidInput, match="vertex_distance is made for one mesh alone"):
         _ = of_world.vertex_distance
 
@@ -212,7 +214,9 @@ def random_world(seed, bodies=6, worlds=2):
     shapes = [soup(6, size=0.5, seed=seed, dtype=np.float64), soup(5, size=0.5, seed=seed + 1, dtype=np.float64)]
     of = np.sort(random.integers(0, worlds, bodies))
     of[-1] = -1
-    return crumple.World(shapes, random.integers(0, 2, bodies), poses=random_poses(random, bodies, 1), worlds=of)
+    return crumple.World(
+        shapes, random.integers(0, 2, bodies), poses=random_poses(random, bodies, 1), worlds=of, self_collisions=True
+    )
 
 
 @pytest.mark.parametrize(
@@ -233,10 +237,13 @@ def test_brute_force_agrees_about_worlds(question, detector, reference):
 def test_worlds_are_those_of_the_start(either):
     far = START.copy()
     far[3:, 2] += 9
-    still = crumple.World([(START, FACES)])
+    still = crumple.World([(START, FACES)], self_collisions=True)
     expected = either.find_near(still, radius=1)
     assert expected.vertex_face_bodies.tolist() == [[0, 0]]
-    for world in (crumple.World([crumple.Shape(START, FACES, end=far)]), crumple.World([(START, FACES)])):
+    for world in (
+        crumple.World([crumple.Shape(START, FACES, end=far)], self_collisions=True),
+        crumple.World([(START, FACES)], self_collisions=True),
+    ):
         world.end_poses = 2 * np.eye(3, 4)[None]
         assert_same(either.find_near(world, radius=1), expected)
 
@@ -245,7 +252,7 @@ def test_poses_and_exclusions(either):
     shape = crumple.Mesh(START[:3], FACES[:1])
     poses = np.tile(np.eye(3, 4), (2, 1, 1))
     poses[1, 2, 3] = 3
-    world = crumple.World([shape], [0, 0], poses=poses, names=["low", "high"])
+    world = crumple.World([shape], [0, 0], poses=poses, names=["low", "high"], self_collisions=True)
     assert not either.find_near(world, radius=2.5) and either.find_near(world, radius=3)
     assert not either.find_near(world, radius=3, excluded=[{"low", "high"}])
     poses[1, 2, 3] = 1
@@ -306,13 +313,15 @@ def test_shapes_of_worlds_bring_radii_and_where_they_are_at_rest(either):
     shape = crumple.Shape(START, FACES, radii=radii, rest=START)
     assert shape.radii is radii and shape.rest is START
     for kept in (shape, pickle.loads(pickle.dumps(shape))):
-        world = crumple.World([kept])
+        world = crumple.World([kept], self_collisions=True)
         assert either.find_near(world).vertex_faces.tolist() == [[3, 0]]
         assert not either.find_near(world, rest_radius=1)
         with pytest.raises(crumple.InvalidInput, match="radius is not asked for beside radii"):
             either.find_near(world, radius=1)
     with pytest.raises(crumple.InvalidInput, match="^shape 1: the radius of vertex 2 must be finite and 0 or more$"):
-        either.find_near(crumple.World([shape, crumple.Shape(START, FACES, radii=[0, 0, -1, 0, 0, 0])]))
+        either.find_near(
+            crumple.World([shape, crumple.Shape(START, FACES, radii=[0, 0, -1, 0, 0, 0])], self_collisions=True)
+        )
     with pytest.raises(crumple.InvalidInput, match="radii must be one for each of the 6 vertices, not 2"):
         crumple.Shape(START, FACES, radii=[1.0, 2.0])
     with pytest.raises(TypeError, match="'radii'"):

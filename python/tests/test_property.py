@@ -55,8 +55,9 @@ def same(found, expected):
 
 
 def sensible(query, *meshes):
-    """Between groups there is nothing to find without groups."""
-    assume(query["wanted"] != "between" or any(mesh.groups is not None for mesh in meshes))
+    """Between groups there is nothing to find without groups, and nothing to exclude."""
+    needs_groups = query["wanted"] == "between" or query["excluded_groups"]
+    assume(not needs_groups or any(mesh.groups is not None for mesh in meshes))
 
 
 @settings(max_examples=300, deadline=None)

@@ -129,7 +129,9 @@ def test_any_mesh_file_is_a_world_of_one_body(tmp_path, detector):
     crumple.write_mesh(tmp_path / "part.ply", mesh)
     world = crumple.read_world(tmp_path / "part.ply")
     assert world.names == ("part",) and len(world) == 1
-    assert detector.find(world).pairs.tolist() == detector.find_self(mesh).pairs.tolist()
+    assert detector.find(world).pairs.tolist() == [], "a body is not tested against itself unless that is wanted"
+    deformable = crumple.World(world.shapes, self_collisions=True)
+    assert detector.find(deformable).pairs.tolist() == detector.find_self(mesh).pairs.tolist()
     with pytest.raises(crumple.FileError, match="none.glb"):
         crumple.read_world(tmp_path / "none.glb")
     (tmp_path / "bad.glb").write_bytes(b"glTF\2\0\0\0")
@@ -165,7 +167,7 @@ def test_poses_come_from_files(kind, rows, tmp_path, detector):
         path.write_text(
             "".join((", " if kind == "csv" else " ").join(map(repr, row)) + "\n" for row in numbers.tolist())
         )
-    base = crumple.World([soup(20)], [0, 0, 0], worlds=[0, 0, -1], names=["a", "b", "table"])
+    base = crumple.World([soup(20)], [0, 0, 0], worlds=[0, 0, -1], names=["a", "b", "table"], self_collisions=True)
     for bodies in (2, base, ["a", "b"], np.int64(2)):
         np.testing.assert_array_equal(crumple.read_poses(path, bodies), poses)
     assert crumple.read_poses(path).shape == (10, 1, 3, 4)

@@ -82,6 +82,10 @@ def test_a_wrong_world_is_refused(arguments, message):
             r"body 0: the last row of its pose must be 0 0 0 1, not 1\.0 1\.0 1\.0 1\.0",
         ),
         (crumple.Body(0, "here"), "body 0: its pose"),
+        (
+            crumple.Body(0, np.eye(4, dtype=np.float16)),
+            "body 0: its pose must have .* hold float64, float32 or integers, not float16",
+        ),
         (crumple.Body(0, group="a"), "groups must be integers"),
         (crumple.Body(0, name=b"a"), "names must be str, but that of body 0 is bytes"),
     ],
@@ -293,6 +297,22 @@ def test_another_size_under_a_known_name_is_refused(other, detector):
     with pytest.raises(crumple.InvalidInput, match="shape 0: what is named .* has 60 vertices, 20 triangles") as caught:
         detector.find(crumple.World([crumple.Shape(other, name="known")]))
     assert (caught.value.element, caught.value.index) == ("shape", 0)
+
+
+def test_a_message_spells_the_name_of_a_shape(detector):
+    detector.find(crumple.World([crumple.Shape(MESH, name="wheel")]))
+    with pytest.raises(crumple.InvalidInput, match="shape 0: what is named 'wheel' has 60 vertices"):
+        detector.find(crumple.World([crumple.Shape(soup(21), name="wheel")]))
+
+
+def test_bodies_of_points_alone_are_refused_where_a_pair_is_wanted(detector):
+    dust = crumple.Shape(MESH.vertices, points=[0, 1])
+    world = crumple.World([MESH, dust], names=["stone", "dust"])
+    for ask in (detector.find, detector.find_nearest):
+        with pytest.raises(crumple.InvalidInput, match=r"body 1 \('dust'\): it has edges or points but no .*find_near"):
+            ask(world)
+        assert ask(world, excluded=[{"stone", "dust"}]) is not None
+    assert len(detector.find_near(world, radius=1))
 
 
 def test_names_are_of_a_process_and_numbers_no_strings(detector):

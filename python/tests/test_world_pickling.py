@@ -23,6 +23,7 @@ def configurations():
         worlds=[0, 0, -1],
         names=["a", "b", "table"],
         poses=random_poses(random, 3, 1),
+        self_collisions=True,
     )
     many = base.configurations(random_poses(random, 10, 1).reshape(5, 2, 3, 4))
     base.poses = None  # those at rest stay where they were
@@ -32,9 +33,11 @@ def configurations():
 WORLDS = {
     "columns": random_columns(1).world(),
     "without names": random_columns(1).world(named=False, poses=None),
-    "dlpack": crumple.World([(OnDevice(soup(9).vertices, kind=1), OnDevice(soup(9).faces, kind=1))]),
-    "lists": crumple.World([([[0, 0, 0], [1, 0, 0], [0, 1, 0.5]], [[0, 1, 2]])], [0, 0]),
-    "nothing": crumple.World([([], [])], []),
+    "dlpack": crumple.World(
+        [(OnDevice(soup(9).vertices, kind=1), OnDevice(soup(9).faces, kind=1))], self_collisions=True
+    ),
+    "lists": crumple.World([([[0, 0, 0], [1, 0, 0], [0, 1, 0.5]], [[0, 1, 2]])], [0, 0], self_collisions=True),
+    "nothing": crumple.World([([], [])], [], self_collisions=True),
     "configurations": configurations(),
 }
 QUESTIONS = [{"wants": wants} for wants in ("any", "any_by_world", "body_pairs", "count", "pairs", "contacts")]

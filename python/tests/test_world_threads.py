@@ -47,7 +47,7 @@ def test_interrupt_cuts_a_call_short(options, wants, name, count):
 
 
 def test_cancel_ends_the_call_of_another_thread():
-    base = crumple.World([soup(1000, size=0.3)], [0, 0], worlds=[0, -1])
+    base = crumple.World([soup(1000, size=0.3)], [0, 0], worlds=[0, -1], self_collisions=True)
     many = base.configurations(np.tile(np.eye(3, 4), (20_000, 1, 1, 1)))
     detector, failures = crumple.Detector(threads=1), []
 
@@ -89,7 +89,7 @@ def test_threads_share_worlds_and_detectors():
 
 def test_poses_that_are_replaced_meanwhile_stay_until_the_call_ends():
     """Memory that is gone would give other answers, or end the process."""
-    base = crumple.World([soup(60, size=0.5)], [0], worlds=[0])
+    base = crumple.World([soup(60, size=0.5)], [0], worlds=[0], self_collisions=True)
     poses = random_poses(np.random.default_rng(2), 500, 9).reshape(500, 1, 3, 4)
     many, detector = base.configurations(poses.copy()), crumple.Detector(threads=1)
     expected = detector.find(many).pairs

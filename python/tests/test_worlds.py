@@ -61,14 +61,17 @@ def test_less_is_the_same_as_all_cut_short(named, detector):
 
 def test_one_body_in_place_is_a_soup_and_two_are_two_meshes(detector):
     a, b = soup(200, size=0.4), soup(150, size=0.4, seed=2)
-    alone, both = crumple.World([a]), crumple.World([a, b], self_collisions=False)
+    alone, both = crumple.World([a], self_collisions=True), crumple.World([a, b], self_collisions=False)
     expected = detector.find_self(a, contacts=True)
     found = detector.find(alone, wants="contacts", index=True)
     assert found.pairs.tobytes() == expected.pairs.tobytes() and len(expected)
     assert found.contacts.points.tobytes() == expected.contacts.points.tobytes()
     assert found.hit.tobytes() == expected.hit.tobytes()
     expected = detector.find_between(a, b, contacts=True)
-    for found in (detector.find(both, wants="contacts"), detector.find(crumple.World([a, b]), bodies="between")):
+    for found in (
+        detector.find(both, wants="contacts"),
+        detector.find(crumple.World([a, b], self_collisions=True), bodies="between"),
+    ):
         assert found.pairs.tobytes() == expected.pairs.tobytes() and len(expected)
         assert (found.bodies == [0, 1]).all()
 
@@ -190,7 +193,14 @@ def test_bodies_one_by_one_are_the_same_as_columns(detector):
     columns = random_columns(7)
     shapes = [crumple.Shape(shape) for shape in columns.shapes]
     bodies = [
-        crumple.Body(shapes[shape] if i % 2 else shape, square(pose) if i % 3 else pose, group, world, own, f"body {i}")
+        crumple.Body(
+            shapes[shape] if i % 2 else shape,
+            square(pose) if i % 3 else pose,
+            group,
+            world,
+            own,
+            f"body {i}",
+        )
         for i, (shape, pose, group, world, own) in enumerate(zip(*columns[1:]))
     ]
     world = crumple.World(shapes, bodies)

@@ -89,7 +89,7 @@ void FeatureSearch::find_there(BackendBase& backend, const DeviceShape& mesh, co
                                Answer& answer) {
     bodies_ = false;
     frugal_ = frugal;
-    const Body body;
+    const Body body{.self = true};
     struct There {
         const DeviceShape*& there;
         ~There() { there = nullptr; }
@@ -101,7 +101,7 @@ void FeatureSearch::find_there(BackendBase& backend, const DeviceShape& mesh, co
 template <class Question>
 void FeatureSearch::look_there(BackendBase& backend, const DeviceShape& mesh, const Question& question) {
     frugal_ = false;
-    const Body body;
+    const Body body{.self = true};
     read({{&mesh.shape, 1}, {&body, 1}, {}, {}}, question.rules);
     if constexpr (std::is_same_v<Question, Near>) {
         near_input_.begin(outline_, question, false, false, backend, buffers_);

@@ -112,6 +112,15 @@ TEST_F(Bodies, WithOddNamesAreQuotedAndReadBack) {
     const Outcome outcome = crumple("detect odd.glb --groups bodies -o odd.csv -o odd.json");
     EXPECT_TRUE(contains(read("odd.csv"), "\"a,b\",\"say \"\"x\"\"\"\n")) << read("odd.csv");
     EXPECT_EQ(nlohmann::json::parse(read("odd.json"))["pairs"][0], (nlohmann::json{"a,b", "tab\there"}));
+    EXPECT_EQ(list("odd.glb --exclude-from odd.csv"), "");
+    EXPECT_EQ(list("odd.glb --exclude-from odd.json"), "");
+    write("bad.csv", "first,second\n\"a,b\",none\n");
+    expect_refused("odd.glb --groups bodies --exclude-from bad.csv", "bad.csv, line 2: there is no body none");
+    write("bad.csv", "first,second\na\n");
+    expect_refused("odd.glb --groups bodies --exclude-from bad.csv", "bad.csv, line 2: two names are expected");
+    write("bad.json", "[1]");
+    expect_refused("odd.glb --groups bodies --exclude-from bad.json",
+                   "bad.json, byte 0: an object with a list of pairs");
 }
 
 TEST_F(Bodies, AreWrittenAsLists) {

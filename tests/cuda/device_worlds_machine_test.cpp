@@ -27,7 +27,7 @@ class CudaMachineDeviceWorlds : public testing::Test {
     void SetUp() override {
         for (int w = 0; w < 20; ++w)
             for (int b = 0; b < 2; ++b) {
-                bodies_.push_back({.shape = b, .world = w, .self = false});
+                bodies_.push_back({.shape = b, .world = w});
                 poses_.push_back({{1, 0, 0, b && w % 3 ? 0.5 + 1e-3 * w : 0, 0, 1, 0, 0, 0, 0, 1, 0}});
             }
     }
@@ -147,7 +147,7 @@ TEST_F(CudaMachineDeviceWorlds, may_be_more_than_a_scene_holds) {
     constexpr int worlds = 65'540;
     for (int w = 0; w < worlds; ++w)
         for (int b = 0; b < 2; ++b) {
-            bodies.push_back({.world = w, .self = false});
+            bodies.push_back({.world = w});
             poses.push_back({{1, 0, 0, b && w % 1000 ? 9.0 : 0, 0, 1, 0, 0, 0, 0, 1, 0}});
         }
     const DeviceWorld device({shapes, bodies, poses});

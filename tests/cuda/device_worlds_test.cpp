@@ -210,7 +210,7 @@ TEST(CudaDeviceWorlds, name_the_body_of_a_bad_pose) {
     const auto soup = random_soup<float>(30, 0.4, 5);
     const std::vector<Shape> shapes{Shape(soup.view(), 1)};
     std::vector<Body> bodies;
-    for (int b = 0; b < 6; ++b) bodies.push_back({.world = b / 2});
+    for (int b = 0; b < 6; ++b) bodies.push_back({.world = b / 2, .self = true});
     std::vector<Pose> good(6), nan = good, huge = good;
     nan[3].rows[5] = std::numeric_limits<double>::quiet_NaN();
     huge[4].rows[3] = 1e39;

@@ -29,7 +29,7 @@ class CudaMachineWorlds : public testing::Test {
         for (int w = 0; w < worlds; ++w) {
             if (w % 7 == 5) continue;
             for (int b = 0; b < 2; ++b) {
-                bodies_.push_back({.shape = b, .world = w, .self = false});
+                bodies_.push_back({.shape = b, .world = w});
                 poses_.push_back({{1, 0, 0, b && w % 3 ? 0.5 + 1e-3 * w : 0, 0, 1, 0, 0, 0, 0, 1, 0}});
             }
         }

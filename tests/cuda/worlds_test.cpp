@@ -20,7 +20,7 @@ TEST(CudaWorlds, that_are_decided_are_swept_no_further) {
     d.groups.assign(1500, 2);
     const std::vector<Shape> shapes{Shape(a.view()), Shape(b.view()), Shape(c.view()), Shape(d.view())};
     std::vector<Body> bodies;
-    for (int i = 0; i < 4; ++i) bodies.push_back({.shape = i, .world = i / 2, .self = false});
+    for (int i = 0; i < 4; ++i) bodies.push_back({.shape = i, .world = i / 2});
     Intersect question;
     question.rules.excluded_groups.push_back({1, 2});
     Detector detector({.backend = Backend::cuda});
@@ -49,7 +49,7 @@ TEST(CudaWorlds, that_only_the_host_can_decide_have_flags) {
     const auto touching = two(0), apart = two(1);
     const std::vector<Shape> shapes{Shape(MeshView(touching, triangles)), Shape(MeshView(apart, triangles))};
     std::vector<Body> bodies;
-    for (int w = 0; w < 7; ++w) bodies.push_back({.shape = w % 2, .world = w});
+    for (int w = 0; w < 7; ++w) bodies.push_back({.shape = w % 2, .world = w, .self = true});
     const WorldCollisions found =
         Detector({.backend = Backend::cuda}).find({shapes, bodies, {}}, {.wants = Wants::any_by_world});
     EXPECT_EQ(std::vector<int>(found.world_hit.begin(), found.world_hit.end()), (std::vector{1, 0, 1, 0, 1, 0, 1}));
@@ -64,7 +64,7 @@ TEST(CudaWorlds, of_hard_soups_have_the_answers_of_the_cpu) {
     for (const NamedMesh& soup : soups) {
         const auto number = static_cast<std::int32_t>(shapes.size());
         shapes.push_back(Shape(soup.mesh.view()));
-        bodies.push_back({.shape = number, .world = number});
+        bodies.push_back({.shape = number, .world = number, .self = true});
     }
     for (const int leaf_size : {3000, 40}) {
         Detector cuda({.backend = Backend::cuda, .leaf_size = leaf_size}), cpu({.backend = Backend::cpu});
@@ -86,7 +86,7 @@ TEST(CudaWorlds, of_very_different_sizes_do_not_share_a_pass) {
     const std::vector<Shape> shapes{Shape(first.view()), Shape(second.view()), Shape(large.view())};
     std::vector<Body> bodies;
     for (int w = 0; w < 6; ++w)
-        for (int b = 0; b < 2; ++b) bodies.push_back({.shape = w == 2 && b == 0 ? 2 : b, .world = w});
+        for (int b = 0; b < 2; ++b) bodies.push_back({.shape = w == 2 && b == 0 ? 2 : b, .world = w, .self = true});
     const World world{shapes, bodies, {}};
     Detector cuda({.backend = Backend::cuda}), cpu({.backend = Backend::cpu});
     const WorldCollisions& found = cuda.find(world);

@@ -246,5 +246,66 @@ TEST(Input, empty_braces_are_the_default_query) {
     EXPECT_EQ(error_of([&] { detector.find(Part{}); }).code, ErrorCode::invalid_argument);
 }
 
+/// What Eigen's matrices tell of themselves.
+template <class T, bool row_major>
+struct Matrix {
+    std::int64_t count, width;
+    std::vector<T> numbers = std::vector<T>(static_cast<std::size_t>(count * width));
+
+    const T* data() const { return numbers.data(); }
+    std::int64_t rows() const { return count; }
+    std::int64_t cols() const { return width; }
+    std::int64_t rowStride() const { return row_major ? width : 1; }
+    std::int64_t colStride() const { return row_major ? 1 : count; }
+    T& operator()(std::size_t i, std::size_t k) {
+        return numbers[row_major ? i * static_cast<std::size_t>(width) + k : k * static_cast<std::size_t>(count) + i];
+    }
+};
+
+template <bool vertices_by_rows, bool triangles_by_rows>
+void expect_matrices_are_read() {
+    Matrix<double, vertices_by_rows> v{6, 3};
+    Matrix<long long, triangles_by_rows> t{2, 3};
+    for (std::size_t k = 0; k < 3; ++k) {
+        for (std::size_t i = 0; i < 6; ++i) v(i, k) = static_cast<double>(vertices[i][k]);
+        for (std::size_t i = 0; i < 2; ++i) t(i, k) = triangles[i][k];
+    }
+    Detector detector;
+    EXPECT_EQ(pairs_of(detector.find_self(MeshView(v, t))), expected);
+}
+
+TEST(Input, takes_matrices_in_the_order_in_which_they_lie) {
+    expect_matrices_are_read<true, true>();
+    expect_matrices_are_read<true, false>();
+    expect_matrices_are_read<false, true>();
+    expect_matrices_are_read<false, false>();
+    const Matrix<double, false> v{3, 6};
+    const Matrix<int, false> t{2, 3};
+    const Error error = error_of([&] { MeshView(v, t); });
+    EXPECT_EQ(error.code, ErrorCode::invalid_argument);
+    EXPECT_STREQ(error.what(), "vertices must have 3 columns, one row each, not 6");
+}
+
+TEST(Input, refuses_to_exclude_groups_where_there_are_none) {
+    const std::vector<GroupPair> excluded{{0, 1}};
+    const MeshView mesh(vertices, triangles);
+    MeshView grouped = mesh;
+    const std::vector<std::int32_t> groups{0, 1};
+    grouped.groups = groups;
+    Detector detector;
+    const Query query{.excluded_groups = excluded};
+    EXPECT_STREQ(error_of([&] { detector.find_self(mesh, query); }).what(),
+                 "excluded_groups need groups, and the mesh has none");
+    EXPECT_STREQ(error_of([&] { detector.find_between(mesh, mesh, query); }).what(),
+                 "excluded_groups need groups, and neither mesh has any");
+    EXPECT_TRUE(detector.find_self(grouped, query).pairs.empty());
+    EXPECT_FALSE(detector.find_between(mesh, grouped, query).pairs.empty()) << "the first is in group 0";
+    Near near{.radius = 9};
+    near.rules.excluded_groups = excluded;
+    EXPECT_STREQ(error_of([&] { detector.find_near(mesh, near); }).what(),
+                 "excluded_groups need groups, and the mesh has none");
+    EXPECT_NO_THROW(detector.find_near(grouped, near));
+}
+
 }  // namespace
 }  // namespace crumple

@@ -223,7 +223,7 @@ TEST(RankBodies, have_impacts_and_near_pairs_of_one_machine) {
 TEST(RankBodies, may_have_other_triangles_of_the_same_number) {
     Soup<float> fan = random_soup<float>(8, 0.5), loose = fan;
     for (std::size_t t = 1; t < fan.triangles.size(); ++t) fan.triangles[t][0] = 0, fan.triangles[t][1] = 1;
-    const std::vector<Body> bodies(3);
+    const std::vector<Body> bodies(3, Body{.self = true});
     Near near;
     near.radius = 0.2;
     Verdicts verdicts;

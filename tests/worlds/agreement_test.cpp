@@ -85,7 +85,7 @@ TEST_P(Worlds, of_shapes_that_reach_to_the_largest_numbers) {
         for (const std::uint64_t name : {0u, 1u}) {
             const std::uint64_t unique = name ? static_cast<std::uint64_t>(std::ilogb(size)) + (size == most) : 0;
             const Shape shapes[] = {Shape(mesh, unique)};
-            const Body bodies[] = {{.world = 0}, {.world = 0}, {.world = 0}};
+            const Body bodies[] = {{.world = 0, .self = true}, {.world = 0, .self = true}, {.world = 0, .self = true}};
             for (const double scale : {1.0, 0x1p-1000}) {
                 const auto at = [&](double x) {
                     Pose pose;

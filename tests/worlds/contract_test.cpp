@@ -31,7 +31,7 @@ TEST(World, of_one_body_in_place_has_the_bytes_of_find_self) {
         const auto soup = random_soup(300, 0.3);
         Detector detector, other;
         const std::vector<Shape> shapes{Shape(soup.view(), name)};
-        const std::vector<Body> bodies{{}};
+        const std::vector<Body> bodies{{.self = true}};
         const WorldCollisions& found = detector.find({shapes, bodies, {}}, {.wants = Wants::contacts, .index = true});
         const Collisions& expected = other.find_self(soup.view(), {.contacts = true});
         ASSERT_GT(expected.pairs.size(), 50u);
@@ -48,7 +48,7 @@ TEST(World, of_two_bodies_in_place_has_the_bytes_of_find_between) {
     for (const std::uint64_t name : {0u, 1u}) {
         Detector detector, other;
         const std::vector<Shape> shapes{Shape(a.view(), name), Shape(b.view(), 2 * name)};
-        const std::vector<Body> bodies{{.shape = 0}, {.shape = 1}};
+        const std::vector<Body> bodies{{.shape = 0, .self = true}, {.shape = 1, .self = true}};
         Intersect question{.wants = Wants::contacts};
         question.rules.bodies = Wanted::between;
         const WorldCollisions& found = detector.find({shapes, bodies, {}}, question);
@@ -63,7 +63,10 @@ TEST(World, of_two_bodies_in_place_has_the_bytes_of_find_between) {
 TEST(World, counts_in_bodies_and_lists_worlds_one_after_the_other) {
     const auto soup = random_soup(40, 0.5);
     const std::vector<Shape> shapes{Shape(soup.view())};
-    const std::vector<Body> bodies{{.world = 0}, {.world = 0}, {.world = 2}, {.world = -1}};
+    const std::vector<Body> bodies{{.world = 0, .self = true},
+                                   {.world = 0, .self = true},
+                                   {.world = 2, .self = true},
+                                   {.world = -1, .self = true}};
     Detector detector;
     Intersect question{.index = true};
     question.rules.bodies = Wanted::between;
@@ -107,7 +110,7 @@ TEST(World, poses_round_once_to_the_precision_of_the_shape) {
     const std::vector<std::array<double, 3>> plane{{touched, -1, -1}, {touched, 1, -1}, {touched, 0, 1}};
     const std::vector<std::array<std::int32_t, 3>> triangle{{0, 1, 2}};
     const std::vector<Shape> shapes{Shape(MeshView(corner, triangle)), Shape(MeshView(plane, triangle))};
-    const std::vector<Body> bodies{{.shape = 0}, {.shape = 1}};
+    const std::vector<Body> bodies{{.shape = 0, .self = true}, {.shape = 1, .self = true}};
     const std::vector<Pose> poses{moved(step), {}};
     ASSERT_LT(0.25 + step, touched) << "without rounding to float32 they would be apart";
     Detector detector;
@@ -117,7 +120,7 @@ TEST(World, poses_round_once_to_the_precision_of_the_shape) {
 TEST(World, is_remembered_by_name) {
     auto soup = random_soup(500, 0.2);
     const auto probe = random_soup(20, 0.3, 9);
-    const std::vector<Body> bodies{{.shape = 0, .self = false}, {.shape = 1, .self = false}};
+    const std::vector<Body> bodies{{.shape = 0}, {.shape = 1}};
     const auto shapes = [&](std::uint64_t name) {
         return std::vector<Shape>{Shape(soup.view(), name), Shape(probe.view())};
     };
@@ -158,7 +161,7 @@ TEST(World, odd_shapes_lose_nothing_by_their_names) {
     std::vector<Body> bodies;
     std::vector<Pose> poses;
     for (std::int32_t b = 0; b < 8; ++b) {
-        bodies.push_back({.shape = b / 2, .world = b / 2, .self = false});
+        bodies.push_back({.shape = b / 2, .world = b / 2});
         poses.push_back(b % 2 == 0 ? Pose{} : moved(0.25));
     }
     Detector detector, reference(Options{.backend = Backend::reference});
@@ -187,7 +190,7 @@ TEST(World, sequences_of_named_and_unnamed_shapes_equal_fresh_detectors) {
 TEST(World, fits_a_memory_limit_or_names_one) {
     const auto soup = random_soup(3000, 0.1), other = random_soup(3000, 0.1, 2);
     const std::vector<Shape> shapes{Shape(soup.view(), 1), Shape(other.view(), 2)};
-    const std::vector<Body> bodies{{.shape = 0}, {.shape = 1}};
+    const std::vector<Body> bodies{{.shape = 0, .self = true}, {.shape = 1, .self = true}};
     Detector free;
     const std::int64_t pairs = free.find({shapes, bodies, {}}).count;
     Detector small({.memory_limit = 100'000, .count_bytes_needed = true});
@@ -204,7 +207,8 @@ TEST(World, long_answers_of_many_worlds_are_the_same_under_a_limit) {
     const std::vector<Shape> shapes{Shape(soup.view()), Shape(other.view(), 1)};
     std::vector<Body> bodies;
     for (std::int32_t world = 0; world < 1000; ++world)
-        for (std::int32_t shape = 0; shape < 2; ++shape) bodies.push_back({.shape = shape, .world = world});
+        for (std::int32_t shape = 0; shape < 2; ++shape)
+            bodies.push_back({.shape = shape, .world = world, .self = true});
     const World world{shapes, bodies, {}};
     const Intersect question{.wants = Wants::contacts, .index = true};
     Detector free, limited({.memory_limit = 1 << 28});
@@ -258,7 +262,7 @@ TEST(World, comes_in_blocks) {
 TEST(World, has_blocks_of_pairs_only) {
     const auto soup = random_soup(10, 0.5);
     const std::vector<Shape> shapes{Shape(soup.view())};
-    const std::vector<Body> bodies{{}};
+    const std::vector<Body> bodies{{.self = true}};
     const auto never = [](const WorldCollisions&) { FAIL(); };
     for (const Wants wants : {Wants::any, Wants::any_by_world, Wants::body_pairs, Wants::count}) {
         Detector detector;
@@ -272,7 +276,7 @@ TEST(World, has_blocks_of_pairs_only) {
 TEST(World, ends_at_a_stop_that_was_requested_before) {
     const auto soup = random_soup(10, 0.5);
     const std::vector<Shape> shapes{Shape(soup.view())};
-    const std::vector<Body> bodies{{}};
+    const std::vector<Body> bodies{{.self = true}};
     std::stop_source stop;
     stop.request_stop();
     Detector detector;
@@ -294,7 +298,7 @@ TEST(World, polls_between_two_bodies) {
             faces.push_back({v, v - n - 1, v - n});
         }
     const std::vector<Shape> shapes{Shape({vertices, faces}, 1)};
-    const std::vector<Body> bodies(20, Body{.self = false});
+    const std::vector<Body> bodies(20, Body{});
     std::vector<Pose> poses;
     for (std::size_t b = 0; b < bodies.size(); ++b) poses.push_back(moved(0, 0, 0.001 * static_cast<double>(b)));
     Detector detector({.threads = 1});
@@ -315,7 +319,8 @@ TEST(World, polls_between_two_bodies) {
 TEST(World, answers_that_are_handed_over_outlive_the_detector) {
     const auto soup = random_soup(300, 0.3), other = random_soup(300, 0.3, 2);
     const std::vector<Shape> shapes{Shape(soup.view()), Shape(other.view(), 1)};
-    const std::vector<Body> bodies{{.shape = 0}, {.shape = 1, .world = 1}, {.shape = 1, .world = -1}};
+    const std::vector<Body> bodies{
+        {.shape = 0, .self = true}, {.shape = 1, .world = 1, .self = true}, {.shape = 1, .world = -1, .self = true}};
     const Intersect question{.wants = Wants::contacts, .index = true};
     Detector fresh;
     const WorldCollisions& expected = fresh.find({shapes, bodies, {}}, question);
@@ -359,7 +364,7 @@ class WrongWorld : public testing::TestWithParam<Backend> {
     }
     test::Soup<float> soup = random_soup(5, 0.5);
     std::vector<Shape> shapes{Shape(soup.view())};
-    std::vector<Body> bodies{{}, {}};
+    std::vector<Body> bodies{{.self = true}, {.self = true}};
 };
 
 TEST_P(WrongWorld, names_the_body) {
@@ -409,11 +414,71 @@ TEST_P(WrongWorld, names_the_shape) {
 INSTANTIATE_TEST_SUITE_P(, WrongWorld, testing::Values(Backend::reference, Backend::cpu),
                          [](const auto& info) { return std::string(test::backend_name(info.param)); });
 
+TEST(World, bodies_are_not_tested_against_themselves_unless_that_is_wanted) {
+    const auto soup = random_soup(300, 0.3);
+    const std::vector<Shape> shapes{Shape(soup.view())};
+    std::vector<Body> bodies{{}};
+    Detector detector;
+    EXPECT_FALSE(detector.find({shapes, bodies, {}}, {}).any);
+    bodies[0].self = true;
+    EXPECT_TRUE(detector.find({shapes, bodies, {}}, {}).any);
+}
+
+TEST(World, bodies_without_triangles_are_refused_where_a_pair_with_them_is_wanted) {
+    const auto soup = random_soup(20, 0.3);
+    const std::vector<std::int32_t> some{1, 2};
+    const std::vector<Edge> edge{{0, 1}};
+    std::vector<Shape> shapes(3, Shape(soup.view()));
+    shapes[1].triangles = shapes[2].triangles = {};
+    shapes[1].points = some;
+    shapes[2].edges = edge;
+    const auto refused = [&](const std::vector<Body>& bodies, const Rules& rules, std::int64_t body) {
+        for (const Backend backend : {Backend::reference, Backend::cpu}) {
+            Detector detector({.backend = backend});
+            Intersect question;
+            question.rules = rules;
+            Nearest nearest;
+            nearest.rules = rules;
+            for (const Error& error : {error_of([&] {
+                                           detector.find({shapes, bodies, {}}, question);
+                                       }),
+                                       error_of([&] {
+                                           detector.find_nearest({shapes, bodies, {}}, nearest);
+                                       })}) {
+                EXPECT_EQ(error.code, ErrorCode::invalid_argument);
+                EXPECT_EQ(error.element, Element::body);
+                EXPECT_EQ(error.index, body);
+                EXPECT_NE(std::string(error.what()).find("no triangles"), std::string::npos) << error.what();
+            }
+        }
+    };
+    refused({{.shape = 0}, {.shape = 1}}, {}, 1);
+    refused({{.shape = 2}, {.shape = 0}}, {}, 0);
+    refused({{.shape = 0, .world = 0}, {.shape = 2, .world = -1}}, {}, 1);
+    refused({{.shape = 0}, {.shape = 1, .group = 1}}, {.groups = Wanted::between}, 1);
+    const auto answered = [&](const std::vector<Body>& bodies, const Rules& rules) {
+        Detector detector;
+        Intersect question;
+        question.rules = rules;
+        Nearest nearest;
+        nearest.rules = rules;
+        EXPECT_NO_THROW(detector.find({shapes, bodies, {}}, question));
+        EXPECT_NO_THROW(detector.find_nearest({shapes, bodies, {}}, nearest));
+    };
+    answered({{.shape = 1}}, {});
+    answered({{.shape = 0, .world = 0}, {.shape = 1, .world = 1}}, {});
+    answered({{.shape = 0}, {.shape = 1}}, {.excluded_bodies = {{1, 0}}});
+    answered({{.shape = 0}, {.shape = 1}}, {.groups = Wanted::between});
+    shapes[1].points = std::span<const std::int32_t>();  // then the body has nothing at all
+    answered({{.shape = 0}, {.shape = 1}}, {});
+    EXPECT_TRUE(Detector().find({shapes, std::vector<Body>{{.shape = 0}, {.shape = 2}}, {}}, Near{.radius = 9}).any);
+}
+
 TEST(World, named_shapes_are_checked_wherever_their_bodies_are) {
     auto soup = random_soup(50, 0.5);
     soup.vertices[9][2] = 1e30f;
     const std::vector<Shape> shapes{Shape(soup.view(), 1), Shape(soup.view(), 2)};
-    const std::vector<Body> bodies{{.shape = 0, .self = false}, {.shape = 1, .self = false}};
+    const std::vector<Body> bodies{{.shape = 0}, {.shape = 1}};
     const std::vector<Pose> poses{moved(1000), {{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1e10, 0}}};
     Detector detector;
     EXPECT_STREQ(error_of([&] {

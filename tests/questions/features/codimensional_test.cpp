@@ -258,7 +258,7 @@ TEST_P(ListsMean, WrongListsAreErrors) {
     MovingSoup<> soup = points_on_a_line(2);
     soup.edges = {{1, 1}};
     const Shape shape(soup.view());
-    const std::vector<Body> bodies(2);
+    const std::vector<Body> bodies(2, Body{.self = true});
     EXPECT_STREQ(error_of([&] {
                      detector_.find(World{{&shape, 1}, bodies, {}, {}}, Near{.radius = 1});
                  }).what(),
@@ -279,7 +279,7 @@ TEST_P(ListsMean, BodiesCountWithinThemselves) {
         for (unsigned b = 0; b < 4; ++b)
             soups.push_back(with_lists(moving_grid(4, 12, 10, 10 * seed + b), seed + 7 * b));
         for (const MovingSoup<>& soup : soups) {
-            bodies.push_back({.shape = static_cast<std::int32_t>(shapes.size())});
+            bodies.push_back({.shape = static_cast<std::int32_t>(shapes.size()), .self = true});
             shapes.emplace_back(soup.view());
             shapes.back().end = soup.end_view();
             const auto first = static_cast<std::int32_t>(all.start.size());
@@ -378,7 +378,8 @@ TEST_P(ListsMean, GroupsAreThoseOfTriangles) {
     dust.edges.reset();
     dust.points = {6};
     const std::array shapes{Shape(dust.view())};
-    const std::array bodies{Body{.shape = 0, .group = 1}, Body{.shape = 0, .group = 1}, Body{.shape = 0, .group = 2}};
+    const std::array bodies{Body{.shape = 0, .group = 1, .self = true}, Body{.shape = 0, .group = 1, .self = true},
+                            Body{.shape = 0, .group = 2, .self = true}};
     question.rules.groups = Wanted::between;
     const Nearby& found = detector_.find(World{shapes, bodies, {}, {}}, question);
     const auto& list = found.vertex_vertices();

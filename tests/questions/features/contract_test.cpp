@@ -112,7 +112,7 @@ TEST_P(FeatureErrors, of_meshes_on_a_device) {
 TEST_P(FeatureErrors, of_worlds) {
     std::vector<Shape> shapes{Shape(soup_.view()), Shape(soup_.view())};
     shapes[1].end = soup_.end_view();
-    const std::vector<Body> bodies{{.shape = 0}, {.shape = 1}};
+    const std::vector<Body> bodies{{.shape = 0, .self = true}, {.shape = 1, .self = true}};
     const std::vector<Pose> good(2);
     std::vector<Pose> bad(3);
     EXPECT_STREQ(refused({shapes, bodies, good, bad}).what(), "there are 3 poses for 2 bodies");
@@ -172,7 +172,7 @@ TEST_P(FeatureErrors, of_calls_that_were_stopped) {
     EXPECT_EQ(code([&] { detector_.find_near(soup_.view(), {}, token); }), ErrorCode::cancelled);
     EXPECT_EQ(code([&] { detector_.is_free(soup_.view(), soup_.end_view(), {}, token); }), ErrorCode::cancelled);
     const std::vector<Shape> shapes{Shape(soup_.view())};
-    const std::vector<Body> bodies(2);
+    const std::vector<Body> bodies(2, Body{.self = true});
     EXPECT_EQ(code([&] { detector_.find({shapes, bodies, {}}, Near(), token); }), ErrorCode::cancelled);
 }
 
@@ -253,7 +253,8 @@ TEST(FeatureCalls, DoNotDependOnThoseBefore) {
             ASSERT_TRUE(same_answer(warm.find_self(soup.view()), fresh.find_self(soup.view())));
             std::vector<Shape> shapes{Shape(soup.view())};
             shapes[0].end = soup.end_view();
-            const std::vector<Body> bodies{{.world = 0}, {.world = 1}, {.world = 1}};
+            const std::vector<Body> bodies{
+                {.world = 0, .self = true}, {.world = 1, .self = true}, {.world = 1, .self = true}};
             const Motion in_worlds{.weld = motion.weld};
             ASSERT_TRUE(
                 same_features(warm.find({shapes, bodies, {}}, in_worlds), fresh.find({shapes, bodies, {}}, in_worlds)));

@@ -184,7 +184,7 @@ TEST_P(NearFilters, ErrorsNameArgumentAndVertex) {
     EXPECT_STREQ(of({.rest = view}).what(), "the vertices at rest have no data");
 
     std::vector<Shape> shapes{Shape(soup.view()), Shape(soup.view())};
-    const std::vector<Body> bodies{{.shape = 0}, {.shape = 1}};
+    const std::vector<Body> bodies{{.shape = 0, .self = true}, {.shape = 1, .self = true}};
     const auto of_world = [&](const Near& question) {
         return error_of([&] { detector.find({shapes, bodies, {}}, question); });
     };
@@ -208,7 +208,7 @@ TEST(NearFiltersOfWorlds, ConcernPairsWithinABody) {
     for (const Backend backend : {Backend::reference, tested_backend}) {
         Detector detector({.backend = backend, .threads = 2});
         std::vector<Shape> shapes{Shape(soup.view()), Shape(soup.view())};
-        const std::vector<Body> bodies{{.shape = 0}, {.shape = 1}};
+        const std::vector<Body> bodies{{.shape = 0, .self = true}, {.shape = 1, .self = true}};
         const auto count = [&](const Near& question) {
             return detector.find({shapes, bodies, {}}, question).vertex_faces().pairs.size();
         };
@@ -233,7 +233,7 @@ TEST(NearFiltersOfWorlds, RadiiAreNotPosed) {
     const std::vector<double> radii(6, 0.5);
     std::vector<Shape> shapes{Shape(soup.view())};
     shapes[0].radii = radii;
-    const std::vector<Body> bodies(1);
+    const std::vector<Body> bodies(1, Body{.self = true});
     Detector detector({.backend = tested_backend});
     for (const double scale : {0.5, 1.0, 1.0 + ulp, 2.0}) {
         const std::vector<Pose> poses{{{scale, 0, 0, 1, 0, scale, 0, 1, 0, 0, scale, 0}}};
