@@ -10,6 +10,7 @@
 namespace crumple {
 namespace {
 
+constexpr const char* nothing_to_exclude = "excluded_groups need groups, and the mesh has none";
 constexpr const char* no_groups =
     "wanted between needs groups, and the mesh has none: nothing lies between different groups";
 
@@ -106,13 +107,16 @@ void check_query(const MeshView& a, const MeshView* b, const Query& q) {
           "wanted must be both, between or within");
     // An empty mesh may have groups without anybody seeing it, and where one mesh has them, the other is in group 0.
     const auto lacks_groups = [](const MeshView& mesh) { return mesh.triangles.rows > 0 && mesh.groups.empty(); };
-    if (q.wanted != Wanted::between || !lacks_groups(a) || (b && !lacks_groups(*b))) return;
-    check(false, b ? "wanted between needs groups, and neither mesh has any: nothing lies between different groups"
-                   : no_groups);
+    if (!lacks_groups(a) || (b && !lacks_groups(*b))) return;
+    check(q.excluded_groups.empty(), b ? "excluded_groups need groups, and neither mesh has any" : nothing_to_exclude);
+    check(
+        q.wanted != Wanted::between,
+        b ? "wanted between needs groups, and neither mesh has any: nothing lies between different groups" : no_groups);
 }
 
 void check_groups(const Rules& rules, std::int64_t triangles, bool has_groups) {
     check(rules.groups != Wanted::between || has_groups || triangles == 0, no_groups);
+    check(rules.excluded_groups.empty() || has_groups || triangles == 0, nothing_to_exclude);
 }
 
 }  // namespace crumple
