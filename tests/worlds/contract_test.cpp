@@ -424,6 +424,17 @@ TEST(World, bodies_are_not_tested_against_themselves_unless_that_is_wanted) {
     EXPECT_TRUE(detector.find({shapes, bodies, {}}, {}).any);
 }
 
+Rules without(std::int32_t a, std::int32_t b) {
+    Rules rules;
+    rules.excluded_bodies.push_back({a, b});
+    return rules;
+}
+Rules between_groups() {
+    Rules rules;
+    rules.groups = Wanted::between;
+    return rules;
+}
+
 TEST(World, bodies_without_triangles_are_refused_where_a_pair_with_them_is_wanted) {
     const auto soup = random_soup(20, 0.3);
     const std::vector<std::int32_t> some{1, 2};
@@ -455,9 +466,9 @@ TEST(World, bodies_without_triangles_are_refused_where_a_pair_with_them_is_wante
     refused({{.shape = 0}, {.shape = 1}}, {}, 1);
     refused({{.shape = 2}, {.shape = 0}}, {}, 0);
     refused({{.shape = 0, .world = 0}, {.shape = 2, .world = -1}}, {}, 1);
-    refused({{.shape = 0}, {.shape = 1, .group = 1}}, {.groups = Wanted::between}, 1);
+    refused({{.shape = 0}, {.shape = 1, .group = 1}}, between_groups(), 1);
     const auto answered = [&](const std::vector<Body>& bodies, const Rules& rules) {
-        Detector detector;
+        Detector detector({.backend = Backend::cpu});
         Intersect question;
         question.rules = rules;
         Nearest nearest;
@@ -467,8 +478,8 @@ TEST(World, bodies_without_triangles_are_refused_where_a_pair_with_them_is_wante
     };
     answered({{.shape = 1}}, {});
     answered({{.shape = 0, .world = 0}, {.shape = 1, .world = 1}}, {});
-    answered({{.shape = 0}, {.shape = 1}}, {.excluded_bodies = {{1, 0}}});
-    answered({{.shape = 0}, {.shape = 1}}, {.groups = Wanted::between});
+    answered({{.shape = 0}, {.shape = 1}}, without(1, 0));
+    answered({{.shape = 0}, {.shape = 1}}, between_groups());
     shapes[1].points = std::span<const std::int32_t>();  // then the body has nothing at all
     answered({{.shape = 0}, {.shape = 1}}, {});
     EXPECT_TRUE(Detector().find({shapes, std::vector<Body>{{.shape = 0}, {.shape = 2}}, {}}, Near{.radius = 9}).any);
