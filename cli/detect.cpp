@@ -161,10 +161,10 @@ Command add_detect(CLI::App& app) {
     const auto detect = std::make_shared<Detect>();
     CLI::App& command = *app.add_subcommand("detect", "Find every pair of colliding triangles");
     command
-        .add_option(
-            "FILE", detect->files,
-            "A mesh (PLY, OBJ, STL, OFF, 3MF) against itself, or two against each other; with --groups bodies any "
-            "number of them and of glTF scenes. - is standard input")
+        .add_option("FILE", detect->files,
+                    "A mesh (PLY, OBJ, STL, OFF, glTF, 3MF) against itself, or two against each other; with --groups "
+                    "bodies any "
+                    "number of them. - is standard input")
         ->type_name("FILE [FILE_B]")
         ->required()
         ->expected(1, std::numeric_limits<int>::max());
@@ -193,6 +193,9 @@ Command add_detect(CLI::App& app) {
     add_progress_option(command, detect->progress);
     add_cost_options(command, detect->options);
     command.footer(
+        "Example: crumple detect dress.ply body.obj -o dress.glb -o pairs.csv --contacts\n"
+        "         crumple detect robot.glb --groups bodies --exclude base,arm -o hits.glb\n"
+        "         mpirun -n 16 crumple detect scan.ply -o pairs.csv --stats\n\n"
         "On several processes: where the program was built with CRUMPLE_MPI, and mpirun,\n"
         "mpiexec or srun has started it, all ranks share the work on one mesh against\n"
         "itself. Each reads its part of a binary PLY of triangles or of a binary STL; any\n"
@@ -200,10 +203,7 @@ Command add_detect(CLI::App& app) {
         "the lists are those of one process. Two meshes, --groups components and bodies,\n"
         "--polygons, --part, --stream and coloured meshes are not shared. --memory-limit and\n"
         "--threads are each rank's own; without --threads ranks divide the cores. With\n"
-        "CRUMPLE_MPI=0 in the environment each process is alone.\n\n"
-        "Example: crumple detect dress.ply body.obj -o dress.glb -o pairs.csv --contacts\n"
-        "         crumple detect robot.glb --groups bodies --exclude base,arm -o hits.glb\n"
-        "         mpirun -n 16 crumple detect scan.ply -o pairs.csv --stats");
+        "CRUMPLE_MPI=0 in the environment each process is alone.");
     return {&command, [detect] { return detect->run(); }, true};
 }
 

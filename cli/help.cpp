@@ -1,13 +1,68 @@
 #include "cli/help.h"
 
+#include <algorithm>
 #include <sstream>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 namespace crumple::cli {
 namespace {
 
 constexpr std::size_t indent = 8, width = 80;
 
+struct Group {
+    const char* title;
+    std::vector<std::string_view> options;
+};
+
+/// In the order in which help has them. What no group names belongs to the first one, after those that it names.
+const std::vector<Group>& groups() {
+    static const std::vector<Group> all{
+        {"Options", {"output", "check", "contacts", "radius", "kind", "groups", "wanted", "help"}},
+        {"What counts",
+         {"neighbours", "intersections", "polygons", "part", "separation", "separation-share", "inflation", "kinds",
+          "below", "radii", "rings", "rest", "rest-radius"}},
+        {"Bodies (with --groups bodies)", {"exclude", "exclude-from", "poses", "any"}},
+        {"Reading files", {"unit", "weld", "no-weld", "precision", "triangulation", "strict"}},
+        {"Writing, and telling what is done", {"format", "stream", "stats", "progress"}},
+        {"Threads, memory and CUDA",
+         {"threads", "memory-limit", "count-bytes-needed", "clusters", "backend", "device", "devices"}},
+    };
+    return all;
+}
+
+std::size_t place_in(const Group& group, const CLI::Option* option) {
+    const auto& names = option->get_lnames();
+    const auto named = [&](std::string_view wanted) {
+        return std::find(names.begin(), names.end(), wanted) != names.end();
+    };
+    return static_cast<std::size_t>(std::find_if(group.options.begin(), group.options.end(), named) -
+                                    group.options.begin());
+}
+
+bool holds(const Group& group, const CLI::Option* option) { return place_in(group, option) < group.options.size(); }
+
 }  // namespace
+
+std::string Help::make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const {
+    if (mode == CLI::AppFormatMode::Sub) return Formatter::make_help(app, std::move(name), mode);
+    std::string text = make_description(app) + make_usage(app, std::move(name)) + make_positionals(app);
+    for (const Group& group : groups()) {
+        const bool first = &group == &groups().front();
+        std::vector<const CLI::Option*> options = app->get_options([&](const CLI::Option* option) {
+            const bool elsewhere =
+                std::any_of(groups().begin(), groups().end(), [&](const Group& other) { return holds(other, option); });
+            return option->nonpositional() && !option->get_group().empty() &&
+                   (holds(group, option) || (first && !elsewhere));
+        });
+        std::stable_sort(options.begin(), options.end(), [&](const CLI::Option* a, const CLI::Option* b) {
+            return place_in(group, a) < place_in(group, b);
+        });
+        if (!options.empty()) text += make_group(group.title, false, options);
+    }
+    return text + make_subcommands(app, mode) + '\n' + make_footer(app);
+}
 
 std::string Help::make_option(const CLI::Option* option, bool positional) const {
     const std::string value = option->get_type_name();

@@ -152,7 +152,7 @@ Command add_impacts(CLI::App& app) {
         *app.add_subcommand("impacts", "Find what touches on the way from one mesh to another, and when");
     command
         .add_option("START", impacts->start,
-                    "A mesh (PLY, OBJ, STL, OFF, 3MF) at the start of a step. - is standard input")
+                    "A mesh (PLY, OBJ, STL, OFF, glTF, 3MF) at the start of a step. - is standard input")
         ->type_name("START")
         ->required();
     command

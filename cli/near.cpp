@@ -71,8 +71,9 @@ Command add_near(CLI::App& app) {
     const auto near = std::make_shared<NearCommand>();
     CLI::App& command = *app.add_subcommand("near", "Find what is within a distance");
     command
-        .add_option("FILE", near->files,
-                    "A mesh (PLY, OBJ, STL, OFF, 3MF), or two: then what is near between them. - is standard input")
+        .add_option(
+            "FILE", near->files,
+            "A mesh (PLY, OBJ, STL, OFF, glTF, 3MF), or two: then what is near between them. - is standard input")
         ->type_name("FILE [FILE_B]")
         ->required()
         ->expected(1, 2);

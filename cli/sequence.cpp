@@ -159,7 +159,9 @@ Command add_sequence(CLI::App& app) {
     const auto sequence = std::make_shared<Sequence>();
     CLI::App& command =
         *app.add_subcommand("sequence", "Find the colliding pairs, or the impacts, of every frame of an animation");
-    command.add_option("FRAME", sequence->files, "Meshes (PLY, OBJ, STL, OFF, 3MF), in order; the topology may change")
+    command
+        .add_option("FRAME", sequence->files,
+                    "Meshes (PLY, OBJ, STL, OFF, glTF, 3MF), in order; the topology may change")
         ->type_name("FRAME...");
     command
         .add_option("--scene", sequence->scene,

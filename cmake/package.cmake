@@ -16,6 +16,7 @@ endif()
 # The licences of others are there if scripts/release.sh has gathered them.
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME copyright)
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/THIRD_PARTY_LICENSES.txt DESTINATION ${CMAKE_INSTALL_DOCDIR} OPTIONAL)
+install(FILES cmake/tsan.supp DESTINATION ${CMAKE_INSTALL_DATADIR}/crumple)
 install(DIRECTORY include/crumple DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(EXPORT crumple-targets NAMESPACE crumple:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/crumple)
 configure_package_config_file(cmake/crumple-config.cmake.in ${CMAKE_CURRENT_BINARY_DIR}/crumple-config.cmake

@@ -1,4 +1,4 @@
-"""Checks a part before it is printed: what passes through itself, and which shells it is made of.
+"""Checks a part before it is printed: whether it is closed, passes through itself, and which shells it is made of.
 
 python print_check.py [PICTURE [PART.stl]]
 """
@@ -33,14 +33,24 @@ def shells(mesh):
         label = sunk
 
 
+def open_edges(mesh):
+    """Edges of one triangle: where there are some, the surface bounds nothing."""
+    edges = np.sort(mesh.faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    return int((np.unique(edges, axis=0, return_counts=True)[1] == 1).sum())
+
+
 def check(path, picture):
     part = crumple.read_mesh(path)  # an STL names no vertices: equal positions become one
     result = crumple.Detector().find_self(part, contacts=True)
     piece = shells(part)
     across = int((piece[result.pairs[:, 0]] != piece[result.pairs[:, 1]]).sum())
-    print(f"{len(part.faces)} triangles in {piece.max() + 1} shells")
-    print(f"{across} pairs between shells, {len(result) - across} within one: ", end="")
-    print("ready to print" if not result else "unite the shells first")
+    gaps, within = open_edges(part), len(result) - across
+    print(f"{len(part.faces)} triangles in {piece.max() + 1} shells, {gaps} open edges")
+    print(f"{across} pairs between shells, {within} within one: ", end="")
+    if gaps or within:
+        print("repair the surface first")
+    else:
+        print("unite the shells first" if across else "closed, and free of itself")
     result.save(picture)
 
 

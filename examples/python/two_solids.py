@@ -22,6 +22,21 @@ def torus(around=96, across=48, tube=0.55):
     return vertices.reshape(-1, 3), faces.reshape(-1, 3)
 
 
+def count_curves(segments):
+    """How many closed curves segments make. Ends that meet have the same bits, so that they are one point."""
+    _, ends = np.unique(segments, axis=0, return_inverse=True)
+    ends = ends.reshape(-1, 2)
+    assert (np.bincount(ends.ravel()) == 2).all(), "each end is that of one other segment"
+    label = np.arange(ends.max() + 1)
+    while True:  # labels sink along segments until nothing changes
+        sunk = label.copy()
+        lowest = label[ends].min(axis=1)
+        np.minimum.at(sunk, ends, lowest[:, None])
+        if (sunk == label).all():
+            return len(np.unique(label))
+        label = sunk
+
+
 def main(picture="two_solids.html"):
     vertices, faces = torus()
     upright = vertices[:, [0, 2, 1]] + [1.1, 0.03, 0.05]  # the other ring of the chain, too fat to pass
@@ -32,7 +47,8 @@ def main(picture="two_solids.html"):
         np.repeat(result.contacts.kinds == crumple.ContactKind.SEGMENT, np.diff(result.contacts.offsets))
     ]
     length = np.linalg.norm(segments[1::2] - segments[::2], axis=1).sum()
-    print(f"{len(result)} pairs of triangles cut each other, in curves of length {length:.3f}")
+    curves = count_curves(segments)
+    print(f"{len(result)} pairs of triangles cut each other, in closed curves: {curves}, {length:.3f} long in all")
     result.save(picture)
 
 

@@ -19,7 +19,9 @@ enum class Simd : std::uint8_t { automatic, scalar, sse4, avx2, avx512, neon };
 /// How a Detector works. None of these changes an answer, only its cost.
 struct Options {
     Backend backend = Backend::automatic;
-    int threads = 0;  ///< 0: as many as the machine has; the cpu backend starts them when the detector is made
+    /// 0: as many as the machine has; more than oneTBB allows in the process (tbb::global_control) are not used. The
+    /// cpu backend starts them when the detector is made.
+    int threads = 0;
 
     /// Bytes that the detector may own, buffers kept between calls and the result included; the caller's arrays are
     /// not counted. 0: no limit. Work that exceeds it is cut into chunks, on one thread; if records or result cannot

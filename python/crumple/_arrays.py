@@ -154,7 +154,7 @@ def host_array(array: Any, name: str, in_place: str = "") -> np.ndarray:
         _refuse_mask(row, f"{name}: a row is")
     result = np.asarray(result)
     if result.dtype == object:
-        raise InvalidInput(f"{name} must be an array of numbers, {_what_objects(array, result)}")
+        raise InvalidType(f"{name} must be an array of numbers, {_what_objects(array, result)}")
     return result
 
 
@@ -196,7 +196,7 @@ def _integers(array: Any, name: str, in_place: str = "") -> np.ndarray:
     if result.size == 0 and _is_sequence(array):
         result = result.astype(np.int64)
     if result.dtype.kind not in "iu":
-        raise InvalidInput(f"{name} must be integers, not {result.dtype}")
+        raise InvalidType(f"{name} must be integers, not {result.dtype}")
     return result
 
 
@@ -206,7 +206,7 @@ def _positions(array: Any, name: str, in_place: str = "") -> np.ndarray:
     if _is_sequence(array) and result.dtype.kind in "iu":
         result = result.astype(np.float64)
     if result.dtype.kind != "f" or result.dtype.itemsize not in (4, 8):
-        raise InvalidInput(
+        raise InvalidType(
             f"{name} must be float32 or float64, not {result.dtype}; convert them, for instance by .astype('float64')"
         )
     return _native(result, result.dtype)
@@ -236,7 +236,7 @@ def radii(array: Any, which: str) -> np.ndarray:
     if _is_sequence(array) and result.dtype.kind in "iu":
         result = result.astype(np.float64)
     if result.dtype.kind != "f" or result.dtype.itemsize not in (4, 8):
-        raise InvalidInput(f"{name} must be float64 or float32, not {result.dtype}")
+        raise InvalidType(f"{name} must be float64 or float32, not {result.dtype}")
     return _native(result, np.float64)
 
 
@@ -326,7 +326,7 @@ def poses(array: Any, which: str) -> np.ndarray:
     if result.ndim not in (3, 4) or result.shape[-1] != 4 or result.shape[-2] not in (3, 4):
         raise InvalidInput(f"{name} must have shape (bodies, 3, 4) or (bodies, 4, 4), not {result.shape}")
     if result.dtype.kind not in "iuf" or result.dtype.itemsize > 8:
-        raise InvalidInput(f"{name} must be float64 or float32, not {result.dtype}")
+        raise InvalidType(f"{name} must be float64 or float32, not {result.dtype}")
     return _native(result, np.float64)
 
 

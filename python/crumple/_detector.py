@@ -65,7 +65,7 @@ class Detector(_core.Detector):
     Args:
         backend: "automatic", "cpu", "cuda", or "reference", brute force in rational arithmetic to compare with.
             "automatic" is "cuda" where it was built and a device is there, else "cpu".
-        threads: 0: as many as the machine has; they start when the detector is made.
+        threads: 0: as many as the machine has, which are the most that are used; they start when the detector is made.
         memory_limit: bytes that the detector may own, 0: no limit. Results that Python holds are not counted.
             Work that exceeds the limit is cut into chunks, on one thread; what still does not fit raises MemoryLimit.
         count_bytes_needed: before it raises MemoryLimit, count all pairs to name a limit that suffices, which may take

@@ -15,9 +15,9 @@ if TYPE_CHECKING:
     from ._mesh import Mesh
     from ._result import Result
 
-#: Red, green, blue of the first and the second mesh's triangles, calm and colliding, and of contacts.
-CALM = ((199, 204, 209), (164, 184, 204))
-COLLIDING = ((217, 64, 50), (237, 145, 33))
+#: Red, green, blue of the first and the second mesh's triangles, calm and colliding, and of contacts: as in files.
+CALM = ((178, 178, 178), (150, 168, 188))
+COLLIDING = ((213, 94, 0), (213, 94, 0))
 CONTACT = (20, 20, 20)
 
 

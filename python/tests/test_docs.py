@@ -1,6 +1,7 @@
 """The programs in the documentation run, section by section, and hold what they assert."""
 
 import re
+import subprocess
 from pathlib import Path
 
 import pytest
@@ -80,3 +81,17 @@ def test_the_message_in_the_documentation_is_the_real_one(capsys, tmp_path, monk
             for program in programs:
                 exec(program, names)
     assert promised in capsys.readouterr().out
+
+
+COMMANDS = r"(?:[A-Z_]+=\S+ )*(?:crumple|cmake|ctest|pip|apt|mpirun|srun|scripts/\S+|build\S*/\S+|nice|python3?)\b"
+PAGES_OF_COMMANDS = [*sorted(DOCS.glob("*.md")), *(DOCS.parent / name for name in ("README.md", "CONTRIBUTING.md"))]
+
+
+@pytest.mark.parametrize("page", PAGES_OF_COMMANDS, ids=lambda page: page.name)
+def test_blocks_of_commands_can_be_pasted_whole(page):
+    """Remarks after commands begin with #: a shell takes anything else for an argument."""
+    text = re.sub(r"^```(?!sh|bash|$).*?^```$", "", page.read_text(), flags=re.M | re.S)  # of other languages
+    for line in re.findall(rf"^(?: {{4}})?({COMMANDS}.*)$", text, flags=re.M):
+        command, *remark = re.split(r" {2,}(?=\S)", line, maxsplit=1)
+        assert not remark or remark[0].startswith("#"), f"{page.name}: {line}"
+        assert subprocess.run(["bash", "-n", "-c", command]).returncode == 0, f"{page.name}: {line}"

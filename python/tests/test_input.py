@@ -473,3 +473,13 @@ def test_arrays_of_other_packages(package, detector):
     vertices, faces = arrays
     assert detector.find_self(vertices, faces).pairs.tolist() == EXPECTED
     assert detector.find_self(vertices, faces.flatten()).pairs.tolist() == EXPECTED
+
+
+@pytest.mark.parametrize("dtype", [np.float16, complex, bool])
+def test_a_wrong_dtype_is_a_type_error(dtype):
+    with pytest.raises(TypeError, match="vertices must be float32 or float64"):
+        crumple.find_self_intersections(np.zeros((3, 3), dtype), [[0, 1, 2]])
+    with pytest.raises(TypeError, match="faces must be integers"):
+        crumple.find_self_intersections(np.zeros((3, 3)), np.zeros((1, 3), float))
+    with pytest.raises(TypeError, match="poses must be float64 or float32"):
+        crumple.World([crumple.Mesh(np.zeros((3, 3)), [[0, 1, 2]])], poses=np.zeros((1, 3, 4), np.float16))

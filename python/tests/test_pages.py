@@ -8,7 +8,7 @@ from pages import PAGES, TOP, programs, run, without_times
 
 pytestmark = pytest.mark.installed
 
-STARTS = ("cloth", "printing", "research", "robots")
+STARTS = ("cloth", "cpp", "printing", "research", "robots")
 PROGRAMS = [program for page in PAGES for program in programs(page)]
 # C++ is built and compared by tests/docs, with CMake.
 HERE = [program for program in PROGRAMS if program.language != "cpp"]
@@ -29,7 +29,8 @@ def test_every_page_has_a_program_and_its_output():
     assert {program.page for program in PROGRAMS} == set(PAGES)
     for program in PROGRAMS:
         assert program.prints, f"{name_of(program)}: no output below it"
-    assert [name_of(program) for program in PROGRAMS if program.language == "cpp"] == ["README.md: #include <cstdio>"]
+    in_cpp = [name_of(program) for program in PROGRAMS if program.language == "cpp"]
+    assert in_cpp == ["README.md: #include <cstdio>", "start_cpp.md: #include <cstdio>"]
 
 
 def test_the_readme_leads_to_each_page():

@@ -33,7 +33,8 @@ struct Side {
     Colour free, colliding;
 };
 
-constexpr Colour colours[2][2] = {{{199, 204, 209}, {217, 64, 50}}, {{164, 184, 204}, {237, 145, 33}}};
+/// Of files, but that a second mesh can be told from the first.
+constexpr Colour colours[2][2] = {{free_colour, colliding_colour}, {{150, 168, 188}, colliding_colour}};
 constexpr Colour contact_colour{20, 20, 20};
 
 Point corner_of(const TriangleMesh& mesh, std::size_t corner) {

@@ -92,6 +92,12 @@ def ply_files():
                                                                                 "property int vertex1"])
     rows = "90\n0 0 0 1 9 0\n1 0 0 1 9 2 .5 .5\n0 1e-400 0 1 9 1 7\n3 0 1 2 200 2 0 1 -4\n0\n1\n"
     yield mixed + rows.encode()
+    strips = ply_header("ascii", 4, 0).replace(b"element face 0\nproperty list uchar int vertex_indices\n",
+                                               b"element tristrips 2\nproperty list int int vertex_indices\n")
+    corners = "".join("%g %g %g\n" % tuple(p) for p in points).encode()
+    yield strips + corners + b"8 0 1 2 3 -1 1 2 3\n4 3 3 2 1\n"
+    yield strips[:strips.index(b"element tristrips")] + b"end_header\n" + corners
+    yield ply_ascii(points, [(0, 1), (0, 1, 2), (), (3,), (0, 1, 2, 3), (1, 2)], groups=range(6))
     yield ply_header("ascii", 1, 1, after=["element tristrips 1", "property list int int vertex_indices"])
     yield ply_header("ascii", 0, 0, extra_face=["float group"]) + b"\n"
     yield ply_header("ascii", 0, 0).replace(b"element face", b"element tristrips")
@@ -127,6 +133,7 @@ def obj_files():
            b"usemtl red\ns off\nf 1/1/1 2//1 3/1\nf -3 -2 -1\nfo 1 2 3\nl 1 2\np 1\n")
     yield b"v 0 0 0\nv 1 \\\n 0 0\nv 0 1 0\nf 1 \\\r\n2 3\n"
     yield b"f 1 2 3\nv 0 0 0\nv 1 0 0\nv 0 1 0\n"
+    yield b"v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1// 2/1/ 3/\nf 1 2\nf\nf 1//1 2/-1 3//\n"
     yield b"v +1e0 -0 4.9e-324\nv 1e308 -1e308 1e-400\nv 0.1 .2 3.\nf 1 2 3 # end"
     yield b"v 1 2 3\nvp 1\ncstype bezier\ndeg 3\nsurf 0 1 0 1 1 2 3\nend\n"
     yield b"call other.obj\nv 0 0 0\nsubdiv 2\n"
@@ -161,6 +168,8 @@ def stl_files():
     yield BOM + stl_ascii(triangles)
     yield stl_ascii(triangles[:1], "a") + stl_ascii(triangles[1:], "")
     yield stl_ascii([ARROW, L_SHAPE])
+    yield stl_ascii(triangles).replace(b"endloop", b"end loop of it").replace(b"endfacet", b"END FACET")
+    yield stl_ascii(triangles).replace(b"  outer", b"  color 1 0 0\n  outer").rsplit(b"endsolid")[0]
     yield stl_ascii([])
     yield stl_binary(triangles)
     yield stl_binary(triangles, title=b"solid but binary")
@@ -189,6 +198,9 @@ def off_files():
     yield b"STOFF # with texture\n3 1 3\n\n0 0 0 0 0\n1 0 0 1 0\n# between\n0 1 0 0 1\n3 0 1 2 255 0 0\n"
     yield b"COFF 3 1\n0 0 0 1 1 1 1\n1 0 0 1 1 1 1\n0 1 0 1 1 1 1\n3 0 1 2 7\n"
     yield b"NOFF\n1 0 0\n0 0 0 0 0 1\n"
+    yield b"NCOFF3 4 0\n0 0 0 1\n1 0 0\n0 1 0\n2 0 1\n3 0 # next line\n1\n2\n0\n4 0 1\n 2 1 9 9\n"
+    yield "\ufeffOFF\n0 0 0\n".encode("utf-16-le")
+    yield b"version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 1\n"
     yield b"STCNOFF\n0 0 0\n"
     yield b"4OFF\n1 0 0\n0 0 0 1\n"
     yield b"nOFF\n2\n1 0 0\n0 0\n"
@@ -292,6 +304,13 @@ def scenes():
                 accessors=[{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"},
                            {"bufferView": 1, "componentType": 5121, "count": 1500, "type": "SCALAR"}],
                 bufferViews=[{"buffer": 0, "byteLength": 48}, {"buffer": 0, "byteOffset": 48, "byteLength": 1500}])
+    sparse = {"count": 2, "indices": {"bufferView": 1, "componentType": 5123}, "values": {"bufferView": 0}}
+    positions = {"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3", "sparse": sparse}
+    indices = {"bufferView": 1, "componentType": 5123, "count": 12, "type": "SCALAR"}
+    yield scene(two, accessors=[positions, indices])
+    yield scene(two, accessors=[{**positions, "bufferView": 0}, {**indices, "sparse": {}}])
+    yield scene([{"mesh": 0}], meshes=[{"primitives": [{"attributes": {"NORMAL": 0}},
+                                                       {"attributes": {"POSITION": 0}, "indices": 1}]}])
     yield scene([{"mesh": 0, "skin": 0, "weights": [1]}], {"targets": [{"POSITION": 0}]})
     yield scene([{"mesh": 1}])
     yield scene([])
@@ -417,6 +436,13 @@ def compressed_files():
                 archive.writestr(zipfile.ZipInfo(name), content, zipfile.ZIP_DEFLATED)
         yield THREEMF, out.getvalue()
     text = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
+    for names in (["a.obj"], ["readme", "__MACOSX/a.obj", "a.OBJ"], ["a.obj", "b.obj"], []):
+        out = io.BytesIO()
+        with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as archive:
+            for name in names:
+                with archive.open(zipfile.ZipInfo(name), "w", force_zip64=True) as entry:
+                    entry.write(text)
+        yield OBJ, out.getvalue()
     yield GZIP_MENDED, text
     yield PAIRS_GZIP, b"a,b\n0,1\n"
     yield GZIP, gzip.compress(text, mtime=0)

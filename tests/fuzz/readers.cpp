@@ -95,12 +95,21 @@ io::ReadOptions options_of(std::uint8_t byte) {
     options.group_property = groups[byte >> 4 & 3];
     options.triangulation = byte & 64 ? io::Triangulation::fan : io::Triangulation::ears;
     options.strict = byte & 128;
+    if ((byte & 0x30) == 0x10) options.unit = io::Unit::inch;  // where there are no groups
     return options;
 }
 
 bool is_compressed(const Kind& kind) {
     const std::string_view name = kind.name;
     return name.ends_with(".npz") || name.ends_with(".3mf") || name.ends_with(".gz");
+}
+
+/// glTF and zip archives are read under any name.
+bool is_archive(std::string_view file) { return file.starts_with("PK"); }
+bool is_scene(std::string_view file) {
+    if (file.starts_with("\xef\xbb\xbf")) file.remove_prefix(3);
+    const std::size_t first = file.find_first_not_of(" \t\r\n");
+    return file.starts_with("glTF") || (first != file.npos && file[first] == '{');
 }
 
 bool is_short_and_printable(std::string_view sentence) {
@@ -149,12 +158,13 @@ auto watched(std::string_view file, const Kind& kind, bool names_property, Read&
     // A face of one byte a corner becomes 12 bytes a triangle in a vector that doubles, and ears take lists. Deflated
     // bytes become a thousand times as many, and a few lines of 3MF name 65,536 bodies. A byte of glTF's binary chunk
     // may be named by eight triangles.
-    const bool scene = std::strcmp(kind.name, "file.3mf") == 0;
+    const bool package = std::strcmp(kind.name, "file.3mf") == 0 || is_archive(file);
+    const bool scene = kind.content == Content::world || is_scene(file);
     const auto size = static_cast<std::int64_t>(file.size());
-    const std::int64_t most = scene                            ? (256 << 20) + 4096 * size
-                              : is_compressed(kind)            ? (4 << 20) + 4096 * size
-                              : kind.content == Content::world ? (64 << 10) + 1024 * size
-                                                               : (64 << 10) + 128 * size;
+    const std::int64_t most = package               ? (256 << 20) + 4096 * size
+                              : is_compressed(kind) ? (4 << 20) + 4096 * size
+                              : scene               ? (64 << 10) + 1024 * size
+                                                    : (64 << 10) + 128 * size;
     if (peak > most) fail(std::to_string(peak) + " bytes held to read " + std::to_string(size));
     return result;
 }
@@ -184,7 +194,9 @@ void check_mesh(std::string_view file, const Kind& kind, const io::ReadOptions& 
     require(mesh->groups.empty() || names_property, "groups that nobody asked for");
     require(!names_property || mesh->groups.size() == mesh->triangles.size() / 3, "groups are missing");
     check_precision(*mesh, options);
-    if (options.weld != io::Weld::no) {
+    // Of a scene each shape is welded by itself, unless all is.
+    const bool by_shape = options.weld == io::Weld::automatic && (is_scene(file) || is_archive(file));
+    if (options.weld != io::Weld::no && !by_shape) {
         io::ReadOptions unwelded = options;
         unwelded.weld = io::Weld::no;
         const io::TriangleMesh before = read_mesh(file, kind.name, unwelded);

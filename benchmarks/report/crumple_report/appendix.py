@@ -140,7 +140,7 @@ def parts(results):
                          f"{size['members'] / row['triangles']:.2f}", f"{size['most_members'] * size['parts'] / size['members']:.2f}",
                          *(digits(size[kind][value]) for kind in ("alone", "owning") for value in ("inflation", "most_speed_up"))])
     return table(["scene", "parts", "partition, ms", "members / triangles", "largest part / mean", "own mesh: sum / whole",
-                  "speed-up at most", "whole mesh read: sum / whole", "speed-up at most"], rows)
+                  "speed-up at most", "`find(part)`: sum / whole", "speed-up at most"], rows)
 
 
 @block("axes", studies=["axes"])

@@ -8,6 +8,7 @@
 // `worker` is below `workers()` and unique among the tasks that run at the same time, so that scratch memory can be one
 // per worker. Before each task a loop looks whether the call was cancelled, and throws.
 
+#include <algorithm>
 #include <atomic>
 #include <cstddef>
 #include <exception>
@@ -22,6 +23,7 @@
 #include "engine/cpu/std_threads.h"
 #else
 #include <tbb/blocked_range.h>
+#include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 #endif
@@ -49,7 +51,7 @@ class Workers {
     /// The threads start now, so that the first call does not have to: that would take a third longer in a small scene.
     Workers(const Options& options, Cancellation& cancellation)
         : lent_(options.executor),
-          arena_(options.threads > 0 ? options.threads : tbb::task_arena::automatic),
+          arena_(options.threads > 0 ? std::min(options.threads, allowed()) : tbb::task_arena::automatic),
           cancellation_(cancellation) {
         if (!lent_ && workers() > 1) arena_.enqueue([] {});
     }
@@ -118,6 +120,14 @@ class Workers {
             lent_->parallel_for(n, guarded);
         if (failure) std::rethrow_exception(failure);
     }
+
+#ifndef CRUMPLE_STD_THREADS
+    /// Threads that oneTBB allows in this process, cores as a rule. It would print a warning of its own if asked for
+    /// more.
+    static int allowed() {
+        return static_cast<int>(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
+    }
+#endif
 
     std::shared_ptr<Executor> lent_;
 #ifndef CRUMPLE_STD_THREADS

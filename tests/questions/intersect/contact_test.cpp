@@ -2,9 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <bit>
+#include <cmath>
 #include <cstring>
+#include <map>
 
 #include "base/float_environment.h"
+#include "crumple/crumple.h"
 #include "geometry/callers_mode.h"
 #include "questions/intersect/named_pairs.h"
 #include "questions/intersect/rational_intersection.h"
@@ -129,6 +133,43 @@ TEST(Contact, NegativeZeroIsWrittenPositive) {
     expect_rational_contact({upright, floor});
     const Triangle corner{{Vec3d{-0.0, -0.0, -0.0}, {1, 0, 2}, {0, 1, 2}}, {3, 4, 5}};
     expect_rational_contact({corner, floor});
+}
+
+/// A closed torus about z, moved, with nothing in special position.
+struct Torus {
+    std::vector<std::array<double, 3>> vertices;
+    std::vector<std::array<std::int32_t, 3>> triangles;
+
+    Torus(std::int32_t around, std::int32_t across, const Vec3d& centre) {
+        constexpr double turn = 2 * 3.14159265358979323846;
+        for (std::int32_t i = 0; i < around; ++i) {
+            for (std::int32_t j = 0; j < across; ++j) {
+                const double a = turn * (i + 0.1) / around, b = turn * (j + 0.3) / across, r = 1 + 0.4 * std::cos(b);
+                vertices.push_back(
+                    {centre.x + r * std::cos(a), centre.y + r * std::sin(a), centre.z + 0.4 * std::sin(b)});
+                const auto at = [&](std::int32_t u, std::int32_t v) { return u % around * across + v % across; };
+                triangles.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
+                triangles.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
+            }
+        }
+    }
+    MeshView view() const { return {vertices, triangles}; }
+};
+
+TEST(Contact, SegmentsOfNeighbouringPairsHaveEndsOfTheSameBits) {
+    for (const double shift : {0.0, 1e-9, 1000.0}) {
+        const Torus a(40, 24, {shift, 0, 0}), b(37, 19, {shift + 0.77, 0.13, 0.21});
+        Detector detector({.backend = Backend::cpu});
+        const Collisions& found = detector.find_between(a.view(), b.view(), {.contacts = true});
+        ASSERT_GT(found.pairs.size(), 300U);
+        std::map<std::array<std::uint64_t, 3>, int> ends;
+        for (std::size_t i = 0; i < found.pairs.size(); ++i) {
+            ASSERT_EQ(found.contacts.kinds[i], ContactKind::segment);
+            for (std::int64_t p = found.contacts.offsets[i]; p < found.contacts.offsets[i + 1]; ++p)
+                ++ends[std::bit_cast<std::array<std::uint64_t, 3>>(found.contacts.points[static_cast<std::size_t>(p)])];
+        }
+        for (const auto& [point, count] : ends) ASSERT_EQ(count, 2) << "each end is that of one other segment";
+    }
 }
 
 }  // namespace
