@@ -14,6 +14,10 @@
 #include <string_view>
 #include <vector>
 
+#ifdef CRUMPLE_TESTS_WITH_TBB
+#include <tbb/global_control.h>
+#endif
+
 namespace {
 
 std::vector<std::string> names_of_cases() {
@@ -43,6 +47,10 @@ bool fit(const std::string& cases) {
 }  // namespace
 
 int main(int argc, char** argv) {
+#ifdef CRUMPLE_TESTS_WITH_TBB
+    // Detectors use no more threads than are allowed in the process; tests ask for up to 16, on any machine.
+    const tbb::global_control allowed(tbb::global_control::max_allowed_parallelism, 16);
+#endif
     testing::InitGoogleTest(&argc, argv);
     std::string& filter = testing::GTEST_FLAG(filter);
     for (int i = 1; i < argc; ++i) {

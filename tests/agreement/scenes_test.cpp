@@ -70,7 +70,8 @@ struct NamedQuery {
     Query query;
 };
 
-/// All that make sense: between groups there is nothing to find without groups. Or some of them, others for each scene.
+/// All that make sense: without groups there is nothing between groups, and nothing to exclude. Or some of them, others
+/// for each scene.
 std::vector<NamedQuery> queries(const io::TriangleMesh& mesh) {
     static const std::array excluded{GroupPair{1, -1}, GroupPair{0, 0}};
     std::vector<NamedQuery> all(1);
@@ -103,7 +104,10 @@ std::vector<NamedQuery> queries(const io::TriangleMesh& mesh) {
         q.excluded_groups = excluded;
         q.weld = true;
     });
-    if (mesh.groups.empty()) std::erase_if(all, [](const auto& q) { return q.query.wanted == Wanted::between; });
+    const auto needs_groups = [](const NamedQuery& q) {
+        return q.query.wanted == Wanted::between || !q.query.excluded_groups.empty();
+    };
+    if (mesh.groups.empty()) std::erase_if(all, needs_groups);
     std::vector<NamedQuery> some;
     for (auto i = static_cast<std::size_t>(mesh.triangle_count()) % query_step; i < all.size(); i += query_step)
         some.push_back(all[i]);
