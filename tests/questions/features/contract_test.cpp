@@ -203,6 +203,46 @@ TEST(FeatureCalls, LookForAStopBetweenTests) {
     EXPECT_EQ(error_of(call).code, ErrorCode::cancelled);
 }
 
+/// Two flat sheets that slide through each other in one plane touch all over at the start: the first of these pairs
+/// ends the search for the first impact, and is the one that the whole list tells.
+TEST(FeatureCalls, FindTheFirstOfManyImpactsAtTheStart) {
+    constexpr std::int32_t n = 8;
+    std::vector<std::array<double, 3>> start, end;
+    std::vector<std::array<std::int32_t, 3>> triangles;
+    for (std::int32_t sheet = 0; sheet < 2; ++sheet) {
+        const auto first = static_cast<std::int32_t>(start.size());
+        for (std::int32_t i = 0; i <= n; ++i)
+            for (std::int32_t j = 0; j <= n; ++j) {
+                start.push_back({i + 0.37 * sheet, j + 0.21 * sheet, 0});
+                end.push_back({start.back()[0] + 3.3 * sheet, start.back()[1] - 2.1 * sheet, 0});
+            }
+        for (std::int32_t i = 0; i < n; ++i)
+            for (std::int32_t j = 0; j < n; ++j) {
+                const std::int32_t a = first + i * (n + 1) + j;
+                triangles.push_back({a, a + n + 1, a + n + 2});
+                triangles.push_back({a, a + n + 2, a + 1});
+            }
+    }
+    const MeshView mesh(start, triangles), moved(end, triangles);
+    for (const int threads : {1, 2, 7}) {
+        Detector detector({.backend = Backend::cpu, .threads = threads});
+        const Impacts& all = detector.find_impacts(mesh, moved.vertices);
+        const FirstImpact expected = all.first;
+        const std::int64_t decided = all.statistics.double_tests, exact = all.statistics.exact_tests;
+        ASSERT_TRUE(expected.found && expected.toi == 0 && expected.start);
+        for (int again = 0; again < 5; ++again) {
+            const Impacts& first = detector.find_impacts(mesh, moved.vertices, {.wants = MotionWants::earliest});
+            EXPECT_TRUE(first.first.found && first.first.toi == 0 && first.first.start);
+            EXPECT_EQ(first.first.kind, expected.kind);
+            EXPECT_EQ(first.first.pair, expected.pair);
+            EXPECT_EQ(first.statistics.double_tests, decided);
+            EXPECT_LT(first.statistics.exact_tests, exact / 4) << "most pairs cannot be the first, and are not decided";
+        }
+        EXPECT_EQ(detector.time_of_first_impact(mesh, moved.vertices).toi, 0);
+        EXPECT_EQ(detector.find_free_step(mesh, moved.vertices).share, 0);
+    }
+}
+
 TEST(FeatureCalls, HandTheirAnswersOver) {
     const MovingSoup<> soup = moving_grid(4, 30, 24, 3);
     Detector detector({.backend = tested_backend, .threads = 2}), fresh({.backend = tested_backend});

@@ -46,6 +46,17 @@ void add_radii(FeatureKind kind, const Array<FeatureTest>& tests, const float* r
     std::fill(distance.end() - padding, distance.end(), 0.0f);
 }
 
+/// Of a pair in the order in which the first of equal times is told: by kind, first and second feature.
+std::uint64_t place_of(FeatureKind kind, const Pair& pair) {
+    return static_cast<std::uint64_t>(kind) << 62 | static_cast<std::uint64_t>(pair.a) << 31 |
+           static_cast<std::uint64_t>(pair.b);
+}
+
+void lower(std::atomic<std::uint64_t>& least, std::uint64_t value) {
+    std::uint64_t known = least.load(std::memory_order_relaxed);
+    while (value < known && !least.compare_exchange_weak(known, value, std::memory_order_relaxed)) continue;
+}
+
 std::size_t count(const FeatureHits& hits) {
     std::size_t sum = 0;
     for (const auto& list : hits) sum += list.size();
@@ -75,6 +86,7 @@ template <int moments>
 void FeatureLeaves<moments>::begin(const Call& call) {
     call_ = &call;
     any_ = false;
+    first_at_start_ = no_place;
     for (const auto& worker : worker_) {
         for (auto& list : worker->hits) list.clear();
         for (auto& list : worker->tests) list.clear();  // not each kind is listed in each call
@@ -287,13 +299,16 @@ void FeatureLeaves<moments>::decide_tests(FeatureKind kind, Worker& worker) {
     worker.statistics.double_tests += static_cast<std::int64_t>(tests.size());
     if (moments == 1 && query_->extent == Extent::all) return measure_tests(kind, worker);
     FeatureCounts counts;
+    const bool first_alone = query_->extent == Extent::first;
     for (const FeatureTest& test : tests) {
+        if (first_alone && place_of(kind, test.pair) > first_at_start_.load(std::memory_order_relaxed)) continue;
         const std::int64_t rational = counts.rational;
         const FeatureDecision decision = decide(kind, call_->scene, test.vertex, *query_, counts);
         if (counts.rational != rational) call_->cancellation.check();  // some take a millisecond
         if (!decision.hit) continue;
         any_.store(true, std::memory_order_relaxed);
         if (query_->extent == Extent::any) break;
+        if (first_alone && decision.value == 0) lower(first_at_start_, place_of(kind, test.pair));
         worker.hits[k].push_back({test.pair, decision.value, decision.flag});
     }
     worker.statistics.exact_tests += counts.tests;

@@ -114,6 +114,10 @@ class FeatureLeaves final : public LeafQuestion {
     float distance_ = 0;
     const float* radius_ = nullptr;
     std::atomic<bool> any_{false};
+    /// Place of the first pair that touches at time 0, where only the first impact is asked for: none can be earlier,
+    /// so that pairs behind it need not be decided. Slides within a plane touch there all over, and are slow to decide.
+    static constexpr std::uint64_t no_place = UINT64_MAX;
+    std::atomic<std::uint64_t> first_at_start_{no_place};
 };
 
 extern template class FeatureLeaves<1>;
