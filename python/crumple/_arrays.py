@@ -325,7 +325,7 @@ def poses(array: Any, which: str) -> np.ndarray:
         result = result.reshape(0, 3, 4)
     if result.ndim not in (3, 4) or result.shape[-1] != 4 or result.shape[-2] not in (3, 4):
         raise InvalidInput(f"{name} must have shape (bodies, 3, 4) or (bodies, 4, 4), not {result.shape}")
-    if result.dtype.kind not in "iuf" or result.dtype.itemsize > 8:
+    if result.dtype.kind not in "iu" and (result.dtype.kind, result.dtype.itemsize) not in (("f", 4), ("f", 8)):
         raise InvalidType(f"{name} must be float64 or float32, not {result.dtype}")
     return _native(result, np.float64)
 

@@ -107,7 +107,7 @@ def pose_of(pose: Any, body: int, name: str = "pose") -> np.ndarray:
     if pose is None:
         return np.eye(3, 4)
     result = host_array(pose, f"body {body}: its {name}")
-    sound = result.dtype.kind in "iu" or result.dtype in (np.float32, np.float64)
+    sound = result.dtype.kind in "iu" or (result.dtype.kind, result.dtype.itemsize) in (("f", 4), ("f", 8))
     if result.shape not in ((3, 4), (4, 4)) or not sound:
         what = f"{result.shape}" if sound else f"{result.dtype}"
         raise InvalidInput(

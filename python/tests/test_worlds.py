@@ -173,8 +173,10 @@ def test_single_precision_and_integers_are_poses(detector):
     poses[:, range(3), range(3)], poses[1, 0, 3] = 1, 0
     expected = detector.find(world, poses=poses.astype(float)).pairs.tolist()
     assert expected
-    for given in (poses, poses.astype(np.float32), poses.astype(np.float16), poses.tolist()):
+    for given in (poses, poses.astype(np.float32), poses.tolist()):
         assert detector.find(world, poses=given).pairs.tolist() == expected
+    with pytest.raises(crumple.InvalidType, match="poses must be float64 or float32, not float16"):
+        detector.find(world, poses=poses.astype(np.float16))
 
 
 def test_poses_are_read_where_they_lie(detector):
