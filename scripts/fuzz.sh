@@ -14,7 +14,10 @@ fi
 scripts/install_dependencies.sh --fuzz
 . scripts/ccache.sh
 cmake --preset fuzz -DCRUMPLE_WERROR=ON >/dev/null
-cmake --build --preset fuzz -j "$(nproc)" --target "${names[@]/#/fuzz_}" >/dev/null
+cmake --build --preset fuzz -j "$(nproc)" --target "${names[@]/#/fuzz_}" >build-fuzz/build.log || {
+    grep -v '^\[' build-fuzz/build.log
+    exit 1
+}
 rm -rf build-fuzz/seeds
 python3 tests/fuzz/make_seeds.py build-fuzz/seeds
 

@@ -115,7 +115,8 @@ void convert_unit(WorldMesh& world, Unit to) {
         }
         std::vector<NamedBody> bodies = world.bodies;
         for (NamedBody& body : bodies)
-            for (const std::size_t i : {3, 7, 11}) body.pose.rows[i] = scale(body.pose.rows[i]);
+            for (const std::size_t i : {std::size_t{3}, std::size_t{7}, std::size_t{11}})
+                body.pose.rows[i] = scale(body.pose.rows[i]);
         if (!std::all_of(bodies.begin(), bodies.end(), [](const NamedBody& body) { return is_finite(body.pose); }))
             throw Error(ErrorCode::invalid_argument, "a pose overflows in the other unit");
         world.shapes = std::move(shapes), world.bodies = std::move(bodies);

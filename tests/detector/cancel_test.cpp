@@ -44,7 +44,7 @@ Options with_limit(const MeshView& mesh) {
 
 // Long enough that a request which is only seen at the end would show; sanitizers make all things long.
 std::vector<Case> cases() {
-    const int many = sanitized ? 20'000 : 60'000;
+    const int many = sanitized ? 40'000 : 60'000;
     const double size = 0.15;
     return {{"one thread", with_threads(1), many, size},
             {"two threads", with_threads(2), many, size},

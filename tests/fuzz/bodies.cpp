@@ -82,7 +82,9 @@ void require_welded(const WorldMesh& world, const WorldMesh& before) {
     for (std::size_t s = 0; s < world.shapes.size(); ++s) require_welded(world.shapes[s], before.shapes[s]);
 }
 
-void require_kept_by_writer(const WorldMesh& world) {
+void require_kept_by_writer(const WorldMesh& given) {
+    WorldMesh world = given;
+    world.unit = io::Unit::metre;  // others are scaled
     std::ostringstream out;
     try {
         io::write_coloured(out, world, free_of(world), io::MeshFormat::glb);
