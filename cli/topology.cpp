@@ -110,6 +110,7 @@ std::int64_t count_parts(const std::vector<Edge>& edges, std::int64_t vertices) 
     DisjointSets sets(vertices);
     for (const Edge& edge : edges) sets.join(edge.a, edge.b);
     std::vector<std::int32_t> roots;
+    roots.reserve(edges.size());
     for (const Edge& edge : edges) roots.push_back(sets.root(edge.a));
     std::sort(roots.begin(), roots.end());
     return std::unique(roots.begin(), roots.end()) - roots.begin();

@@ -38,7 +38,8 @@ class Scale {
    public:
     Scale(Unit from, Unit to) {
         const int a = length_of(from).tenths_of_micrometres, b = length_of(to).tenths_of_micrometres;
-        times_ = a / std::gcd(a, b), by_ = b / std::gcd(a, b);
+        const int over = a / std::gcd(a, b), under = b / std::gcd(a, b);
+        times_ = over, by_ = under;
     }
     double operator()(double x) const {
         const double product = x * times_, lost = std::fma(x, times_, -product);
