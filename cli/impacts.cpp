@@ -184,11 +184,11 @@ Command add_impacts(CLI::App& app) {
         "Pairs of triangles are `ff F G T S`: they intersect at the start, or the first of their features touch at T.\n"
         "Candidates are listed likewise, without T and S: `vf V F`, `ee A B C D`, `ef A B F`, `ff F G`, `ve V A B`,\n"
         "`vv V W`. Two features are one if no vertex is common and on every axis the gap between their boxes, which\n"
-        "hold start and end, is at most twice --inflation.\n"
-        "Processes that mpirun has started share the work, as of crumple detect; not --kind pairs and candidates,\n"
-        "--stream, coloured meshes, lines and points.\n"
+        "hold start and end, is at most twice --inflation.\n\n"
         "Example: crumple impacts cloth_092.ply cloth_093.ply -o impacts.csv -o impacts.glb\n"
-        "         crumple impacts cloth_092.ply cloth_093.ply --kind candidates --inflation 0.001 -o candidates.npz");
+        "         crumple impacts cloth_092.ply cloth_093.ply --kind candidates --inflation 0.001 -o candidates.npz\n\n"
+        "Processes that mpirun has started share the work, as of crumple detect; not --kind pairs and candidates,\n"
+        "--stream, coloured meshes, lines and points.");
     return {&command, [impacts] { return impacts->run(); }, true};
 }
 

@@ -202,8 +202,9 @@ struct Info {
         nlohmann::json list = nlohmann::json::array();
         to_standard_output([&](std::ostream& out) {
             Printer printer(out, world.unit);
-            if (!json && is_scene()) print_bodies(printer, world);
-            if (!json && !is_scene()) printer.print_unit();
+            const bool scene = is_scene() || bodies != 1;
+            if (!json && scene) print_bodies(printer, world);
+            if (!json && !scene) printer.print_unit();
             for (std::size_t b = 0; b < bodies; ++b) {
                 const io::TriangleMesh posed = mesh(b);
                 const Report report(posed);
@@ -212,7 +213,7 @@ struct Info {
                     list.push_back(json_of(body(b).name, posed, report));
                     continue;
                 }
-                if (is_scene()) {
+                if (scene) {
                     out << '\n';
                     printer.row(fmt::format("body {}", b), quoted_name(body(b).name));
                     printer.row("shape", std::to_string(body(b).shape));
@@ -225,6 +226,7 @@ struct Info {
     }
 
    private:
+    /// By its name, for a scene may have one body.
     bool is_scene() const {
         const std::string extension = extension_of(file);
         return extension == ".glb" || extension == ".gltf" || extension == ".3mf";

@@ -94,9 +94,9 @@ Command add_near(CLI::App& app) {
         "`ee A B C D Q`: the edge from A to B and that from C to D. Between two files an id is 0:ID or 1:ID. What\n"
         "shares a vertex is not near. Lines and points of OBJ (l, p) count, too: `ve V A B Q`, `vv V W Q`.\n"
         "Cloth of some thickness: --radii with half of it, --rings 2, and the cloth as it was cut as --rest.\n"
+        "\nExample: crumple near dress.ply body.obj --radius 0.005 -o near.csv\n\n"
         "Processes that mpirun has started share the work on one mesh, as of crumple detect; not --radii, --rest,\n"
-        "--rings, --stream, coloured meshes, lines and points.\n"
-        "Example: crumple near dress.ply body.obj --radius 0.005 -o near.csv");
+        "--rings, --stream, coloured meshes, lines and points.");
     return {&command, [near] { return near->run(); }, true};
 }
 

@@ -221,6 +221,7 @@ TEST_F(Bodies, AreListedByInfo) {
     EXPECT_TRUE(contains(last, "body 3                far away\nshape                 0\n")) << last;
     EXPECT_TRUE(contains(last, "closed                yes\nvolume                0.166667 m^3\n")) << last;
     EXPECT_EQ(crumple("info robot.glb --check").status, 0);
+    EXPECT_EQ(shell("cat robot.glb | $crumple info -").out, outcome.out);
 }
 
 TEST_F(Bodies, AreOneMeshWithoutGroups) {

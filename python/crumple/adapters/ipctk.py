@@ -249,8 +249,8 @@ class NarrowPhaseCCD(ipctk.NarrowPhaseCCD):
     call of Python, some 30 us. compute_collision_free_stepsize, of this module, has neither drawback.
 
     Args:
-        separation_share: the share of a pair's own distance at the start that is to be kept, in [0, 1): what ipctk's
-            CCDs call 1 - conservative_rescaling.
+        separation_share: the share of a pair's own distance at the start that is to be kept, in [0, 1). ipctk's CCDs end
+            where 1 - conservative_rescaling of it is left by their own bound, which is near that, and not the same.
 
     Raises InvalidInput while ipctk has more than one thread.
     """
