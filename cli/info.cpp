@@ -71,7 +71,7 @@ std::optional<Box> box_of(const io::TriangleMesh& mesh) {
     return box;
 }
 
-/// What can be said of a body, where it is.
+/// Reports on a body where it is posed.
 struct Report {
     explicit Report(const io::TriangleMesh& mesh)
         : vertices(mesh.vertex_count()),
@@ -86,7 +86,7 @@ struct Report {
         components = label_components(mesh, labels);
         if (triangles > 0 && edges.closed && !edges.flipped) volume = signed_volume(mesh);
     }
-    /// The surface of a solid: closed, consistently oriented, with an area everywhere.
+    /// Tells whether it is the surface of a solid: closed, consistently oriented, with an area everywhere.
     bool is_sound() const { return triangles > 0 && edges.closed && !edges.flipped && degenerate.empty(); }
 
     std::int64_t vertices, unused, triangles;

@@ -88,14 +88,14 @@ std::int32_t label_components(const io::TriangleMesh& mesh, std::vector<std::int
 
 namespace {
 
-/// An edge as a triangle runs along it.
+/// Side of a triangle: the edge, and how the triangle runs along it.
 struct Side {
     Edge edge;  ///< a < b
     bool upwards;
     std::int32_t triangle;
 };
 
-/// Of the triangles along one edge: half in each direction, or two that run in the same one.
+/// Finds two triangles that run along an edge in the same direction; none if half of them run in each.
 std::optional<FlippedEdge> find_flipped(std::span<const Side> sides) {
     const auto up = std::count_if(sides.begin(), sides.end(), [](const Side& side) { return side.upwards; });
     if (2 * up == std::ssize(sides)) return std::nullopt;

@@ -25,7 +25,8 @@ struct EdgeReport {
     std::int64_t holes = 0;         ///< parts of the open edges that hang together: closed curves, as a rule
     std::int64_t non_manifold = 0;  ///< edges of three triangles or more
     bool closed = true;             ///< every edge has an even number of triangles
-    /// Consistent: of every edge's triangles, if their number is even, half run along it in each direction.
+    /// First edge with an even number of triangles of which more run along it in one direction than in the other; none
+    /// if the orientation is consistent.
     std::optional<FlippedEdge> flipped;
 };
 EdgeReport report_edges(const io::TriangleMesh& mesh);

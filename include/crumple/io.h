@@ -41,7 +41,7 @@ struct ReadOptions {
     Triangulation triangulation = Triangulation::ears;
     bool strict = false;            ///< what would be a warning is an error
     bool lines_and_points = false;  ///< OBJ: also read what `l` and `p` name; PLY without faces: its vertices
-    Unit unit = Unit::unknown;      ///< that of coordinates: files that do not say are taken for it, others converted
+    Unit unit = Unit::unknown;      ///< asked for: files that do not say theirs are taken for it, others converted
 };
 
 /// The polygons that a file's triangles were cut from. All arrays are empty where each triangle is a face of the file.
@@ -79,15 +79,14 @@ struct MeshFeatures {
 };
 CRUMPLE_API MeshFeatures features_of(const TriangleMesh& mesh);
 
-/// Reads PLY (ascii, both binary orders), OBJ, STL (ascii, binary), OFF or 3MF, of which it poses all bodies, told
-/// apart by content first and extension second. Every number is rounded once, directly to the precision used; what
-/// underflows becomes subnormal or zero.
+/// Reads PLY (ascii, both binary orders), OBJ, STL (ascii, binary), OFF, glTF or 3MF, told apart by content first and
+/// extension second, or the one mesh in a zip archive. Of glTF and 3MF all bodies, where they are, are one mesh. Every
+/// number is rounded once, directly to the precision used; what underflows becomes subnormal or zero.
 ///
 /// Throws crumple::Error (file, format) that names the file and the line or byte: truncated, hostile or absurd content,
-/// indices out of range, coordinates that are not finite or overflow the
-/// precision. Error::index is then a line, counted from 1, or a byte, counted from 0. Never answers with part of a mesh
-/// that a file announces. Normals, colours and texture coordinates are skipped. What each format's reader accepts,
-/// warns of and refuses: docs/input.md.
+/// indices out of range, coordinates that are not finite or overflow the precision. Error::index is then a line,
+/// counted from 1, or a byte, counted from 0. Never answers with part of a mesh that a file announces. Normals, colours
+/// and texture coordinates are skipped. What each format's reader accepts, warns of and refuses: docs/input.md.
 ///
 /// One pass over the file, which is held in memory meanwhile: hundreds of MB a second. A concave polygon of n corners
 /// takes O(n log n) as a rule, O(n^2) at worst.
@@ -117,7 +116,7 @@ struct CRUMPLE_API WorldMesh {
     std::vector<TriangleMesh> shapes;
     std::vector<NamedBody> bodies;           ///< every name once
     std::vector<std::string> warnings = {};  ///< what was odd about the file, a sentence each
-    Unit unit = Unit::unknown;  ///< of the shapes and of the poses' translations; those of shapes say no more
+    Unit unit = Unit::unknown;               ///< of shapes, which have the same, and of the poses' translations
 
     /// Of all bodies.
     std::int64_t triangle_count() const;
@@ -152,10 +151,10 @@ CRUMPLE_API std::vector<Pose> read_poses(const std::filesystem::path& path, std:
 CRUMPLE_API std::vector<Pose> read_poses(std::istream& in, const std::string& name,
                                          std::span<const std::string> bodies);
 
-/// "mm", "um", "cm", "in", "ft", "m"; "unknown".
+/// Short name of a unit: "um", "mm", "cm", "in", "ft", "m"; "unknown".
 CRUMPLE_API const char* name_of(Unit unit);
-/// The unit of such a name, or of one that 3MF or people write: "inch", "millimeter", "millimetres". Throws
-/// crumple::Error (invalid_argument).
+/// Unit by such a name, or by its long one: "inch", "millimeter", "millimetre". Throws crumple::Error
+/// (invalid_argument).
 CRUMPLE_API Unit unit_named(std::string_view name);
 
 /// Brings coordinates to another unit, each rounded once to the mesh's precision; an unknown unit is stated, and no

@@ -33,7 +33,7 @@ struct Side {
     Colour free, colliding;
 };
 
-/// Of files, but that a second mesh can be told from the first.
+/// Colours as files have them; a second mesh is bluish, to be told from the first.
 constexpr Colour colours[2][2] = {{free_colour, colliding_colour}, {{150, 168, 188}, colliding_colour}};
 constexpr Colour contact_colour{20, 20, 20};
 

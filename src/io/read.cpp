@@ -64,7 +64,7 @@ bool is_utf16(std::string_view text) {
     return text.size() >= 4 && is_zero(0) != is_zero(1) && is_zero(0) == is_zero(2) && is_zero(1) == is_zero(3);
 }
 
-/// Refuses what no reader could say a useful word about.
+/// Refuses content that no reader could name.
 void check_content(const Source& source) {
     const auto fail = [&](const char* what) { source.fail_at_byte(source.begin(), what); };
     if (source.text().find_first_not_of(" \t\r\n") == source.text().npos) fail("the file is empty");

@@ -74,7 +74,7 @@ class AsciiReader {
     }
 
    private:
-    /// After its first keyword.
+    /// Reads on after the first keyword.
     void read_solid() {
         const char* const solid = place_;
         skip_line();  // a name: anything
@@ -151,7 +151,7 @@ class AsciiReader {
     const char* place_ = nullptr;  ///< of the last keyword
     std::string_view word_;        ///< the word there
     Keyword keyword_ = Keyword::none;
-    bool same_line_ = false;  ///< whether what follows is in the line of the last keyword
+    bool same_line_ = false;  ///< what follows is in the line of the last keyword
     bool at_end_ = false;
 };
 

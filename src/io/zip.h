@@ -49,7 +49,7 @@ class ZipWriter {
 /// Refers to the source. One entry is open at a time.
 class ZipReader {
    public:
-    /// Throws Error (format): "NAME: this is not a KIND archive", or "... its list of entries is damaged".
+    /// Throws Error (format): "NAME: this is not a KIND archive", or that its list of entries is damaged.
     ZipReader(const Source& source, const std::string& kind);
     ZipReader(const ZipReader&) = delete;
     ZipReader& operator=(const ZipReader&) = delete;

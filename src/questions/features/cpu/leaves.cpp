@@ -46,7 +46,7 @@ void add_radii(FeatureKind kind, const Array<FeatureTest>& tests, const float* r
     std::fill(distance.end() - padding, distance.end(), 0.0f);
 }
 
-/// Of a pair in the order in which the first of equal times is told: by kind, first and second feature.
+/// Rank of a pair in the order that tells the first of equal times: by kind, first and second feature.
 std::uint64_t place_of(FeatureKind kind, const Pair& pair) {
     return static_cast<std::uint64_t>(kind) << 62 | static_cast<std::uint64_t>(pair.a) << 31 |
            static_cast<std::uint64_t>(pair.b);
