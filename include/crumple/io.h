@@ -165,6 +165,7 @@ CRUMPLE_API void convert_unit(TriangleMesh& mesh, Unit to);
 CRUMPLE_API void convert_unit(WorldMesh& world, Unit to);
 
 /// All bodies as one mesh, one after the other, with each vertex where Detector::find has it; groups are the bodies.
+/// A pose that mirrors swaps the last two corners of each triangle, so that what was outside stays outside.
 CRUMPLE_API TriangleMesh posed_mesh(const WorldMesh& world);
 
 struct WriteOptions {
@@ -177,8 +178,8 @@ struct WriteOptions {
 /// Coordinates keep every bit, except in .stl and .glb, which hold float32; .stl shares no vertices. A mesh of float64
 /// far from the origin is moved there in .glb, by its node's translation. .3mf keeps the unit, and so does .glb, by a
 /// node that scales to metres; the other formats have none. Text holds the shortest
-/// decimals that give the same number back in the mesh's own precision: read a float32 mesh's .obj or .off with
-/// Precision::float32, and .3mf, too. Groups are kept by .ply only, as the face property `group`.
+/// decimals that give the same numbers back as float64, the precision that it is read in by default. Groups are kept by
+/// .ply only, as the face property `group`.
 CRUMPLE_API void write_mesh(const std::filesystem::path& path, const TriangleMesh& mesh,
                             const WriteOptions& options = {});
 

@@ -148,7 +148,8 @@ class ModelText {
     template <class Scalar>
     void add_vertices(const std::vector<Scalar>& xyz) {
         for (std::size_t i = 0; i < xyz.size(); i += 3)
-            out_ << "     <vertex x=\"" << xyz[i] << "\" y=\"" << xyz[i + 1] << "\" z=\"" << xyz[i + 2] << "\"/>\n";
+            out_ << "     <vertex x=\"" << double{xyz[i]} << "\" y=\"" << double{xyz[i + 1]} << "\" z=\""
+                 << double{xyz[i + 2]} << "\"/>\n";
     }
 
     Sink out_;

@@ -167,7 +167,7 @@ void write_vertices(Sink& sink, const TriangleMesh& mesh) {
     std::visit(
         [&](const auto& xyz) {
             for (std::size_t i = 0; i < xyz.size(); i += 3) {
-                sink << "v " << xyz[i] << ' ' << xyz[i + 1] << ' ' << xyz[i + 2] << '\n';
+                sink << "v " << double{xyz[i]} << ' ' << double{xyz[i + 1]} << ' ' << double{xyz[i + 2]} << '\n';
             }
         },
         mesh.vertices);

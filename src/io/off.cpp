@@ -114,7 +114,7 @@ void write_off(std::ostream& out, const TriangleMesh& mesh, bool polygons) {
     std::visit(
         [&](const auto& xyz) {
             for (std::size_t i = 0; i < xyz.size(); i += 3) {
-                sink << xyz[i] << ' ' << xyz[i + 1] << ' ' << xyz[i + 2] << '\n';
+                sink << double{xyz[i]} << ' ' << double{xyz[i + 1]} << ' ' << double{xyz[i + 2]} << '\n';
             }
         },
         mesh.vertices);

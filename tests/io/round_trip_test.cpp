@@ -48,6 +48,15 @@ TYPED_TEST(RoundTrip, KeepsEveryBit) {
     }
 }
 
+TYPED_TEST(RoundTrip, OfTextKeepsNumbersAsFloat64) {
+    for (const char* const name : {"a.obj", "a.off", "a.3mf"}) {
+        SCOPED_TRACE(name);
+        write_mesh(this->folder / name, this->mesh);
+        EXPECT_EQ(coordinates(read_mesh(this->folder / name, {.precision = Precision::float64})),
+                  coordinates(this->mesh));
+    }
+}
+
 TYPED_TEST(RoundTrip, OfPlyNeedsNoPrecision) {
     write_mesh(this->folder / "a.ply", this->mesh);
     expect_same(read_mesh(this->folder / "a.ply"), this->mesh);
