@@ -17,6 +17,7 @@
 #include "io/names.h"
 #include "io/text.h"
 #include "io/weld.h"
+#include "io/world.h"
 #include "io/zip.h"
 
 namespace crumple::io {
@@ -74,16 +75,23 @@ void check_content(const Source& source) {
 }
 
 bool names_mesh(const std::string& entry) {
-    const std::string extension = extension_of(entry);
+    const std::string extension = extension_of(without_gzip_name(entry).string());
     if (entry.starts_with("__MACOSX/")) return false;  // attributes of a file of the same name
     return extension == ".glb" || extension == ".gltf" || holds_meshes(mesh_format_of(extension));
 }
 
+/// A file and the folder that it may name others in; a stream and an archive's entry have none.
+struct File {
+    Source source;
+    std::optional<std::filesystem::path> folder;
+};
+
 /// The mesh that a zip archive holds, if it is no 3MF file; any other file as it is.
-Source unpacked(Source source) {
-    if (!is_zip(source) || extension_of(source.name()) == ".3mf") return source;
+File unpacked(File file) {
+    const Source& source = file.source;
+    if (!is_zip(source) || extension_of(source.name()) == ".3mf") return file;
     ZipReader archive(source, "3MF or zip");
-    if (archive.has("_rels/.rels", true)) return source;
+    if (archive.has("_rels/.rels", true)) return file;
     std::vector<std::string> meshes;
     std::copy_if(archive.names().begin(), archive.names().end(), std::back_inserter(meshes), names_mesh);
     const auto fail = [&](const std::string& what) {
@@ -94,10 +102,11 @@ Source unpacked(Source source) {
         fail("it holds " + std::to_string(meshes.size()) + " meshes, " + in_quotes(meshes[0]) +
              " the first; unpack it");
     const auto bytes = archive.expand(meshes[0], most_expanded(source.text().size()));
-    if (!bytes) fail(in_quotes(meshes[0]) + " is damaged, encrypted or too large");
+    if (!bytes)
+        fail(in_quotes(meshes[0]) + " is damaged, encrypted, compressed in a way that is not read, or too large");
     Source mesh(*bytes, source.name() + '/' + meshes[0]);
     check_content(mesh);
-    return mesh;
+    return {std::move(mesh), std::nullopt};
 }
 
 void check_has_properties(const Source& source, const ReadOptions& options, bool ply) {
@@ -130,15 +139,23 @@ bool is_scene(const Source& source) {
     return is_3mf(source, extension) || is_gltf(source, extension);
 }
 
-WorldMesh read_scene(const Source& source, std::optional<std::filesystem::path> folder, const ReadOptions& options) {
+WorldMesh read_scene(const File& file, const ReadOptions& options) {
+    const Source& source = file.source;
     const FloatEnvironment environment;
     check_has_properties(source, options, false);
     try {
         Warnings warnings(source, options.strict);
         WorldMesh world = is_3mf(source, extension_of(source.name()))
                               ? read_3mf(source, options, warnings)
-                              : read_gltf(source, std::move(folder), options, warnings);
-        if (world.bodies.empty()) warnings.of_file("it holds no bodies");
+                              : read_gltf(source, file.folder, options, warnings);
+        if (world.bodies.empty())
+            warnings.of_file("it holds no bodies");
+        else if (world.triangle_count() == 0)
+            warnings.of_file("it holds no triangles");
+        if (const NamedBody* const far = find_far_body(world))
+            warnings.of_file("body " + in_quotes(far->name) +
+                             " is more than 1024 times its size away from the origin, "
+                             "where float32, the file's precision, rounds its vertices: read it as float64");
         world.warnings = warnings.take();
         make_names_unique(world.bodies);
         return world;
@@ -159,10 +176,11 @@ void check_expansion(const Source& source, const WorldMesh& world) {
 }
 
 /// The bodies of a scene, where they are; one that has not been moved keeps its bits.
-TriangleMesh read_posed(const Source& source, std::optional<std::filesystem::path> folder, const ReadOptions& options) {
+TriangleMesh read_posed(const File& file, const ReadOptions& options) {
+    const Source& source = file.source;
     ReadOptions apart = options;
     if (options.weld == Weld::yes) apart.weld = Weld::no;
-    WorldMesh world = read_scene(source, std::move(folder), apart);
+    WorldMesh world = read_scene(file, apart);
     check_expansion(source, world);
     const bool in_place = world.bodies.size() == 1 && world.bodies[0].pose == Pose{};
     try {
@@ -192,40 +210,40 @@ Mesh in_unit(Unit unit, const Source& source, Mesh mesh) {
     }
 }
 
-TriangleMesh read_mesh(Source file, std::optional<std::filesystem::path> folder, const ReadOptions& options) {
-    check_content(file);
-    const Source source = unpacked(std::move(file));
-    return in_unit(options.unit, source,
-                   is_scene(source) ? read_posed(source, std::move(folder), options) : read(source, options));
+TriangleMesh read_mesh(File given, const ReadOptions& options) {
+    check_content(given.source);
+    const File file = unpacked(std::move(given));
+    return in_unit(options.unit, file.source,
+                   is_scene(file.source) ? read_posed(file, options) : read(file.source, options));
 }
 
-WorldMesh read_world(Source file, std::optional<std::filesystem::path> folder, const ReadOptions& options) {
-    check_content(file);
-    const Source source = unpacked(std::move(file));
-    if (is_scene(source)) return in_unit(options.unit, source, read_scene(source, std::move(folder), options));
+WorldMesh read_world(File given, const ReadOptions& options) {
+    check_content(given.source);
+    const File file = unpacked(std::move(given));
+    if (is_scene(file.source)) return in_unit(options.unit, file.source, read_scene(file, options));
     WorldMesh world;
-    world.shapes.push_back(read(source, options));
+    world.shapes.push_back(read(file.source, options));
     world.warnings = std::move(world.shapes[0].warnings);
-    world.bodies.push_back({without_gzip_name(source.name()).stem().string()});
-    return in_unit(options.unit, source, std::move(world));
+    world.bodies.push_back({without_gzip_name(file.source.name()).stem().string()});
+    return in_unit(options.unit, file.source, std::move(world));
 }
 
 }  // namespace
 
 WorldMesh read_world(const std::filesystem::path& path, const ReadOptions& options) {
-    return read_world(Source(path), path.parent_path(), options);
+    return read_world(File{Source(path), path.parent_path()}, options);
 }
 
 WorldMesh read_world(std::istream& in, const std::string& name, const ReadOptions& options) {
-    return read_world(Source(in, name), std::nullopt, options);
+    return read_world(File{Source(in, name), std::nullopt}, options);
 }
 
 TriangleMesh read_mesh(const std::filesystem::path& path, const ReadOptions& options) {
-    return read_mesh(Source(path), path.parent_path(), options);
+    return read_mesh(File{Source(path), path.parent_path()}, options);
 }
 
 TriangleMesh read_mesh(std::istream& in, const std::string& name, const ReadOptions& options) {
-    return read_mesh(Source(in, name), std::nullopt, options);
+    return read_mesh(File{Source(in, name), std::nullopt}, options);
 }
 
 }  // namespace crumple::io

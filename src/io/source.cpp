@@ -41,6 +41,10 @@ Source::Source(const fs::path& path) : name_(path.string()) {
 
 Source::Source(std::istream& in, const std::string& name) : name_(name) { read(in, 0); }
 
+Source::Source(Array<char> bytes, std::string name) : name_(std::move(name)), bytes_(std::move(bytes)) {
+    expand_if_compressed();
+}
+
 void Source::read(std::istream& in, std::size_t hint) {
     errno = 0;
     try {
@@ -57,10 +61,11 @@ void Source::read(std::istream& in, std::size_t hint) {
         fail_to_read(name_, "it does not fit in memory", ENOMEM);
     }
     if (in.bad()) fail_to_read(name_, errno);
-    if (is_gzip(text())) expand();
+    expand_if_compressed();
 }
 
-void Source::expand() {
+void Source::expand_if_compressed() {
+    if (!is_gzip(text())) return;
     try {
         bytes_ = expand_gzip(text(), name_);
     } catch (const std::bad_alloc&) {

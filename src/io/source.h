@@ -21,8 +21,8 @@ class Source {
     explicit Source(const std::filesystem::path& path);
     /// Reads a stream to its end. `name` is for messages. Throws Error (file).
     Source(std::istream& in, const std::string& name);
-    /// Bytes that are there, as of an entry of an archive.
-    Source(Array<char> bytes, std::string name) : name_(std::move(name)), bytes_(std::move(bytes)) {}
+    /// Bytes that are there, as of an entry of an archive, expanded as well. Throws Error (format).
+    Source(Array<char> bytes, std::string name);
 
     const char* begin() const { return bytes_.begin(); }
     /// Where text begins: after the byte order mark that some editors put before UTF-8.
@@ -38,7 +38,7 @@ class Source {
    private:
     friend class Warnings;
     void read(std::istream& in, std::size_t hint);
-    void expand();
+    void expand_if_compressed();
     Error error_at_line(const char* place, const std::string& what) const;
     Error error_at_byte(const char* place, const std::string& what) const;
 

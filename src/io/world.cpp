@@ -55,6 +55,36 @@ WorldMesh world_of(const TriangleMesh& mesh, std::string name) {
 
 namespace {
 
+Bounds bounds_of(const TriangleMesh& mesh) {
+    Bounds box = no_bounds;
+    std::visit(
+        [&](const auto& xyz) {
+            for (std::size_t i = 0; i < xyz.size(); i += 3)
+                box.widen(Vec3d{double{xyz[i]}, double{xyz[i + 1]}, double{xyz[i + 2]}});
+        },
+        mesh.vertices);
+    return box;
+}
+
+}  // namespace
+
+const NamedBody* find_far_body(const WorldMesh& world) {
+    std::vector<Bounds> boxes;
+    for (const TriangleMesh& shape : world.shapes) boxes.push_back(bounds_of(shape));
+    for (const NamedBody& body : world.bodies) {
+        const auto s = static_cast<std::size_t>(body.shape);
+        const bool single = world.shapes[s].precision() == ScalarType::float32;
+        const Placement place(&body.pose, single);
+        if (!single || place.identity() || world.shapes[s].vertex_count() == 0) continue;
+        const Bounds box = place(CentredBox(boxes[s]));
+        const Vec3d size = box.high - box.low, far = max(abs(box.low), abs(box.high));
+        if (max(max(far.x, far.y), far.z) > 1024 * max(max(size.x, size.y), size.z)) return &body;
+    }
+    return nullptr;
+}
+
+namespace {
+
 template <class Scalar>
 void add_posed(const TriangleMesh& shape, const Pose& pose, std::vector<Scalar>& xyz) {
     const Placement place(&pose, shape.precision() == ScalarType::float32);
@@ -66,6 +96,12 @@ void add_posed(const TriangleMesh& shape, const Pose& pose, std::vector<Scalar>&
             }
         },
         shape.vertices);
+}
+
+/// Tells a reflection, after which corners turn the other way.
+bool mirrors(const Pose& pose) {
+    const Affine matrix{pose.rows};
+    return dot(cross(matrix.column(0), matrix.column(1)), matrix.column(2)) < 0;
 }
 
 void check_size(const WorldMesh& world) {
@@ -87,8 +123,10 @@ TriangleMesh posed(const WorldMesh& world) {
         const NamedBody& body = world.bodies[b];
         const TriangleMesh& shape = world.shapes[static_cast<std::size_t>(body.shape)];
         add_posed(shape, body.pose, xyz);
-        for (const std::int32_t corner : shape.triangles)
-            mesh.triangles.push_back(static_cast<std::int32_t>(first + corner));
+        const bool mirrored = mirrors(body.pose);
+        for (std::size_t c = 0; c < shape.triangles.size(); c += 3)
+            for (const std::size_t k : {c, mirrored ? c + 2 : c + 1, mirrored ? c + 1 : c + 2})
+                mesh.triangles.push_back(static_cast<std::int32_t>(first + shape.triangles[k]));
         mesh.groups.resize(mesh.triangles.size() / 3, static_cast<std::int32_t>(b));
         first += shape.vertex_count();
     }

@@ -258,6 +258,37 @@ TEST(Gltf, AMeshIsAllBodiesWhereTheyAre) {
     EXPECT_EQ(error_of([&] { read_world(path, {.group_property = "part"}); }).code, ErrorCode::invalid_argument);
 }
 
+TEST(Gltf, MirroredBodiesKeepTheirOutside) {
+    GltfScene scene;
+    scene.add_node({{"name", "left"}, {"mesh", scene.add_tetrahedron()}, {"scale", {-2, 1, 1}}});
+    const std::string glb = scene.glb();
+    EXPECT_EQ(read_scene(glb).shapes[0].triangles, (std::vector<std::int32_t>{0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3}));
+    const TriangleMesh mesh = read_bytes(glb, "a.glb");
+    EXPECT_EQ(mesh.triangles, (std::vector<std::int32_t>{0, 1, 2, 0, 3, 1, 0, 2, 3, 1, 3, 2}));
+    EXPECT_EQ(coordinates(mesh), (std::vector<double>{0, 0, 0, -2, 0, 0, 0, 1, 0, 0, 0, 1}));
+}
+
+TEST(Gltf, BodiesWhereFloat32RoundsThemMuchGiveAWarning) {
+    const auto warnings_at = [](double x, const ReadOptions& options = {}) {
+        GltfScene scene;
+        scene.add_body("a", scene.add_tetrahedron(), {x, 0, 0});
+        scene.add_body("b", 0, {-x, 0, 0});
+        return read_scene(scene.glb(), options).warnings;
+    };
+    EXPECT_TRUE(warnings_at(1000).empty());
+    ASSERT_EQ(warnings_at(1100).size(), 1u);
+    EXPECT_TRUE(contains(warnings_at(1100)[0], "body 'a' is more than 1024 times its size away from the origin"));
+    EXPECT_TRUE(warnings_at(1100, {.precision = Precision::float64}).empty());
+}
+
+TEST(Gltf, ScenesWithoutTrianglesGiveAWarning) {
+    GltfScene scene;
+    scene.add_body("a", scene.add_mesh({0, 0, 0, 1, 0, 0}, {}));
+    const std::vector<std::string> warnings = read_scene(scene.glb()).warnings;
+    ASSERT_EQ(warnings.size(), 1u);
+    EXPECT_TRUE(contains(warnings[0], "it holds no triangles"));
+}
+
 TEST(Gltf, SparseAccessorsReplaceElements) {
     GltfScene scene;
     const int shape = scene.add_tetrahedron();

@@ -42,6 +42,8 @@ TEST(Gzip, ContentTellsIt) {
         expect_same(read_bytes(gzipped(triangle), name), plain);
     std::istringstream in(gzipped(triangle));
     expect_same(read_mesh(in, "standard input"), plain);
+    const crumple::test::PackageParts zip{{"a.obj.gz", gzipped(triangle)}};
+    expect_same(read_bytes(zip.bytes(), "a.zip"), plain);
     expect_bad(gzipped("v 0 0 0\nv 1 x 0\n"), "a.obj.gz", Element::line, 2, "'x'");
     const Folder folder;
     EXPECT_EQ(read_world(folder.write("part.obj.gz", gzipped(triangle))).bodies.at(0).name, "part");

@@ -7,6 +7,7 @@
 #include "collisions.h"
 #include "files.h"
 #include "io/npz.h"
+#include "scenes.h"
 
 namespace crumple::io::test {
 namespace {
@@ -180,13 +181,23 @@ TEST(Zip, OneMeshInItIsRead) {
         EXPECT_EQ(error.code, ErrorCode::format);
         EXPECT_TRUE(contains(error.what(), "a.zip") && contains(error.what(), what)) << error.what();
     };
+    {
+        const crumple::test::GltfScene scene = crumple::test::robot_scene();
+        const Folder folder;
+        folder.write("a.bin", scene.bytes);
+        EXPECT_EQ(read_world(folder.write("a.gltf", scene.gltf("a.bin"))).bodies.size(), 4u);
+        const fs::path path = folder.write("a.zip", zip({{"a.gltf", scene.gltf("a.bin")}}));
+        EXPECT_TRUE(contains(error_of([&] { read_world(path); }).what(), "a.bin")) << "which is not in the archive";
+    }
     expect_error(zip({{"a.off", off}, {"b.stl", ""}}), "holds 2 meshes, 'a.off' the first; unpack it");
     expect_error(zip({{"readme.txt", off}}), "this is a zip archive but no 3MF file, and it holds no mesh");
     expect_error(zip({{"a.off", "OFF\n1 0 0\n0 x 0\n"}}), "a.zip/a.off, line 3: 'x' is not a finite number");
-    expect_error(Archive{.flags = 1}.bytes({{"a.off", off}}), "'a.off' is damaged, encrypted or too large");
+    const char* const unread = "'a.off' is damaged, encrypted, compressed in a way that is not read, or too large";
+    for (const Archive& archive : {Archive{.flags = 1}, Archive{.method = 14}})
+        expect_error(archive.bytes({{"a.off", off}}), unread);
     std::string damaged = Archive{.deflated = false}.bytes({{"a.off", off}});
     damaged[damaged.find("3 0 1 2")] = '4';
-    expect_error(damaged, "'a.off' is damaged, encrypted or too large");
+    expect_error(damaged, unread);
 }
 
 TEST(Contents, ThatAreNoMeshAreNamed) {
