@@ -159,6 +159,7 @@ std::vector<BodyPair> BodyNames::read_pairs(const std::string& path) const {
     }
     if (extension == ".json") {
         const auto json = nlohmann::json::parse(source.text_begin(), source.end(), nullptr, false);
+        if (json.is_discarded()) source.fail_at_byte(source.begin(), "this is not JSON");
         if (!json.is_object() || !json.contains("pairs") || !json["pairs"].is_array())
             source.fail_at_byte(source.begin(), "an object with a list of pairs of names is expected");
         for (const auto& pair : json["pairs"]) {

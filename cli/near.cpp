@@ -45,7 +45,7 @@ struct NearCommand : FeatureCommand {
         const Steps steps(progress);
         steps.begin("read");
         const AnswerOptions reading = with_lines_and_points(filters.rest.empty() ? answer : reading_of_motion(answer));
-        const Input input = read_input(files, reading);
+        Input input = read_input(files, reading);
         const NearFilters given(filters, input, reading);
         Near question = near.question(answer, wants());
         given.tell(question);

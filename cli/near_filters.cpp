@@ -52,7 +52,7 @@ void add_near_filter_options(CLI::App& app, NearFilterOptions& options) {
         ->type_name("R");
 }
 
-NearFilters::NearFilters(const NearFilterOptions& options, const Input& input, const AnswerOptions& answer)
+NearFilters::NearFilters(const NearFilterOptions& options, Input& input, const AnswerOptions& answer)
     : options_(options) {
     if (options.rest.empty() && options.rest_radius > 0) refuse("--rest-radius needs --rest");
     if (input.second && !options.radii.empty()) refuse("--radii are of one mesh");
@@ -60,8 +60,7 @@ NearFilters::NearFilters(const NearFilterOptions& options, const Input& input, c
     if (!options.radii.empty()) radii_ = read_radii(options.radii, input.first.vertex_count());
     if (options.rest.empty()) return;
     rest_ = read_mesh(options.rest, answer);
-    if (input.first.unit != io::Unit::unknown && rest_.unit != io::Unit::unknown)
-        io::convert_unit(rest_, input.first.unit);
+    bring_to_one_unit(input.name, input.first, options.rest, rest_, answer);
     check_same_faces(input, options.rest, rest_);
 }
 

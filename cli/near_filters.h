@@ -24,8 +24,9 @@ void add_near_filter_options(CLI::App& app, NearFilterOptions& options);
 /// What the files of these options say; questions view it.
 class NearFilters {
    public:
-    /// Reads what is to be about this input. Throws Error that names the file and the place, or the options.
-    NearFilters(const NearFilterOptions& options, const Input& input, const AnswerOptions& answer);
+    /// Reads what is to be about this input, which is not changed. Throws Error that names the file and the place, or
+    /// the options.
+    NearFilters(const NearFilterOptions& options, Input& input, const AnswerOptions& answer);
 
     void tell(Near& question) const;
 

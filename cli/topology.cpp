@@ -151,14 +151,18 @@ double signed_volume(const io::TriangleMesh& mesh) {
     for_each([&](const auto& p) {
         for (const Vec3d& corner : p) box.widen(corner);
     });
-    const Vec3d middle = 0.5 * box.low + 0.5 * box.high;
+    const Vec3d middle = 0.5 * box.low + 0.5 * box.high, half = box.high - middle;
+    // Powers of two, so that no product of three overflows before the sum of them does.
+    const int exponent = std::ilogb(max(max(half.x, half.y), max(half.z, 0x1p-1000)));
+    const double scale = std::ldexp(1.0, -exponent);
     double volume = 0, lost = 0;  // by Neumaier's sum
     for_each([&](const auto& p) {
-        const double part = dot(p[0] - middle, cross(p[1] - middle, p[2] - middle)) / 6, sum = volume + part;
+        const double part = dot(scale * (p[0] - middle), cross(scale * (p[1] - middle), scale * (p[2] - middle))) / 6,
+                     sum = volume + part;
         lost += std::abs(volume) >= std::abs(part) ? (volume - sum) + part : (part - sum) + volume;
         volume = sum;
     });
-    return volume + lost;
+    return std::ldexp(volume + lost, 3 * exponent);
 }
 
 std::vector<std::int32_t> degenerate_triangles(const io::TriangleMesh& mesh) {

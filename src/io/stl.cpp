@@ -78,7 +78,7 @@ class AsciiReader {
     void read_solid() {
         const char* const solid = place_;
         skip_line();  // a name: anything
-        if (in_.at_end()) in_.fail(solid, "no line follows this one, which holds the solid's name");
+        if (in_.at_end() && xyz_.empty()) in_.fail(solid, "no line follows this one, which holds the solid's name");
         while (next()) {
             if (keyword_ == Keyword::endsolid) return skip_line();  // its name again
             if (keyword_ != Keyword::facet) fail("facet or endsolid");

@@ -118,6 +118,8 @@ TEST_F(Bodies, WithOddNamesAreQuotedAndReadBack) {
     expect_refused("odd.glb --groups bodies --exclude-from bad.csv", "bad.csv, line 2: there is no body none");
     write("bad.csv", "first,second\na\n");
     expect_refused("odd.glb --groups bodies --exclude-from bad.csv", "bad.csv, line 2: two names are expected");
+    write("bad.json", "a\tb\n");
+    expect_refused("odd.glb --groups bodies --exclude-from bad.json", "bad.json, byte 0: this is not JSON");
     write("bad.json", "[1]");
     expect_refused("odd.glb --groups bodies --exclude-from bad.json",
                    "bad.json, byte 0: an object with a list of pairs");

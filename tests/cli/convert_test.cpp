@@ -129,6 +129,8 @@ TEST_F(Convert, KeepsTheUnitOrBringsItToAnother) {
     const Outcome two = crumple("detect mm.3mf inch.3mf");
     EXPECT_TRUE(contains(two.err, "crumple: note: inch.3mf is converted from in to mm, the unit of mm.3mf")) << two.err;
     EXPECT_NE(two.out, "");
+    const Outcome rest = crumple("near mm.3mf --radius 1 --rest inch.3mf");
+    EXPECT_TRUE(contains(rest.err, "inch.3mf is converted from in to mm, the unit of mm.3mf")) << rest.err;
     EXPECT_EQ(crumple("convert inch.3mf plain.off").status, 0);
     const std::string warning = "crumple: warning: plain.off states no unit, and inch.3mf states in:";
     EXPECT_TRUE(contains(crumple("detect inch.3mf plain.off").err, warning));

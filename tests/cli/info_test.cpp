@@ -68,6 +68,16 @@ TEST_F(Info, JudgesWhetherASurfaceIsThatOfASolid) {
             inside_out.replace(at, 3, to);
     EXPECT_TRUE(contains(info(inside_out).out, "volume                -1: the surface is inside out\n"));
     EXPECT_EQ(info("OFF\n0 0 0\n").status, 1) << "nothing is no solid";
+
+    const auto scaled = [&](const std::string& power) {
+        std::string large = good;
+        for (std::size_t at = large.find("\n0 0 0"); (at = large.find('1', at)) < large.find("\n3 "); at += 4)
+            large.insert(at + 1, power);
+        return large;
+    };
+    EXPECT_TRUE(contains(info(scaled("e99")).out, "volume                1e+297\n"));
+    EXPECT_TRUE(contains(info(scaled("e-99")).out, "volume                1e-297\n"));
+    EXPECT_TRUE(contains(info(scaled("e200")).out, "volume                inf\n"));
 }
 
 TEST_F(Info, WritesJson) {

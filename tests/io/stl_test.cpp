@@ -100,6 +100,10 @@ TEST(Stl, AsciiMistakesAreErrorsThatNameTheLine) {
     bad("solid\n" + facet.substr(0, facet.size() - 9), 8, "endfacet is missing");
     bad("solid a facet normal 0 0 1 outer loop vertex 0 0 0 vertex 1 0 0 vertex 1 1 0 endloop endfacet endsolid", 1,
         "no line follows this one, which holds the solid's name");
+    const TriangleMesh cut = read_bytes("solid a\n" + facet + "endsolid a\nsolid b\n", "a.stl");
+    EXPECT_EQ(cut.triangle_count(), 1);
+    ASSERT_EQ(cut.warnings.size(), 1u);
+    EXPECT_TRUE(contains(cut.warnings[0], "endsolid is missing"));
     bad("solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 1 1 0\nvertex 0 1 0\nendloop\n", 8,
         "a facet has 4 corners instead of 3");
     bad("solid\n" + facet + "endsolid\nfacet\n", 10, "instead of solid");
