@@ -7,10 +7,10 @@
 #include <span>
 #include <utility>
 
+#include "exact/intersection/contact.h"
 #include "geometry/predicates.h"
 #include "io/weld.h"
 #include "model/placement.h"
-#include "questions/intersect/contact.h"
 
 namespace crumple::cli {
 namespace {

@@ -13,10 +13,10 @@
 #include "checks.h"
 #include "crumple/error.h"
 #include "engine/cpu/parallel.h"
+#include "exact/impact/decide_impact.h"
+#include "exact/impact/decide_separation.h"
+#include "exact/proximity/decide_distance.h"
 #include "model/scene.h"
-#include "questions/motion/decide_impact.h"
-#include "questions/motion/decide_separation.h"
-#include "questions/near/decide_distance.h"
 
 namespace crumple {
 namespace {

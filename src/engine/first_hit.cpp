@@ -3,8 +3,8 @@
 #include <cstring>
 #include <utility>
 
+#include "exact/intersection/decide_intersection.h"
 #include "geometry/two.h"
-#include "questions/intersect/decide.h"
 
 namespace crumple {
 namespace {

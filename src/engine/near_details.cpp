@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "exact/proximity/decide_distance.h"
 #include "questions/features/points.h"
-#include "questions/near/decide_distance.h"
 
 namespace crumple {
 namespace {

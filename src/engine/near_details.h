@@ -6,9 +6,9 @@
 #include "base/parallel_for.h"
 #include "crumple/near.h"
 #include "engine/feature_query.h"
+#include "exact/proximity/resting_features.h"
 #include "model/scene.h"
 #include "model/scene_features.h"
-#include "questions/near/features.h"
 
 namespace crumple {
 

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "crumple/nearest.h"
-#include "questions/nearest/rational_nearest.h"
+#include "exact/distance/rational_nearest.h"
 
 namespace crumple {
 

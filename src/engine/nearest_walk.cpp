@@ -5,8 +5,8 @@
 #include <span>
 #include <utility>
 
-#include "questions/intersect/contact.h"
-#include "questions/intersect/decide.h"
+#include "exact/intersection/contact.h"
+#include "exact/intersection/decide_intersection.h"
 
 namespace crumple {
 namespace {

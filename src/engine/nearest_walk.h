@@ -9,11 +9,11 @@
 
 #include "base/cancellation.h"
 #include "engine/nearest_output.h"
+#include "exact/distance/decide_nearest.h"
 #include "model/body_rules.h"
 #include "model/box_distance.h"
 #include "model/shape_tree.h"
 #include "model/world.h"
-#include "questions/nearest/decide_nearest.h"
 
 namespace crumple {
 

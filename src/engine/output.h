@@ -5,9 +5,9 @@
 #include <atomic>
 
 #include "crumple/collisions.h"
+#include "exact/intersection/contact.h"
 #include "model/levels.h"
 #include "model/scene.h"
-#include "questions/intersect/contact.h"
 
 namespace crumple {
 

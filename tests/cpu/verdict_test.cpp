@@ -7,9 +7,9 @@
 #include <set>
 
 #include "engine/cpu/sort.h"
+#include "exact/intersection/rational_intersection.h"
 #include "questions/intersect/cpu/records.h"
 #include "questions/intersect/filters.h"
-#include "questions/intersect/rational_intersection.h"
 #include "tables.h"
 
 namespace crumple::cpu {

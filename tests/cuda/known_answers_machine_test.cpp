@@ -13,10 +13,10 @@
 #include "engine/cuda/known_answers.h"
 #include "engine/cuda/known_cases.h"
 #include "error_of.h"
-#include "questions/intersect/contact_on_line.h"
-#include "questions/intersect/decision.h"
-#include "questions/motion/quick_impact.h"
-#include "questions/near/quick_distance.h"
+#include "exact/impact/quick_impact.h"
+#include "exact/intersection/contact_on_line.h"
+#include "exact/intersection/intersection_decision.h"
+#include "exact/proximity/quick_distance.h"
 
 namespace crumple::test {
 namespace {

@@ -9,8 +9,8 @@
 
 #include "crumple/crumple.h"
 #include "error_of.h"
-#include "questions/motion/rational_separation.h"
-#include "questions/near/rational_distance.h"
+#include "exact/impact/rational_separation.h"
+#include "exact/proximity/rational_distance.h"
 
 namespace crumple {
 namespace {

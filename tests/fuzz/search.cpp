@@ -12,13 +12,13 @@
 #include <variant>
 
 #include "crumple/crumple.h"
+#include "exact/intersection/contact.h"
+#include "exact/intersection/rational_intersection.h"
 #include "fuzz/decode.h"
 #include "fuzz/fail.h"
 #include "fuzz/instruction_sets.h"
 #include "fuzz/print.h"
 #include "fuzz/same.h"
-#include "questions/intersect/contact.h"
-#include "questions/intersect/rational_intersection.h"
 
 namespace crumple::fuzz {
 namespace {

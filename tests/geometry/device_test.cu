@@ -3,12 +3,12 @@
 #include <cstring>
 
 #include "cuda_on_cpu/tests/portable/portable.h"
+#include "exact/intersection/contact_on_line.h"
+#include "exact/intersection/decide_intersection.h"
+#include "exact/intersection/intersection_decision.h"
 #include "geometry/ball.h"
 #include "geometry/random_pairs.h"
 #include "model/part_tree.h"
-#include "questions/intersect/contact_on_line.h"
-#include "questions/intersect/decide.h"
-#include "questions/intersect/decision.h"
 #include "questions/intersect/filters.h"
 
 namespace crumple {

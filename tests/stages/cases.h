@@ -8,10 +8,10 @@
 #include <memory>
 #include <tuple>
 
+#include "exact/impact/rational_separation.h"
+#include "exact/intersection/rational_intersection.h"
 #include "geometry/exact.h"
 #include "questions/features/points.h"
-#include "questions/intersect/rational_intersection.h"
-#include "questions/motion/rational_separation.h"
 #include "soups.h"
 #include "stages/state.h"
 

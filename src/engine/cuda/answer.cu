@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "engine/cuda/gather.h"
-#include "questions/intersect/contact.h"
+#include "exact/intersection/contact.h"
 
 namespace crumple::cuda {
 namespace {

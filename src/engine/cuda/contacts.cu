@@ -2,7 +2,7 @@
 
 #include <cub/device/device_scan.cuh>
 
-#include "questions/intersect/contact_on_line.h"
+#include "exact/intersection/contact_on_line.h"
 
 namespace crumple::cuda {
 namespace {

@@ -1,7 +1,7 @@
 #pragma once
 
 // Contacts of the pairs of an answer, correctly rounded, on the device as far as double words reach
-// (questions/intersect/contact_on_line.h); planes in common, degenerate triangles and ties of rounding are for the
+// (exact/intersection/contact_on_line.h); planes in common, degenerate triangles and ties of rounding are for the
 // host.
 
 #include "crumple/collisions.h"

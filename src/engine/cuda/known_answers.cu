@@ -13,11 +13,11 @@
 #include "engine/cuda/contacts.h"
 #include "engine/cuda/known_cases.h"
 #include "engine/cuda/memory.h"
+#include "exact/intersection/contact_on_line.h"
+#include "exact/intersection/intersection_decision.h"
 #include "questions/features/cuda/decisions.h"
 #include "questions/features/cuda/narrow.h"
-#include "questions/intersect/contact_on_line.h"
 #include "questions/intersect/cuda/narrow.h"
-#include "questions/intersect/decision.h"
 
 namespace crumple::cuda {
 namespace {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "engine/cuda/gather.h"
-#include "questions/intersect/decide.h"
+#include "exact/intersection/decide_intersection.h"
 
 namespace crumple::cuda {
 

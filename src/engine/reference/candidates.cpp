@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "questions/integer.h"
+#include "exact/integer.h"
 
 namespace crumple {
 namespace {

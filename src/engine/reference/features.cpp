@@ -4,11 +4,11 @@
 #include <set>
 #include <vector>
 
+#include "exact/impact/rational_impact.h"
+#include "exact/impact/rational_separation.h"
+#include "exact/proximity/rational_distance.h"
 #include "model/levels.h"
 #include "questions/features/points.h"
-#include "questions/motion/rational_impact.h"
-#include "questions/motion/rational_separation.h"
-#include "questions/near/rational_distance.h"
 
 namespace crumple {
 namespace {

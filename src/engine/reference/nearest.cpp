@@ -7,9 +7,9 @@
 
 #include "engine/nearest_output.h"
 #include "engine/world_scene.h"
+#include "exact/distance/rational_nearest.h"
 #include "model/body_rules.h"
 #include "model/world.h"
-#include "questions/nearest/rational_nearest.h"
 
 namespace crumple {
 namespace {

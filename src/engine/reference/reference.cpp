@@ -10,9 +10,9 @@
 #include "engine/pair_budget.h"
 #include "engine/reference/candidates.h"
 #include "engine/reference/features.h"
+#include "exact/intersection/rational_intersection.h"
 #include "model/levels.h"
 #include "model/rules.h"
-#include "questions/intersect/rational_intersection.h"
 
 namespace crumple {
 namespace {

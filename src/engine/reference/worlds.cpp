@@ -7,9 +7,9 @@
 
 #include "engine/world_output.h"
 #include "engine/world_scene.h"
+#include "exact/intersection/decide_intersection.h"
+#include "exact/intersection/rational_intersection.h"
 #include "model/body_rules.h"
-#include "questions/intersect/decide.h"
-#include "questions/intersect/rational_intersection.h"
 
 namespace crumple {
 namespace {

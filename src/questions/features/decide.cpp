@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "questions/motion/decide_impact.h"
-#include "questions/motion/decide_separation.h"
-#include "questions/near/decide_distance.h"
+#include "exact/impact/decide_impact.h"
+#include "exact/impact/decide_separation.h"
+#include "exact/proximity/decide_distance.h"
 
 namespace crumple {
 namespace {

@@ -6,9 +6,9 @@
 #include <optional>
 
 #include "engine/feature_query.h"
+#include "exact/proximity/guess_batch.h"
 #include "questions/features/packed_features.h"
 #include "questions/features/points.h"
-#include "questions/near/cpu/guess_batch.h"
 
 namespace crumple {
 

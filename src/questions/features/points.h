@@ -6,9 +6,9 @@
 #include <array>
 
 #include "crumple/features.h"
+#include "exact/impact/impact.h"
+#include "exact/proximity/resting_features.h"
 #include "model/scene.h"
-#include "questions/motion/impact.h"
-#include "questions/near/features.h"
 
 namespace crumple {
 

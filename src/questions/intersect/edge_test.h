@@ -4,8 +4,8 @@
 // share no vertex. Proof and bound: docs/narrow.md; in lanes: engine/cpu/simd/edge_test-inl.h. Compiled for host and
 // device.
 
+#include "exact/intersection/verdict.h"
 #include "questions/intersect/record.h"
-#include "questions/intersect/verdict.h"
 
 namespace crumple {
 

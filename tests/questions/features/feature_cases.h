@@ -16,11 +16,11 @@
 #include <string_view>
 #include <vector>
 
+#include "exact/impact/rational_separation.h"
+#include "exact/proximity/rational_distance.h"
 #include "questions/features/cpu/kernels.h"
 #include "questions/features/points.h"
 #include "questions/motion/moves.h"
-#include "questions/motion/rational_separation.h"
-#include "questions/near/rational_distance.h"
 
 namespace crumple {
 

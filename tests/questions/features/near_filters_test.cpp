@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "error_of.h"
+#include "exact/proximity/rational_distance.h"
 #include "questions/features/agreeing.h"
 #include "questions/features/moving_soups.h"
-#include "questions/near/rational_distance.h"
 #include "rounds.h"
 
 namespace crumple::test {

@@ -1,4 +1,4 @@
-#include "questions/intersect/contact.h"
+#include "exact/intersection/contact.h"
 
 #include <gtest/gtest.h>
 
@@ -9,9 +9,9 @@
 
 #include "base/float_environment.h"
 #include "crumple/crumple.h"
+#include "exact/intersection/rational_intersection.h"
 #include "geometry/callers_mode.h"
 #include "questions/intersect/named_pairs.h"
-#include "questions/intersect/rational_intersection.h"
 
 namespace crumple {
 namespace {

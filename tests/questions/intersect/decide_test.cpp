@@ -1,12 +1,12 @@
-#include "questions/intersect/decide.h"
+#include "exact/intersection/decide_intersection.h"
 
 #include <gtest/gtest.h>
 
 #include "base/float_environment.h"
+#include "exact/intersection/intersection_decision.h"
+#include "exact/intersection/rational_intersection.h"
 #include "geometry/callers_mode.h"
-#include "questions/intersect/decision.h"
 #include "questions/intersect/named_pairs.h"
-#include "questions/intersect/rational_intersection.h"
 
 #if defined(__SSE2__)
 #include <xmmintrin.h>

@@ -8,10 +8,10 @@
 #include <type_traits>
 #include <vector>
 
+#include "exact/intersection/decide_intersection.h"
 #include "geometry/ball.h"
 #include "geometry/predicates.h"
 #include "geometry/random_pairs.h"
-#include "questions/intersect/decide.h"
 
 namespace crumple {
 namespace {

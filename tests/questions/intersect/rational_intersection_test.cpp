@@ -1,4 +1,4 @@
-#include "questions/intersect/rational_intersection.h"
+#include "exact/intersection/rational_intersection.h"
 
 #include <gtest/gtest.h>
 

@@ -7,9 +7,9 @@
 #include <map>
 
 #include "crumple/io.h"
+#include "exact/intersection/rational_intersection.h"
 #include "geometry/random_pairs.h"
 #include "io/files.h"
-#include "questions/intersect/rational_intersection.h"
 
 namespace crumple {
 namespace {

@@ -2,9 +2,9 @@
 
 // The moves of tests, as float64 decides them.
 
-#include "questions/motion/decide_impact.h"
+#include "exact/impact/decide_impact.h"
+#include "exact/impact/quick_impact.h"
 #include "questions/motion/moves.h"
-#include "questions/motion/quick_impact.h"
 
 namespace crumple {
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "questions/intersect/rational_intersection.h"
+#include "exact/intersection/rational_intersection.h"
 #include "questions/motion/random_moves.h"
 
 namespace crumple {

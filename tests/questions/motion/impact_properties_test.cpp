@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "questions/intersect/rational_intersection.h"
+#include "exact/intersection/rational_intersection.h"
 #include "questions/motion/random_moves.h"
 #include "rounds.h"
 

@@ -5,7 +5,7 @@
 #include <array>
 #include <ostream>
 
-#include "questions/motion/rational_impact.h"
+#include "exact/impact/rational_impact.h"
 
 namespace crumple {
 

@@ -1,13 +1,13 @@
 // What float64 decides about separations, against rational arithmetic, where it is hard: at the edge of its bounds.
 
-#include "questions/motion/quick_separation.h"
+#include "exact/impact/quick_separation.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
-#include "questions/motion/decide_separation.h"
+#include "exact/impact/decide_separation.h"
 #include "questions/motion/separated_moves.h"
 
 namespace crumple {

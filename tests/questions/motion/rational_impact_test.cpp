@@ -1,6 +1,6 @@
 // Moves made by hand, with answers that can be seen, for every way in which features can be degenerate.
 
-#include "questions/motion/rational_impact.h"
+#include "exact/impact/rational_impact.h"
 
 #include <gtest/gtest.h>
 

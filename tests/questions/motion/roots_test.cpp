@@ -1,4 +1,4 @@
-#include "questions/motion/roots.h"
+#include "exact/impact/roots.h"
 
 #include <gtest/gtest.h>
 

@@ -9,8 +9,8 @@
 #include <fstream>
 #include <string>
 
+#include "exact/integer.h"
 #include "io/files.h"
-#include "questions/integer.h"
 #include "questions/motion/decided_moves.h"
 
 namespace crumple {

@@ -4,8 +4,8 @@
 
 #include <ostream>
 
+#include "exact/impact/rational_separation.h"
 #include "questions/motion/random_moves.h"
-#include "questions/motion/rational_separation.h"
 
 namespace crumple {
 

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "questions/integer.h"
+#include "exact/integer.h"
 #include "questions/motion/separated_moves.h"
 
 namespace crumple {

@@ -1,6 +1,6 @@
 // Moves made by hand, with answers that can be seen, for each kind of sub-features that come within a distance first.
 
-#include "questions/motion/rational_separation.h"
+#include "exact/impact/rational_separation.h"
 
 #include <gtest/gtest.h>
 

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <string>
 
-#include "questions/motion/decide_separation.h"
+#include "exact/impact/decide_separation.h"
 #include "questions/motion/scene_impacts.h"
 #include "questions/motion/separated_moves.h"
 

@@ -4,9 +4,9 @@
 
 #include <cmath>
 
-#include "questions/integer.h"
+#include "exact/impact/volume.h"
+#include "exact/integer.h"
 #include "questions/motion/random_moves.h"
-#include "questions/motion/volume.h"
 
 namespace crumple {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <ostream>
 
-#include "questions/near/rational_distance.h"
+#include "exact/proximity/rational_distance.h"
 
 namespace crumple {
 

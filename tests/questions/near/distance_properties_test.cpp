@@ -9,8 +9,8 @@
 #include <optional>
 #include <vector>
 
+#include "exact/intersection/rational_intersection.h"
 #include "geometry/exact.h"
-#include "questions/intersect/rational_intersection.h"
 #include "questions/near/random_features.h"
 
 namespace crumple {

@@ -13,9 +13,9 @@
 #include <vector>
 
 #include "crumple/io.h"
+#include "exact/proximity/decide_distance.h"
 #include "io/files.h"
 #include "questions/near/asked.h"
-#include "questions/near/decide_distance.h"
 
 namespace crumple {
 namespace {

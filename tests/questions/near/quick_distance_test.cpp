@@ -1,7 +1,7 @@
 // What floating-point arithmetic says of a distance is what rational arithmetic says, wherever it says anything; and it
 // nearly always does.
 
-#include "questions/near/quick_distance.h"
+#include "exact/proximity/quick_distance.h"
 
 #include <gtest/gtest.h>
 
@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
+#include "exact/proximity/decide_distance.h"
 #include "geometry/exact.h"
 #include "questions/features/cpu/kernels.h"
-#include "questions/near/decide_distance.h"
 #include "questions/near/random_features.h"
 
 namespace crumple {

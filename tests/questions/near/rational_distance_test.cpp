@@ -1,7 +1,7 @@
 // Features placed by hand, with distances that can be seen, for every way in which they can be degenerate; and the
 // borders of rounding.
 
-#include "questions/near/rational_distance.h"
+#include "exact/proximity/rational_distance.h"
 
 #include <gtest/gtest.h>
 

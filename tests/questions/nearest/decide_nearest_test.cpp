@@ -5,7 +5,7 @@
 #include <limits>
 #include <optional>
 
-#include "questions/nearest/decide_nearest.h"
+#include "exact/distance/decide_nearest.h"
 #include "questions/nearest/random_triangles.h"
 
 namespace crumple::test {

@@ -6,7 +6,7 @@
 
 #include <random>
 
-#include "questions/nearest/triangle_features.h"
+#include "exact/distance/triangle_features.h"
 
 namespace crumple::test {
 

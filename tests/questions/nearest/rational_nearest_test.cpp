@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "exact/distance/rational_nearest.h"
 #include "questions/nearest/random_triangles.h"
-#include "questions/nearest/rational_nearest.h"
 
 namespace crumple::test {
 namespace {

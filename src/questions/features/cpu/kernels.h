@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "engine/cpu/layout.h"
+#include "exact/proximity/guess_batch.h"
 #include "model/scene_features.h"
 #include "questions/features/tests_of_pair.h"
-#include "questions/near/cpu/guess_batch.h"
 
 namespace crumple::cpu {
 

@@ -4,13 +4,13 @@
 // both leave open is for the host. Each question is a struct of two functions. The host calls them, too, to check a
 // device (engine/cuda/known_answers.h).
 
+#include "exact/impact/quick_impact.h"
+#include "exact/impact/quick_separation.h"
+#include "exact/proximity/quick_distance.h"
 #include "questions/features/cuda/asked.h"
 #include "questions/features/cuda/exact_points.h"
 #include "questions/features/packed_features.h"
 #include "questions/features/tests_of_pair.h"
-#include "questions/motion/quick_impact.h"
-#include "questions/motion/quick_separation.h"
-#include "questions/near/quick_distance.h"
 
 namespace crumple::cuda {
 

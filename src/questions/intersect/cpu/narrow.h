@@ -10,9 +10,9 @@
 #include "crumple/function_ref.h"
 #include "engine/cpu/ownership.h"
 #include "engine/cpu/sweep.h"
+#include "exact/intersection/decide_intersection.h"
 #include "model/rules.h"
 #include "questions/intersect/cpu/records.h"
-#include "questions/intersect/decide.h"
 
 namespace crumple::cpu {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "questions/intersect/decision.h"
+#include "exact/intersection/intersection_decision.h"
 #include "questions/intersect/filters.h"
 
 namespace crumple::cuda {

@@ -1,4 +1,4 @@
-// Squared distances of features at rest, one pair a lane: lanes for questions/near/enclosure.h, of what goes straight
+// Squared distances of features at rest, one pair a lane: lanes for exact/proximity/enclosure.h, of what goes straight
 // through it. Whatever needs more, a refined guess, exact sums, a touch, lanes leave open.
 
 #if defined(CRUMPLE_NEAR_CPU_SQUARED_INL_H_) == defined(HWY_TARGET_TOGGLE)
@@ -10,9 +10,9 @@
 
 #include <limits>
 
+#include "exact/proximity/enclosure.h"
+#include "exact/proximity/guess_batch.h"
 #include "hwy/highway.h"
-#include "questions/near/cpu/guess_batch.h"
-#include "questions/near/enclosure.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace crumple::cpu::near {

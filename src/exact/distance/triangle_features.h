@@ -1,0 +1,30 @@
+#pragma once
+
+// The pairs of features of two triangles, in the order that decides where there are several closest ones. The distance
+// of two triangles that do not intersect is the least distance of these, collapsed triangles included: of two disjoint
+// convex polygons a vertex is closest to the other polygon, or an edge to an edge.
+
+#include <array>
+#include <cstddef>
+
+#include "exact/proximity/resting_features.h"
+
+namespace crumple {
+
+using TrianglePoints = std::array<Vec3d, 3>;
+
+/// First the vertices of the first triangle with the second as a face, then the second's with the first, then edges: i,
+/// from corner i to the next one, of the first with j of the second, j counting faster.
+inline constexpr std::size_t triangle_features = 15;
+
+inline Features features_of_triangles(const TrianglePoints& a, const TrianglePoints& b, std::size_t k) {
+    if (k < 3) return {FeatureKinds::vertex_face, {a[k], b[0], b[1], b[2]}};
+    if (k < 6) return {FeatureKinds::vertex_face, {b[k - 3], a[0], a[1], a[2]}};
+    const std::size_t i = (k - 6) / 3, j = (k - 6) % 3;
+    return {FeatureKinds::edge_edge, {a[i], a[(i + 1) % 3], b[j], b[(j + 1) % 3]}};
+}
+
+/// Whether the second triangle's feature comes first among the points.
+inline bool second_comes_first(std::size_t k) { return k >= 3 && k < 6; }
+
+}  // namespace crumple

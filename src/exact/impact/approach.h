@@ -1,0 +1,82 @@
+#pragma once
+
+// Two features that move, seen from one of their points: three vectors, linear in time, in float64. Compiled for host
+// and device. Bounds are derived in docs/motion_filters.md.
+//
+// A vertex p and a face a b c are the vectors u = b - a, v = c - a, w = p - a; edges a b and c d are u = b - a,
+// v = d - c, w = c - a. Whenever the features touch, (u x v) . w = 0.
+
+#include <array>
+
+#include "exact/impact/impact.h"
+#include "geometry/predicates.h"
+
+namespace crumple {
+
+enum class FeaturePair { vertex_face, edge_edge };
+
+/// p a b c, or a b c d.
+using FourPoints = std::array<MovingPoint, 4>;
+
+/// u, v and w, of what `difference` makes of two points.
+template <FeaturePair pair, class Difference>
+CRUMPLE_HD inline auto vectors(const FourPoints& x, Difference difference) {
+    if constexpr (pair == FeaturePair::vertex_face) {
+        const auto& [p, a, b, c] = x;
+        return std::array{difference(b, a), difference(c, a), difference(p, a)};
+    } else {
+        const auto& [a, b, c, d] = x;
+        return std::array{difference(b, a), difference(d, c), difference(c, a)};
+    }
+}
+
+/// A vector from start to end, each component off by one rounding.
+struct MovingVector {
+    Vec3d start, end;
+
+    /// Bounds on the components at any time.
+    CRUMPLE_HD Vec3d reach() const { return max(abs(start), abs(end)); }
+    /// Of all magnitudes: not a number, if one of them is not.
+    CRUMPLE_HD double sum() const {
+        const Vec3d all = abs(start) + abs(end);
+        return all.x + all.y + all.z;
+    }
+    /// Off by four roundings of components of `reach`.
+    CRUMPLE_HD Vec3d at(double t) const { return (1 - t) * start + t * end; }
+};
+
+/// The magnitudes of the two products in a component of a x b, together.
+CRUMPLE_HD inline Vec3d cross_magnitude(const Vec3d& a, const Vec3d& b) {
+    return {a.y * b.z + a.z * b.y, a.z * b.x + a.x * b.z, a.x * b.y + a.y * b.x};
+}
+
+template <FeaturePair pair>
+struct Approach {
+    MovingVector u, v, w;
+    Vec3d reach_u, reach_v, reach_w;
+    double reach;      ///< bounds the sum of all components
+    double slack;      ///< more than underflow adds to anything that is computed of them
+    double magnitude;  ///< bounds the sum of the magnitudes of the monomials of (u x v) . w
+
+    CRUMPLE_HD explicit Approach(const FourPoints& points)
+        : Approach(vectors<pair>(points, [](const MovingPoint& to, const MovingPoint& from) {
+              return MovingVector{to.start - from.start, to.end - from.end};
+          })) {}
+
+    /// Nothing overflows, and all are numbers.
+    CRUMPLE_HD bool in_range() const { return reach < 0x1p200; }
+
+   private:
+    CRUMPLE_HD explicit Approach(const std::array<MovingVector, 3>& x)
+        : u(x[0]),
+          v(x[1]),
+          w(x[2]),
+          reach_u(u.reach()),
+          reach_v(v.reach()),
+          reach_w(w.reach()),
+          reach(u.sum() + v.sum() + w.sum()),
+          slack(0x1p-1022 * (1 + reach) * (1 + reach)),
+          magnitude(dot(cross_magnitude(reach_u, reach_v), reach_w)) {}
+};
+
+}  // namespace crumple

@@ -1,0 +1,43 @@
+#pragma once
+
+// When two moving features first come within a distance, where float64 arithmetic with proven bounds tells, else
+// `unknown`. What it tells is what rational_separation.h answers, bit for bit. For any coordinates; NaN and infinity
+// are unknown. Compiled for host and device. The derivation is docs/separation_filters.md.
+//
+// Cost: 70 to 200 ns where they stay apart, 2 to 4 us for a time.
+
+#include "exact/impact/close_separation.h"
+
+namespace crumple {
+namespace detail {
+
+/// A bound above on the distance at the start.
+template <FeatureKinds kinds>
+CRUMPLE_HD inline double length_at_start(const MovingDifference<kinds>& x) {
+    const Vec3d g = at(x.start, closest<kinds>(x.start));
+    return (std::sqrt(dot(g, g)) + (16 * 0x1p-53 * x.size + 0x1p-500)) * (1 + 8 * 0x1p-53);
+}
+
+template <FeatureKinds kinds>
+CRUMPLE_HD_COLD QuickImpact close_separation(const std::array<MovingPoint, 4>& points, const Separation& separation,
+                                             const MovingDifference<kinds>& x, const FarTime& far, double distance) {
+    if (!(x.size < 0x1p100)) return {};
+    return CloseSeparation<kinds>(points, x).decide(separation, far, distance);
+}
+
+}  // namespace detail
+
+template <FeatureKinds kinds>
+CRUMPLE_HD inline QuickImpact quick_separation(const std::array<MovingPoint, 4>& points, const Separation& separation) {
+    const detail::MovingDifference<kinds> x(points);
+    if (!x.in_range()) return {};
+    double distance = separation.distance;
+    if (separation.share > 0)
+        distance = max(distance, separation.share * detail::length_at_start(x) * (1 + 2 * 0x1p-53));
+    const detail::FarTime far = detail::far_time(x, distance);
+    if (far.any && far.until == 1) return {Certainty::apart};
+    if (!far.any && detail::length_at_start(x) <= separation.distance) return {Certainty::meets, 0, true};
+    return detail::close_separation(points, separation, x, far, distance);
+}
+
+}  // namespace crumple

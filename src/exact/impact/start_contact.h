@@ -1,0 +1,48 @@
+#pragma once
+
+// Whether two features certainly touch at the start: as vertices are in one place, or by exact predicates. Compiled for
+// host and device; the latter need some kilobytes of stack.
+
+#include "exact/impact/approach.h"
+
+namespace crumple {
+namespace detail {
+
+/// An axis along which the plane of four points is certainly seen as one, by two of their triangles, or −1.
+CRUMPLE_HD inline int axis_of_plane(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
+    for (int axis = 0; axis < 3; ++axis) {
+        if (orient2d_filtered(a, b, c, axis) != undecided || orient2d_filtered(b, c, d, axis) != undecided) return axis;
+    }
+    return -1;
+}
+
+}  // namespace detail
+
+/// A vertex of the one feature is where one of the other is.
+template <FeaturePair pair>
+CRUMPLE_HD inline bool vertices_touch_at_start(const FourPoints& points) {
+    const Vec3d a = points[0].start, b = points[1].start, c = points[2].start, d = points[3].start;
+    return a == c || a == d || (pair == FeaturePair::vertex_face ? a == b : b == c || b == d);
+}
+
+/// For coordinates in the range of expansions, and features that are not on one line.
+template <FeaturePair pair>
+CRUMPLE_HD_COLD inline bool surely_touch_at_start(const FourPoints& points) {
+    const Vec3d a = points[0].start, b = points[1].start, c = points[2].start, d = points[3].start;
+    if (!in_expansion_range(a) || !in_expansion_range(b) || !in_expansion_range(c) || !in_expansion_range(d))
+        return false;
+    if (orient3d(a, b, c, d) != 0) return false;
+    const int axis = detail::axis_of_plane(a, b, c, d);
+    if (axis < 0) return false;
+    if constexpr (pair == FeaturePair::vertex_face) {
+        const int turn = orient2d(b, c, d, axis);
+        if (turn == 0) return false;
+        const auto inside = [&](const Vec3d& from, const Vec3d& to) { return orient2d(from, to, a, axis) * turn >= 0; };
+        return inside(b, c) && inside(c, d) && inside(d, b);
+    } else {
+        return orient2d(a, b, c, axis) * orient2d(a, b, d, axis) <= 0 &&
+               orient2d(c, d, a, axis) * orient2d(c, d, b, axis) <= 0;
+    }
+}
+
+}  // namespace crumple

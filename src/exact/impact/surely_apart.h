@@ -1,0 +1,77 @@
+#pragma once
+
+// The cheap proofs that two moving features never touch: a fixed direction that separates them at the start and at the
+// end, hence always, as projections are linear in time; or Bernstein coefficients of the volume that have one sign.
+// Float64 with proven bounds (docs/motion_filters.md), some 60 ns; for any coordinates. Compiled for host and device.
+
+#include "exact/impact/volume.h"
+
+namespace crumple {
+namespace detail {
+
+/// The side on which the second feature certainly is, seen from the first, on a line on which u, v and w have these
+/// places; 0 if it is not certain.
+template <FeaturePair pair>
+CRUMPLE_HD inline int side(double u, double v, double w, double bound) {
+    if constexpr (pair == FeaturePair::vertex_face)  // the vertex w and the face 0, u, v
+        return w > max(max(u, v), 0.) + bound ? 1 : w < min(min(u, v), 0.) - bound ? -1 : 0;
+    // The edge from w to w + v, and that from 0 to u.
+    return min(w, w + v) > max(u, 0.) + bound ? 1 : max(w, w + v) < min(u, 0.) - bound ? -1 : 0;
+}
+
+/// Whether a direction, whatever it is, separates the features at all times.
+template <FeaturePair pair>
+CRUMPLE_HD inline bool separates(const Vec3d& direction, const Approach<pair>& x) {
+    const double bound = 8 * epsilon * dot(abs(direction), x.reach_u + x.reach_v + x.reach_w) + x.slack;
+    const int start =
+        side<pair>(dot(direction, x.u.start), dot(direction, x.v.start), dot(direction, x.w.start), bound);
+    return start != 0 &&
+           start == side<pair>(dot(direction, x.u.end), dot(direction, x.v.end), dot(direction, x.w.end), bound);
+}
+
+/// From the middle of the first feature to that of the second.
+template <FeaturePair pair>
+CRUMPLE_HD inline Vec3d between_middles(const Vec3d& u, const Vec3d& v, const Vec3d& w) {
+    if constexpr (pair == FeaturePair::vertex_face) return w - 1. / 3 * (u + v);
+    return w + 0.5 * (v - u);
+}
+template <FeaturePair pair>
+CRUMPLE_HD inline Vec3d start_between_middles(const Approach<pair>& x) {
+    return between_middles<pair>(x.u.start, x.v.start, x.w.start);
+}
+template <FeaturePair pair>
+CRUMPLE_HD inline Vec3d end_between_middles(const Approach<pair>& x) {
+    return between_middles<pair>(x.u.end, x.v.end, x.w.end);
+}
+
+/// For those whose volume does not tell, which mostly stay in one plane: the way between the middles at one end,
+/// without the part of it that is along an edge.
+template <FeaturePair pair>
+CRUMPLE_HD inline bool separated_beside_an_edge(const Approach<pair>& x) {
+    const auto beside = [&](const Vec3d& way, const Vec3d& edge) {
+        return separates(dot(edge, edge) * way - dot(way, edge) * edge, x);
+    };
+    const auto any = [&](const Vec3d& way, const Vec3d& u, const Vec3d& v) {
+        return beside(way, u) || beside(way, v) || (pair == FeaturePair::vertex_face && beside(way, v - u));
+    };
+    return any(start_between_middles(x), x.u.start, x.v.start) || any(end_between_middles(x), x.u.end, x.v.end);
+}
+
+}  // namespace detail
+
+/// For vectors in range, and their volume.
+template <FeaturePair pair>
+CRUMPLE_HD inline bool surely_apart(const Approach<pair>& x, const Volume& volume) {
+    const Vec3d start = detail::start_between_middles(x), end = detail::end_between_middles(x);
+    return detail::separates(start + end, x) || volume.never_zero() ||
+           detail::separates(cross(x.u.start, x.v.start), x) || detail::separates(cross(x.u.end, x.v.end), x) ||
+           detail::separates(start, x) || detail::separates(end, x);
+}
+
+template <FeaturePair pair>
+CRUMPLE_HD inline bool surely_apart(const FourPoints& points) {
+    const Approach<pair> x(points);
+    return x.in_range() && surely_apart(x, Volume(x));
+}
+
+}  // namespace crumple

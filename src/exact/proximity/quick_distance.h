@@ -1,0 +1,46 @@
+#pragma once
+
+// The distance between two features at rest, as far as floating-point arithmetic with proven bounds can tell it. What
+// it answers is what rational_distance.h answers, to the last bit; where it cannot, it says so. Compiled for host and
+// device; nothing is allocated. Needs round-to-nearest without flush-to-zero. The bounds are derived in
+// docs/nearness_algebra.md.
+
+#include "exact/proximity/closest_guess.h"
+#include "exact/proximity/enclosure.h"
+
+namespace crumple {
+
+class QuickDistance {
+   public:
+    CRUMPLE_HD explicit QuickDistance(const Features& features)
+        : features_(features), differences_(features), guess_(detail::guess_closest(differences_)) {}
+
+    /// In float64 first, then in pairs of numbers.
+    CRUMPLE_HD Proximity compare(const Reach& reach) const {
+        const Proximity known = compare_in_float64(reach);
+        return known == Proximity::unknown ? compare_closely(reach) : known;
+    }
+    CRUMPLE_HD Proximity compare_in_float64(const Reach& reach) const {
+        const double radius = reach.a + reach.b;
+        const Vec3d g = differences_.w + guess_.s * differences_.u + guess_.t * differences_.v;
+        if (differences_.within(g, radius)) return Proximity::within;
+        return differences_.beyond(g, radius) ? Proximity::beyond : Proximity::unknown;
+    }
+
+    const detail::Guess& guess() const { return guess_; }
+
+    /// For all other questions: what they ask, or that it is not certain.
+    CRUMPLE_HD detail::Enclosure enclosure() const { return {features_, guess_}; }
+
+   private:
+    CRUMPLE_HD_COLD Proximity compare_closely(const Reach& reach) const {
+        if (!(differences_.size <= detail::largest_size)) return Proximity::unknown;
+        return enclosure().compare(reach);
+    }
+
+    Features features_;
+    detail::Differences differences_;
+    detail::Guess guess_;
+};
+
+}  // namespace crumple
