@@ -10,7 +10,7 @@
 #include "exact/intersection/contact.h"
 #include "geometry/predicates.h"
 #include "io/weld.h"
-#include "model/placement.h"
+#include "scene/placement.h"
 
 namespace crumple::cli {
 namespace {

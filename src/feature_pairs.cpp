@@ -16,7 +16,7 @@
 #include "exact/impact/decide_impact.h"
 #include "exact/impact/decide_separation.h"
 #include "exact/proximity/decide_distance.h"
-#include "model/scene.h"
+#include "scene/scene.h"
 
 namespace crumple {
 namespace {

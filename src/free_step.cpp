@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "base/float_environment.h"
-#include "model/scene.h"
+#include "scene/scene.h"
 
 namespace crumple {
 namespace {

@@ -5,8 +5,8 @@
 #include "base/stopwatch.h"
 #include "engine/reference/nearest.h"
 #include "engine/reference/worlds.h"
-#include "model/lone_bodies.h"
 #include "model/part_centres.h"
+#include "scene/lone_bodies.h"
 
 namespace crumple {
 namespace {

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "crumple/distributed.h"
-#include "model/scene.h"
+#include "scene/scene.h"
 
 namespace crumple::distribute {
 

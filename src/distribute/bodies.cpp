@@ -8,7 +8,7 @@
 #include <type_traits>
 
 #include "checks.h"
-#include "engine/world_scene.h"
+#include "scene/world_scene.h"
 
 namespace crumple::distribute {
 namespace {

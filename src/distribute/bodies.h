@@ -20,7 +20,7 @@
 #include "crumple/error.h"
 #include "distribute/agreement.h"
 #include "distribute/feature_owners.h"
-#include "model/world.h"
+#include "scene/world_outline.h"
 
 namespace crumple::distribute {
 

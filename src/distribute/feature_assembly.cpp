@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <variant>
 
-#include "model/scene.h"
+#include "scene/scene.h"
 
 namespace crumple::distribute {
 namespace {

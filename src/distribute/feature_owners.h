@@ -1,7 +1,7 @@
 #pragma once
 
 // Vertices and edges over all ranks: which triangle owns each, and the edges' numbers. As on one machine
-// (model/scene_features.h) the lowest triangle that names a feature owns it, and edges are numbered in lexicographic
+// (scene/scene_features.h) the lowest triangle that names a feature owns it, and edges are numbered in lexicographic
 // order. The rank that keeps the book of an edge's lower vertex sees all triangles that name the edge.
 
 #include <array>

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "model/scene.h"
+#include "scene/scene.h"
 
 namespace crumple::distribute {
 

@@ -9,7 +9,7 @@
 
 #include "base/parallel_for.h"
 #include "crumple/distributed.h"
-#include "model/scene.h"
+#include "scene/scene.h"
 
 namespace crumple::distribute {
 

@@ -16,7 +16,7 @@
 #include "engine/candidate_query.h"
 #include "engine/device_feature_calls.h"
 #include "engine/feature_query.h"
-#include "model/scene.h"
+#include "scene/scene.h"
 
 namespace crumple {
 

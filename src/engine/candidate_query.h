@@ -11,8 +11,8 @@
 #include "crumple/collisions.h"
 #include "crumple/function_ref.h"
 #include "engine/feature_query.h"
-#include "model/rules.h"
-#include "model/scene_features.h"
+#include "scene/rules.h"
+#include "scene/scene_features.h"
 
 namespace crumple {
 

@@ -8,8 +8,8 @@
 #include "crumple/array.h"
 #include "crumple/options.h"
 #include "model/levels.h"
-#include "model/rules.h"
-#include "model/scene.h"
+#include "scene/rules.h"
+#include "scene/scene.h"
 
 namespace crumple {
 

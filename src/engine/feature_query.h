@@ -14,11 +14,11 @@
 #include "crumple/motion.h"
 #include "crumple/near.h"
 #include "crumple/part.h"
-#include "model/rest_shape.h"
-#include "model/rules.h"
-#include "model/scene.h"
-#include "model/scene_features.h"
-#include "model/vertex_rings.h"
+#include "scene/rest_shape.h"
+#include "scene/rules.h"
+#include "scene/scene.h"
+#include "scene/scene_features.h"
+#include "scene/vertex_rings.h"
 
 namespace crumple {
 

@@ -13,15 +13,15 @@
 #include "crumple/motion.h"
 #include "crumple/near.h"
 #include "engine/backend.h"
-#include "engine/joined_lists.h"
 #include "engine/near_input.h"
 #include "engine/triangle_impacts.h"
-#include "engine/world_scene.h"
-#include "model/body_rules.h"
 #include "model/feature_part.h"
-#include "model/rules.h"
-#include "model/scene_features.h"
-#include "model/world.h"
+#include "scene/body_rules.h"
+#include "scene/joined_lists.h"
+#include "scene/rules.h"
+#include "scene/scene_features.h"
+#include "scene/world_outline.h"
+#include "scene/world_scene.h"
 
 namespace crumple {
 

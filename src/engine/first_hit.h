@@ -7,9 +7,9 @@
 #include <cstdint>
 #include <span>
 
-#include "model/body_rules.h"
-#include "model/shape_tree.h"
-#include "model/world.h"
+#include "scene/body_rules.h"
+#include "scene/shape_tree.h"
+#include "scene/world_outline.h"
 
 namespace crumple {
 

@@ -7,8 +7,8 @@
 #include "crumple/near.h"
 #include "engine/feature_query.h"
 #include "exact/proximity/resting_features.h"
-#include "model/scene.h"
-#include "model/scene_features.h"
+#include "scene/scene.h"
+#include "scene/scene_features.h"
 
 namespace crumple {
 

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "crumple/error.h"
-#include "model/outline.h"
+#include "scene/outline.h"
 
 namespace crumple {
 namespace {

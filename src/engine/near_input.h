@@ -10,11 +10,11 @@
 #include "crumple/array.h"
 #include "crumple/near.h"
 #include "engine/feature_query.h"
-#include "engine/world_scene.h"
-#include "model/rest_shape.h"
-#include "model/scene_features.h"
-#include "model/vertex_rings.h"
-#include "model/world.h"
+#include "scene/rest_shape.h"
+#include "scene/scene_features.h"
+#include "scene/vertex_rings.h"
+#include "scene/world_outline.h"
+#include "scene/world_scene.h"
 
 namespace crumple {
 

@@ -8,7 +8,7 @@
 
 #include "engine/nearest_output.h"
 #include "engine/nearest_walk.h"
-#include "engine/world_scene.h"
+#include "scene/world_scene.h"
 
 namespace crumple {
 namespace {

@@ -11,9 +11,9 @@
 #include "base/cancellation.h"
 #include "base/parallel_for.h"
 #include "crumple/nearest.h"
-#include "engine/shape_trees.h"
-#include "model/body_rules.h"
-#include "model/world.h"
+#include "scene/body_rules.h"
+#include "scene/shape_trees.h"
+#include "scene/world_outline.h"
 
 namespace crumple {
 

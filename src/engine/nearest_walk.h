@@ -10,10 +10,10 @@
 #include "base/cancellation.h"
 #include "engine/nearest_output.h"
 #include "exact/distance/decide_nearest.h"
-#include "model/body_rules.h"
-#include "model/box_distance.h"
-#include "model/shape_tree.h"
-#include "model/world.h"
+#include "scene/body_rules.h"
+#include "scene/box_distance.h"
+#include "scene/shape_tree.h"
+#include "scene/world_outline.h"
 
 namespace crumple {
 

@@ -7,7 +7,7 @@
 #include "crumple/collisions.h"
 #include "exact/intersection/contact.h"
 #include "model/levels.h"
-#include "model/scene.h"
+#include "scene/scene.h"
 
 namespace crumple {
 

@@ -9,9 +9,9 @@
 #include "crumple/array.h"
 #include "engine/backend.h"
 #include "engine/feature_query.h"
-#include "model/rules.h"
-#include "model/scene.h"
-#include "model/scene_features.h"
+#include "scene/rules.h"
+#include "scene/scene.h"
+#include "scene/scene_features.h"
 
 namespace crumple {
 

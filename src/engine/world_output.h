@@ -9,7 +9,7 @@
 #include "crumple/function_ref.h"
 #include "crumple/options.h"
 #include "crumple/world.h"
-#include "model/world.h"
+#include "scene/world_outline.h"
 
 namespace crumple {
 

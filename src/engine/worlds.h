@@ -2,7 +2,7 @@
 
 // How any backend answers worlds: each world's bodies become a scene of posed triangles, less what cannot meet.
 //
-//   shapes  --named, or in all of several worlds-->  trees (model/shape_tree.h), kept by name
+//   shapes  --named, or in all of several worlds-->  trees (scene/shape_tree.h), kept by name
 //   bodies  ---------------------------------------> boxes, and pairs of bodies whose boxes overlap
 //   both bodies of a pair have trees, and a flag is wanted:  engine/first_hit.h decides the pair at once
 //   else: groups of triangles that may meet, or whole bodies --> WorldScene --> the backend's search of a scene
@@ -19,12 +19,12 @@
 #include "base/cancellation.h"
 #include "crumple/world.h"
 #include "engine/backend.h"
-#include "engine/shape_trees.h"
 #include "engine/world_output.h"
-#include "engine/world_scene.h"
-#include "model/body_rules.h"
-#include "model/shape_tree.h"
-#include "model/world.h"
+#include "scene/body_rules.h"
+#include "scene/shape_tree.h"
+#include "scene/shape_trees.h"
+#include "scene/world_outline.h"
+#include "scene/world_scene.h"
 
 namespace crumple {
 

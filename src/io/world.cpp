@@ -9,7 +9,7 @@
 #include "crumple/io.h"
 #include "io/formats.h"
 #include "io/world.h"
-#include "model/placement.h"
+#include "scene/placement.h"
 
 namespace crumple::io {
 

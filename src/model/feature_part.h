@@ -12,9 +12,9 @@
 #include "crumple/features.h"
 #include "crumple/part.h"
 #include "model/part_tree.h"
-#include "model/scene.h"
-#include "model/scene_features.h"
-#include "model/vertex_rings.h"
+#include "scene/scene.h"
+#include "scene/scene_features.h"
+#include "scene/vertex_rings.h"
 
 namespace crumple {
 

@@ -11,7 +11,7 @@
 #include "crumple/function_ref.h"
 #include "crumple/part.h"
 #include "model/part_tree.h"
-#include "model/scene.h"
+#include "scene/scene.h"
 
 namespace crumple {
 

@@ -14,7 +14,7 @@
 
 #include "base/parallel_for.h"
 #include "model/part_tree.h"
-#include "model/scene.h"
+#include "scene/scene.h"
 
 namespace crumple {
 

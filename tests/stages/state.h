@@ -13,7 +13,7 @@
 #include "crumple/options.h"
 #include "geometry/ball.h"
 #include "geometry/leaf_frame.h"
-#include "model/scene.h"
+#include "scene/scene.h"
 
 namespace crumple::test {
 

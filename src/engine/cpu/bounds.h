@@ -9,7 +9,7 @@
 #include "engine/cpu/kernels.h"
 #include "engine/cpu/layout.h"
 #include "engine/cpu/parallel.h"
-#include "model/scene.h"
+#include "scene/scene.h"
 
 namespace crumple::cpu {
 

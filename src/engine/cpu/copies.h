@@ -19,8 +19,8 @@
 #include "crumple/collisions.h"
 #include "geometry/position_hash.h"
 #include "model/levels.h"
-#include "model/rules.h"
-#include "model/scene.h"
+#include "scene/rules.h"
+#include "scene/scene.h"
 
 namespace crumple::cpu {
 

@@ -4,7 +4,7 @@
 
 #include "engine/cpu/layout.h"
 #include "engine/cpu/subdivide.h"
-#include "model/scene.h"
+#include "scene/scene.h"
 
 namespace crumple::cpu {
 

@@ -7,7 +7,7 @@
 #include "engine/cpu/parallel.h"
 #include "engine/cpu/question.h"
 #include "model/levels.h"
-#include "model/rules.h"
+#include "scene/rules.h"
 
 namespace crumple::cpu {
 

@@ -7,7 +7,7 @@
 #include "crumple/collisions.h"
 #include "engine/cpu/parallel.h"
 #include "engine/cpu/sort_pairs.h"
-#include "model/scene.h"
+#include "scene/scene.h"
 
 namespace crumple::cpu {
 

@@ -15,7 +15,7 @@
 
 #include "engine/cpu/subdivide.h"
 #include "model/levels.h"
-#include "model/scene.h"
+#include "scene/scene.h"
 
 namespace crumple::cpu {
 

@@ -12,7 +12,7 @@
 #include "engine/cpu/parallel.h"
 #include "engine/feature_query.h"
 #include "model/levels.h"
-#include "model/scene_features.h"
+#include "scene/scene_features.h"
 
 namespace crumple::cpu {
 

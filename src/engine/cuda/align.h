@@ -6,7 +6,7 @@
 #include "engine/cuda/layout.h"
 #include "engine/cuda/primitive.h"
 #include "engine/cuda/runtime.h"
-#include "model/scene.h"
+#include "scene/scene.h"
 
 namespace crumple::cuda {
 

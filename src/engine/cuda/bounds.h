@@ -9,7 +9,7 @@
 #include "engine/cuda/primitive.h"
 #include "engine/cuda/runtime.h"
 #include "geometry/normaliser.h"
-#include "model/scene.h"
+#include "scene/scene.h"
 
 namespace crumple::cuda {
 

@@ -8,7 +8,7 @@
 #include "crumple/collisions.h"
 #include "engine/cuda/memory.h"
 #include "engine/cuda/runtime.h"
-#include "model/scene.h"
+#include "scene/scene.h"
 
 namespace crumple::cuda {
 

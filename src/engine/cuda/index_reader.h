@@ -6,7 +6,7 @@
 #include <cstring>
 
 #include "engine/cuda/runtime.h"
-#include "model/outline.h"
+#include "scene/outline.h"
 
 namespace crumple::cuda {
 

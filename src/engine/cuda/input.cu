@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "engine/cuda/index_reader.h"
-#include "model/outline.h"
+#include "scene/outline.h"
 
 namespace crumple::cuda {
 namespace {

@@ -15,8 +15,8 @@
 #include "engine/cuda/posed_worlds.h"
 #include "engine/cuda/worlds.h"
 #include "geometry/position_hash.h"
-#include "model/rules.h"
-#include "model/scene.h"
+#include "scene/rules.h"
+#include "scene/scene.h"
 
 namespace crumple::cuda {
 

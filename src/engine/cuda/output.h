@@ -6,8 +6,8 @@
 #include "engine/cuda/clearing.h"
 #include "engine/cuda/layout.h"
 #include "engine/cuda/runtime.h"
-#include "model/scene.h"
 #include "questions/intersect/cuda/narrow.h"
+#include "scene/scene.h"
 
 namespace crumple::cuda {
 

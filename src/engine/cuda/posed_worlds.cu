@@ -33,7 +33,7 @@ struct Bodies {
     }
 };
 
-// As Placement (model/placement.h) has it: the identity leaves a vertex as it is.
+// As Placement (scene/placement.h) has it: the identity leaves a vertex as it is.
 template <class P>
 __device__ Vec3d posed(const P* rows, const Vec3d& p) {
     Vec3d out;

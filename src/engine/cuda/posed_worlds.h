@@ -1,6 +1,6 @@
 #pragma once
 
-// Bodies of all worlds on the device (engine/resting_worlds.h), where they stay; a call brings their poses, which lie
+// Bodies of all worlds on the device (scene/resting_worlds.h), where they stay; a call brings their poses, which lie
 // there already. The first kernel of its pass puts the vertices where they are now:
 //
 //     shapes' vertices ──┐
@@ -16,8 +16,8 @@
 #include "engine/cuda/layout.h"
 #include "engine/cuda/memory.h"
 #include "engine/cuda/world_names.h"
-#include "engine/resting_worlds.h"
-#include "model/wanted_pairs.h"
+#include "scene/resting_worlds.h"
+#include "scene/wanted_pairs.h"
 
 namespace crumple::cuda {
 

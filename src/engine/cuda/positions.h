@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "engine/cuda/runtime.h"
-#include "model/scene.h"
+#include "scene/scene.h"
 
 namespace crumple::cuda {
 

@@ -8,7 +8,7 @@
 #include "engine/cuda/clearing.h"
 #include "engine/cuda/layout.h"
 #include "engine/cuda/runtime.h"
-#include "model/scene.h"
+#include "scene/scene.h"
 
 namespace crumple::cuda {
 

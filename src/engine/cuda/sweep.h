@@ -7,8 +7,8 @@
 #include "engine/cuda/layout.h"
 #include "engine/cuda/runtime.h"
 #include "engine/cuda/sort.h"
-#include "model/scene.h"
-#include "model/wanted_pairs.h"
+#include "scene/scene.h"
+#include "scene/wanted_pairs.h"
 
 namespace crumple::cuda {
 

@@ -7,7 +7,7 @@
 
 #include "crumple/world.h"
 #include "engine/cuda/output.h"
-#include "model/wanted_pairs.h"
+#include "scene/wanted_pairs.h"
 
 namespace crumple::cuda {
 

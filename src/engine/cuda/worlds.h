@@ -12,7 +12,7 @@
 
 #include "engine/cuda/layout.h"
 #include "engine/cuda/memory.h"
-#include "model/scene.h"
+#include "scene/scene.h"
 
 namespace crumple::cuda {
 

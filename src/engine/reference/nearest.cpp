@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "engine/nearest_output.h"
-#include "engine/world_scene.h"
 #include "exact/distance/rational_nearest.h"
-#include "model/body_rules.h"
-#include "model/world.h"
+#include "scene/body_rules.h"
+#include "scene/world_outline.h"
+#include "scene/world_scene.h"
 
 namespace crumple {
 namespace {

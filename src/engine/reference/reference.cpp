@@ -12,7 +12,7 @@
 #include "engine/reference/features.h"
 #include "exact/intersection/rational_intersection.h"
 #include "model/levels.h"
-#include "model/rules.h"
+#include "scene/rules.h"
 
 namespace crumple {
 namespace {

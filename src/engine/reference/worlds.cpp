@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "engine/world_output.h"
-#include "engine/world_scene.h"
 #include "exact/intersection/decide_intersection.h"
 #include "exact/intersection/rational_intersection.h"
-#include "model/body_rules.h"
+#include "scene/body_rules.h"
+#include "scene/world_scene.h"
 
 namespace crumple {
 namespace {

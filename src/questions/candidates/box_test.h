@@ -8,7 +8,7 @@
 
 #include "geometry/expansion.h"
 #include "geometry/vec.h"
-#include "model/scene.h"
+#include "scene/scene.h"
 
 namespace crumple {
 

@@ -9,7 +9,7 @@
 // A coordinate of a grown box is a key: the sum is rounded, then normalised, taken relative to the leaf's origin and
 // rounded to float32, each of which keeps the order of numbers. So unequal keys tell the order of the exact sums
 // (box_test.h); equal ones tell nothing. The lane of a feature that another triangle owns overlaps nothing; nor does
-// lane 7, and that of a carrier itself, which is no face (model/scene_features.h). Compiled for host and device.
+// lane 7, and that of a carrier itself, which is no face (scene/scene_features.h). Compiled for host and device.
 
 #include <cstdint>
 

@@ -8,7 +8,7 @@
 #include "crumple/features.h"
 #include "exact/impact/impact.h"
 #include "exact/proximity/resting_features.h"
-#include "model/scene.h"
+#include "scene/scene.h"
 
 namespace crumple {
 

@@ -6,8 +6,8 @@
 
 #include <array>
 
-#include "model/feature_table.h"
 #include "questions/features/tests_of_pair.h"
+#include "scene/feature_table.h"
 
 namespace crumple {
 

@@ -8,8 +8,8 @@
 #include "base/parallel_for.h"
 #include "geometry/ball.h"
 #include "geometry/exact.h"
-#include "model/scene_features.h"
 #include "questions/features/moving_soups.h"
+#include "scene/scene_features.h"
 
 namespace crumple::test {
 namespace {

@@ -9,8 +9,8 @@
 #include <set>
 #include <vector>
 
-#include "model/scene_features.h"
 #include "questions/features/cpu/kernels.h"
+#include "scene/scene_features.h"
 #include "soups.h"
 
 namespace crumple {

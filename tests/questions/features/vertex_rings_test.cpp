@@ -1,6 +1,6 @@
 // The rings about vertices, against a walk of its own; and when they are found anew.
 
-#include "model/vertex_rings.h"
+#include "scene/vertex_rings.h"
 
 #include <gtest/gtest.h>
 

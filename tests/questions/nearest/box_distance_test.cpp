@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "model/box_distance.h"
+#include "scene/box_distance.h"
 #include "worlds/random_worlds.h"
 
 namespace crumple::test {

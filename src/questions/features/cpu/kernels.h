@@ -10,8 +10,8 @@
 
 #include "engine/cpu/layout.h"
 #include "exact/proximity/guess_batch.h"
-#include "model/scene_features.h"
 #include "questions/features/tests_of_pair.h"
+#include "scene/scene_features.h"
 
 namespace crumple::cpu {
 

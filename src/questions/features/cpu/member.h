@@ -3,9 +3,9 @@
 // One member of a leaf by itself, for questions about features: what `build` makes of it.
 
 #include "engine/cpu/layout.h"
-#include "model/scene_features.h"
 #include "questions/features/length.h"
 #include "questions/features/record.h"
+#include "scene/scene_features.h"
 
 namespace crumple::cpu {
 

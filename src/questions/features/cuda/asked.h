@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "geometry/inflation.h"
-#include "model/feature_table.h"
+#include "scene/feature_table.h"
 
 namespace crumple::cuda {
 

@@ -11,8 +11,8 @@
 #include "engine/cpu/ownership.h"
 #include "engine/cpu/sweep.h"
 #include "exact/intersection/decide_intersection.h"
-#include "model/rules.h"
 #include "questions/intersect/cpu/records.h"
+#include "scene/rules.h"
 
 namespace crumple::cpu {
 

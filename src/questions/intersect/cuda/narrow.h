@@ -5,8 +5,8 @@
 
 #include "engine/cuda/layout.h"
 #include "engine/cuda/runtime.h"
-#include "model/scene.h"
 #include "questions/intersect/cuda/records.h"
+#include "scene/scene.h"
 
 namespace crumple::cuda {
 

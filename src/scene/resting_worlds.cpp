@@ -1,4 +1,5 @@
-#include "engine/resting_worlds.h"
+#include "engine/world_output.h"
+#include "scene/resting_worlds.h"
 
 #include <algorithm>
 #include <bit>
@@ -9,9 +10,8 @@
 #include <utility>
 
 #include "crumple/error.h"
-#include "engine/world_output.h"
-#include "engine/world_scene.h"
-#include "model/world.h"
+#include "scene/world_outline.h"
+#include "scene/world_scene.h"
 
 namespace crumple {
 namespace {

@@ -8,9 +8,9 @@
 
 #include "crumple/array.h"
 #include "crumple/world.h"
-#include "model/outline.h"
-#include "model/placement.h"
-#include "model/scene.h"
+#include "scene/outline.h"
+#include "scene/placement.h"
+#include "scene/scene.h"
 
 namespace crumple {
 

@@ -24,8 +24,8 @@
 #include "crumple/features.h"
 #include "crumple/part.h"
 #include "crumple/world.h"
-#include "model/feature_table.h"
-#include "model/scene.h"
+#include "scene/feature_table.h"
+#include "scene/scene.h"
 
 namespace crumple {
 

@@ -1,4 +1,4 @@
-#include "model/shape_tree.h"
+#include "scene/shape_tree.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "model/outline.h"
+#include "scene/outline.h"
 
 #include <limits>
 

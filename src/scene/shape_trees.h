@@ -8,7 +8,7 @@
 #include <unordered_map>
 
 #include "crumple/world.h"
-#include "model/shape_tree.h"
+#include "scene/shape_tree.h"
 
 namespace crumple {
 

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "crumple/mesh.h"
-#include "model/scene.h"
+#include "scene/scene.h"
 
 namespace crumple {
 

@@ -16,8 +16,8 @@
 #include "base/parallel_for.h"
 #include "crumple/array.h"
 #include "crumple/world.h"
-#include "model/body_rules.h"
-#include "model/scene.h"
+#include "scene/body_rules.h"
+#include "scene/scene.h"
 
 namespace crumple {
 

@@ -1,4 +1,4 @@
-#include "model/scene.h"
+#include "scene/scene.h"
 
 #include <algorithm>
 #include <bit>
@@ -7,7 +7,7 @@
 
 #include "crumple/error.h"
 #include "geometry/position_hash.h"
-#include "model/outline.h"
+#include "scene/outline.h"
 
 namespace crumple {
 namespace {

@@ -1,4 +1,4 @@
-#include "engine/shape_trees.h"
+#include "scene/shape_trees.h"
 
 #include <algorithm>
 #include <string>

@@ -1,4 +1,4 @@
-#include "engine/world_scene.h"
+#include "scene/world_scene.h"
 
 #include <algorithm>
 #include <cmath>

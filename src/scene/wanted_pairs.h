@@ -6,7 +6,7 @@
 
 #include <cstdint>
 
-#include "model/group_rule.h"
+#include "scene/group_rule.h"
 
 namespace crumple {
 

@@ -19,7 +19,7 @@
 #include <cmath>
 #include <limits>
 
-#include "model/placement.h"
+#include "scene/placement.h"
 
 namespace crumple {
 

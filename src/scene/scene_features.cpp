@@ -1,4 +1,4 @@
-#include "model/scene_features.h"
+#include "scene/scene_features.h"
 
 #include <algorithm>
 #include <atomic>

@@ -10,11 +10,11 @@
 
 #include "base/parallel_for.h"
 #include "crumple/array.h"
-#include "model/body_rules.h"
-#include "model/scene.h"
-#include "model/scene_features.h"
-#include "model/shape_tree.h"
-#include "model/world.h"
+#include "scene/body_rules.h"
+#include "scene/scene.h"
+#include "scene/scene_features.h"
+#include "scene/shape_tree.h"
+#include "scene/world_outline.h"
 
 namespace crumple {
 

@@ -7,7 +7,7 @@
 
 #include "crumple/error.h"
 #include "crumple/world.h"
-#include "model/body_rules.h"
+#include "scene/body_rules.h"
 
 namespace crumple {
 

@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "model/scene.h"
+#include "scene/scene.h"
 
 namespace crumple {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <atomic>
 
-#include "model/scene_features.h"
+#include "scene/scene_features.h"
 
 namespace crumple {
 namespace {

@@ -1,4 +1,4 @@
-#include "model/world.h"
+#include "scene/world_outline.h"
 
 #include <algorithm>
 #include <cmath>

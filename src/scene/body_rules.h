@@ -7,7 +7,7 @@
 
 #include "crumple/array.h"
 #include "crumple/world.h"
-#include "model/wanted_pairs.h"
+#include "scene/wanted_pairs.h"
 
 namespace crumple {
 

@@ -8,9 +8,9 @@
 
 #include "crumple/array.h"
 #include "crumple/world.h"
-#include "engine/world_scene.h"
-#include "model/scene_features.h"
-#include "model/world.h"
+#include "scene/scene_features.h"
+#include "scene/world_outline.h"
+#include "scene/world_scene.h"
 
 namespace crumple {
 

@@ -7,9 +7,9 @@
 
 #include "crumple/array.h"
 #include "crumple/options.h"
-#include "model/body_rules.h"
-#include "model/scene.h"
-#include "model/wanted_pairs.h"
+#include "scene/body_rules.h"
+#include "scene/scene.h"
+#include "scene/wanted_pairs.h"
 
 namespace crumple {
 

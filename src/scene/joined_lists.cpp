@@ -1,4 +1,4 @@
-#include "engine/joined_lists.h"
+#include "scene/joined_lists.h"
 
 #include <algorithm>
 

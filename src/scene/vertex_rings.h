@@ -11,7 +11,7 @@
 #include "base/cancellation.h"
 #include "base/parallel_for.h"
 #include "crumple/array.h"
-#include "model/scene_features.h"
+#include "scene/scene_features.h"
 
 namespace crumple {
 

@@ -14,7 +14,7 @@
 #include <cmath>
 #include <limits>
 
-#include "model/box_separation.h"
+#include "scene/box_separation.h"
 
 namespace crumple {
 

@@ -1,4 +1,4 @@
-#include "model/vertex_rings.h"
+#include "scene/vertex_rings.h"
 
 #include <atomic>
 

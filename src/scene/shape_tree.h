@@ -14,9 +14,9 @@
 #include <cstdint>
 
 #include "crumple/array.h"
-#include "model/box_separation.h"
-#include "model/placement.h"
-#include "model/world.h"
+#include "scene/box_separation.h"
+#include "scene/placement.h"
+#include "scene/world_outline.h"
 
 namespace crumple {
 
