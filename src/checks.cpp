@@ -5,7 +5,7 @@
 #include <string>
 
 #include "crumple/error.h"
-#include "model/fuzzy_c_means.h"
+#include "partition/fuzzy_c_means.h"
 
 namespace crumple {
 namespace {

@@ -9,8 +9,8 @@
 
 #include "base/stopwatch.h"
 #include "free_step.h"
-#include "model/part.h"
-#include "model/part_centres.h"
+#include "partition/part_centres.h"
+#include "partition/parts_of_scene.h"
 #include "world_calls.h"
 
 namespace crumple {

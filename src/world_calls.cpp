@@ -5,7 +5,7 @@
 #include "base/stopwatch.h"
 #include "engine/reference/nearest.h"
 #include "engine/reference/worlds.h"
-#include "model/part_centres.h"
+#include "partition/part_centres.h"
 #include "scene/lone_bodies.h"
 
 namespace crumple {

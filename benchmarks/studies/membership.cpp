@@ -22,7 +22,7 @@
 #include <limits>
 #include <memory>
 
-#include "model/part_centres.h"
+#include "partition/part_centres.h"
 #include "report.h"
 #include "studies/primitives.h"
 #include "studies/studies.h"

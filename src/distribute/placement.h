@@ -17,8 +17,8 @@
 #include "distribute/agreement.h"
 #include "distribute/rounds.h"
 #include "distribute/share.h"
-#include "model/feature_part.h"
-#include "model/part_centres.h"
+#include "partition/feature_part.h"
+#include "partition/part_centres.h"
 
 namespace crumple::distribute {
 

@@ -7,7 +7,7 @@
 
 #include "crumple/array.h"
 #include "crumple/options.h"
-#include "model/levels.h"
+#include "partition/levels.h"
 #include "scene/rules.h"
 #include "scene/scene.h"
 

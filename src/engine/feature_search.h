@@ -15,7 +15,7 @@
 #include "engine/backend.h"
 #include "engine/near_input.h"
 #include "engine/triangle_impacts.h"
-#include "model/feature_part.h"
+#include "partition/feature_part.h"
 #include "scene/body_rules.h"
 #include "scene/joined_lists.h"
 #include "scene/rules.h"

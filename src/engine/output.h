@@ -6,7 +6,7 @@
 
 #include "crumple/collisions.h"
 #include "exact/intersection/contact.h"
-#include "model/levels.h"
+#include "partition/levels.h"
 #include "scene/scene.h"
 
 namespace crumple {

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "model/levels.h"
+#include "partition/levels.h"
 
 namespace crumple {
 namespace {

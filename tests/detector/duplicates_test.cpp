@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "model/part.h"
+#include "partition/parts_of_scene.h"
 #include "soups.h"
 
 namespace crumple {

@@ -1,4 +1,4 @@
-#include "model/fuzzy_c_means.h"
+#include "partition/fuzzy_c_means.h"
 
 #include <gtest/gtest.h>
 

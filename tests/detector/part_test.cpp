@@ -8,8 +8,8 @@
 #include <numeric>
 
 #include "error_of.h"
-#include "model/part.h"
-#include "model/part_centres.h"
+#include "partition/part_centres.h"
+#include "partition/parts_of_scene.h"
 #include "soups.h"
 
 namespace crumple {

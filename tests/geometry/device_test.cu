@@ -8,7 +8,7 @@
 #include "exact/intersection/intersection_decision.h"
 #include "geometry/ball.h"
 #include "geometry/random_pairs.h"
-#include "model/part_tree.h"
+#include "partition/part_tree.h"
 #include "questions/intersect/filters.h"
 
 namespace crumple {

@@ -18,7 +18,7 @@
 #include "crumple/array.h"
 #include "crumple/collisions.h"
 #include "geometry/position_hash.h"
-#include "model/levels.h"
+#include "partition/levels.h"
 #include "scene/rules.h"
 #include "scene/scene.h"
 

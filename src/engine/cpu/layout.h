@@ -21,7 +21,7 @@
 #include "geometry/inflation.h"
 #include "geometry/leaf_frame.h"
 #include "geometry/point_rows.h"
-#include "model/fuzzy_c_means.h"
+#include "partition/fuzzy_c_means.h"
 
 namespace crumple::cpu {
 

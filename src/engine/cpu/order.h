@@ -6,7 +6,7 @@
 #include "engine/cpu/pair_range.h"
 #include "engine/cpu/parallel.h"
 #include "engine/cpu/question.h"
-#include "model/levels.h"
+#include "partition/levels.h"
 #include "scene/rules.h"
 
 namespace crumple::cpu {

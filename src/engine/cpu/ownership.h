@@ -14,7 +14,7 @@
 #include <cstdint>
 
 #include "engine/cpu/subdivide.h"
-#include "model/levels.h"
+#include "partition/levels.h"
 #include "scene/scene.h"
 
 namespace crumple::cpu {

@@ -11,7 +11,7 @@
 #include "engine/cpu/layout.h"
 #include "engine/cpu/parallel.h"
 #include "engine/feature_query.h"
-#include "model/levels.h"
+#include "partition/levels.h"
 #include "scene/scene_features.h"
 
 namespace crumple::cpu {

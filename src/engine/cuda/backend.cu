@@ -24,8 +24,8 @@
 #include "engine/cuda/turns.h"
 #include "engine/cuda/world_finder.h"
 #include "engine/output.h"
-#include "model/levels.h"
-#include "model/part.h"
+#include "partition/levels.h"
+#include "partition/parts_of_scene.h"
 
 namespace crumple {
 namespace cuda {

@@ -8,7 +8,7 @@
 
 #include "crumple/options.h"
 #include "engine/cuda/layout.h"
-#include "model/fuzzy_c_means.h"
+#include "partition/fuzzy_c_means.h"
 
 namespace crumple::cuda {
 

@@ -7,7 +7,7 @@
 #include "exact/impact/rational_impact.h"
 #include "exact/impact/rational_separation.h"
 #include "exact/proximity/rational_distance.h"
-#include "model/levels.h"
+#include "partition/levels.h"
 #include "questions/features/points.h"
 
 namespace crumple {

@@ -11,7 +11,7 @@
 #include "engine/reference/candidates.h"
 #include "engine/reference/features.h"
 #include "exact/intersection/rational_intersection.h"
-#include "model/levels.h"
+#include "partition/levels.h"
 #include "scene/rules.h"
 
 namespace crumple {

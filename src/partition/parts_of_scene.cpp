@@ -1,4 +1,4 @@
-#include "model/part.h"
+#include "partition/parts_of_scene.h"
 
 #include <algorithm>
 #include <bit>
@@ -7,7 +7,7 @@
 
 #include "crumple/error.h"
 #include "geometry/position_hash.h"
-#include "model/part_centres.h"
+#include "partition/part_centres.h"
 
 namespace crumple {
 namespace {

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "base/parallel_for.h"
-#include "model/part_tree.h"
+#include "partition/part_tree.h"
 #include "scene/scene.h"
 
 namespace crumple {

@@ -11,7 +11,7 @@
 #include "crumple/collisions.h"
 #include "crumple/features.h"
 #include "crumple/part.h"
-#include "model/part_tree.h"
+#include "partition/part_tree.h"
 #include "scene/scene.h"
 #include "scene/scene_features.h"
 #include "scene/vertex_rings.h"

@@ -1,4 +1,4 @@
-#include "model/feature_part.h"
+#include "partition/feature_part.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 
 #include "crumple/error.h"
 #include "geometry/inflation.h"
-#include "model/part.h"
+#include "partition/parts_of_scene.h"
 
 namespace crumple {
 namespace {

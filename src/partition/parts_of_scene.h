@@ -10,7 +10,7 @@
 #include "crumple/collisions.h"
 #include "crumple/function_ref.h"
 #include "crumple/part.h"
-#include "model/part_tree.h"
+#include "partition/part_tree.h"
 #include "scene/scene.h"
 
 namespace crumple {

@@ -18,8 +18,8 @@
 #include "geometry/inflation.h"
 #include "geometry/normaliser.h"
 #include "geometry/triangle.h"
-#include "model/fuzzy_c_means.h"
-#include "model/levels.h"
+#include "partition/fuzzy_c_means.h"
+#include "partition/levels.h"
 
 namespace crumple {
 

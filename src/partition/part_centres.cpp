@@ -1,4 +1,4 @@
-#include "model/part_centres.h"
+#include "partition/part_centres.h"
 
 #include <array>
 #include <cmath>
