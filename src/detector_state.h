@@ -12,16 +12,16 @@
 
 #include "base/cancellation.h"
 #include "base/float_environment.h"
-#include "checks.h"
 #include "crumple/error.h"
 #include "engine/backend.h"
-#include "engine/feature_output.h"
 #include "engine/feature_search.h"
 #include "engine/nearest.h"
-#include "engine/nearest_output.h"
-#include "engine/output.h"
-#include "engine/world_output.h"
 #include "engine/worlds.h"
+#include "queries/checks.h"
+#include "results/feature_output.h"
+#include "results/intersection_output.h"
+#include "results/nearest_output.h"
+#include "results/world_output.h"
 
 namespace crumple {
 

@@ -10,12 +10,12 @@
 
 #include "base/cancellation.h"
 #include "base/float_environment.h"
-#include "checks.h"
 #include "crumple/error.h"
 #include "engine/cpu/parallel.h"
 #include "exact/impact/decide_impact.h"
 #include "exact/impact/decide_separation.h"
 #include "exact/proximity/decide_distance.h"
+#include "queries/checks.h"
 #include "scene/scene.h"
 
 namespace crumple {

@@ -4,7 +4,7 @@
 #include <bit>
 #include <span>
 
-#include "checks.h"
+#include "queries/checks.h"
 
 namespace crumple::distribute {
 namespace {

@@ -7,7 +7,7 @@
 #include <limits>
 #include <type_traits>
 
-#include "checks.h"
+#include "queries/checks.h"
 #include "scene/world_scene.h"
 
 namespace crumple::distribute {

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "distribute/merge_runs.h"
-#include "engine/output.h"
+#include "results/intersection_output.h"
 
 namespace crumple::distribute {
 namespace {

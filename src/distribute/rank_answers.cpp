@@ -9,7 +9,7 @@
 #include "distribute/found_features.h"
 #include "distribute/found_rows.h"
 #include "distribute/rank_detector.h"
-#include "engine/output.h"
+#include "results/intersection_output.h"
 
 namespace crumple::distribute {
 namespace {

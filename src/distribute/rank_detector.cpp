@@ -9,8 +9,8 @@
 #include <utility>
 
 #include "base/float_environment.h"
-#include "checks.h"
 #include "distribute/delivery.h"
+#include "queries/checks.h"
 
 namespace crumple::distribute {
 namespace {

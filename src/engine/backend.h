@@ -13,9 +13,9 @@
 #include "crumple/detector.h"
 #include "crumple/function_ref.h"
 #include "crumple/options.h"
-#include "engine/candidate_query.h"
 #include "engine/device_feature_calls.h"
-#include "engine/feature_query.h"
+#include "queries/candidate_query.h"
+#include "queries/feature_query.h"
 #include "scene/scene.h"
 
 namespace crumple {

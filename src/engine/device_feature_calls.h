@@ -10,10 +10,10 @@
 #include <cstdint>
 #include <optional>
 
-#include "engine/candidate_query.h"
-#include "engine/device_answer.h"
 #include "engine/device_shape.h"
-#include "engine/feature_query.h"
+#include "queries/candidate_query.h"
+#include "queries/device_answer.h"
+#include "queries/feature_query.h"
 
 namespace crumple {
 

@@ -3,13 +3,13 @@
 
 #include <algorithm>
 
-#include "checks.h"
 #include "crumple/error.h"
-#include "engine/feature_output.h"
-#include "engine/feature_questions.h"
 #include "engine/feature_search.h"
-#include "engine/near_details.h"
-#include "engine/output.h"
+#include "queries/checks.h"
+#include "queries/feature_queries.h"
+#include "results/feature_output.h"
+#include "results/intersection_output.h"
+#include "results/near_details.h"
 
 namespace crumple {
 namespace {

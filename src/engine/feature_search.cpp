@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <utility>
 
-#include "engine/feature_output.h"
-#include "engine/feature_questions.h"
-#include "engine/near_details.h"
-#include "engine/output.h"
+#include "queries/feature_queries.h"
+#include "results/feature_output.h"
+#include "results/intersection_output.h"
+#include "results/near_details.h"
 
 namespace crumple {
 namespace {

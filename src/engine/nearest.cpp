@@ -6,8 +6,8 @@
 #include <limits>
 #include <utility>
 
-#include "engine/nearest_output.h"
 #include "engine/nearest_walk.h"
+#include "results/nearest_output.h"
 #include "scene/world_scene.h"
 
 namespace crumple {

@@ -8,8 +8,8 @@
 #include <optional>
 
 #include "base/cancellation.h"
-#include "engine/nearest_output.h"
 #include "exact/distance/decide_nearest.h"
+#include "results/nearest_output.h"
 #include "scene/body_rules.h"
 #include "scene/box_distance.h"
 #include "scene/shape_tree.h"

@@ -7,7 +7,7 @@
 #include <cstdint>
 
 #include "engine/duplicates.h"
-#include "engine/output.h"
+#include "results/intersection_output.h"
 
 namespace crumple {
 

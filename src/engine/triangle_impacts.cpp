@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "engine/output.h"
+#include "results/intersection_output.h"
 
 namespace crumple {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "crumple/array.h"
 #include "engine/backend.h"
-#include "engine/feature_query.h"
+#include "queries/feature_query.h"
 #include "scene/rules.h"
 #include "scene/scene.h"
 #include "scene/scene_features.h"

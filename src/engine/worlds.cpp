@@ -10,7 +10,7 @@
 
 #include "crumple/error.h"
 #include "engine/first_hit.h"
-#include "engine/output.h"
+#include "results/intersection_output.h"
 
 namespace crumple {
 namespace {

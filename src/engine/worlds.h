@@ -19,7 +19,7 @@
 #include "base/cancellation.h"
 #include "crumple/world.h"
 #include "engine/backend.h"
-#include "engine/world_output.h"
+#include "results/world_output.h"
 #include "scene/body_rules.h"
 #include "scene/shape_tree.h"
 #include "scene/shape_trees.h"

@@ -1,4 +1,4 @@
-#include "engine/world_output.h"
+#include "results/world_output.h"
 #include "scene/resting_worlds.h"
 
 #include <algorithm>

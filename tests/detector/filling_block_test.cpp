@@ -8,7 +8,7 @@
 #include <thread>
 #include <vector>
 
-#include "engine/filling_block.h"
+#include "results/filling_block.h"
 
 namespace crumple {
 namespace {

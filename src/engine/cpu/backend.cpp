@@ -12,7 +12,7 @@
 #include "engine/cpu/limit.h"
 #include "engine/cpu/stream.h"
 #include "engine/cpu/stream_features.h"
-#include "engine/output.h"
+#include "results/intersection_output.h"
 
 namespace crumple {
 namespace cpu {

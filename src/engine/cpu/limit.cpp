@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "base/stopwatch.h"
-#include "engine/output.h"
+#include "results/intersection_output.h"
 
 namespace crumple::cpu {
 namespace {

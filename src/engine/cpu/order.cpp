@@ -5,7 +5,7 @@
 #include "base/stopwatch.h"
 #include "engine/cpu/bounds.h"
 #include "engine/cpu/leaves.h"
-#include "engine/output.h"
+#include "results/intersection_output.h"
 
 namespace crumple::cpu {
 namespace {

@@ -10,8 +10,8 @@
 #include "engine/cpu/id_ranges.h"
 #include "engine/cpu/layout.h"
 #include "engine/cpu/parallel.h"
-#include "engine/feature_query.h"
 #include "partition/levels.h"
+#include "queries/feature_query.h"
 #include "scene/scene_features.h"
 
 namespace crumple::cpu {

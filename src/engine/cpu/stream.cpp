@@ -3,8 +3,8 @@
 #include <atomic>
 #include <memory>
 
-#include "engine/filling_block.h"
-#include "engine/output.h"
+#include "results/filling_block.h"
+#include "results/intersection_output.h"
 
 namespace crumple::cpu {
 namespace {

@@ -23,9 +23,9 @@
 #include "engine/cuda/search.h"
 #include "engine/cuda/turns.h"
 #include "engine/cuda/world_finder.h"
-#include "engine/output.h"
 #include "partition/levels.h"
 #include "partition/parts_of_scene.h"
+#include "results/intersection_output.h"
 
 namespace crumple {
 namespace cuda {

@@ -4,9 +4,9 @@
 
 #include <optional>
 
-#include "engine/candidate_query.h"
 #include "engine/cuda/finder.h"
-#include "engine/device_answer.h"
+#include "queries/candidate_query.h"
+#include "queries/device_answer.h"
 #include "questions/candidates/cuda/pass.h"
 #include "questions/features/cuda/input.h"
 

@@ -2,7 +2,7 @@
 
 #include "crumple/error.h"
 #include "engine/cuda/host_shape.h"
-#include "engine/owned_features.h"
+#include "results/owned_features.h"
 
 namespace crumple::cuda {
 namespace {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <bit>
 
-#include "engine/feature_output.h"
 #include "questions/features/decide.h"
+#include "results/feature_output.h"
 
 namespace crumple::cuda {
 namespace {

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "engine/cuda/finder.h"
-#include "engine/device_answer.h"
-#include "engine/feature_query.h"
+#include "queries/device_answer.h"
+#include "queries/feature_query.h"
 #include "questions/features/cuda/input.h"
 #include "questions/features/cuda/output.h"
 #include "questions/features/cuda/pass.h"

@@ -24,8 +24,8 @@
 #include "engine/cuda/input.h"
 #include "engine/cuda/memory.h"
 #include "engine/cuda/pass.h"
-#include "engine/device_answer.h"
-#include "engine/feature_query.h"
+#include "queries/device_answer.h"
+#include "queries/feature_query.h"
 
 namespace crumple::cuda {
 

@@ -10,7 +10,7 @@
 #include "engine/cuda/input.h"
 #include "engine/cuda/memory.h"
 #include "engine/cuda/plan.h"
-#include "engine/feature_query.h"
+#include "queries/feature_query.h"
 
 namespace crumple::cuda {
 

@@ -3,7 +3,7 @@
 #include <utility>
 #include <vector>
 
-#include "engine/output.h"
+#include "results/intersection_output.h"
 
 namespace crumple::cuda {
 

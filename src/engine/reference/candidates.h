@@ -4,7 +4,7 @@
 // anew. One thread, O(features²).
 
 #include "base/cancellation.h"
-#include "engine/candidate_query.h"
+#include "queries/candidate_query.h"
 
 namespace crumple {
 

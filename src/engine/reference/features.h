@@ -5,7 +5,7 @@
 // features whose boxes overlap.
 
 #include "base/cancellation.h"
-#include "engine/feature_query.h"
+#include "queries/feature_query.h"
 
 namespace crumple {
 

@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "engine/nearest_output.h"
 #include "exact/distance/rational_nearest.h"
+#include "results/nearest_output.h"
 #include "scene/body_rules.h"
 #include "scene/world_outline.h"
 #include "scene/world_scene.h"

@@ -6,12 +6,12 @@
 
 #include "base/stopwatch.h"
 #include "engine/backend.h"
-#include "engine/output.h"
 #include "engine/pair_budget.h"
 #include "engine/reference/candidates.h"
 #include "engine/reference/features.h"
 #include "exact/intersection/rational_intersection.h"
 #include "partition/levels.h"
+#include "results/intersection_output.h"
 #include "scene/rules.h"
 
 namespace crumple {

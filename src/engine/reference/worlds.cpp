@@ -5,9 +5,9 @@
 #include <tuple>
 #include <vector>
 
-#include "engine/world_output.h"
 #include "exact/intersection/decide_intersection.h"
 #include "exact/intersection/rational_intersection.h"
+#include "results/world_output.h"
 #include "scene/body_rules.h"
 #include "scene/world_scene.h"
 

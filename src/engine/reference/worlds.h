@@ -2,7 +2,7 @@
 
 #include "base/cancellation.h"
 #include "crumple/world.h"
-#include "engine/world_output.h"
+#include "results/world_output.h"
 
 namespace crumple {
 

@@ -14,9 +14,9 @@
 #include <cstdint>
 
 #include "crumple/candidates.h"
-#include "engine/feature_query.h"
 #include "geometry/leaf_frame.h"
 #include "geometry/normaliser.h"
+#include "queries/feature_query.h"
 
 namespace crumple {
 

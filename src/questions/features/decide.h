@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <optional>
 
-#include "engine/feature_query.h"
 #include "exact/proximity/guess_batch.h"
+#include "queries/feature_query.h"
 #include "questions/features/packed_features.h"
 #include "questions/features/points.h"
 

@@ -7,7 +7,7 @@
 #include <set>
 #include <tuple>
 
-#include "engine/candidate_query.h"
+#include "queries/candidate_query.h"
 #include "questions/candidates/compare_candidates.h"
 #include "questions/features/agreeing.h"
 #include "questions/features/compare_features.h"

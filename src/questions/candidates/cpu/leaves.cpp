@@ -7,7 +7,7 @@
 #include "base/stopwatch.h"
 #include "engine/cpu/order.h"
 #include "engine/cpu/sweep.h"
-#include "engine/output.h"
+#include "results/intersection_output.h"
 
 namespace crumple::cpu {
 namespace {

@@ -8,10 +8,10 @@
 #include <span>
 #include <vector>
 
-#include "engine/candidate_query.h"
 #include "engine/cpu/pair_range.h"
 #include "engine/cpu/question.h"
 #include "geometry/normaliser.h"
+#include "queries/candidate_query.h"
 #include "questions/candidates/box_test.h"
 #include "questions/candidates/cpu/kernels.h"
 

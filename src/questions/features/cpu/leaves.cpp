@@ -7,9 +7,9 @@
 #include "base/float_environment.h"
 #include "base/stopwatch.h"
 #include "engine/cpu/order.h"
-#include "engine/output.h"
 #include "questions/features/separation.h"
 #include "questions/features/tests_of_listed.h"
+#include "results/intersection_output.h"
 
 namespace crumple::cpu {
 namespace {

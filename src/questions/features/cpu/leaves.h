@@ -11,7 +11,7 @@
 #include "engine/cpu/pair_range.h"
 #include "engine/cpu/question.h"
 #include "engine/cpu/sweep.h"
-#include "engine/feature_query.h"
+#include "queries/feature_query.h"
 #include "questions/features/cpu/kernels.h"
 #include "questions/features/decide.h"
 

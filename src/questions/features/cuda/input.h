@@ -7,7 +7,7 @@
 #include "engine/cuda/flights.h"
 #include "engine/cuda/known_mesh.h"
 #include "engine/cuda/memory.h"
-#include "engine/feature_query.h"
+#include "queries/feature_query.h"
 #include "questions/features/cuda/narrow.h"
 
 namespace crumple::cuda {

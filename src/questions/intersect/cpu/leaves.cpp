@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "engine/cpu/order.h"
-#include "engine/output.h"
+#include "results/intersection_output.h"
 
 namespace crumple::cpu {
 

@@ -1,4 +1,4 @@
-#include "engine/near_input.h"
+#include "queries/near_input.h"
 
 #include <algorithm>
 #include <cmath>

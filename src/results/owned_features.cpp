@@ -1,4 +1,4 @@
-#include "engine/owned_features.h"
+#include "results/owned_features.h"
 
 #include <vector>
 

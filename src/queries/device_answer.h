@@ -7,8 +7,8 @@
 #include <cstdint>
 
 #include "crumple/device_features.h"
-#include "engine/candidate_query.h"
-#include "engine/feature_query.h"
+#include "queries/candidate_query.h"
+#include "queries/feature_query.h"
 
 namespace crumple {
 

@@ -2,7 +2,7 @@
 
 // What a part owns of an answer about all features in it, for backends that search a part as if it were a whole scene.
 
-#include "engine/feature_query.h"
+#include "queries/feature_query.h"
 
 namespace crumple {
 

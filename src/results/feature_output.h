@@ -6,7 +6,7 @@
 #include "crumple/candidates.h"
 #include "crumple/motion.h"
 #include "crumple/near.h"
-#include "engine/feature_query.h"
+#include "queries/feature_query.h"
 
 namespace crumple {
 

@@ -5,8 +5,8 @@
 
 #include "base/parallel_for.h"
 #include "crumple/near.h"
-#include "engine/feature_query.h"
 #include "exact/proximity/resting_features.h"
+#include "queries/feature_query.h"
 #include "scene/scene.h"
 #include "scene/scene_features.h"
 

@@ -1,4 +1,4 @@
-#include "engine/nearest_output.h"
+#include "results/nearest_output.h"
 
 #include <utility>
 

@@ -1,4 +1,4 @@
-#include "checks.h"
+#include "queries/checks.h"
 
 #include <algorithm>
 #include <cmath>

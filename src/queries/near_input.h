@@ -9,7 +9,7 @@
 #include "base/cancellation.h"
 #include "crumple/array.h"
 #include "crumple/near.h"
-#include "engine/feature_query.h"
+#include "queries/feature_query.h"
 #include "scene/rest_shape.h"
 #include "scene/scene_features.h"
 #include "scene/vertex_rings.h"

@@ -1,4 +1,4 @@
-#include "engine/output.h"
+#include "results/intersection_output.h"
 
 #include <algorithm>
 

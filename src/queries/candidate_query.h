@@ -10,7 +10,7 @@
 #include "crumple/candidates.h"
 #include "crumple/collisions.h"
 #include "crumple/function_ref.h"
-#include "engine/feature_query.h"
+#include "queries/feature_query.h"
 #include "scene/rules.h"
 #include "scene/scene_features.h"
 

@@ -1,4 +1,4 @@
-#include "engine/feature_output.h"
+#include "results/feature_output.h"
 
 #include <tuple>
 #include <utility>

@@ -1,4 +1,4 @@
-#include "engine/world_output.h"
+#include "results/world_output.h"
 
 #include <algorithm>
 #include <utility>

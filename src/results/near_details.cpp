@@ -1,4 +1,4 @@
-#include "engine/near_details.h"
+#include "results/near_details.h"
 
 #include <algorithm>
 #include <limits>
