@@ -4,7 +4,7 @@
 
 #include "crumple/options.h"
 #include "engine/cuda/layout.h"
-#include "questions/intersect/record.h"
+#include "filters/intersection/triangle_record.h"
 
 namespace crumple::benchmark {
 namespace {

@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "exact/proximity/decide_distance.h"
-#include "questions/features/points.h"
+#include "filters/features/feature_points.h"
 
 namespace crumple {
 namespace {

@@ -8,8 +8,8 @@
 
 #include "engine/cpu/sort.h"
 #include "exact/intersection/rational_intersection.h"
+#include "filters/intersection/pair_filters.h"
 #include "questions/intersect/cpu/records.h"
-#include "questions/intersect/filters.h"
 #include "tables.h"
 
 namespace crumple::cpu {

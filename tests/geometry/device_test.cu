@@ -6,10 +6,10 @@
 #include "exact/intersection/contact_on_line.h"
 #include "exact/intersection/decide_intersection.h"
 #include "exact/intersection/intersection_decision.h"
+#include "filters/intersection/pair_filters.h"
 #include "geometry/ball.h"
 #include "geometry/random_pairs.h"
 #include "partition/part_tree.h"
-#include "questions/intersect/filters.h"
 
 namespace crumple {
 namespace {

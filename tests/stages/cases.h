@@ -10,8 +10,8 @@
 
 #include "exact/impact/rational_separation.h"
 #include "exact/intersection/rational_intersection.h"
+#include "filters/features/feature_points.h"
 #include "geometry/exact.h"
-#include "questions/features/points.h"
 #include "soups.h"
 #include "stages/state.h"
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "base/stopwatch.h"
+#include "filters/candidates/candidate_inflation.h"
 #include "geometry/normaliser.h"
-#include "questions/candidates/inflation.h"
 
 namespace crumple::cpu {
 namespace {

@@ -5,8 +5,8 @@
 #include <limits>
 
 #include "base/stopwatch.h"
+#include "filters/features/thresholds.h"
 #include "geometry/normaliser.h"
-#include "questions/features/asked.h"
 
 namespace crumple::cpu {
 namespace {

@@ -5,9 +5,9 @@
 
 #include "engine/cuda/layout.h"
 #include "engine/cuda/runtime.h"
+#include "filters/features/length.h"
 #include "geometry/inflation.h"
 #include "geometry/leaf_frame.h"
-#include "questions/features/length.h"
 
 namespace crumple::cuda {
 

@@ -7,8 +7,8 @@
 #include "exact/impact/rational_impact.h"
 #include "exact/impact/rational_separation.h"
 #include "exact/proximity/rational_distance.h"
+#include "filters/features/feature_points.h"
 #include "partition/levels.h"
-#include "questions/features/points.h"
 
 namespace crumple {
 namespace {

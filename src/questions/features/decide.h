@@ -6,9 +6,9 @@
 #include <optional>
 
 #include "exact/proximity/guess_batch.h"
+#include "filters/features/feature_points.h"
+#include "filters/features/packed_features.h"
 #include "queries/feature_query.h"
-#include "questions/features/packed_features.h"
-#include "questions/features/points.h"
 
 namespace crumple {
 

@@ -18,8 +18,8 @@
 
 #include "exact/impact/rational_separation.h"
 #include "exact/proximity/rational_distance.h"
+#include "filters/features/feature_points.h"
 #include "questions/features/cpu/kernels.h"
-#include "questions/features/points.h"
 #include "questions/motion/moves.h"
 
 namespace crumple {

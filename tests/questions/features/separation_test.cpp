@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "questions/features/separation.h"
+#include "filters/features/separating_direction.h"
 #include "questions/features/triangle_cases.h"
 
 namespace crumple {

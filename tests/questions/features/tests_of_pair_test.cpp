@@ -1,6 +1,6 @@
 // Which tests of features pairs of triangles stand for: over a whole scene each that is not incident, and each once.
 
-#include "questions/features/tests_of_pair.h"
+#include "filters/features/tests_of_pair.h"
 
 #include <gtest/gtest.h>
 

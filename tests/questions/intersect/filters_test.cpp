@@ -1,6 +1,6 @@
 // The filters of `narrow` for one pair: what they are certain of is true, and they are certain of most.
 
-#include "questions/intersect/filters.h"
+#include "filters/intersection/pair_filters.h"
 
 #include <gtest/gtest.h>
 

@@ -12,7 +12,7 @@
 #include "crumple/candidates.h"
 #include "crumple/options.h"
 #include "engine/cpu/layout.h"
-#include "questions/candidates/record.h"
+#include "filters/candidates/candidate_record.h"
 
 namespace crumple::cpu {
 

@@ -10,9 +10,9 @@
 
 #include "engine/cpu/pair_range.h"
 #include "engine/cpu/question.h"
+#include "filters/candidates/box_test.h"
 #include "geometry/normaliser.h"
 #include "queries/candidate_query.h"
-#include "questions/candidates/box_test.h"
 #include "questions/candidates/cpu/kernels.h"
 
 namespace crumple::cpu {

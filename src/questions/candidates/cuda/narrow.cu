@@ -5,7 +5,7 @@
 #include "engine/cuda/output_kernel.h"
 #include "engine/cuda/sort_kernel.h"
 #include "engine/cuda/sweep_kernel.h"
-#include "questions/candidates/inflation.h"
+#include "filters/candidates/candidate_inflation.h"
 
 namespace crumple::cuda {
 

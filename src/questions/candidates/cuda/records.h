@@ -4,8 +4,8 @@
 // coordinates. `sweep` keeps all pairs of triangles whose boxes overlap.
 
 #include "engine/cuda/layout.h"
-#include "questions/candidates/box_test.h"
-#include "questions/candidates/record.h"
+#include "filters/candidates/box_test.h"
+#include "filters/candidates/candidate_record.h"
 #include "questions/features/cuda/exact_points.h"
 
 namespace crumple::cuda {

@@ -1,4 +1,5 @@
-// Records and boxes of a leaf's members, one triangle in each block of 128 bits: lanes for questions/features/record.h.
+// Records and boxes of a leaf's members, one triangle in each block of 128 bits: lanes for
+// filters/features/feature_record.h.
 
 #if defined(CRUMPLE_FEATURES_CPU_BUILD_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef CRUMPLE_FEATURES_CPU_BUILD_INL_H_

@@ -1,4 +1,4 @@
-// Tests of features that are no answer for certain, one a lane: lanes for questions/features/feature_filters.h.
+// Tests of features that are no answer for certain, one a lane: lanes for filters/features/feature_filters.h.
 
 #if defined(CRUMPLE_FEATURES_CPU_FILTER_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef CRUMPLE_FEATURES_CPU_FILTER_INL_H_
@@ -7,9 +7,9 @@
 #define CRUMPLE_FEATURES_CPU_FILTER_INL_H_
 #endif
 
+#include "filters/features/feature_filters.h"
 #include "questions/features/cpu/kernels.h"
 #include "questions/features/cpu/vectors-inl.h"
-#include "questions/features/feature_filters.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace crumple::cpu::features {

@@ -10,7 +10,7 @@
 
 #include "engine/cpu/layout.h"
 #include "exact/proximity/guess_batch.h"
-#include "questions/features/tests_of_pair.h"
+#include "filters/features/tests_of_pair.h"
 #include "scene/scene_features.h"
 
 namespace crumple::cpu {

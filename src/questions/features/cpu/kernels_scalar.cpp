@@ -2,10 +2,10 @@
 // questions/features/, shared with devices.
 
 #include "engine/cpu/align.h"
+#include "filters/features/feature_filters.h"
+#include "filters/features/separating_direction.h"
 #include "questions/features/cpu/kernels.h"
 #include "questions/features/cpu/member.h"
-#include "questions/features/feature_filters.h"
-#include "questions/features/separation.h"
 
 namespace crumple::cpu {
 namespace {

@@ -7,8 +7,8 @@
 #include "base/float_environment.h"
 #include "base/stopwatch.h"
 #include "engine/cpu/order.h"
-#include "questions/features/separation.h"
-#include "questions/features/tests_of_listed.h"
+#include "filters/features/separating_direction.h"
+#include "filters/features/tests_of_listed.h"
 #include "results/intersection_output.h"
 
 namespace crumple::cpu {

@@ -1,4 +1,4 @@
-// The tests that pairs of triangles stand for, one pair a lane: lanes for questions/features/tests_of_pair.h. Which
+// The tests that pairs of triangles stand for, one pair a lane: lanes for filters/features/tests_of_pair.h. Which
 // tests those are cannot be foreseen, so a branch for each would be mispredicted more often than not; here each of the
 // fifteen adds those pairs to its list that have it.
 

@@ -3,8 +3,8 @@
 // One member of a leaf by itself, for questions about features: what `build` makes of it.
 
 #include "engine/cpu/layout.h"
-#include "questions/features/length.h"
-#include "questions/features/record.h"
+#include "filters/features/feature_record.h"
+#include "filters/features/length.h"
 #include "scene/scene_features.h"
 
 namespace crumple::cpu {

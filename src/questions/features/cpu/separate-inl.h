@@ -1,4 +1,4 @@
-// Pairs of triangles that a direction separates, one pair a lane: lanes for questions/features/separation.h.
+// Pairs of triangles that a direction separates, one pair a lane: lanes for filters/features/separating_direction.h.
 
 #if defined(CRUMPLE_FEATURES_CPU_SEPARATE_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef CRUMPLE_FEATURES_CPU_SEPARATE_INL_H_
@@ -8,8 +8,8 @@
 #endif
 
 #include "engine/cpu/simd/compress-inl.h"
+#include "filters/features/feature_record.h"
 #include "questions/features/cpu/vectors-inl.h"
-#include "questions/features/record.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace crumple::cpu::features {

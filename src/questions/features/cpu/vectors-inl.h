@@ -8,7 +8,7 @@
 #endif
 
 #include "engine/cpu/simd/corners-inl.h"
-#include "questions/features/length.h"
+#include "filters/features/length.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace crumple::cpu::features {

@@ -7,10 +7,10 @@
 #include "exact/impact/quick_impact.h"
 #include "exact/impact/quick_separation.h"
 #include "exact/proximity/quick_distance.h"
+#include "filters/features/packed_features.h"
+#include "filters/features/tests_of_pair.h"
 #include "questions/features/cuda/asked.h"
 #include "questions/features/cuda/exact_points.h"
-#include "questions/features/packed_features.h"
-#include "questions/features/tests_of_pair.h"
 
 namespace crumple::cuda {
 

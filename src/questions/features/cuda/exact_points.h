@@ -3,8 +3,8 @@
 // The points of features, as decisions read them.
 
 #include "engine/cuda/positions.h"
+#include "filters/features/feature_points.h"
 #include "questions/features/cuda/asked.h"
-#include "questions/features/points.h"
 
 namespace crumple::cuda {
 

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
-#include "questions/features/asked.h"
+#include "filters/features/feature_filters.h"
+#include "filters/features/tests_of_listed.h"
+#include "filters/features/thresholds.h"
 #include "questions/features/cuda/decisions.h"
-#include "questions/features/feature_filters.h"
-#include "questions/features/tests_of_listed.h"
 
 namespace crumple::cuda {
 namespace {

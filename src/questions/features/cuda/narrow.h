@@ -14,9 +14,9 @@
 #include "engine/cuda/layout.h"
 #include "engine/cuda/primitive.h"
 #include "engine/cuda/runtime.h"
+#include "filters/features/packed_features.h"
+#include "filters/features/tests_of_pair.h"
 #include "questions/features/cuda/asked.h"
-#include "questions/features/packed_features.h"
-#include "questions/features/tests_of_pair.h"
 #include "scene/scene.h"
 
 namespace crumple::cuda {

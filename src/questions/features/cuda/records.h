@@ -6,8 +6,8 @@
 #include <limits>
 
 #include "engine/cuda/layout.h"
+#include "filters/features/separating_direction.h"
 #include "questions/features/cuda/asked.h"
-#include "questions/features/separation.h"
 
 namespace crumple::cuda {
 

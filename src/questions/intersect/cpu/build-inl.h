@@ -8,7 +8,7 @@
 #endif
 
 #include "engine/cpu/simd/boxes-inl.h"
-#include "questions/intersect/record.h"
+#include "filters/intersection/triangle_record.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace crumple::cpu::intersect {

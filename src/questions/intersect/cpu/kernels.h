@@ -10,8 +10,8 @@
 #include "crumple/collisions.h"
 #include "crumple/options.h"
 #include "engine/cpu/layout.h"
+#include "filters/intersection/plane_filter.h"
 #include "questions/intersect/cpu/verdicts.h"
-#include "questions/intersect/plane_filter.h"
 
 namespace crumple::cpu {
 

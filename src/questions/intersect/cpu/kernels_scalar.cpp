@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "engine/cpu/align.h"
-#include "questions/intersect/filters.h"
+#include "filters/intersection/pair_filters.h"
 
 namespace crumple::cpu {
 namespace {

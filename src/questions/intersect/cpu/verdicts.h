@@ -6,7 +6,7 @@
 #include <cstdint>
 
 #include "engine/cpu/layout.h"
-#include "questions/intersect/edge_test.h"
+#include "filters/intersection/edge_test.h"
 
 namespace crumple::cpu {
 

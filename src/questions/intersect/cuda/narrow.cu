@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "exact/intersection/intersection_decision.h"
-#include "questions/intersect/filters.h"
+#include "filters/intersection/pair_filters.h"
 
 namespace crumple::cuda {
 namespace {

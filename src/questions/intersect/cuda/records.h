@@ -4,7 +4,7 @@
 // a pair is listed. Both run within the stages' kernels, so that they cost no launch.
 
 #include "engine/cuda/layout.h"
-#include "questions/intersect/plane_filter.h"
+#include "filters/intersection/plane_filter.h"
 
 namespace crumple::cuda {
 

@@ -4,8 +4,8 @@
 // few directions separates (docs/features.md). Projections on a direction that stays are linear in time, so what it
 // separates at the start and at the end, the same way round, it separates always. Compiled for host and device.
 
-#include "questions/features/length.h"
-#include "questions/features/record.h"
+#include "filters/features/feature_record.h"
+#include "filters/features/length.h"
 
 namespace crumple {
 

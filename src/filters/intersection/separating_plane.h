@@ -4,8 +4,8 @@
 // tests of `narrow` for one pair. Claims and bounds: docs/narrow.md; in lanes: engine/cpu/simd/flat_test-inl.h and
 // separation-inl.h. Compiled for host and device.
 
+#include "filters/intersection/triangle_record.h"
 #include "geometry/point_rows.h"
-#include "questions/intersect/record.h"
 
 namespace crumple {
 

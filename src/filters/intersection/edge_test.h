@@ -5,7 +5,7 @@
 // device.
 
 #include "exact/intersection/verdict.h"
-#include "questions/intersect/record.h"
+#include "filters/intersection/triangle_record.h"
 
 namespace crumple {
 

@@ -6,7 +6,7 @@
 
 #include <array>
 
-#include "questions/features/tests_of_pair.h"
+#include "filters/features/tests_of_pair.h"
 #include "scene/feature_table.h"
 
 namespace crumple {

@@ -3,9 +3,9 @@
 // The filters of `narrow` for one candidate pair of records, in their order (docs/narrow.md). What they leave undecided
 // is for the exact decision. Compiled for host and device; bounds hold with fused multiply-adds and without.
 
-#include "questions/intersect/edge_test.h"
-#include "questions/intersect/plane_filter.h"
-#include "questions/intersect/separation.h"
+#include "filters/intersection/edge_test.h"
+#include "filters/intersection/plane_filter.h"
+#include "filters/intersection/separating_plane.h"
 
 namespace crumple {
 

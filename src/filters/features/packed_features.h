@@ -3,7 +3,7 @@
 // A pair of features by itself, with all that its decision takes: what a device hands to the host. Compiled for host
 // and device.
 
-#include "questions/features/points.h"
+#include "filters/features/feature_points.h"
 
 namespace crumple {
 

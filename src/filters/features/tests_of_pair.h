@@ -5,7 +5,7 @@
 
 #include "crumple/collisions.h"
 #include "crumple/features.h"
-#include "questions/features/record.h"
+#include "filters/features/feature_record.h"
 
 namespace crumple {
 

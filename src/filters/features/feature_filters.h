@@ -7,9 +7,9 @@
 // Coordinates are at most 1, so nothing overflows; what underflows is covered by slacks.
 
 #include "crumple/features.h"
+#include "filters/features/length.h"
 #include "geometry/leaf_frame.h"
 #include "geometry/vec.h"
-#include "questions/features/length.h"
 
 namespace crumple {
 

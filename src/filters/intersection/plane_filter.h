@@ -4,7 +4,7 @@
 // engine/cpu/simd/plane_filter-inl.h and classify-inl.h. Compiled for host and device.
 
 #include "crumple/options.h"
-#include "questions/intersect/record.h"
+#include "filters/intersection/triangle_record.h"
 
 namespace crumple {
 
