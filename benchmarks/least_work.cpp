@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
+#include "backends/cuda/stages/layout.h"
 #include "crumple/options.h"
-#include "engine/cuda/layout.h"
 #include "filters/intersection/triangle_record.h"
 
 namespace crumple::benchmark {

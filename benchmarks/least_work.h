@@ -4,9 +4,9 @@
 // nodes of the frame's graph. Together with a device's limits that bounds a stage's time from below (docs/cuda.md).
 //
 // Bytes: each kernel reads once what it needs of its inputs and writes its outputs once, as the layout has them
-// (src/engine/cuda/layout.h), and nothing stays in a cache from one kernel to the next. A gather counts the distinct
-// elements, not the 32 bytes that memory hands out for each. Left out is what does not grow with the scene, or by a few
-// bytes for each leaf: samples, centres, partial sums, frames, counters; and the few pairs beyond float32.
+// (src/backends/cuda/stages/layout.h), and nothing stays in a cache from one kernel to the next. A gather counts the
+// distinct elements, not the 32 bytes that memory hands out for each. Left out is what does not grow with the scene, or
+// by a few bytes for each leaf: samples, centres, partial sums, frames, counters; and the few pairs beyond float32.
 //
 // Nodes: kernels, memsets and copies that wait for each other, by the host's code of each stage. What a frame is: a
 // mesh against itself, on the device, with rows of three int32, warm, by default options.

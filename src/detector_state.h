@@ -10,10 +10,10 @@
 #include <string>
 #include <utility>
 
+#include "backends/backend.h"
 #include "base/cancellation.h"
 #include "base/float_environment.h"
 #include "crumple/error.h"
-#include "engine/backend.h"
 #include "engine/feature_search.h"
 #include "engine/nearest.h"
 #include "engine/worlds.h"

@@ -8,10 +8,10 @@
 #include <string>
 #include <utility>
 
+#include "backends/cpu/parallel.h"
 #include "base/cancellation.h"
 #include "base/float_environment.h"
 #include "crumple/error.h"
-#include "engine/cpu/parallel.h"
 #include "exact/impact/decide_impact.h"
 #include "exact/impact/decide_separation.h"
 #include "exact/proximity/decide_distance.h"

@@ -2,9 +2,9 @@
 
 #include <utility>
 
+#include "backends/reference/reference_distances.h"
+#include "backends/reference/reference_worlds.h"
 #include "base/stopwatch.h"
-#include "engine/reference/nearest.h"
-#include "engine/reference/worlds.h"
 #include "partition/part_centres.h"
 #include "scene/lone_bodies.h"
 

@@ -14,9 +14,9 @@
 #include <unordered_map>
 #include <vector>
 
+#include "backends/backend.h"
 #include "crumple/part.h"
 #include "distribute/members.h"
-#include "engine/backend.h"
 
 namespace crumple::distribute {
 

@@ -8,10 +8,10 @@
 #include <memory>
 #include <vector>
 
+#include "backends/forwarding_backend.h"
 #include "distribute/block.h"
 #include "distribute/in_process.h"
 #include "distribute/rank_detector.h"
-#include "engine/forwarding_backend.h"
 
 namespace crumple::distribute {
 

@@ -18,6 +18,7 @@
 #include <stop_token>
 #include <vector>
 
+#include "backends/device_shape.h"
 #include "base/stopwatch.h"
 #include "crumple/distributed.h"
 #include "crumple/export.h"
@@ -34,7 +35,6 @@
 #include "distribute/placement.h"
 #include "distribute/rounds.h"
 #include "distribute/share.h"
-#include "engine/device_shape.h"
 
 namespace crumple::distribute {
 

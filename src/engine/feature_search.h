@@ -8,11 +8,11 @@
 #include <optional>
 #include <variant>
 
+#include "backends/backend.h"
 #include "base/cancellation.h"
 #include "crumple/candidates.h"
 #include "crumple/motion.h"
 #include "crumple/near.h"
-#include "engine/backend.h"
 #include "engine/triangle_impacts.h"
 #include "partition/feature_part.h"
 #include "queries/near_input.h"

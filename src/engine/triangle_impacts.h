@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <span>
 
+#include "backends/backend.h"
 #include "crumple/array.h"
-#include "engine/backend.h"
 #include "queries/feature_query.h"
 #include "scene/rules.h"
 #include "scene/scene.h"

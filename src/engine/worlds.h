@@ -16,9 +16,9 @@
 #include <span>
 #include <vector>
 
+#include "backends/backend.h"
 #include "base/cancellation.h"
 #include "crumple/world.h"
-#include "engine/backend.h"
 #include "results/world_output.h"
 #include "scene/body_rules.h"
 #include "scene/shape_tree.h"

@@ -1,7 +1,7 @@
 #pragma once
 
 // The frame in which a leaf is swept, and what `align` makes of any primitive there: its box (docs/align.md). A
-// primitive is the hull of a few corners; what else a question keeps of it is the question's (questions/). Compiled
+// primitive is the hull of a few corners; what else a record keeps of it depends on the kind of query. Compiled
 // for host and device.
 //
 // Corners are taken relative to the leaf's origin and rounded to float32; a computed coordinate of a box errs by less

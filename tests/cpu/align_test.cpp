@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-#include "engine/cpu/align.h"
+#include "backends/cpu/stages/align.h"
 #include "geometry/edge_moment.h"
 #include "tables.h"
 

@@ -5,7 +5,7 @@
 #include <numeric>
 #include <random>
 
-#include "engine/cpu/kernels.h"
+#include "backends/cpu/stages/kernels.h"
 
 namespace crumple::cpu {
 namespace {

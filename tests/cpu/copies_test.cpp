@@ -1,13 +1,13 @@
 // Triangles that name a vertex twice, many times over: they cost no search of their own, and answers are those of brute
 // force. Work is counted, not timed.
 
-#include "engine/cpu/copies.h"
+#include "backends/cpu/stages/copies.h"
 
 #include <gtest/gtest.h>
 
 #include <functional>
 
-#include "engine/cpu/kernels.h"
+#include "backends/cpu/stages/kernels.h"
 #include "error_of.h"
 #include "halves.h"
 #include "soups.h"

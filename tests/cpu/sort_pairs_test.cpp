@@ -1,6 +1,6 @@
 // Pairs that workers found, in order, whatever their indices and however they lie in buckets.
 
-#include "engine/cpu/sort_pairs.h"
+#include "backends/cpu/stages/sort_pairs.h"
 
 #include <gtest/gtest.h>
 

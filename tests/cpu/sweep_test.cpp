@@ -5,7 +5,7 @@
 #include <random>
 #include <set>
 
-#include "engine/cpu/sort.h"
+#include "backends/cpu/stages/sort.h"
 
 namespace crumple::cpu {
 namespace {

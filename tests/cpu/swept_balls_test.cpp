@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-#include "engine/cpu/kernels.h"
+#include "backends/cpu/stages/kernels.h"
 
 namespace crumple::cpu {
 namespace {

@@ -2,9 +2,9 @@
 
 #include <vector>
 
-#include "engine/cpu/kernels.h"
-#include "questions/features/cpu/kernels.h"
-#include "questions/intersect/cpu/kernels.h"
+#include "backends/cpu/features/feature_kernels.h"
+#include "backends/cpu/intersections/intersection_kernels.h"
+#include "backends/cpu/stages/kernels.h"
 
 namespace crumple::test {
 

@@ -6,10 +6,10 @@
 #include <random>
 #include <set>
 
-#include "engine/cpu/sort.h"
+#include "backends/cpu/intersections/intersection_records.h"
+#include "backends/cpu/stages/sort.h"
 #include "exact/intersection/rational_intersection.h"
 #include "filters/intersection/pair_filters.h"
-#include "questions/intersect/cpu/records.h"
 #include "tables.h"
 
 namespace crumple::cpu {

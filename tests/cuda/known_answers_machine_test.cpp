@@ -6,12 +6,12 @@
 #include <cfenv>
 #include <string>
 
+#include "backends/cuda/known_answers.h"
+#include "backends/cuda/known_cases.h"
 #include "crumple/crumple.h"
 #include "crumple/error.h"
 #include "cuda_on_cpu/machine/launch.h"
 #include "cuda_on_cpu/machine/settings.h"
-#include "engine/cuda/known_answers.h"
-#include "engine/cuda/known_cases.h"
 #include "error_of.h"
 #include "exact/impact/quick_impact.h"
 #include "exact/intersection/contact_on_line.h"

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "agreement/compare.h"
+#include "backends/cuda/stages/plan.h"
 #include "crumple/error.h"
 #include "cuda/device_mesh.h"
 #include "cuda/shows.h"
@@ -10,7 +11,6 @@
 #include "cuda_on_cpu/machine/memory.h"
 #include "cuda_on_cpu/machine/sanitizers.h"
 #include "cuda_on_cpu/machine/settings.h"
-#include "engine/cuda/plan.h"
 #include "scenes/scenes.h"
 #include "soups.h"
 

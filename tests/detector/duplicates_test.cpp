@@ -1,6 +1,6 @@
 // The lower bound on the number of pairs: never above brute force, and exact where all triangles are the same.
 
-#include "engine/duplicates.h"
+#include "backends/duplicates.h"
 
 #include <gtest/gtest.h>
 

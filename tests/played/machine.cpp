@@ -4,8 +4,8 @@
 #include <cstdlib>
 #include <string>
 
+#include "backends/cuda/device/device.h"
 #include "cuda_on_cpu/machine/settings.h"
-#include "engine/cuda/device.h"
 
 namespace {
 

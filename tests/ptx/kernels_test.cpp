@@ -10,9 +10,9 @@
 
 #include "agreement/compare.h"
 #include "agreement/hard_soups.h"
+#include "backends/cuda/known_answers.h"
 #include "crumple/crumple.h"
 #include "cuda_on_cpu/machine/settings.h"
-#include "engine/cuda/known_answers.h"
 #include "ptx/kernels.h"
 #include "questions/features/compare_features.h"
 #include "questions/features/moving_soups.h"

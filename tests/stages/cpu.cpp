@@ -2,17 +2,17 @@
 
 #include <limits>
 
+#include "backends/cpu/features/find_features.h"
+#include "backends/cpu/intersections/intersection_narrow.h"
+#include "backends/cpu/intersections/intersection_records.h"
+#include "backends/cpu/stages/align.h"
+#include "backends/cpu/stages/bounds.h"
+#include "backends/cpu/stages/output.h"
+#include "backends/cpu/stages/ownership.h"
+#include "backends/cpu/stages/sort.h"
+#include "backends/cpu/stages/sweep.h"
 #include "base/float_environment.h"
 #include "cpu/tables.h"
-#include "engine/cpu/align.h"
-#include "engine/cpu/bounds.h"
-#include "engine/cpu/features.h"
-#include "engine/cpu/output.h"
-#include "engine/cpu/ownership.h"
-#include "engine/cpu/sort.h"
-#include "engine/cpu/sweep.h"
-#include "questions/intersect/cpu/narrow.h"
-#include "questions/intersect/cpu/records.h"
 #include "stages/state.h"
 
 namespace crumple::test {

@@ -4,11 +4,11 @@
 #include <limits>
 #include <stdexcept>
 
+#include "backends/cuda/intersections/intersection_pass.h"
+#include "backends/cuda/intersections/result_on_device.h"
+#include "backends/cuda/stages/sort_kernel.h"
+#include "backends/cuda/stages/sweep_kernel.h"
 #include "cuda/device_mesh.h"
-#include "engine/cuda/answer.h"
-#include "engine/cuda/sort_kernel.h"
-#include "engine/cuda/sweep_kernel.h"
-#include "questions/intersect/cuda/pass.h"
 #include "stages/state.h"
 
 namespace crumple::cuda {

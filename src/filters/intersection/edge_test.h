@@ -1,8 +1,8 @@
 #pragma once
 
 // The second filter of `narrow` for one pair of records: no plane separates them, all six signs are certain, and they
-// share no vertex. Proof and bound: docs/narrow.md; in lanes: engine/cpu/simd/edge_test-inl.h. Compiled for host and
-// device.
+// share no vertex. Proof and bound: docs/narrow.md; in lanes: backends/cpu/intersections/edge_test-inl.h. Compiled for
+// host and device.
 
 #include "exact/intersection/verdict.h"
 #include "filters/intersection/triangle_record.h"

@@ -1,7 +1,7 @@
 #pragma once
 
 // The first filter of `narrow` for one pair of records, and what its signs mean (docs/narrow.md): the plain text of
-// engine/cpu/simd/plane_filter-inl.h and classify-inl.h. Compiled for host and device.
+// backends/cpu/intersections/plane_filter-inl.h and classify-inl.h. Compiled for host and device.
 
 #include "crumple/options.h"
 #include "filters/intersection/triangle_record.h"

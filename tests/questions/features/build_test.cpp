@@ -7,9 +7,9 @@
 #include <random>
 #include <vector>
 
+#include "backends/cpu/features/feature_kernels.h"
 #include "base/float_environment.h"
 #include "geometry/eigen.h"
-#include "questions/features/cpu/kernels.h"
 #include "questions/features/feature_cases.h"
 
 namespace crumple {

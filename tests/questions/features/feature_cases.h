@@ -16,10 +16,10 @@
 #include <string_view>
 #include <vector>
 
+#include "backends/cpu/features/feature_kernels.h"
 #include "exact/impact/rational_separation.h"
 #include "exact/proximity/rational_distance.h"
 #include "filters/features/feature_points.h"
-#include "questions/features/cpu/kernels.h"
 #include "questions/motion/moves.h"
 
 namespace crumple {

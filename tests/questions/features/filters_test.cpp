@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
+#include "backends/cpu/features/feature_kernels.h"
 #include "base/float_environment.h"
-#include "questions/features/cpu/kernels.h"
 #include "questions/features/feature_cases.h"
 
 namespace crumple {

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/cpu/features.h"
+#include "backends/cpu/features/find_features.h"
 #include "geometry/ball.h"
 #include "questions/features/triangle_cases.h"
 

@@ -9,7 +9,7 @@
 #include <set>
 #include <vector>
 
-#include "questions/features/cpu/kernels.h"
+#include "backends/cpu/features/feature_kernels.h"
 #include "scene/scene_features.h"
 #include "soups.h"
 

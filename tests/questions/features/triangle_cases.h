@@ -4,8 +4,8 @@
 
 #include <vector>
 
+#include "backends/cpu/features/feature_kernels.h"
 #include "base/float_environment.h"
-#include "questions/features/cpu/kernels.h"
 #include "questions/features/feature_cases.h"
 
 namespace crumple {

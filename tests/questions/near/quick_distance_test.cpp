@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
+#include "backends/cpu/features/feature_kernels.h"
 #include "exact/proximity/decide_distance.h"
 #include "geometry/exact.h"
-#include "questions/features/cpu/kernels.h"
 #include "questions/near/random_features.h"
 
 namespace crumple {

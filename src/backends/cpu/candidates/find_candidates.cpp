@@ -1,0 +1,59 @@
+#include "backends/cpu/candidates/find_candidates.h"
+
+#include <algorithm>
+
+#include "base/stopwatch.h"
+#include "filters/candidates/candidate_inflation.h"
+#include "geometry/normaliser.h"
+
+namespace crumple::cpu {
+namespace {
+
+// Pairs of features that one triangle owns: two vertices, or a vertex and the edge across.
+void search_within(const Call& call, const CandidateQuery& query, CandidateLeaves& leaves) {
+    if (!query.wants(CandidateKind::vertex_vertex) && !query.wants(CandidateKind::vertex_edge)) return;
+    const std::int64_t n = call.scene.triangle_count();
+    if (call.frugal) return leaves.search_within(0, n, 0);
+    constexpr std::int64_t chunk = 4096;
+    call.workers.parallel_for(static_cast<std::size_t>((n + chunk - 1) / chunk), [&](std::size_t c, std::size_t w) {
+        const std::int64_t begin = static_cast<std::int64_t>(c) * chunk;
+        leaves.search_within(begin, std::min(n, begin + chunk), w);
+    });
+}
+
+}  // namespace
+
+Inflation inflation_of(const Scene& scene, const CandidateQuery& query) {
+    return inflation_of_candidates(Normaliser(scene.low, scene.high), query.inflation);
+}
+
+void search_candidates(const Call& call, const CandidateQuery& query, CandidateLeaves& leaves) {
+    search(call);
+    search_within(call, query, leaves);
+}
+
+void sort_candidates(const Call& call, const CandidateQuery& query, CandidateKind kind, CandidateBuffers& buffers,
+                     Array<Pair>& pairs) {
+    const auto count = [&](FeatureType type) { return static_cast<std::int32_t>(count_of(query.features, type)); };
+    const FeatureTypes types = types_of(kind);
+    const PairCounts counts{count(types.first), count(types.second), 0, call.frugal};
+    const auto nothing = [](std::span<const std::span<const Pair>>) {};
+    // What one worker has found all alone does not depend on how many there are.
+    const auto found = buffers.leaves.found(kind);
+    sort_pairs(call.workers, call.frugal ? found.first(1) : found, counts, buffers.sorting, pairs, buffers.offsets,
+               nothing);
+}
+
+void find(const Call& call, const CandidateQuery& query, CandidateBuffers& buffers, CandidateAnswer& answer) {
+    buffers.leaves.ask(query);
+    measure(call);
+    search_candidates(call, query, buffers.leaves);
+    Stopwatch watch;
+    for (std::size_t k = 0; k < candidate_kinds; ++k) {
+        const auto kind = static_cast<CandidateKind>(k);
+        if (query.wants(kind)) sort_candidates(call, query, kind, buffers, answer.pairs[k]);
+    }
+    call.statistics[Stage::output] += watch.lap();
+}
+
+}  // namespace crumple::cpu

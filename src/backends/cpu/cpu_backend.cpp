@@ -1,0 +1,229 @@
+// The seam of the cpu backend: what is kept between calls, and which way a call is answered. order.cpp knows the
+// stages.
+
+#include "backends/backend.h"
+
+#include <limits>
+#include <memory>
+
+#include "backends/cpu/candidates/find_candidates.h"
+#include "backends/cpu/features/find_features.h"
+#include "backends/cpu/features/stream_features.h"
+#include "backends/cpu/intersections/find_intersections.h"
+#include "backends/cpu/intersections/memory_limit.h"
+#include "backends/cpu/intersections/stream_intersections.h"
+#include "results/intersection_output.h"
+
+namespace crumple {
+namespace cpu {
+namespace {
+
+class CpuBackend final : public BackendBase {
+   public:
+    CpuBackend(const Options& options, MemoryMeter& meter, Cancellation& cancellation)
+        : options_(options),
+          kernels_(stage_kernels(options.simd)),
+          intersect_(intersect_kernels(options.simd)),
+          features_(feature_kernels(options.simd)),
+          candidates_(candidate_kernels(options.simd)),
+          cancellation_(cancellation),
+          workers_(options, cancellation),
+          meter_(meter) {
+        release();
+    }
+
+    void find(const Scene& scene, const Query& query, const Part* part, Collisions& result) override {
+        statistics_ = {};
+        workers_.run([&] {
+            if (scene.triangle_count() >= too_many_) return find_in_chunks(scene, query, part, result);
+            try {
+                IntersectCall call = make_call(scene, query, part);
+                PairBudget budget = budget_of(call);
+                const auto told = [&](const Array<Pair>& pairs, std::size_t before) {
+                    budget.add(static_cast<std::int64_t>(pairs.size() - before));
+                };
+                const PairSink sink = told;
+                if (meter_.limit > 0) call.sink = &sink;
+                cpu::find(call, result);
+            } catch (const ResultExceeds&) {
+                throw;
+            } catch (const MemoryMeter::Exceeded&) {
+                too_many_ = scene.triangle_count();
+                find_in_chunks(scene, query, part, result);
+            }
+        });
+        result.statistics = statistics_;
+    }
+
+    std::int64_t bytes_needed(const Scene& scene, const Query& query, const Part* part) override {
+        std::int64_t pairs = 0;
+        workers_.run([&] { pairs = count_in_chunks(call_in_chunks(scene, query, part)); });
+        return meter_.peak + result_bytes(scene, query, pairs);
+    }
+
+    bool any(const Scene& scene, const Query& query) override {
+        bool found = false;
+        workers_.run([&] {
+            try {
+                found = cpu::any(make_call(scene, query, nullptr));
+            } catch (const MemoryMeter::Exceeded&) {
+                found = cpu::any(call_in_chunks(scene, query, nullptr));
+            }
+        });
+        return found;
+    }
+
+    void stream(const Scene& scene, const Query& query, const Streaming& how, BlockSink sink,
+                Statistics& statistics) override {
+        statistics_ = {};
+        workers_.run([&] {
+            const IntersectCall call =
+                meter_.limit > 0 ? call_in_chunks(scene, query, nullptr) : make_call(scene, query, nullptr);
+            if (how.ordered)
+                stream_in_order(call, how.block_pairs, sink);
+            else
+                stream_as_found(call, how.block_pairs, sink);
+        });
+        statistics = statistics_;
+    }
+
+    void find(const Scene& scene, const FeatureQuery& query, FeatureAnswer& answer) override {
+        clear(answer);
+        statistics_ = {};
+        workers_.run([&] { cpu::find(make_call(scene, query), query, kept_->features, answer); });
+        answer.statistics = statistics_;
+    }
+
+    void stream(const Scene& scene, const FeatureQuery& query, const Streaming& how, FeatureSink sink,
+                Statistics& statistics) override {
+        statistics_ = {};
+        workers_.run([&] {
+            const Call call = make_call(scene, query);
+            if (how.ordered)
+                stream_in_order(call, query, kept_->features, how.block_pairs, sink);
+            else
+                stream_as_found(call, query, kept_->features, sink);
+        });
+        statistics = statistics_;
+    }
+
+    void find_candidates(const Scene& scene, const CandidateQuery& query, CandidateAnswer& answer) override {
+        clear(answer);
+        statistics_ = {};
+        workers_.run([&] { cpu::find(make_call(scene, query), query, kept_->candidates, answer); });
+        answer.statistics = statistics_;
+    }
+
+    void stream_candidates(const Scene& scene, const CandidateQuery& query, const Streaming& how, CandidateSink sink,
+                           Statistics& statistics) override {
+        statistics_ = {};
+        workers_.run([&] {
+            const Call call = make_call(scene, query);
+            if (how.ordered)
+                stream_in_order(call, query, kept_->candidates, how.block_pairs, sink);
+            else
+                stream_as_found(call, query, kept_->candidates, sink);
+        });
+        statistics = statistics_;
+    }
+
+    void parallel_for(std::size_t n, Task task) override {
+        workers_.run([&] { workers_.parallel_for(n, [&](std::size_t i, std::size_t) { task(i); }); });
+    }
+
+    void swap_memory(std::unique_ptr<SceneMemory>& memory) override {
+        if (!memory) memory = std::make_unique<Remembered>();
+        std::swap(static_cast<Remembered&>(*memory).centres, kept_->buffers.warm);
+    }
+
+    void release() override {
+        kept_.reset();
+        kept_ = std::make_unique<Kept>(&meter_, workers_.workers(), intersect_, features_, candidates_);
+    }
+
+   private:
+    struct Remembered : SceneMemory {
+        WarmCentres centres;
+    };
+    /// From call to call.
+    struct Kept {
+        Kept(MemoryMeter* m, int workers, const IntersectKernels& kernels, const FeatureTables& features,
+             const CandidateKernels& candidates)
+            : rule(m),
+              buffers(m, workers),
+              leaves(m, workers, kernels),
+              output(m),
+              features(m, workers, features),
+              candidates(m, workers, candidates) {}
+        GroupRule rule;
+        Buffers buffers;
+        IntersectLeaves leaves;
+        OutputScratch output;
+        FeatureBuffers features;
+        CandidateBuffers candidates;
+    };
+
+    IntersectCall make_call(const Scene& scene, const Query& query, const Part* part) {
+        Kept& k = *kept_;
+        k.rule.prepare(query, scene.bodies);
+        return {{scene, k.rule, Levels(part), options_, kernels_, workers_, *this, cancellation_, meter_, k.buffers,
+                 statistics_, k.leaves},
+                query,
+                k.leaves,
+                k.output};
+    }
+    Call make_call(const Scene& scene, const GroupRule& rule, LeafQuestion& question, const Part* part = nullptr) {
+        return {scene, rule,          Levels(part), options_,       kernels_,    workers_,
+                *this, cancellation_, meter_,       kept_->buffers, statistics_, question};
+    }
+    Call make_call(const Scene& scene, const FeatureQuery& query) {
+        FeatureBuffers& features = kept_->features;
+        LeafQuestion& question = scene.moving ? static_cast<LeafQuestion&>(features.moving) : features.at_rest;
+        Call call = make_call(scene, query.rule, question, query.part);
+        call.frugal = query.frugal;
+        call.inflation = query.radii.empty() ? inflation_of(scene, query)
+                                             : inflation_of_radii(scene, query.radii, workers_, features);
+        return call;
+    }
+    Call make_call(const Scene& scene, const CandidateQuery& query) {
+        Call call = make_call(scene, query.rule, kept_->candidates.leaves);
+        call.frugal = query.frugal;
+        call.inflation = inflation_of(scene, query);
+        return call;
+    }
+    // With nothing kept.
+    IntersectCall call_in_chunks(const Scene& scene, const Query& query, const Part* part) {
+        release();
+        statistics_ = {};
+        meter_.peak = meter_.used.load();
+        IntersectCall call = make_call(scene, query, part);
+        call.frugal = true;
+        return call;
+    }
+    void find_in_chunks(const Scene& scene, const Query& query, const Part* part, Collisions& result) {
+        crumple::release(result);
+        cpu::find_in_chunks(call_in_chunks(scene, query, part), result);
+    }
+
+    Options options_;
+    const StageKernels& kernels_;
+    const IntersectKernels& intersect_;
+    const FeatureTables& features_;
+    const CandidateKernels& candidates_;
+    Cancellation& cancellation_;
+    Workers workers_;
+    MemoryMeter& meter_;
+    std::unique_ptr<Kept> kept_;
+    Statistics statistics_;
+    std::int64_t too_many_ =
+        std::numeric_limits<std::int64_t>::max();  ///< triangles that did not fit the limit at once
+};
+
+}  // namespace
+}  // namespace cpu
+
+std::unique_ptr<BackendBase> make_cpu_backend(const Options& options, MemoryMeter& meter, Cancellation& cancellation) {
+    return std::make_unique<cpu::CpuBackend>(options, meter, cancellation);
+}
+
+}  // namespace crumple

@@ -1,0 +1,126 @@
+#pragma once
+
+// Questions about features in the order of the stages. A leaf's candidates are pairs of triangles; those that no
+// direction separates stand for tests of features, and each test is decided.
+
+#include <atomic>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "backends/cpu/features/feature_kernels.h"
+#include "backends/cpu/leaf_question.h"
+#include "backends/cpu/pair_range.h"
+#include "backends/cpu/stages/sweep.h"
+#include "backends/decide_features.h"
+#include "queries/feature_query.h"
+
+namespace crumple::cpu {
+
+/// What a worker has found, by kind.
+using FeatureHits = std::array<Array<FeatureHit>, feature_kinds>;
+
+/// Told of so many hits more, in any worker; may take them.
+using HitSink = FunctionRef<void(FeatureHits& hits, std::size_t more)>;
+
+/// How an answer in blocks is searched.
+struct FeatureShare {
+    const FeatureRange* range = nullptr;  ///< only these pairs, of `kind`; null: all
+    FeatureKind kind = FeatureKind::vertex_face;
+    const HitSink* sink = nullptr;
+    const std::atomic<bool>* enough = nullptr;  ///< the search may end
+};
+
+/// `moments`: 1 at rest, 2 for a step.
+template <int moments>
+class FeatureLeaves final : public LeafQuestion {
+   public:
+    FeatureLeaves(MemoryMeter* meter, int workers, const FeatureTables& kernels);
+
+    /// What is asked, from begin() on. `distance`: what is asked for in normalised coordinates, rounded up; `radius`:
+    /// the same of FeatureQuery::radii, one a vertex, or null.
+    void ask(const FeatureQuery& query, float distance, const float* radius);
+    /// Of which only a share is wanted at a time; until the next ask().
+    void ask_for(const FeatureShare& share) { share_ = share; }
+
+    void begin(const Call& call) override;
+    void leave_out(const Call& call, Levels& levels) override;
+    bool stop() const override;
+    void build(const BuildInput& input, LeafMembers& members, std::size_t worker) override;
+    void place(const SortedLeaf& leaf, std::size_t worker) override;
+    void sweep(const SortedLeaf& leaf, const Ownership& ownership, std::int64_t first, std::int64_t last,
+               std::size_t builder, std::size_t worker) override;
+    void finish(Statistics& statistics) override;
+
+    bool any() const { return any_; }
+    /// The answers of each worker, by kind.
+    std::span<const Array<FeatureHit>* const> found(FeatureKind kind) const {
+        return found_[static_cast<std::size_t>(kind)];
+    }
+    /// Those of one worker.
+    FeatureHits& hits(std::size_t worker) { return worker_[worker]->hits; }
+
+   private:
+    using Record = FeatureRecord<moments>;
+
+    struct Worker {
+        explicit Worker(MemoryMeter* m)
+            : built(m),
+              sorted(m),
+              candidates(m),
+              left(m),
+              distance(m),
+              listed{Array<std::uint32_t>(m), Array<std::uint32_t>(m)},
+              tests{Array<FeatureTest>(m), Array<FeatureTest>(m), Array<FeatureTest>(m), Array<FeatureTest>(m)},
+              hits{Array<FeatureHit>(m), Array<FeatureHit>(m), Array<FeatureHit>(m), Array<FeatureHit>(m)} {}
+        GuessBatch guesses;
+        Array<Record> built;   ///< in the order of LeafMembers
+        Array<Record> sorted;  ///< by physical row
+        float reach = 0;       ///< the leaf's largest |coordinate|
+        float farthest = 0;    ///< what is asked of any pair in the leaf
+        Candidates candidates;
+        Array<std::uint32_t> left;                   ///< candidates that no direction separates, packed
+        Array<float> distance;                       ///< of each test, where vertices have radii
+        std::array<Array<std::uint32_t>, 2> listed;  ///< see ListedTests
+        std::array<Array<FeatureTest>, feature_kinds> tests;
+        FeatureHits hits;
+        Statistics statistics;
+    };
+
+    void narrow(const SortedLeaf& leaf, const Ownership& ownership, const Worker& builder, Worker& worker);
+    void narrow(std::size_t pairs, const Worker& builder, Worker& worker);
+    std::size_t separate(const Worker& builder, Worker& worker) const;
+    std::size_t own_pairs(const SortedLeaf& leaf, const Ownership& ownership, std::size_t left, Worker& worker) const;
+    void find_tests(const PairsLeft<moments>& pairs, Worker& worker) const;
+    template <FeatureKind kind>
+    void filter_listed(const PairsLeft<moments>& pairs, ListedTests& listed, Worker& worker) const;
+    void list_tests_of_listed(const PairsLeft<moments>& pairs, Worker& worker) const;
+    void keep_share(Worker& worker) const;
+    void filter_tests(FeatureKind kind, Worker& worker) const;
+    void drop_neighbours(FeatureKind kind, Array<FeatureTest>& tests) const;
+    void decide_tests(FeatureKind kind, Worker& worker);
+    void measure_tests(FeatureKind kind, Worker& worker);
+
+    std::int64_t ends() const;
+
+    const FeatureTables& tables_;
+    const FeatureKernels<moments>& kernels_;
+    std::vector<std::unique_ptr<Worker>> worker_;
+    std::array<std::vector<const Array<FeatureHit>*>, feature_kinds> found_;
+    // Of the call:
+    const Call* call_ = nullptr;
+    const FeatureQuery* query_ = nullptr;
+    FeatureShare share_;
+    float distance_ = 0;
+    const float* radius_ = nullptr;
+    std::atomic<bool> any_{false};
+    /// Place of the first pair that touches at time 0, where only the first impact is asked for: none can be earlier,
+    /// so that pairs behind it need not be decided. Slides within a plane touch there all over, and are slow to decide.
+    static constexpr std::uint64_t no_place = UINT64_MAX;
+    std::atomic<std::uint64_t> first_at_start_{no_place};
+};
+
+extern template class FeatureLeaves<1>;
+extern template class FeatureLeaves<2>;
+
+}  // namespace crumple::cpu

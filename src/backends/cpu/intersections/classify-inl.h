@@ -1,0 +1,165 @@
+// What the plane filter's signs mean. A pair is apart if all corners of one triangle but the shared ones lie, for
+// certain, on one side of the other's plane. The survivors are sorted by what can decide them:
+//
+//   edge   no shared vertex, all six signs certain                      -> edge_test
+//   hit    one shared vertex, all four other signs certain, and crossing -> done
+//   flat   other neighbours: mostly nearly coplanar ones                -> flat_test
+//   open   the rest: no shared vertex, and signs that are not certain   -> separation tests, exact arithmetic
+//
+// One shared vertex v, A = (v, a1, a2), B = (v, b1, b2), signs certain and straddling: both triangles meet the line of
+// the two planes in a segment that starts at v. They overlap iff both segments leave v in the same direction, that is
+// iff a1 lies on the other side of B's plane than b1 does of A's (docs/narrow.md).
+//
+// Three passes: codes of all candidates, in 8-bit lanes; those that are not 0, packed; these by kind. Survivors are one
+// in five, so the last pass, the only one with several lists, is a short one.
+
+#if defined(CRUMPLE_INTERSECT_CPU_CLASSIFY_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef CRUMPLE_INTERSECT_CPU_CLASSIFY_INL_H_
+#undef CRUMPLE_INTERSECT_CPU_CLASSIFY_INL_H_
+#else
+#define CRUMPLE_INTERSECT_CPU_CLASSIFY_INL_H_
+#endif
+
+#include "backends/cpu/simd/compress-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace crumple::cpu::intersect {
+namespace HWY_NAMESPACE {
+using namespace cpu::HWY_NAMESPACE;  // what the stages' lanes share
+
+// A code's two upper bits tell edge or flat, with six bits of detail below; else it is one of the others.
+constexpr std::uint8_t code_apart = 0, code_hit = 1, code_open = 2, code_edge = 0x40, code_flat = 0x80;
+
+/// The codes of one vector of pairs, from their nibbles.
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE V code_of(D d, V above_a, V below_a, V above_b, V below_b, V same0, V same1, V same2,
+                     const NarrowPolicy& policy) {
+    const V zero = hn::Zero(d), one = hn::Set(d, 1), two = hn::Set(d, 2), four = hn::Set(d, 4), seven = hn::Set(d, 7);
+    const auto some = [&](V e) { return hn::Ne(e, zero); };
+    const auto all = [&](V e) { return hn::Eq(e, seven); };
+    const auto single = [&](V e) { return hn::Or(hn::Or(hn::Eq(e, one), hn::Eq(e, two)), hn::Eq(e, four)); };
+    const auto next_corner = [&](V e) { return hn::IfThenElse(hn::Eq(e, four), one, hn::Add(e, e)); };
+    const auto times_eight = [&](V e) {
+        const V twice = hn::Add(e, e), four_times = hn::Add(twice, twice);
+        return hn::Add(four_times, four_times);
+    };
+    const V shared_b = hn::Or(same0, hn::Or(same1, same2));
+    const V shared_a = hn::Or(hn::IfThenElseZero(some(same0), one),
+                              hn::Or(hn::IfThenElseZero(some(same1), two), hn::IfThenElseZero(some(same2), four)));
+    auto apart = hn::Or(hn::Or(all(hn::Or(above_a, shared_b)), all(hn::Or(below_a, shared_b))),
+                        hn::Or(all(hn::Or(above_b, shared_a)), all(hn::Or(below_b, shared_a))));
+    apart = hn::And(apart, hn::Ne(shared_b, seven));  // duplicated faces are for the exact test
+    const auto neighbours = some(shared_b);
+    if (policy.skip_neighbours) apart = hn::Or(apart, neighbours);
+
+    const auto certain =
+        all(hn::And(hn::Or(hn::Or(above_a, below_a), shared_b), hn::Or(hn::Or(above_b, below_b), shared_a)));
+    auto by_direction = hn::And(certain, hn::And(single(shared_a), single(shared_b)));
+    // Two segments that end in the same point cross no inside, so `proper` has to look closer.
+    if (policy.proper) by_direction = hn::And(by_direction, some(zero));
+    const auto a1 = some(hn::And(below_b, next_corner(shared_a))), b1 = some(hn::And(below_a, next_corner(shared_b)));
+    const V direction = hn::IfThenElseZero(hn::Xor(a1, b1), hn::Set(d, code_hit));
+
+    const V flat = hn::Or(hn::Set(d, code_flat), hn::Or(shared_b, times_eight(shared_a)));
+    const V edge = hn::Or(hn::Set(d, code_edge), hn::Or(below_a, times_eight(below_b)));
+    const V strangers = hn::IfThenElse(certain, edge, hn::Set(d, code_open));
+    return hn::IfThenZeroElse(apart,
+                              hn::IfThenElse(by_direction, direction, hn::IfThenElse(neighbours, flat, strangers)));
+}
+
+/// Codes of all candidates, and of up to `padding` more.
+inline void write_codes(const PlaneSigns& signs, std::int64_t count, const NarrowPolicy& policy,
+                        std::uint8_t* HWY_RESTRICT out) {
+    const hn::ScalableTag<std::uint8_t> d;
+    using V = hn::Vec<decltype(d)>;
+    constexpr auto lanes = static_cast<std::int64_t>(hn::MaxLanes(hn::ScalableTag<std::uint8_t>()));
+    static_assert(2 * lanes <= 2 * padding);
+    const V seven = hn::Set(d, 7);
+    // A byte holds the nibbles of two pairs; the even ones and the odd ones are two vectors.
+    for (std::int64_t i = 0; 2 * i < count; i += lanes) {
+        const auto even = [&](const Array<std::uint8_t>& stream) {
+            return hn::And(hn::LoadU(d, stream.data() + i), seven);
+        };
+        const auto odd = [&](const Array<std::uint8_t>& stream) {
+            return hn::And(hn::ShiftRight<4>(hn::LoadU(d, stream.data() + i)), seven);
+        };
+        const auto codes = [&](const auto& half) {
+            return code_of(d, half(signs.above_a), half(signs.below_a), half(signs.above_b), half(signs.below_b),
+                           half(signs.same[0]), half(signs.same[1]), half(signs.same[2]), policy);
+        };
+        hn::StoreInterleaved2(codes(even), codes(odd), d, out + 2 * i);
+    }
+}
+
+/// Packs the candidates that are not apart; returns their number.
+inline std::size_t pack_survivors(const Candidates& candidates, const std::uint8_t* HWY_RESTRICT code,
+                                  std::uint32_t* HWY_RESTRICT survivor, std::uint32_t* HWY_RESTRICT survivor_code) {
+    const hn::ScalableTag<std::uint32_t> d;
+    const hn::Rebind<std::uint16_t, decltype(d)> d16;
+    const hn::Rebind<std::uint8_t, decltype(d)> d8;
+    constexpr auto lanes = static_cast<std::int64_t>(hn::MaxLanes(hn::ScalableTag<std::uint32_t>()));
+    const std::uint16_t* HWY_RESTRICT row = candidates.row.data();
+    const std::uint16_t* HWY_RESTRICT column = candidates.column.data();
+    std::size_t survivors = 0;
+    for (std::int64_t i = 0; i < candidates.count; i += lanes) {
+        const auto codes = hn::PromoteTo(d, hn::LoadU(d8, code + i));
+        const auto columns = hn::PromoteTo(d, hn::LoadU(d16, column + i));
+        const auto packed = hn::Or(hn::PromoteTo(d, hn::LoadU(d16, row + i)), hn::ShiftLeft<16>(columns));
+        const auto survives = hn::Ne(codes, hn::Zero(d));
+        compress_to(d, codes, survives, survivor_code + survivors);
+        survivors += compress_to(d, packed, survives, survivor + survivors);
+    }
+    return survivors;
+}
+
+/// Fills edges, flat, hit and undecided from the survivors.
+inline void sort_survivors(std::size_t count, std::uint16_t dummy, Verdicts& out) {
+    const hn::ScalableTag<std::uint32_t> d;
+    const std::size_t lanes = hn::Lanes(d);
+    std::uint32_t *edges = out.edges.data(), *edge_signs = out.edge_signs.data(), *flat = out.flat.data(),
+                  *flat_shared = out.flat_shared.data(), *hit = out.hit.data(), *open = out.undecided.data();
+    std::size_t edge_count = 0, flat_count = 0, hit_count = 0, open_count = 0;
+    for (std::size_t s = 0; s < count; s += lanes) {
+        const auto packed = hn::LoadU(d, out.survivor.data() + s), code = hn::LoadU(d, out.survivor_code.data() + s);
+        const auto column = hn::ShiftRight<16>(packed);
+        // A big row's NaN keeps padding.
+        const auto valid = hn::And(hn::FirstN(d, count - s), hn::Ne(column, hn::Set(d, std::uint32_t{dummy})));
+        const auto kind = hn::And(code, hn::Set(d, 0xc0u)), detail = hn::And(code, hn::Set(d, 0x3fu));
+        const auto is_edge = hn::And(valid, hn::Eq(kind, hn::Set(d, std::uint32_t{code_edge})));
+        const auto is_flat = hn::And(valid, hn::Eq(kind, hn::Set(d, std::uint32_t{code_flat})));
+        const auto is_hit = hn::And(valid, hn::Eq(code, hn::Set(d, std::uint32_t{code_hit})));
+        const auto is_open = hn::And(valid, hn::Eq(code, hn::Set(d, std::uint32_t{code_open})));
+        compress_to(d, packed, is_edge, edges + edge_count);
+        edge_count += compress_to(d, detail, is_edge, edge_signs + edge_count);
+        compress_to(d, packed, is_flat, flat + flat_count);
+        flat_count += compress_to(d, detail, is_flat, flat_shared + flat_count);
+        hit_count += compress_to(d, packed, is_hit, hit + hit_count);
+        open_count += compress_to(d, packed, is_open, open + open_count);
+    }
+    out.edges.resize(edge_count);
+    out.edge_signs.resize(edge_count);
+    out.flat.resize(flat_count);
+    out.flat_shared.resize(flat_count);
+    out.hit.resize(hit_count);
+    out.undecided.resize(open_count);
+}
+
+inline void classify(const Candidates& candidates, const NarrowPolicy& policy, Verdicts& out) {
+    const auto count = static_cast<std::size_t>(candidates.count);
+    out.code.resize_discard(count + 2 * padding);
+    out.survivor.resize_discard(count + padding);
+    out.survivor_code.resize_discard(count + padding);
+    write_codes(out.signs, candidates.count, policy, out.code.data());
+    const std::size_t survivors =
+        pack_survivors(candidates, out.code.data(), out.survivor.data(), out.survivor_code.data());
+    for (auto* list : {&out.edges, &out.edge_signs, &out.flat, &out.flat_shared, &out.hit, &out.undecided})
+        list->resize_discard(survivors + padding);
+    sort_survivors(survivors, candidates.dummy, out);
+    out.edge_tests = static_cast<std::int64_t>(survivors);
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace crumple::cpu::intersect
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,69 @@
+// This question's kernels, one table for each instruction set, from one source: Highway includes this file once a
+// target. Lanes override the per-pair sources of filters/intersection/, with the same bounds, and are tested against
+// them.
+
+#include "backends/cpu/intersections/intersection_kernels.h"
+#include "backends/cpu/simd/tables.h"
+
+#include "hwy/detect_targets.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "backends/cpu/intersections/intersection_lanes.cpp"
+#include "hwy/foreach_target.h"
+// foreach_target.h comes first.
+#include "hwy/highway.h"
+
+// One-lane vectors have no fixed tags: the plain kernels serve there.
+#if HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128
+#include "backends/cpu/intersections/build_triangles-inl.h"
+#include "backends/cpu/intersections/classify-inl.h"
+#include "backends/cpu/intersections/edge_test-inl.h"
+#include "backends/cpu/intersections/flat_test-inl.h"
+#include "backends/cpu/intersections/pairs-inl.h"
+#include "backends/cpu/intersections/plane_filter-inl.h"
+#include "backends/cpu/intersections/separating_plane-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace crumple::cpu::intersect {
+namespace HWY_NAMESPACE {
+
+inline void filter(const Record* record, const Candidates& candidates, const PointRows& points,
+                   const NarrowPolicy& policy, float reach, Verdicts& verdicts) {
+    verdicts.signs.resize(candidates.count);
+    plane_filter(record, candidates, verdicts.signs);
+    classify(candidates, policy, verdicts);
+    flat_test(record, candidates, points, reach, verdicts);
+    edge_test(record, candidates, reach, policy.proper, verdicts);
+    separation_test_float(record, candidates, points, reach, verdicts);
+    verdicts.double_tests = static_cast<std::int64_t>(verdicts.undecided.size());
+    separation_test_double(record, candidates, points, verdicts);
+}
+
+const IntersectKernels table{hwy::TargetName(HWY_TARGET), build, scatter, filter, name_pairs};
+
+}  // namespace HWY_NAMESPACE
+}  // namespace crumple::cpu::intersect
+HWY_AFTER_NAMESPACE();
+#endif
+
+#if HWY_ONCE
+namespace crumple::cpu {
+namespace intersect {
+namespace {
+
+using Kernels = IntersectKernels;
+#include "backends/cpu/simd/tables-inl.h"
+
+}  // namespace
+}  // namespace intersect
+
+const IntersectKernels& intersect_kernels(Simd simd) {
+    return choose<IntersectKernels>(intersect::tables, scalar_intersect, simd);
+}
+
+std::vector<const IntersectKernels*> all_intersect_kernels() {
+    return all_of<IntersectKernels>(intersect::tables, scalar_intersect);
+}
+
+}  // namespace crumple::cpu
+#endif

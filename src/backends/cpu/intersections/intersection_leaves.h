@@ -1,0 +1,61 @@
+#pragma once
+
+// This question in the order of the stages: records from `align` to `narrow`, and the pairs that were found.
+
+#include <atomic>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "backends/cpu/intersections/intersection_narrow.h"
+#include "backends/cpu/leaf_question.h"
+#include "backends/cpu/stages/copies.h"
+
+namespace crumple::cpu {
+
+class IntersectLeaves final : public LeafQuestion {
+   public:
+    IntersectLeaves(MemoryMeter* meter, int workers, const IntersectKernels& kernels);
+
+    /// What is asked, and where pairs go, from begin() on; what is pointed to has to stay.
+    struct Asked {
+        const Query* query = nullptr;
+        const PairSink* sink = nullptr;       ///< see NarrowContext
+        std::atomic<bool>* enough = nullptr;  ///< see NarrowContext
+    };
+    void ask(const Asked& asked) { asked_ = asked; }
+
+    void begin(const Call& call) override;
+    void leave_out(const Call& call, Levels& levels) override;
+    void make_room(const Call& call, std::int64_t members, std::int64_t rows, std::size_t worker) override;
+    bool stop() const override { return context_->stop(); }
+    void build(const BuildInput& input, LeafMembers& members, std::size_t worker) override;
+    void place(const SortedLeaf& leaf, std::size_t worker) override;
+    void sweep(const SortedLeaf& leaf, const Ownership& ownership, std::int64_t first, std::int64_t last,
+               std::size_t builder, std::size_t worker) override;
+    void finish(Statistics& statistics) override;
+
+    /// The pairs of each worker that no sink has taken; of copies of a triangle only the first is there.
+    std::span<const Array<Pair>* const> found() const { return found_; }
+    Array<Pair>& found(std::size_t worker) { return worker_[worker]->narrow.pairs; }
+    const Copies& copies() const { return copies_; }
+
+    std::size_t pairs_before = 0;  ///< pairs of the call before
+
+   private:
+    struct Worker {
+        explicit Worker(MemoryMeter* m) : records(m), narrow(m) {}
+        LeafRecords records;
+        NarrowScratch narrow;
+    };
+
+    const IntersectKernels& kernels_;
+    Asked asked_;
+    std::optional<NarrowContext> context_;
+    Copies copies_;
+    std::vector<std::unique_ptr<Worker>> worker_;
+    std::vector<const Array<Pair>*> found_;
+};
+
+}  // namespace crumple::cpu

@@ -1,0 +1,57 @@
+#pragma once
+
+// Stages `sweep` and `narrow` of one sorted leaf: candidates are swept in chunks (backends/cpu/stages/sweep.h), and
+// each chunk is filtered, then decided, while it is still in the cache.
+
+#include <atomic>
+
+#include "backends/cpu/intersections/intersection_records.h"
+#include "backends/cpu/stages/ownership.h"
+#include "backends/cpu/stages/sweep.h"
+#include "base/cancellation.h"
+#include "crumple/collisions.h"
+#include "crumple/function_ref.h"
+#include "exact/intersection/decide_intersection.h"
+#include "scene/rules.h"
+
+namespace crumple::cpu {
+
+/// Told of the pairs of each chunk that has been narrowed, by the worker that did it: those of its list from `before`
+/// on are new. It may take them out of the list; what it leaves there gathers.
+using PairSink = FunctionRef<void(Array<Pair>& pairs, std::size_t before)>;
+
+/// What narrow needs to know about the call.
+struct NarrowContext {
+    const Scene& scene;
+    const Query& query;
+    const GroupRule& rule;
+    const StageKernels& stages;
+    const IntersectKernels& kernels;
+    PointRows points;
+    Cancellation& cancellation;
+    const PairSink* sink = nullptr;       ///< null: pairs gather in NarrowScratch::pairs
+    std::atomic<bool>* enough = nullptr;  ///< not null: everybody stops once it is set
+
+    /// Asked before each chunk. Throws if the call was cancelled.
+    bool stop() const {
+        cancellation.check();
+        return enough && enough->load(std::memory_order_relaxed);
+    }
+};
+
+/// Scratch and findings of one worker.
+struct NarrowScratch {
+    explicit NarrowScratch(MemoryMeter* m) : candidates(m), verdicts(m), pairs(m) {}
+    Candidates candidates;
+    Verdicts verdicts;
+    Array<Pair> pairs;      ///< joint numbering, lower id first
+    Statistics statistics;  ///< counts and times of sweep and narrow
+
+    std::int64_t most_candidates = 0;  ///< of all chunks so far
+};
+
+/// Sweeps rows [first, last) of a leaf and appends the colliding pairs that the leaf owns.
+void sweep_and_narrow(const NarrowContext& context, const SortedLeaf& leaf, const LeafRecords& records,
+                      const Ownership& ownership, std::int64_t first, std::int64_t last, NarrowScratch& scratch);
+
+}  // namespace crumple::cpu

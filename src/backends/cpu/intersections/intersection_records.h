@@ -1,0 +1,30 @@
+#pragma once
+
+// The records of a leaf's members on their way from `align` to `narrow`: as `build` makes them, and at their rows once
+// the boxes are sorted.
+
+#include "backends/cpu/intersections/intersection_kernels.h"
+#include "backends/cpu/stages/leaf_members.h"
+
+namespace crumple::cpu {
+
+struct LeafRecords {
+    explicit LeafRecords(MemoryMeter* m) : built(m), sorted(m) {}
+    Array<Record> built;   ///< in the order of LeafMembers
+    Array<Record> sorted;  ///< by physical row, planes scaled
+    float reach = 0;       ///< the leaf's largest |coordinate|
+
+    /// Makes room for a leaf of so many members and, with dummies, rows.
+    void make_room(std::int64_t members, std::int64_t rows) {
+        built.resize_discard(static_cast<std::size_t>(members + padding));
+        sorted.resize_discard(static_cast<std::size_t>(rows + padding));
+    }
+
+    /// Beside `align`: records and boxes of a leaf's members.
+    void build(const IntersectKernels& kernels, const BuildInput& input, LeafMembers& members);
+
+    /// Beside `sort`: each record to its member's row.
+    void sort(const IntersectKernels& kernels, const SortedLeaf& leaf);
+};
+
+}  // namespace crumple::cpu

@@ -1,0 +1,66 @@
+#include "backends/cpu/intersections/memory_limit.h"
+
+#include <algorithm>
+
+#include "base/stopwatch.h"
+#include "results/intersection_output.h"
+
+namespace crumple::cpu {
+namespace {
+
+// Duplicated faces are counted when so many pairs a triangle were found: meshes have fewer.
+constexpr std::int64_t many_pairs = 8;
+
+/// Calls visit(pair) for each pair of the call, in any order.
+template <class Visit>
+void for_each_pair(IntersectCall call, Visit visit) {
+    const auto take = [&](Array<Pair>& found, std::size_t) {
+        for (const Pair& pair : found) visit(pair);
+        found.clear();
+    };
+    const PairSink sink = take;
+    call.frugal = true;
+    call.sink = &sink;
+    measure(call);
+    search_pairs(call);
+}
+
+}  // namespace
+
+PairBudget budget_of(const IntersectCall& call) { return {call.asked(), call.meter, many_pairs}; }
+
+void find_in_chunks(IntersectCall call, Collisions& result) {
+    PairBudget budget = budget_of(call);
+    const Copies& copies = call.leaves.copies();
+    const auto n = static_cast<std::size_t>(call.scene.triangles[0]);
+    result.offsets.assign(n + 1, 0);
+    std::int64_t* offsets = result.offsets.data();
+    for_each_pair(call, [&](Pair first) {
+        budget.add(copies.count(first));
+        copies.for_each(first, call.cancellation, [&](Pair pair) { ++offsets[pair.a + 1]; });
+    });
+    for (std::size_t i = 0; i < n; ++i) offsets[i + 1] += offsets[i];
+    result.pairs.resize_discard(static_cast<std::size_t>(offsets[n]));
+    const auto second = static_cast<std::int32_t>(call.scene.between ? n : 0);
+    for_each_pair(call, [&](Pair first) {
+        copies.for_each(first, call.cancellation, [&](Pair pair) {
+            result.pairs[offsets[pair.a]++] = {pair.a, pair.b - second};
+        });
+    });
+    Stopwatch watch;
+    for (std::size_t i = n; i > 0; --i) offsets[i] = offsets[i - 1];
+    offsets[0] = 0;
+    for (std::size_t i = 0; i < n; ++i)
+        std::sort(result.pairs.begin() + offsets[i], result.pairs.begin() + offsets[i + 1]);
+    index_pairs(call.scene, result);
+    write_contacts(call, result);
+    call.statistics[Stage::output] += watch.lap();
+}
+
+std::int64_t count_in_chunks(IntersectCall call) {
+    std::int64_t pairs = 0;
+    for_each_pair(call, [&](Pair pair) { pairs += call.leaves.copies().count(pair); });
+    return pairs;
+}
+
+}  // namespace crumple::cpu

@@ -1,0 +1,74 @@
+// First filter of `narrow`: on which side of each triangle's plane do the other's corners lie?
+//
+// A vector holds one, two or four records (128, 256, 512 bits), one of a candidate's in each block of four lanes. After
+// a transpose of blocks, X, Y, Z hold x, y, z of the three corners and of the normal of every candidate, so that
+// n_row . p - c_row for all corners is three multiply-adds, and the other plane three more with lanes broadcast. There
+// is no branch and no gather; what is found goes, as one nibble a pair, into words for 16 pairs, which `classify`
+// reads.
+
+#if defined(CRUMPLE_INTERSECT_CPU_PLANE_FILTER_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef CRUMPLE_INTERSECT_CPU_PLANE_FILTER_INL_H_
+#undef CRUMPLE_INTERSECT_CPU_PLANE_FILTER_INL_H_
+#else
+#define CRUMPLE_INTERSECT_CPU_PLANE_FILTER_INL_H_
+#endif
+
+#include "backends/cpu/intersections/records-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace crumple::cpu::intersect {
+namespace HWY_NAMESPACE {
+
+/// Stores the nibbles of `mask`, those of candidates `pair` and on. Where these are whole bytes, a mask goes straight
+/// to memory, and no arithmetic on masks competes with that on vectors.
+template <class D, class M>
+HWY_INLINE void put_nibbles(D d, M mask, std::int64_t pair, std::uint8_t* HWY_RESTRICT stream) {
+    std::uint8_t* bytes = stream + pair / 2;
+    if constexpr (blocks > 1) {
+        hn::StoreMaskBits(d, mask, bytes);
+    } else {
+        const auto bits = static_cast<std::uint8_t>(bits_of(d, mask));
+        *bytes = static_cast<std::uint8_t>(pair % 2 ? *bytes | bits << 4 : bits);
+    }
+}
+
+inline void plane_filter(const Record* record, const Candidates& candidates, PlaneSigns& out) {
+    const hn::ScalableTag<float> d;
+    const hn::RebindToSigned<decltype(d)> di;
+    using V = hn::Vec<decltype(d)>;
+    const Record* HWY_RESTRICT rows = record + candidates.rows;
+    const Record* HWY_RESTRICT columns = record + candidates.columns;
+    const std::uint16_t* HWY_RESTRICT row = candidates.row.data();
+    const std::uint16_t* HWY_RESTRICT column = candidates.column.data();
+    std::uint8_t *above_a = out.above_a.data(), *below_a = out.below_a.data(), *above_b = out.above_b.data(),
+                 *below_b = out.below_b.data(), *same0 = out.same[0].data(), *same1 = out.same[1].data(),
+                 *same2 = out.same[2].data();
+    const V one = hn::Set(d, 1.0f), minus_one = hn::Set(d, -1.0f);
+    for (std::int64_t pair = 0; pair < candidates.count; pair += blocks) {
+        const Record& a = rows[row[pair]];
+        V X, Y, Z, I;
+        const auto of_block = [&](int b) { return columns + column[pair + b]; };
+        load_records(d, of_block, X, Y, Z, I);
+        const V of_a =
+            hn::MulAdd(X, hn::Set(d, a.x[3]),
+                       hn::MulAdd(Y, hn::Set(d, a.y[3]), hn::MulSub(Z, hn::Set(d, a.z[3]), hn::Set(d, a.c))));
+        const V of_b =
+            hn::MulAdd(hn::LoadDup128(d, a.x), hn::Broadcast<3>(X),
+                       hn::MulAdd(hn::LoadDup128(d, a.y), hn::Broadcast<3>(Y),
+                                  hn::MulSub(hn::LoadDup128(d, a.z), hn::Broadcast<3>(Z), hn::Broadcast<3>(I))));
+        put_nibbles(d, hn::Gt(of_a, one), pair, above_a);
+        put_nibbles(d, hn::Lt(of_a, minus_one), pair, below_a);
+        put_nibbles(d, hn::Gt(of_b, one), pair, above_b);
+        put_nibbles(d, hn::Lt(of_b, minus_one), pair, below_b);
+        const auto ids = hn::BitCast(di, I);
+        put_nibbles(di, hn::Eq(ids, hn::Set(di, a.id[0])), pair, same0);
+        put_nibbles(di, hn::Eq(ids, hn::Set(di, a.id[1])), pair, same1);
+        put_nibbles(di, hn::Eq(ids, hn::Set(di, a.id[2])), pair, same2);
+    }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace crumple::cpu::intersect
+HWY_AFTER_NAMESPACE();
+
+#endif

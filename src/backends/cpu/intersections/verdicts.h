@@ -1,0 +1,69 @@
+#pragma once
+
+// What the filters of `narrow` say of a chunk's candidates, and what they hand to each other on the cpu.
+
+#include <array>
+#include <cstdint>
+
+#include "backends/cpu/stages/layout.h"
+#include "filters/intersection/edge_test.h"
+
+namespace crumple::cpu {
+
+/// Where the corners of candidates lie: one nibble a pair, its three low bits one a corner; the fourth means nothing.
+struct PlaneSigns {
+    Array<std::uint8_t> above_a, below_a;  ///< the column's corners against the row's plane, where certain
+    Array<std::uint8_t> above_b, below_b;  ///< the row's corners against the column's plane
+    Array<std::uint8_t> same[3];           ///< the column's corners that are the row's corner 0, 1, 2
+    explicit PlaneSigns(MemoryMeter* m)
+        : above_a(m),
+          below_a(m),
+          above_b(m),
+          below_b(m),
+          same{Array<std::uint8_t>(m), Array<std::uint8_t>(m), Array<std::uint8_t>(m)} {}
+    void resize(std::int64_t candidates) {
+        for (auto* stream : {&above_a, &below_a, &above_b, &below_b, &same[0], &same[1], &same[2]})
+            stream->resize_discard(static_cast<std::size_t>(candidates / 2 + padding));
+    }
+};
+
+/// What the filters of `narrow` say, and what they hand to each other. Pairs are packed as column << 16 | row.
+struct Verdicts {
+    Array<std::uint32_t> hit;        ///< collide for certain
+    Array<std::uint32_t> undecided;  ///< for exact arithmetic
+    std::int64_t edge_tests = 0;     ///< pairs that no plane separated
+    std::int64_t double_tests = 0;   ///< pairs that float32 filters left open
+    // Between the SIMD filters:
+    PlaneSigns signs;
+    Array<std::uint8_t> code;                      ///< what `classify` makes of each candidate
+    Array<std::uint32_t> survivor, survivor_code;  ///< those that no plane separates
+    Array<std::uint32_t> edges, edge_signs;        ///< pairs for edge_test; below_a | below_b << 3
+    Array<std::uint32_t> flat, flat_shared;        ///< pairs for flat_test; shared_b | shared_a << 3
+    explicit Verdicts(MemoryMeter* m)
+        : hit(m),
+          undecided(m),
+          signs(m),
+          code(m),
+          survivor(m),
+          survivor_code(m),
+          edges(m),
+          edge_signs(m),
+          flat(m),
+          flat_shared(m) {}
+    void make_room(std::int64_t candidates) {
+        const auto n = static_cast<std::size_t>(candidates + 2 * padding);
+        signs.resize(candidates);
+        code.reserve(n);
+        for (auto* list : {&hit, &undecided, &survivor, &survivor_code, &edges, &edge_signs, &flat, &flat_shared})
+            list->reserve(n);
+    }
+};
+
+/// Corner orders for the edge test, by below_a | below_b << 3.
+inline constexpr std::array<std::int32_t, 64> edge_orders = [] {
+    std::array<std::int32_t, 64> orders{};
+    for (int bits = 0; bits < 64; ++bits) orders[static_cast<std::size_t>(bits)] = edge_order(bits & 7, bits >> 3);
+    return orders;
+}();
+
+}  // namespace crumple::cpu

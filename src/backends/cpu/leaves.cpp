@@ -1,0 +1,91 @@
+#include "backends/cpu/leaves.h"
+
+#include <algorithm>
+
+#include "backends/cpu/stages/align.h"
+#include "base/float_environment.h"
+#include "base/stopwatch.h"
+
+namespace crumple::cpu {
+namespace {
+
+// Leaves with more interval tests than this are cut into tiles of about a quarter of it, for several workers.
+constexpr std::int64_t tile_work = std::int64_t{1} << 22;
+
+// Tiles of rows with about the same number of interval tests: their prefix sum tells where to cut.
+void cut_into_tiles(const SortedLeaf& leaf, Array<std::int64_t>& tile_begin) {
+    const std::int64_t share = leaf.work / (4 * leaf.work / tile_work + 1) + 1;
+    tile_begin.clear();
+    std::int64_t work = 0;
+    for (std::int64_t row = 0; row < leaf.rows; ++row) {
+        if (work >= share * static_cast<std::int64_t>(tile_begin.size())) tile_begin.push_back(row);
+        work += std::max<std::int64_t>(0, leaf.link[row].end - leaf.begin_of(row));
+    }
+    tile_begin.push_back(leaf.rows);
+}
+
+}  // namespace
+
+void make_room_for_workers(const Call& call) {
+    if (call.meter.limit > 0 || call.workers.workers() == 1) return;
+    std::int64_t largest = 0;
+    for (const Leaf& leaf : call.buffers.subdivision.leaves) largest = std::max(largest, leaf.size);
+    largest = std::min<std::int64_t>(largest, 4 * call.options.leaf_size);
+    for (std::size_t w = 0; w < call.buffers.worker.size(); ++w) {
+        WorkerBuffers& worker = *call.buffers.worker[w];
+        worker.members.make_room(static_cast<std::size_t>(largest));
+        make_room(largest, call.scene.between, worker.sort, worker.leaf);
+        call.question.make_room(call, largest, worker.leaf.rows, w);
+    }
+}
+
+bool align_leaf(const Call& call, const Leaf& leaf, Ownership& ownership, std::size_t w) {
+    const Scene& scene = call.scene;
+    WorkerBuffers& worker = *call.buffers.worker[w];
+    Stopwatch watch;
+    LeafMembers& members = worker.members;
+    members.gather(scene, call.buffers.subdivision, leaf);
+    if (members.size() < 2) return false;
+    ownership.bits(members.triangle.data(), members.member.data(), members.size(), call.rule.groups_apart(),
+                   members.lower.data());
+    members.keep_members = !ownership.complete();
+    const PointRows points = call.points();
+    const BuildInput input{points,
+                           scene.corners,
+                           scene.triangle_count(),
+                           members.triangle.data(),
+                           members.size(),
+                           leaf_frame(call.buffers.balls, points, scene.corners, members),
+                           scene.moving ? scene.vertex_count() : 0,
+                           call.inflation};
+    const FlushToZero mode;
+    call.question.build(input, members, w);
+    worker.statistics[Stage::align] += watch.lap();
+    return true;
+}
+
+void sort_leaf(const Call& call, std::size_t w) {
+    WorkerBuffers& worker = *call.buffers.worker[w];
+    Stopwatch watch;
+    const FlushToZero mode;
+    sort_leaf(worker.members, call.kernels, worker.sort, worker.leaf);
+    call.question.place(worker.leaf, w);
+    worker.statistics.interval_tests += worker.leaf.work;
+    worker.statistics[Stage::sort] += watch.lap();
+}
+
+void sweep_leaf(const Call& call, const Ownership& ownership, bool in_tiles, std::size_t w) {
+    WorkerBuffers& worker = *call.buffers.worker[w];
+    const SortedLeaf& leaf = worker.leaf;
+    if (!in_tiles || call.workers.workers() == 1 || leaf.work <= tile_work) {
+        call.question.sweep(leaf, ownership, 0, leaf.rows, w, w);
+        return;
+    }
+    const Array<std::int64_t>& begin = worker.tile_begin;
+    cut_into_tiles(leaf, worker.tile_begin);
+    call.workers.parallel_for(begin.size() - 1, [&](std::size_t tile, std::size_t helper) {
+        call.question.sweep(leaf, ownership, begin[tile], begin[tile + 1], w, helper);
+    });
+}
+
+}  // namespace crumple::cpu

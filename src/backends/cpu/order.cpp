@@ -1,0 +1,104 @@
+#include "backends/cpu/order.h"
+
+#include <algorithm>
+
+#include "backends/cpu/leaves.h"
+#include "backends/cpu/stages/bounds.h"
+#include "base/stopwatch.h"
+#include "results/intersection_output.h"
+
+namespace crumple::cpu {
+namespace {
+
+void begin(const Call& call) {
+    Statistics& statistics = call.statistics;
+    statistics.backend = "cpu";
+    statistics.simd = call.kernels.name;
+    statistics.threads = call.workers.workers();
+    statistics.leaves = statistics.members = 0;
+}
+
+// Which triangles are looked at, and the levels above them that say whose pairs are wanted.
+Levels choose_triangles(const Call& call) {
+    Buffers& b = call.buffers;
+    Levels levels = call.levels;
+    b.included.clear();
+    if (call.scene.between) exclude_far(call.scene, call.workers, b.balls, b.included);
+    if (call.range) levels.add(exclude_others(*call.range, {call.workers, b.balls, b.included, b.range_masks}));
+    call.question.leave_out(call, levels);
+    return levels;
+}
+
+// How many leaves are done one after another, each on all workers: where a task cannot start a loop, those that are far
+// larger than others are usual, or the only one. The largest come first.
+std::size_t leaves_alone(const Call& call) {
+    const Array<Leaf>& leaves = call.buffers.subdivision.leaves;
+    if (call.workers.nests()) return 0;
+    if (leaves.size() == 1) return 1;
+    const auto large = [&](const Leaf& leaf) { return leaf.size > 4 * std::int64_t{call.options.leaf_size}; };
+    return static_cast<std::size_t>(std::partition_point(leaves.begin(), leaves.end(), large) - leaves.begin());
+}
+
+/// Calls work(leaf, worker, in_tiles): whether other workers may help with the leaf.
+template <class Work>
+void for_each_leaf(const Call& call, Work work) {
+    const Array<Leaf>& leaves = call.buffers.subdivision.leaves;
+    if (call.frugal) {
+        for (const Leaf& leaf : leaves) work(leaf, std::size_t{0}, false);
+    } else {
+        const std::size_t alone = leaves_alone(call);
+        for (std::size_t l = 0; l < alone; ++l) work(leaves[l], std::size_t{0}, true);
+        call.workers.parallel_for(leaves.size() - alone, [&](std::size_t l, std::size_t w) {
+            work(leaves[alone + l], w, call.workers.nests());
+        });
+    }
+    call.statistics.leaves += static_cast<std::int64_t>(leaves.size());
+    for (const Leaf& leaf : leaves) call.statistics.members += leaf.size;
+}
+
+}  // namespace
+
+void measure(const Call& call) {
+    Buffers& b = call.buffers;
+    Stopwatch watch;
+    begin(call);
+    b.repeats_corner = compute_bounds(call.scene, call.inflation, call.kernels, call.workers, b.points, b.balls);
+    call.statistics[Stage::bounds] += watch.lap();
+}
+
+void search(const Call& call) {
+    const Scene& scene = call.scene;
+    const StageKernels& kernels = call.kernels;
+    Workers& workers = call.workers;
+    Statistics& statistics = call.statistics;
+    LeafQuestion& question = call.question;
+    Buffers& b = call.buffers;
+    const std::int64_t n = scene.triangle_count();
+    Stopwatch watch;
+    question.begin(call);
+    for (const auto& worker : b.worker) worker->statistics = {};
+    if (call.frugal) b.warm = {};  // each pass makes the same leaves
+    const Levels levels = choose_triangles(call);
+    statistics[Stage::bounds] += watch.lap();
+    place_clusters(b.balls, n, b.included_or_null(), call.options, kernels, workers, b.warm, b.subdivision);
+    statistics.clusters = b.subdivision.clusters;
+
+    const int together = call.frugal ? 1 : b.subdivision.clusters;
+    for (int k = 0; k < b.subdivision.clusters && !question.stop(); k += together) {
+        gather_leaves(b.balls, n, k, k + together, call.options, kernels, workers, b.warm, b.subdivision);
+        statistics[Stage::subdivide] += watch.lap();
+        if (!call.frugal) make_room_for_workers(call);
+        for_each_leaf(call, [&](const Leaf& leaf, std::size_t worker, bool in_tiles) {
+            if (leaf.size < 2 || question.stop()) return;
+            Ownership ownership(scene, levels, b.subdivision, leaf);
+            if (!align_leaf(call, leaf, ownership, worker)) return;
+            sort_leaf(call, worker);
+            sweep_leaf(call, ownership, in_tiles, worker);  // and narrow
+        });
+        watch.lap();
+    }
+    for (const auto& worker : b.worker) add(worker->statistics, statistics);
+    question.finish(statistics);
+}
+
+}  // namespace crumple::cpu

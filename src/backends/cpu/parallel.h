@@ -1,0 +1,139 @@
+#pragma once
+
+// The one seam through which the cpu backend uses threads: an arena of workers, oneTBB's or an Executor that the host
+// application lends, and a parallel loop.
+//
+// With CRUMPLE_STD_THREADS there is no oneTBB: what nobody lends is plain std::thread, which ThreadSanitizer
+// understands (it reports races inside a clean oneTBB). Either way each task holds the floating point environment, and
+// `worker` is below `workers()` and unique among the tasks that run at the same time, so that scratch memory can be one
+// per worker. Before each task a loop looks whether the call was cancelled, and throws.
+
+#include <algorithm>
+#include <atomic>
+#include <cstddef>
+#include <exception>
+#include <memory>
+#include <mutex>
+
+#include "base/cancellation.h"
+#include "base/float_environment.h"
+#include "crumple/options.h"
+
+#ifdef CRUMPLE_STD_THREADS
+#include "backends/cpu/std_threads.h"
+#else
+#include <tbb/blocked_range.h>
+#include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+#endif
+
+namespace crumple::cpu {
+
+class Workers {
+   public:
+#ifdef CRUMPLE_STD_THREADS
+    Workers(const Options& options, Cancellation& cancellation)
+        : lent_(options.executor ? options.executor : std::make_shared<StdThreads>(options.threads)),
+          cancellation_(cancellation) {}
+    int workers() const { return lent_->concurrency(); }
+    bool nests() const { return false; }
+
+    template <class Function>
+    void run(Function function) {
+        function();
+    }
+    template <class Task>
+    void parallel_for(std::size_t n, Task task) {
+        parallel_for_lent(n, task);
+    }
+#else
+    /// The threads start now, so that the first call does not have to: that would take a third longer in a small scene.
+    Workers(const Options& options, Cancellation& cancellation)
+        : lent_(options.executor),
+          arena_(options.threads > 0 ? std::min(options.threads, allowed()) : tbb::task_arena::automatic),
+          cancellation_(cancellation) {
+        if (!lent_ && workers() > 1) arena_.enqueue([] {});
+    }
+    int workers() const { return lent_ ? lent_->concurrency() : arena_.max_concurrency(); }
+
+    /// Whether a task may start a loop.
+    bool nests() const { return !lent_; }
+
+    /// Runs `function` inside the arena; parallel loops belong there.
+    template <class Function>
+    void run(Function function) {
+        if (lent_)
+            function();
+        else
+            arena_.execute(function);
+    }
+
+    /// Calls task(i, worker) for i in [0, n), in any order, one index a task. The loop is isolated: while a worker
+    /// waits for its end it takes no task from outside, so that per-worker scratch of an enclosing task stays
+    /// untouched.
+    template <class Task>
+    void parallel_for(std::size_t n, Task task) {
+        if (lent_) {
+            parallel_for_lent(n, task);
+            return;
+        }
+        tbb::this_task_arena::isolate([&] {
+            tbb::parallel_for(
+                tbb::blocked_range<std::size_t>(0, n, 1),
+                [&](const tbb::blocked_range<std::size_t>& range) {
+                    const FloatEnvironment environment;
+                    const auto worker = static_cast<std::size_t>(tbb::this_task_arena::current_thread_index());
+                    for (std::size_t i = range.begin(); i != range.end(); ++i) {
+                        cancellation_.check();
+                        task(i, worker);
+                    }
+                },
+                tbb::simple_partitioner());
+        });
+    }
+#endif
+
+   private:
+    // An executor knows nothing of exceptions: the first one waits here for the end of the loop, and the tasks after it
+    // do nothing.
+    template <class Task>
+    void parallel_for_lent(std::size_t n, const Task& task) {
+        std::atomic<bool> failed{false};
+        std::exception_ptr failure;
+        std::mutex mutex;
+        const auto guarded = [&](std::size_t i, std::size_t worker) {
+            if (failed.load(std::memory_order_relaxed)) return;
+            const FloatEnvironment environment;
+            try {
+                cancellation_.check();
+                task(i, worker);
+            } catch (...) {
+                const std::lock_guard lock(mutex);
+                if (!failure) failure = std::current_exception();
+                failed.store(true, std::memory_order_relaxed);
+            }
+        };
+        if (n == 1)
+            guarded(0, 0);  // no other thread need wake
+        else if (n > 1)
+            lent_->parallel_for(n, guarded);
+        if (failure) std::rethrow_exception(failure);
+    }
+
+#ifndef CRUMPLE_STD_THREADS
+    /// Threads that oneTBB allows in this process, cores as a rule. It would print a warning of its own if asked for
+    /// more.
+    static int allowed() {
+        return static_cast<int>(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
+    }
+#endif
+
+    std::shared_ptr<Executor> lent_;
+#ifndef CRUMPLE_STD_THREADS
+    tbb::task_arena arena_;
+#endif
+    Cancellation& cancellation_;
+};
+
+}  // namespace crumple::cpu

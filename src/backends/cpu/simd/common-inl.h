@@ -1,0 +1,67 @@
+// What the SIMD kernels share. Included once for each instruction set, between HWY_BEFORE_NAMESPACE and its end.
+
+#if defined(CRUMPLE_CPU_SIMD_COMMON_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef CRUMPLE_CPU_SIMD_COMMON_INL_H_
+#undef CRUMPLE_CPU_SIMD_COMMON_INL_H_
+#else
+#define CRUMPLE_CPU_SIMD_COMMON_INL_H_
+#endif
+
+#include <algorithm>
+#include <cstdint>
+#include <cstring>
+
+#include "backends/cpu/stages/kernels.h"
+#include "hwy/highway.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace crumple::cpu {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+/// The mask as the low bits of an integer.
+template <class D, class M>
+HWY_INLINE std::uint64_t bits_of(D d, M mask) {
+    std::uint64_t bits = 0;
+    hn::StoreMaskBits(d, mask, reinterpret_cast<std::uint8_t*>(&bits));
+    return bits;
+}
+
+/// Repeats a list's last pair for a vector's length behind its end, so that no lane reads what was not written.
+HWY_INLINE void repeat_last(Array<std::uint32_t>& list, std::size_t lanes) {
+    const std::size_t count = list.size();
+    std::fill_n(list.data() + count, lanes, count ? list[count - 1] : 0u);
+}
+
+/// Blocks of 128 bits in a vector: rows of four that are handled at once.
+constexpr int blocks = static_cast<int>(hn::MaxLanes(hn::ScalableTag<float>())) / 4;
+
+/// Blocks 0 and 2, or 1 and 3, of two vectors of four.
+#if HWY_TARGET <= HWY_AVX3
+template <class V>
+HWY_INLINE V even_blocks(V low, V high) {
+    return V{_mm512_shuffle_f32x4(low.raw, high.raw, 0x88)};
+}
+template <class V>
+HWY_INLINE V odd_blocks(V low, V high) {
+    return V{_mm512_shuffle_f32x4(low.raw, high.raw, 0xdd)};
+}
+#endif
+
+/// Four vectors of four blocks, transposed; its own inverse.
+template <class D, class V>
+HWY_INLINE void transpose_blocks(D d, V& a, V& b, V& c, V& e) {
+    // Rows 0 and 2, 1 and 3 are joined first, so that the interleaving of blocks restores the order.
+    const V even = hn::ConcatLowerLower(d, c, a), odd = hn::ConcatLowerLower(d, e, b);
+    const V even2 = hn::ConcatUpperUpper(d, c, a), odd2 = hn::ConcatUpperUpper(d, e, b);
+    a = hn::OddEvenBlocks(hn::SwapAdjacentBlocks(odd), even);
+    b = hn::OddEvenBlocks(odd, hn::SwapAdjacentBlocks(even));
+    c = hn::OddEvenBlocks(hn::SwapAdjacentBlocks(odd2), even2);
+    e = hn::OddEvenBlocks(odd2, hn::SwapAdjacentBlocks(even2));
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace crumple::cpu
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,52 @@
+#include "backends/cpu/stages/align.h"
+
+#include <algorithm>
+
+#include "geometry/edge_moment.h"
+
+namespace crumple::cpu {
+
+LeafFrame leaf_frame(const Array<Ball>& balls, const PointRows& points, const std::int32_t* corners,
+                     const LeafMembers& members) {
+    constexpr std::int64_t most_samples = 128, edges_every = 4;
+    const std::int64_t samples = std::min<std::int64_t>(members.size(), most_samples);
+    const auto triangle = [&](std::int64_t i) { return members.triangle[i * members.size() / samples]; };
+    const auto ball = [&](std::int64_t i) -> const Ball& { return balls[triangle(i)]; };
+    const auto centroid = [&](std::int64_t i) { return Vec3d{ball(i).x, ball(i).y, ball(i).z}; };
+    const auto corner = [&](std::int64_t i) { return corners + 3 * static_cast<std::int64_t>(triangle(i)); };
+
+    const double share = 1.0 / static_cast<double>(samples);
+    Vec3d mean;
+    double radius = 0;
+    for (std::int64_t i = 0; i < samples; ++i) {
+        if (i % edges_every == 0) __builtin_prefetch(corner(i));  // and what it leads to below: both lie far apart
+        mean = mean + share * centroid(i);
+        radius += share * ball(i).r;
+    }
+    SymmetricMatrix covariance;
+    double spread = 0;
+    for (std::int64_t i = 0; i < samples; ++i) {
+        if (i % edges_every == 0)
+            for (int k = 0; k < 3; ++k) points.prefetch(corner(i)[k]);
+        const Vec3d d = centroid(i) - mean;
+        covariance.xx += share * d.x * d.x;
+        covariance.xy += share * d.x * d.y;
+        covariance.xz += share * d.x * d.z;
+        covariance.yy += share * d.y * d.y;
+        covariance.yz += share * d.y * d.z;
+        covariance.zz += share * d.z * d.z;
+        spread = std::max(spread, largest(abs(d)));
+    }
+    PrincipalAxes axes = principal_axes(covariance);
+    EdgeMoment moment;
+    for (std::int64_t i = 0; i < samples; i += edges_every)
+        moment.add_triangle(points[corner(i)[0]], points[corner(i)[1]], points[corner(i)[2]], axes);
+    turn_to_edges(axes, moment);
+    LeafFrame frame;
+    frame.origin = to_float(mean);
+    for (int i = 0; i < 3; ++i) frame.axis[i] = to_float(axes.axis[i]);
+    frame.big = static_cast<float>(2 * (spread + radius)) + 1e-30f;
+    return frame;
+}
+
+}  // namespace crumple::cpu

@@ -1,0 +1,129 @@
+#pragma once
+
+// The arrays that the stages of the cpu backend hand on.
+//
+//   bounds      scene            -> Points (one a vertex), Balls (one a triangle)
+//   subdivide   Balls            -> Memberships: leaves, each a list of triangles
+//   align       one leaf         -> LeafFrame; the question's `build` makes Boxes there, beside records of its own
+//   sort        Boxes            -> SortedLeaf: by start along the leaf's first axis, boxes in 16 bits; and where each
+//                                   member stands, for the question's records
+//   sweep       SortedLeaf       -> Candidates: pairs whose boxes overlap, four by four
+//   narrow      Candidates       -> rows of a result, by kind of query
+//
+// Sorted members lie in blocks of `block_members`, each followed by one dummy that overlaps nothing, so that a column
+// fits 16 bits: physical position of member j = j + j / block_members. Nearly every leaf has one block.
+
+#include <cstdint>
+#include <limits>
+
+#include "crumple/array.h"
+#include "geometry/ball.h"
+#include "geometry/inflation.h"
+#include "geometry/leaf_frame.h"
+#include "geometry/point_rows.h"
+#include "partition/fuzzy_c_means.h"
+
+namespace crumple::cpu {
+
+inline constexpr int padding = 64;  ///< elements that kernels may read, and write, past an array's end
+
+/// A corner of a box, in the leaf's frame.
+struct alignas(16) BoxCorner {
+    float x, y, z, unused;
+};
+
+/// Boxes of a leaf's members.
+struct Boxes {
+    Array<BoxCorner> low, high;
+    explicit Boxes(MemoryMeter* m) : low(m), high(m) {}
+    void resize(std::size_t n) {
+        low.resize_discard(n + padding);
+        high.resize_discard(n + padding);
+    }
+};
+
+/// A box in 16 bits. Its extent across the sweep direction is what `sort` scatters at once, before it lies in columns.
+struct alignas(8) RowBox {
+    std::uint16_t low_y, high_y, low_z, high_z;
+};
+struct alignas(16) QuantisedBox {
+    RowBox across;
+    std::uint16_t unused[2];
+    std::uint16_t low_x, high_x;
+};
+
+inline constexpr int block_stride = 65472;  ///< a multiple of the widest vector of 16-bit lanes
+inline constexpr int block_members = block_stride - 1;
+
+inline std::int64_t physical(std::int64_t member) { return member + member / block_members; }
+
+/// Normalised vertices, if they move those of the end behind those of the start: float32 where that is exact, else
+/// float64. Rows of four, the last element 0.
+struct Points {
+    Array<float> f;
+    Array<double> d;
+    explicit Points(MemoryMeter* meter) : f(meter), d(meter) {}
+};
+
+/// What a question's `build` reads.
+struct BuildInput {
+    PointRows points;
+    const std::int32_t* corners;   ///< 3 a triangle
+    std::int64_t triangles;        ///< of the scene
+    const std::int32_t* triangle;  ///< the leaf's members; the last one is repeated `padding` times
+    std::int64_t members;
+    LeafFrame frame;
+    std::int64_t ends = 0;  ///< where a vertex's point at the end of a step lies behind that at the start
+    Inflation inflation = {};
+};
+
+/// What `build` leaves behind beside boxes and records. Of no members: a box with its bounds the wrong way round.
+struct LeafBounds {
+    static constexpr float most = std::numeric_limits<float>::max();
+    Vec3f low{most, most, most}, high{-most, -most, -most};  ///< of the boxes of all members that are not big
+    float reach = 0;  ///< largest |coordinate| of their corners, relative to the origin; of big ones big_share of it
+    int big = 0;      ///< number of big members
+};
+
+struct RowLink {
+    std::int32_t end;       ///< first physical row whose start lies behind this row's end
+    std::int32_t triangle;  ///< id in the scene
+};
+
+/// A leaf after `sort`. `rows` arrays have physical positions.
+struct SortedLeaf {
+    std::int64_t members = 0;
+    std::int64_t rows = 0;         ///< physical length, dummies included
+    Array<std::int32_t> position;  ///< physical position of each member, in the order of LeafMembers
+    Array<std::uint16_t> low_y, high_y, low_z, high_z;
+    Array<std::uint16_t> lower;  ///< memberships in lower clusters, sides; pairs with a common bit are not ours
+    Array<std::int32_t> begin;   ///< first row to test with; empty: the next one
+    Array<RowLink> link;
+    Array<std::int32_t> member;  ///< position in the subdivision's member arrays
+    std::int64_t work = 0;       ///< sum of end - begin over rows: interval tests ([MZ] sec. 3.1)
+    std::int64_t begin_of(std::int64_t row) const {
+        return begin.empty() ? row + 1 : begin[static_cast<std::size_t>(row)];
+    }
+    explicit SortedLeaf(MemoryMeter* m)
+        : position(m), low_y(m), high_y(m), low_z(m), high_z(m), lower(m), begin(m), link(m), member(m) {}
+};
+
+/// Calls visit(row) for each row that holds no member: the blocks' dummies, and the padding.
+template <class Visit>
+void for_each_dummy(const SortedLeaf& leaf, Visit visit) {
+    for (std::int64_t row = block_members; row < leaf.rows - 1; row += block_stride) visit(row);
+    for (std::int64_t row = leaf.rows - 1; row < leaf.rows + padding; ++row) visit(row);
+}
+
+/// Candidate pairs: row[i] against column[i], as offsets from `rows` and `columns`. Four in a row, from a multiple of
+/// four on, have the same row; gaps are filled with the block's dummy. `count` is a multiple of 16.
+struct Candidates {
+    std::int64_t rows = 0, columns = 0;  ///< physical position of row 0 and column 0
+    std::int64_t count = 0;
+    std::int64_t pairs = 0;   ///< without padding
+    std::uint16_t dummy = 0;  ///< the padding column
+    Array<std::uint16_t> row, column;
+    explicit Candidates(MemoryMeter* m) : row(m), column(m) {}
+};
+
+}  // namespace crumple::cpu

@@ -1,0 +1,30 @@
+#pragma once
+
+// The members of a leaf, on their way from `subdivide` to `sort`.
+
+#include "backends/cpu/stages/layout.h"
+#include "backends/cpu/stages/subdivide.h"
+#include "scene/scene.h"
+
+namespace crumple::cpu {
+
+struct LeafMembers {
+    explicit LeafMembers(MemoryMeter* m) : boxes(m), triangle(m), member(m), lower(m) {}
+    Boxes boxes;
+    Array<std::int32_t> triangle;  ///< id in the scene; the last one is repeated `padding` times
+    Array<std::int32_t> member;    ///< position in the subdivision's member arrays
+    Array<std::uint16_t> lower;    ///< ownership bits
+    bool keep_members = true;      ///< those bits do not say all: `narrow` will ask for members
+    LeafBounds bounds;
+    bool between = false;         ///< two meshes: pairs across only
+    std::int64_t first_side = 0;  ///< members of the first mesh; they come first
+
+    std::int64_t size() const { return static_cast<std::int64_t>(member.size()); }
+
+    void make_room(std::size_t n);
+
+    /// Lists the leaf's members, by id, and makes room for what the next stages write.
+    void gather(const Scene& scene, const Subdivision& subdivision, const Leaf& leaf);
+};
+
+}  // namespace crumple::cpu

@@ -1,0 +1,148 @@
+#pragma once
+
+// Who handles a pair. A leaf owns it iff no lower cluster of any level holds both triangles: none of the levels above
+// the scene, if it is a part, none of the first level below k1, none of the second below k2. Triangles of one group
+// count as members of a common lower cluster, too, if only pairs between groups are wanted.
+//
+// The sweep wants this as 16 bits a member, so that one AND tells. Up to 16 lower clusters are taken from the masks as
+// they are; of more, each that occurs in the leaf gets a bit, and in the rare leaf that meets more than 16 the rest is
+// looked up in the masks for pairs that passed the filters.
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstdint>
+
+#include "backends/cpu/stages/subdivide.h"
+#include "partition/levels.h"
+#include "scene/scene.h"
+
+namespace crumple::cpu {
+
+class Ownership {
+   public:
+    /// `above`: levels above the scene.
+    Ownership(const Scene& scene, const Levels& above, const Subdivision& subdivision, const Leaf& leaf)
+        : scene_(scene) {
+        for (const crumple::Level& level : above) add_level(level.masks, level.cluster, false);
+        add_level(subdivision.mask1.data(), leaf.cluster, false);
+        add_level(subdivision.mask2.data(), leaf.child, true);
+    }
+
+    /// Ownership bits for the members of the leaf, written to `lower`. `groups_apart`: pairs of one group are unwanted;
+    /// the bits say so, too, where the leaf's groups are few.
+    void bits(const std::int32_t* triangle, const std::int32_t* member, std::int64_t n, bool groups_apart,
+              std::uint16_t* lower) {
+        complete_ = true;
+        int lane = 0;
+        std::fill(lower, lower + n, std::uint16_t{0});
+        // Groups need lanes too, so clusters leave them all they can.
+        const bool as_they_are = !groups_apart && clusters_ <= 16;
+        for (std::size_t l = 0; l < count_; ++l) {
+            const Level& level = level_[l];
+            const std::int32_t* at = level.by_member ? member : triangle;
+            if (as_they_are) {
+                for (std::int64_t i = 0; i < n; ++i)
+                    lower[i] = static_cast<std::uint16_t>(lower[i] | level.of(at[i]) << lane);
+                lane += level.clusters;
+            } else {
+                choose_lanes(level, at, n, lane, lower);
+            }
+        }
+        if (!groups_apart) return;
+        const FewGroups groups(scene_, triangle, n, 16 - lane);
+        for (std::int64_t i = 0; i < n; ++i)
+            lower[i] = static_cast<std::uint16_t>(lower[i] | groups.bit(scene_, triangle[i]) << lane);
+    }
+
+    /// The bits say everything; otherwise ask `owns` about each pair that passed them.
+    bool complete() const { return complete_; }
+
+    bool owns(std::int32_t triangle_a, std::int32_t member_a, std::int32_t triangle_b, std::int32_t member_b) const {
+        for (std::size_t l = 0; l < count_; ++l) {
+            const Level& level = level_[l];
+            const std::uint64_t both =
+                level.by_member ? level.of(member_a) & level.of(member_b) : level.of(triangle_a) & level.of(triangle_b);
+            if (both != 0) return false;
+        }
+        return true;
+    }
+
+   private:
+    /// Memberships in the clusters that are lower than the leaf's own.
+    struct Level {
+        const std::uint64_t* masks;
+        int clusters;    ///< how many
+        bool by_member;  ///< masks[member], otherwise masks[triangle]
+
+        std::uint64_t of(std::int32_t i) const { return masks[i] & ((std::uint64_t{1} << clusters) - 1); }
+    };
+
+    void add_level(const std::uint64_t* masks, int cluster, bool by_member) {
+        if (cluster <= 0) return;  // the lowest one, or not split
+        level_[count_++] = {masks, cluster, by_member};
+        clusters_ += cluster;
+    }
+
+    // Gives each cluster that occurs in the leaf one of the lanes that are left, and members their bits: eight clusters
+    // at a time, by a table of what their bits become.
+    void choose_lanes(const Level& level, const std::int32_t* at, std::int64_t n, int& lane, std::uint16_t* lower) {
+        std::uint64_t seen = 0;
+        for (std::int64_t i = 0; i < n; ++i) seen |= level.of(at[i]);
+        for (int shift = 0; seen >> shift != 0; shift += 8) {
+            if ((seen >> shift & 255) == 0) continue;
+            std::array<std::uint16_t, 256> bits{};
+            for (int k = 0; k < 8; ++k) {
+                std::uint32_t bit = 0;
+                if (seen >> (shift + k) & 1) {
+                    if (lane < 16)
+                        bit = 1u << lane++;
+                    else
+                        complete_ = false;
+                }
+                for (std::size_t m = 0; m < std::size_t{1} << k; ++m)
+                    bits[m | std::size_t{1} << k] = static_cast<std::uint16_t>(bits[m] | bit);
+            }
+            for (std::int64_t i = 0; i < n; ++i)
+                lower[i] = static_cast<std::uint16_t>(lower[i] | bits[level.of(at[i]) >> shift & 255]);
+            if (shift == 56) break;
+        }
+    }
+
+    // The groups of a leaf, if they fit the lanes that are left.
+    class FewGroups {
+       public:
+        FewGroups(const Scene& scene, const std::int32_t* triangle, std::int64_t n, int lanes) {
+            for (std::int64_t i = 0; i < n; ++i) {
+                const std::int32_t group = scene.group(triangle[i]);
+                if (count_ > 0 && group == ids_[last_]) continue;
+                last_ = find(group);
+                if (last_ < count_) continue;
+                if (count_ == static_cast<std::size_t>(lanes)) {
+                    count_ = 0;
+                    return;
+                }
+                ids_[count_++] = group;
+            }
+        }
+        std::uint32_t bit(const Scene& scene, std::int32_t triangle) const {
+            if (count_ == 0) return 0;
+            return std::uint32_t{1} << find(scene.group(triangle));
+        }
+
+       private:
+        std::size_t find(std::int32_t group) const {
+            return static_cast<std::size_t>(std::find(ids_.data(), ids_.data() + count_, group) - ids_.data());
+        }
+        std::array<std::int32_t, 16> ids_{};
+        std::size_t count_ = 0, last_ = 0;
+    };
+
+    const Scene& scene_;
+    std::array<Level, max_levels + 2> level_;
+    std::size_t count_ = 0;
+    int clusters_ = 0;  // lower ones of all levels
+    bool complete_ = true;
+};
+
+}  // namespace crumple::cpu

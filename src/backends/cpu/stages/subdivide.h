@@ -1,0 +1,64 @@
+#pragma once
+
+// Stage `subdivide`: fuzzy C-means ([MZ] sec. 4) splits the scene into clusters, and large clusters again, down to
+// leaves that fit a core's cache.
+//
+// A triangle joins every cluster that may hold one of its points (bisector rule; proof in docs/subdivide.md), so two
+// triangles with a common point share a cluster, at every level. A cluster handles a pair only if it is the lowest one
+// that both belong to, so each pair is handled once: leaf (k1, k2) owns a pair iff no cluster below k1 holds both in
+// the first level, and none below k2 in the second. Masks decide that, by integers alone.
+//
+// Layout: the members of all first-level clusters lie in flat arrays, cluster k at [first[k], first[k + 1]). A leaf is
+// a list of positions in these arrays, or (cluster not split) a range of them.
+
+#include <array>
+#include <cstdint>
+
+#include "backends/cpu/parallel.h"
+#include "backends/cpu/stages/kernels.h"
+#include "backends/cpu/stages/layout.h"
+#include "crumple/options.h"
+
+namespace crumple::cpu {
+
+/// What is remembered from frame to frame: [MZ] sec. 4, incremental clustering.
+struct WarmCentres {
+    Centres level1;
+    int wanted = 0;  ///< centres of the first level for the scene that level1 was started for
+    std::array<Centres, max_clusters> level2;
+};
+
+struct Leaf {
+    std::int32_t cluster = 0;  ///< k1
+    std::int32_t child = -1;   ///< k2, or -1 if the cluster was not split
+    std::int64_t begin = 0;    ///< into members2[cluster], or into the flat arrays if child < 0
+    std::int64_t size = 0;
+};
+
+struct Subdivision {
+    explicit Subdivision(MemoryMeter* m)
+        : mask1(m), mask2(m), id(m), histogram(m), place(m), leaves(m), sample(m), included(m) {
+        for (auto& list : members2) list = Array<std::int32_t>(m);
+    }
+    Array<std::uint64_t> mask1;                              ///< by triangle
+    Array<std::uint64_t> mask2;                              ///< by member, of clusters that are split
+    Array<std::int32_t> id;                                  ///< triangle, by member
+    std::array<std::int64_t, max_clusters + 1> first{};      ///< first member of each cluster
+    std::array<Array<std::int32_t>, max_clusters> members2;  ///< member positions, leaf by leaf
+    Array<std::int64_t> histogram;                           ///< memberships by chunk of triangles and cluster
+    Array<std::int64_t> place;                               ///< scratch: where a chunk writes its next member
+    Array<Leaf> leaves;                                      ///< largest first
+    Array<Vec3f> sample;                                     ///< scratch
+    Array<std::int32_t> included;                            ///< triangles, where some are left out
+    int clusters = 0;
+};
+
+/// First level: centres and masks of triangles [0, n). Only those t with included[t], if that is not null.
+void place_clusters(const Array<Ball>& balls, std::int64_t n, const std::uint8_t* included, const Options& options,
+                    const StageKernels& kernels, Workers& workers, WarmCentres& warm, Subdivision& subdivision);
+
+/// Gathers the members of clusters [begin, end), splits the large ones again, and lists the leaves of these.
+void gather_leaves(const Array<Ball>& balls, std::int64_t n, int begin, int end, const Options& options,
+                   const StageKernels& kernels, Workers& workers, WarmCentres& warm, Subdivision& subdivision);
+
+}  // namespace crumple::cpu

@@ -1,0 +1,45 @@
+#pragma once
+
+// Stage `sweep` of one sorted leaf, in chunks: some 16,000 candidates are collected and handed to the question's
+// `narrow`, so that candidates never leave the cache and memory stays bounded however many there are. The chunk's size
+// is exact work, not a guess: it comes from the prefix sums of `sort` ([MZ] sec. 3.1), which also cut large leaves into
+// tiles of equal work.
+
+#include <algorithm>
+
+#include "backends/cpu/stages/kernels.h"
+
+namespace crumple::cpu {
+
+inline constexpr std::int64_t chunk_columns = 1 << 14;
+
+/// Makes room for the candidates of a leaf with so many rows.
+inline void make_room(std::int64_t rows, Candidates& candidates) {
+    const auto longest_row = static_cast<std::size_t>(std::min<std::int64_t>(rows, block_stride));
+    candidates.column.resize_discard(static_cast<std::size_t>(chunk_columns) + longest_row + 4 * padding);
+    candidates.row.resize_discard(candidates.column.size());
+}
+
+/// Sweeps rows [first, last) of a leaf: calls stop() before each chunk and narrow() after it, until stop() is true.
+/// `candidates` is the chunk, and may have no pairs.
+template <class Stop, class Narrow>
+void sweep_chunks(const StageKernels& kernels, const SortedLeaf& leaf, std::int64_t first, std::int64_t last,
+                  Candidates& candidates, Stop stop, Narrow narrow) {
+    make_room(leaf.rows, candidates);
+    for (std::int64_t block = 0; block < leaf.rows; block += block_stride) {
+        const std::int64_t block_end = std::min(block + block_stride, leaf.rows) - 1;  // without the dummy
+        const auto dummy = static_cast<std::uint16_t>(block_end - block);
+        // Within one mesh, rows lie before their columns.
+        const std::int64_t end = leaf.begin.empty() ? std::min(last, block_end) : last;
+        for (std::int64_t row = first; row < end;) {
+            if (stop()) return;
+            candidates.rows = row;
+            candidates.columns = block;
+            candidates.count = candidates.pairs = 0;
+            row = kernels.sweep(leaf, row, std::min(end, row + 65535), block_end, dummy, chunk_columns, candidates);
+            narrow();
+        }
+    }
+}
+
+}  // namespace crumple::cpu

@@ -1,0 +1,68 @@
+#pragma once
+
+// Stages `narrow` and `output` for candidates: of pairs of triangles, which of the features that they own have boxes
+// that overlap. Numbered jointly, as those of other questions about features (backends/cuda/features/feature_narrow.h).
+
+#include "backends/cuda/candidates/candidate_records.h"
+#include "backends/cuda/device/memory.h"
+#include "backends/cuda/stages/bounds.h"
+#include "backends/cuda/stages/clearing.h"
+#include "backends/cuda/stages/output.h"
+
+namespace crumple::cuda {
+
+struct FirstOfCandidates {
+    std::uint32_t base[candidate_kinds + 1] = {};
+    friend bool operator==(const FirstOfCandidates&, const FirstOfCandidates&) = default;
+
+    std::size_t all() const { return base[candidate_kinds]; }
+};
+
+struct RankedCandidate {
+    std::uint32_t first;  ///< jointly numbered
+    std::int32_t second;
+    std::uint32_t rank;
+};
+
+struct CandidateHits {
+    List<RankedCandidate> list;
+    unsigned long long *by_first, *by_tile;
+    FirstOfCandidates firsts;
+};
+
+/// Pairs of features that two triangles own.
+void find_candidates(const Geometry& geometry, cudaStream_t stream, const AskedOfCandidates& asked,
+                     const CandidateRecord* record, const List<Candidate>& survivors, const CandidateHits& hits,
+                     Counters* counters);
+/// Pairs that one triangle owns: two vertices, or a vertex and the edge across.
+void find_within(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const WantedPairs& pairs,
+                 const AskedOfCandidates& asked, const CandidateHits& hits);
+
+struct CandidateOutput : RowsOfOutput {
+    using Key = std::int32_t;
+    Key* second;
+    Pair* pairs;
+    FirstOfCandidates firsts;
+
+    void cut(Cutter& cutter, const FirstOfCandidates& features, std::size_t room);
+    void clear(Clearing& clearing) const;
+
+    __device__ void set_flags(std::size_t, Key) const {}
+    __device__ void write(unsigned long long place, std::int32_t first, Key b) const {
+        const auto joint = static_cast<std::uint32_t>(first);
+        std::uint32_t base = 0;
+        for (const std::uint32_t begin : firsts.base)
+            if (begin <= joint) base = begin;
+        pairs[place] = {static_cast<std::int32_t>(joint - base), b};
+    }
+};
+
+/// Turns listed hits, which are counted by first feature, into the answer. `told` as order_buckets() has it.
+void write_answer(const Geometry& geometry, cudaStream_t stream, const CandidateHits& hits,
+                  const CandidateOutput& output, Counters* counters, Counters* told);
+
+/// Of the scene's box.
+void make_normaliser(cudaStream_t stream, const SceneBox* box, double inflation, Inflation* widening,
+                     Normaliser* normaliser);
+
+}  // namespace crumple::cuda

@@ -1,0 +1,37 @@
+#pragma once
+
+// A pass for candidates: their records in `sort`, then pairs of features.
+
+#include "backends/cuda/candidates/candidate_narrow.h"
+#include "backends/cuda/stages/pass.h"
+
+namespace crumple::cuda {
+
+class CandidatePass : public Pass {
+   public:
+    using Pass::Pass;
+
+    AskedOfCandidates asked;
+
+    void cut(Cutter& c) {
+        Pass::cut(c);
+        record_ = c.take<CandidateRecord>(plan.last_members());
+        hits_ = c.take<RankedCandidate>(plan.hits);
+    }
+
+    // One that does not move is where it ends.
+    void sort() { Pass::sort(Widened<2>{primitives.ends, primitives.inflation}, CandidateRows{record_, asked}); }
+    void sweep(const Slice& slice) { Pass::sweep(slice, OverlapAlone{}); }
+    void narrow(const CandidateHits& hits) {
+        find_candidates(geometry_, stream_, asked, record_, survivors(), hits, counters);
+    }
+    void search_within(const CandidateHits& hits) { find_within(geometry_, stream_, scene, wanted, asked, hits); }
+
+    List<RankedCandidate> hits() const { return {hits_, &counters->hits, plan.hits}; }
+
+   private:
+    CandidateRecord* record_ = nullptr;
+    RankedCandidate* hits_ = nullptr;
+};
+
+}  // namespace crumple::cuda

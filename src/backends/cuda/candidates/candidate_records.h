@@ -1,0 +1,88 @@
+#pragma once
+
+// What stage `sort` of the cuda backend does for candidates: records by row, whose boxes have the axes of the
+// coordinates. `sweep` keeps all pairs of triangles whose boxes overlap.
+
+#include "backends/cuda/features/exact_points.h"
+#include "backends/cuda/stages/layout.h"
+#include "filters/candidates/box_test.h"
+#include "filters/candidates/candidate_record.h"
+
+namespace crumple::cuda {
+
+/// What kernels are told of the question. Pointers are of the device.
+struct AskedOfCandidates {
+    unsigned wanted = 0;  ///< a bit for each CandidateKind
+    double inflation = 0;
+    FeatureTable features;
+    ExactPoints points;
+    const Normaliser* normaliser = nullptr;
+
+    friend bool operator==(const AskedOfCandidates&, const AskedOfCandidates&) = default;
+    /// See FinderKey::shape().
+    void forget_places() {
+        features = {};
+        points.scene = {};
+        normaliser = nullptr;
+        inflation = 0;
+    }
+    CRUMPLE_HD bool wants(CandidateKind kind) const { return wanted >> static_cast<unsigned>(kind) & 1; }
+    __device__ unsigned owned_lanes(std::int32_t triangle) const {
+        return crumple::owned_lanes(features.owned[triangle], triangle < features.faces);
+    }
+    /// The box of a lane all the way, exactly. The corners are those of a triangle.
+    __device__ FeatureBox box(const std::int32_t* corner, int lane) const {
+        const unsigned corners = corners_of(lane);
+        const int first = corners & 1 ? 0 : corners & 2 ? 1 : 2;
+        FeatureBox box(points.start(corner[first]));
+        for (int k = first; k < 3; ++k) {
+            if (!(corners >> k & 1)) continue;
+            const MovingPoint p = points.moving(corner[k]);
+            box.add(p.start);
+            box.add(p.end);
+        }
+        return box;
+    }
+};
+
+struct CandidateRows {
+    CandidateRecord* record;
+    AskedOfCandidates asked;
+
+    __device__ void put(std::uint32_t row, std::int32_t triangle, const Vec3d*, const std::int32_t id[3],
+                        const InFrame<6>&, const Frame& frame) const {
+        CandidateRecord& made = record[row];
+        const unsigned owned = asked.owned_lanes(triangle);
+        const CandidateKey key{*asked.normaliser, {frame.origin.x, frame.origin.y, frame.origin.z}};
+        const Vec3d r{asked.inflation, asked.inflation, asked.inflation};
+        const TriangleEdges edges = asked.features.edges_of[triangle];
+        Vec3f low[3], high[3];
+        for (int k = 0; k < 3; ++k) {
+            made.vertex[k] = id[k];
+            made.name[k] = asked.features.name(id[k]);
+            made.id[k] = asked.features.point_of(triangle, k);
+            made.id[3 + k] = edges[static_cast<std::size_t>(k)];
+            const FeatureBox box = asked.box(id, k);
+            low[k] = key(box.low - r);
+            high[k] = key(box.high + r);
+        }
+        made.id[6] = triangle;
+        made.id[7] = made.name[3] = -1;
+        made.owned = owned;
+        for (int lane = 0; lane < candidate_lanes; ++lane) {
+            Vec3f from{beyond, beyond, beyond}, to{-beyond, -beyond, -beyond};
+            for (int k = 0; k < 3; ++k) {
+                if (!(owned >> lane & corners_of(lane) >> k & 1)) continue;
+                from = min(from, low[k]);
+                to = max(to, high[k]);
+            }
+            for (int axis = 0; axis < 3; ++axis) made.low[axis][lane] = from[axis], made.high[axis][lane] = to[axis];
+        }
+    }
+};
+
+struct OverlapAlone {
+    __device__ bool operator()(const Candidate&) const { return true; }
+};
+
+}  // namespace crumple::cuda

@@ -1,0 +1,27 @@
+#include "backends/cuda/device/captures.h"
+
+#include "crumple/error.h"
+
+namespace crumple::cuda {
+
+unsigned long long capture_of(cudaStream_t stream) {
+    // The legacy stream cannot be captured, and CUDA refuses the query while a blocking stream captures.
+    if (!stream || stream == cudaStreamLegacy) return 0;
+    cudaStreamCaptureStatus status = cudaStreamCaptureStatusNone;
+    unsigned long long id = 0;
+    CRUMPLE_CUDA(cudaStreamGetCaptureInfo(stream, &status, &id));
+    if (status == cudaStreamCaptureStatusInvalidated)
+        throw Error(ErrorCode::invalid_argument, "the capture of a mesh's stream has failed before this call");
+    return status == cudaStreamCaptureStatusActive ? id : 0;
+}
+
+// A fork that is not joined would fail the capture when its caller ends it.
+void CallersCapture::lead_back(cudaStream_t stream) const noexcept {
+    try {
+        if (capture_of(beside_.stream()) != 0) beside_.join(own_);
+        order(turn_, own_, stream);
+    } catch (...) {  // the capture is spoilt, which the caller will see
+    }
+}
+
+}  // namespace crumple::cuda

@@ -1,0 +1,150 @@
+#pragma once
+
+// Memory of the device, and pinned memory of the host, counted by the detector's meter.
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <type_traits>
+#include <utility>
+
+#include "backends/cuda/device/device.h"
+#include "backends/cuda/device/runtime.h"
+#include "crumple/array.h"
+
+namespace crumple::cuda {
+
+/// A block of device memory that keeps its place until more is asked for; growth loses what was there.
+class Block {
+   public:
+    explicit Block(MemoryMeter& meter) : meter_(meter) {}
+    Block(const Block&) = delete;
+    Block& operator=(const Block&) = delete;
+    ~Block() { release(); }
+
+    std::byte* resize(std::size_t bytes) {
+        if (bytes > capacity_) grow(bytes);
+        return data_;
+    }
+    const void* data() const { return data_; }
+    std::size_t capacity() const { return capacity_; }
+    void release() {
+        if (!data_) return;
+        const CaptureMode relaxed(cudaStreamCaptureModeRelaxed);
+        if (cudaFree(data_) != cudaSuccess) cudaGetLastError();  // the device has failed, and all its memory is gone
+        meter_.add(-static_cast<std::int64_t>(capacity_));
+        data_ = nullptr;
+        capacity_ = 0;
+    }
+
+   private:
+    void grow(std::size_t bytes) {
+        release();
+        meter_.add(static_cast<std::int64_t>(bytes));
+        const CaptureMode relaxed(cudaStreamCaptureModeRelaxed);
+        void* memory = nullptr;
+        const cudaError_t error = cudaMalloc(&memory, bytes);
+        if (error != cudaSuccess) {
+            meter_.add(-static_cast<std::int64_t>(bytes));
+            cudaGetLastError();  // or the next check would meet it
+            if (error == cudaErrorMemoryAllocation) throw OutOfDeviceMemory{"cudaMalloc", bytes};
+            check(error, "cudaMalloc");
+        }
+        data_ = static_cast<std::byte*>(memory);
+        capacity_ = bytes;
+    }
+
+    MemoryMeter& meter_;
+    std::byte* data_ = nullptr;
+    std::size_t capacity_ = 0;
+};
+
+/// Whether there was memory for the work.
+template <class Work>
+bool fits(Work work) {
+    try {
+        work();
+        return true;
+    } catch (const MemoryMeter::Exceeded&) {
+    } catch (const OutOfDeviceMemory&) {
+    }
+    return false;
+}
+
+/// Bytes that lists of chunks may take: a quarter of what is left, for members and what is found grow, too.
+inline std::int64_t bytes_for_lists(const MemoryMeter& meter) {
+    std::size_t free = 0, total = 0;
+    CRUMPLE_CUDA(cudaMemGetInfo(&free, &total));
+    const auto left = static_cast<std::int64_t>(free);
+    return (meter.limit > 0 ? std::clamp<std::int64_t>(meter.limit - meter.used, 0, left) : left) / 4;
+}
+
+/// Copies n elements; done when it returns, whichever side the memory is on.
+template <class T>
+void copy_now(cudaStream_t stream, T* to, const T* from, std::size_t n, cudaMemcpyKind kind) {
+    if (n == 0) return;
+    CRUMPLE_CUDA(cudaMemcpyAsync(to, from, n * sizeof(T), kind, stream));
+    CRUMPLE_CUDA(cudaStreamSynchronize(stream));
+}
+
+/// Cuts a block into arrays: once without memory, to learn how much it takes, then in earnest.
+class Cutter {
+   public:
+    explicit Cutter(std::byte* block = nullptr) : block_(block) {}
+    template <class T>
+    T* take(std::size_t n) {
+        static_assert(std::is_trivially_copyable_v<T> && alignof(T) <= alignment);
+        const std::size_t begin = used_;
+        used_ += (n * sizeof(T) + alignment - 1) / alignment * alignment;
+        return block_ ? reinterpret_cast<T*>(block_ + begin) : nullptr;
+    }
+    std::size_t used() const { return used_; }
+
+   private:
+    static constexpr std::size_t alignment = 256;
+    std::byte* block_;
+    std::size_t used_ = 0;
+};
+
+/// Whether a block may grow: not for work that goes into a caller's capture, where nothing may be allocated.
+enum class Room : std::uint8_t { grows, fixed };
+/// Thrown where something would have to grow, or be brought, that is fixed.
+struct NoRoom {};
+
+/// Lays arrays out in the block: cut(cutter) names them one after the other, first to measure, then to place them.
+template <class Cut>
+void lay_out(Block& block, Cut cut, Room room = Room::grows) {
+    Cutter measure;
+    cut(measure);
+    if (room == Room::fixed && measure.used() > block.capacity()) throw NoRoom{};
+    Cutter cutter(block.resize(measure.used()));
+    cut(cutter);
+}
+
+/// One T in pinned memory of the host: what graphs copy to and from.
+template <class T>
+class Pinned {
+    static_assert(std::is_trivially_copyable_v<T>);
+
+   public:
+    explicit Pinned(const Device& device) {
+        const Device::Current current(device);
+        void* memory = nullptr;
+        CRUMPLE_CUDA(cudaMallocHost(&memory, sizeof(T)));
+        value_ = new (memory) T();
+    }
+    Pinned(const Pinned&) = delete;
+    Pinned& operator=(const Pinned&) = delete;
+    ~Pinned() {
+        const CaptureMode relaxed(cudaStreamCaptureModeRelaxed);
+        cudaFreeHost(value_);
+    }
+    T* get() const { return value_; }
+    T* operator->() const { return value_; }
+    T& operator*() const { return *value_; }
+
+   private:
+    T* value_ = nullptr;
+};
+
+}  // namespace crumple::cuda

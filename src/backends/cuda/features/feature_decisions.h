@@ -1,0 +1,133 @@
+#pragma once
+
+// How a device decides a test of features: quickly, in registers; closely, with expansions or pairs of numbers; what
+// both leave open is for the host. Each question is a struct of two functions. The host calls them, too, to check a
+// device (backends/cuda/known_answers.h).
+
+#include "backends/cuda/features/exact_points.h"
+#include "backends/cuda/features/feature_parameters.h"
+#include "exact/impact/quick_impact.h"
+#include "exact/impact/quick_separation.h"
+#include "exact/proximity/quick_distance.h"
+#include "filters/features/packed_features.h"
+#include "filters/features/tests_of_pair.h"
+
+namespace crumple::cuda {
+
+enum class Outcome : std::uint8_t { apart, hit, open };
+
+struct Decided {
+    Outcome outcome = Outcome::open;
+    double value = 0;   ///< toi, or squared distance
+    bool flag = false;  ///< start, or touching
+};
+
+CRUMPLE_HD inline Decided decided(const QuickImpact& impact) {
+    if (impact.verdict == Certainty::unknown) return {};
+    return {impact.verdict == Certainty::meets ? Outcome::hit : Outcome::apart, impact.toi, impact.start};
+}
+
+constexpr bool of_triangles(FeatureKind kind) {
+    return kind == FeatureKind::vertex_face || kind == FeatureKind::edge_edge;
+}
+constexpr FeatureKinds kinds_of_constant(FeatureKind kind) { return static_cast<FeatureKinds>(kind); }
+
+/// When features touch. Of vertices with edges and vertices next to none do, and to tell how far they stay apart is
+/// quick.
+struct ImpactQuestion {
+    static constexpr bool closely = true;
+    ExactPoints points;
+
+    explicit ImpactQuestion(const ExactPoints& exact, const AskedOfFeatures&, bool) : points(exact) {}
+
+    template <FeatureKind kind>
+    CRUMPLE_HD Decided quick(const FeatureTest& test) const {
+        const FeaturePoints p = points.moving(test.vertex);
+        if constexpr (!of_triangles(kind)) {
+            return decided(quick_separation<kinds_of_constant(kind)>(p, Separation{}));
+        } else {
+            constexpr FeaturePair pair =
+                kind == FeatureKind::vertex_face ? FeaturePair::vertex_face : FeaturePair::edge_edge;
+            const Approach<pair> x(p);
+            if (!x.in_range()) return {};
+            return decided(first_impact(p, x, Volume(x)));
+        }
+    }
+    template <FeatureKind kind>
+    CRUMPLE_HD Decided close(const FeatureTest& test) const {
+        if constexpr (of_triangles(kind)) {
+            constexpr FeaturePair pair =
+                kind == FeatureKind::vertex_face ? FeaturePair::vertex_face : FeaturePair::edge_edge;
+            if (surely_touch_at_start<pair>(points.moving(test.vertex))) return {Outcome::hit, 0, true};
+        }
+        return {};
+    }
+};
+
+/// When features come within a distance.
+struct SeparationQuestion {
+    static constexpr bool closely = false;
+    ExactPoints points;
+    Separation separation;
+
+    SeparationQuestion(const ExactPoints& exact, const AskedOfFeatures& asked, bool)
+        : points(exact), separation{asked.distance, asked.share} {}
+
+    template <FeatureKind kind>
+    CRUMPLE_HD Decided quick(const FeatureTest& test) const {
+        return decided(quick_separation<kinds_of_constant(kind)>(points.moving(test.vertex), separation));
+    }
+    template <FeatureKind>
+    CRUMPLE_HD Decided close(const FeatureTest&) const {
+        return {};
+    }
+};
+
+/// Which features are near, and how near.
+struct NearQuestion {
+    static constexpr bool closely = true;
+    ExactPoints points;
+    double distance;
+    bool strict, any;
+    const double* radii;
+    RestTable rest;
+
+    NearQuestion(const ExactPoints& exact, const AskedOfFeatures& asked, bool only_whether)
+        : points(exact),
+          distance(asked.distance),
+          strict(asked.strict),
+          any(only_whether),
+          radii(asked.radii),
+          rest(asked.rest) {}
+
+    template <FeatureKind kind>
+    CRUMPLE_HD Decided quick(const FeatureTest& test) const {
+        const QuickDistance between({kinds_of_constant(kind), points.start(test.vertex)});
+        const Proximity known = between.compare_in_float64(reach_of(kind, test.vertex, radii, distance, strict));
+        if (known == Proximity::beyond) return {Outcome::apart};
+        return {known == Proximity::within && any && !rest.position ? Outcome::hit : Outcome::open};
+    }
+    template <FeatureKind kind>
+    CRUMPLE_HD Decided close(const FeatureTest& test) const {
+        const QuickDistance between({kinds_of_constant(kind), points.start(test.vertex)});
+        const Proximity known = between.compare(reach_of(kind, test.vertex, radii, distance, strict));
+        if (known != Proximity::within) return {known == Proximity::beyond ? Outcome::apart : Outcome::open};
+        if (rest.knows(test.vertex[0], test.vertex[3])) {
+            const Proximity at_rest =
+                QuickDistance({kinds_of_constant(kind), resting(test.vertex)}).compare({rest.radius, 0});
+            if (at_rest != Proximity::beyond) return {at_rest == Proximity::within ? Outcome::apart : Outcome::open};
+        }
+        crumple::detail::Enclosure enclosure = between.enclosure();
+        Decided decision{Outcome::hit};
+        decision.flag = enclosure.touching();
+        if (!decision.flag && !enclosure.apart()) return {};
+        return enclosure.squared_rounded(decision.value) ? decision : Decided{};
+    }
+
+   private:
+    CRUMPLE_HD std::array<Vec3d, 4> resting(const std::int32_t (&v)[4]) const {
+        return {rest(v[0]), rest(v[1]), rest(v[2]), rest(v[3])};
+    }
+};
+
+}  // namespace crumple::cuda

@@ -1,0 +1,390 @@
+#include "backends/cuda/features/feature_narrow.h"
+
+#include <algorithm>
+
+#include "backends/cuda/features/feature_decisions.h"
+#include "filters/features/feature_filters.h"
+#include "filters/features/tests_of_listed.h"
+#include "filters/features/thresholds.h"
+
+namespace crumple::cuda {
+namespace {
+
+/// Whether a test may be an answer, by float32 and by rules about neighbours.
+template <int moments>
+struct TestFilter {
+    PointRows points;
+    std::int32_t ends;
+    AskedOfFeatures asked;
+
+    template <FeatureKind kind>
+    __device__ bool keeps(const FeatureTest& test) const {
+        return (asked.share > 0 || !far<kind>(test)) && !(asked.rings.of && joined<kind>(test));
+    }
+
+   private:
+    // The sum of both features' radii, which are those of their vertices. Sums round by less than radii are in excess.
+    template <FeatureKind kind>
+    __device__ float distance(const std::int32_t (&v)[4]) const {
+        const float* radius = asked.vertex_radius;
+        if (!radius) return 2 * asked.inflation->half;
+        const float second = radius[v[1]], last = max(radius[v[2]], radius[v[3]]);
+        return kind == FeatureKind::edge_edge ? max(radius[v[0]], second) + last : radius[v[0]] + max(second, last);
+    }
+    template <FeatureKind kind>
+    __device__ bool far(const FeatureTest& test) const {
+        // Vertices with edges and vertices are vertices and faces that are edges and vertices.
+        constexpr FeatureKind as = kind == FeatureKind::edge_edge ? kind : FeatureKind::vertex_face;
+        SeenFeatures<moments> seen;
+        for (int m = 0; m < moments; ++m) {
+            const Vec3d from = points[test.vertex[0] + m * ends];
+            for (int k = 0; k < 3; ++k) seen.to[m][k] = to_float(points[test.vertex[k + 1] + m * ends] - from);
+        }
+        return surely_far<as>(seen, distance<kind>(test.vertex));
+    }
+    template <FeatureKind kind>
+    __device__ bool joined(const FeatureTest& test) const {
+        constexpr int split = kind == FeatureKind::edge_edge ? 2 : 1;
+        for (int i = 0; i < split; ++i)
+            for (int k = split; k < 4; ++k)
+                if (asked.rings.joined(asked.features.name(test.vertex[i]), asked.features.name(test.vertex[k])))
+                    return true;
+        return false;
+    }
+};
+
+/// Tests of one kind that wait for a warp to have 32 of them.
+template <FeatureKind kind, int moments>
+class TestQueue {
+   public:
+    __device__ TestQueue(FeatureTest* waiting, const TestFilter<moments>& filter, const List<FeatureTest>& list)
+        : waiting_(waiting), filter_(filter), list_(list), lane_(threadIdx.x % 32) {}
+
+    /// The tests of each lane's bits. All lanes call it together.
+    __device__ void add(const FeatureRecord<moments>* a, const FeatureRecord<moments>* b, unsigned bits) {
+        while (const unsigned having = __ballot_sync(whole_warp, bits != 0)) {
+            if (bits) {
+                const auto bit = static_cast<unsigned>(__ffs(static_cast<int>(bits)) - 1);
+                write_test<kind>(*a, *b, bit,
+                                 waiting_[count_ + static_cast<unsigned>(__popc(having & ((1u << lane_) - 1)))]);
+                bits &= bits - 1;
+            }
+            count_ += static_cast<unsigned>(__popc(having));
+            listed_ += static_cast<unsigned>(__popc(having));
+            __syncwarp();
+            if (count_ >= 32) test();
+        }
+    }
+    __device__ void finish(unsigned long long* listed) {
+        while (count_) test();
+        if (lane_ == 0 && listed_) atomicAdd(listed, listed_);
+    }
+
+   private:
+    // The last ones, up to 32.
+    __device__ void test() {
+        const unsigned n = min(count_, 32u);
+        count_ -= n;
+        FeatureTest test{};
+        bool keep = false;
+        if (lane_ < n) {
+            test = waiting_[count_ + lane_];
+            keep = filter_.template keeps<kind>(test);
+        }
+        const unsigned long long place = append(keep, list_.count);
+        if (keep && place < list_.capacity) list_.data[place] = test;
+        __syncwarp();
+    }
+
+    FeatureTest* waiting_;
+    const TestFilter<moments>& filter_;
+    List<FeatureTest> list_;
+    unsigned lane_, count_ = 0;
+    unsigned long long listed_ = 0;
+};
+
+template <int threads>
+struct ListShared {
+    FeatureTest waiting[threads / 32][2][64];
+};
+
+template <int threads, int moments>
+__global__ void __launch_bounds__(threads) list_kernel(FeatureSurvivors<moments> survivors, TestFilter<moments> filter,
+                                                       TestLists tests, FeatureHits hits, unsigned long long* listed) {
+    auto& waiting = dynamic_shared<ListShared<threads>>().waiting[threadIdx.x / 32];
+    TestQueue<FeatureKind::vertex_face, moments> vertex_face(waiting[0], filter, tests.of[0]);
+    TestQueue<FeatureKind::edge_edge, moments> edge_edge(waiting[1], filter, tests.of[1]);
+    const unsigned long long n = survivors.list.filled(), warps_end = (n + 31) / 32 * 32;
+    for (unsigned long long i = grid_thread(); i < warps_end && !has_ended(hits.end()); i += grid_stride()) {
+        const FeatureRecord<moments>*a = nullptr, *b = nullptr;
+        TestsOfPair of_pair;
+        if (i < n) {
+            a = survivors.record + survivors.list.data[i].row;
+            b = survivors.record + survivors.list.data[i].column;
+            of_pair = tests_of_pair(*a, *b, [&](std::int32_t v) { return filter.asked.features.name(v); });
+        }
+        vertex_face.add(a, b, of_pair.vertex_face);
+        edge_edge.add(a, b, of_pair.edge_edge);
+    }
+    vertex_face.finish(listed);
+    edge_edge.finish(listed);
+}
+
+// The same where edges and points are listed: tests of all kinds, by a thread's own stack. Such scenes are rods and
+// particles, and few of their pairs are near.
+template <int moments>
+__global__ void listed_kernel(FeatureSurvivors<moments> survivors, TestFilter<moments> filter, TestLists tests,
+                              FeatureHits hits, unsigned long long* listed) {
+    constexpr int most[feature_kinds] = {6, 9, 4, 1}, first[feature_kinds] = {0, 6, 15, 19};
+    const unsigned long long n = survivors.list.filled(), warps_end = (n + 31) / 32 * 32;
+    const FeatureTable& features = filter.asked.features;
+    for (unsigned long long i = grid_thread(); i < warps_end && !has_ended(hits.end()); i += grid_stride()) {
+        FeatureTest found[20];
+        std::array<FeatureTest*, feature_kinds> next{found, found + first[1], found + first[2], found + first[3]};
+        if (i < n)
+            list_tests_of_listed(
+                survivors.record[survivors.list.data[i].row], survivors.record[survivors.list.data[i].column], features,
+                [&](std::int32_t v) { return features.name(v); }, next);
+        const auto pass_on = [&]<FeatureKind kind>() {
+            constexpr auto k = static_cast<std::size_t>(kind);
+            const auto count = static_cast<int>(next[k] - (found + first[k]));
+            for (int t = 0; t < most[k]; ++t) {
+                const FeatureTest& test = found[first[k] + t];
+                const bool has = t < count, keep = has && filter.template keeps<kind>(test);
+                tally(has, listed);
+                const unsigned long long place = append(keep, tests.of[k].count);
+                if (keep && place < tests.of[k].capacity) tests.of[k].data[place] = test;
+            }
+        };
+        pass_on.template operator()<FeatureKind::vertex_face>();
+        pass_on.template operator()<FeatureKind::edge_edge>();
+        pass_on.template operator()<FeatureKind::vertex_edge>();
+        pass_on.template operator()<FeatureKind::vertex_vertex>();
+    }
+}
+
+// All lanes of a warp call it together.
+__device__ void add(const FeatureHits& hits, bool is_hit, FeatureKind kind, const Pair& pair, const Decided& found) {
+    if (hits.any) return tally(is_hit, hits.list.count);
+    std::uint32_t first = 0, rank = 0;
+    if (is_hit) {
+        first = hits.firsts.base[static_cast<int>(kind)] + static_cast<std::uint32_t>(pair.a);
+        rank = static_cast<std::uint32_t>(atomicAdd(&hits.by_first[first], 1ull));
+        atomicAdd(&hits.by_tile[first / offset_tile], 1ull);
+    }
+    const unsigned long long place = append(is_hit, hits.list.count);
+    if (is_hit && place < hits.list.capacity) hits.list.data[place] = {first, pair.b, rank, found.flag, found.value};
+}
+
+// Decides tests of one kind, a thread a test; what is left open becomes left_open(test) in a list of its own.
+template <FeatureKind kind, class Decide, class Open, class LeftOpen>
+__device__ void decide_each(const List<FeatureTest>& tests, const FeatureHits& hits, Decide decide,
+                            const List<Open>& open, LeftOpen left_open) {
+    const unsigned long long n = tests.filled(), warps_end = (n + 31) / 32 * 32;
+    for (unsigned long long i = grid_thread(); i < warps_end && !has_ended(hits.end()); i += grid_stride()) {
+        FeatureTest test{};
+        Decided found{Outcome::apart};
+        if (i < n) {
+            test = tests.data[i];
+            found = decide(test);
+        }
+        add(hits, found.outcome == Outcome::hit, kind, test.pair, found);
+        const bool is_open = found.outcome == Outcome::open;
+        const unsigned long long place = append(is_open, open.count);
+        if (is_open && place < open.capacity) open.data[place] = left_open(test);
+    }
+}
+
+// Calls work<kind>() for the kinds of triangles' features, or for those that only lists have.
+template <bool of_lists, class Work>
+__device__ void for_each_kind(Work work) {
+    if constexpr (of_lists) {
+        work.template operator()<FeatureKind::vertex_edge>();
+        work.template operator()<FeatureKind::vertex_vertex>();
+    } else {
+        work.template operator()<FeatureKind::vertex_face>();
+        work.template operator()<FeatureKind::edge_edge>();
+    }
+}
+
+template <class Question, bool of_lists>
+__global__ void __launch_bounds__(256)
+    decide_kernel(Question question, TestLists tests, TestLists open, List<OpenTest> beyond, FeatureHits hits) {
+    for_each_kind<of_lists>([&]<FeatureKind kind>() {
+        constexpr auto k = static_cast<std::size_t>(kind);
+        const auto quick = [&](const FeatureTest& test) { return question.template quick<kind>(test); };
+        if constexpr (Question::closely)
+            decide_each<kind>(tests.of[k], hits, quick, open.of[k], [](const FeatureTest& test) { return test; });
+        else
+            decide_each<kind>(tests.of[k], hits, quick, beyond, [](const FeatureTest& test) {
+                return OpenTest{test, kind};
+            });
+    });
+}
+
+template <class Question, bool of_lists>
+__global__ void __launch_bounds__(256)
+    close_kernel(Question question, TestLists open, List<OpenTest> beyond, FeatureHits hits) {
+    for_each_kind<of_lists>([&]<FeatureKind kind>() {
+        const auto close = [&](const FeatureTest& test) { return question.template close<kind>(test); };
+        decide_each<kind>(open.of[static_cast<std::size_t>(kind)], hits, close, beyond, [](const FeatureTest& test) {
+            return OpenTest{test, kind};
+        });
+    });
+}
+
+__global__ void pack_kernel(ExactPoints points, AskedOfFeatures asked, const OpenTest* tests, std::size_t count,
+                            PackedFeatures* cases) {
+    for (std::size_t i = grid_thread(); i < count; i += grid_stride()) {
+        const OpenTest open = tests[i];
+        const auto& v = open.test.vertex;
+        PackedFeatures& made = cases[i];
+        made.kind = open.kind;
+        made.pair = open.test.pair;
+        made.points = points.moving(v);
+        made.reach = reach_of(open.kind, v, asked.radii, asked.distance, asked.strict);
+        made.has_rest = asked.rest.knows(v[0], v[3]);
+        for (std::size_t k = 0; k < 4; ++k) made.rest[k] = made.has_rest ? asked.rest(v[k]) : Vec3d{};
+    }
+}
+
+__global__ void append_kernel(const RankedHit* found, std::size_t count, unsigned long long begin, FeatureHits hits) {
+    for (std::size_t i = grid_thread(); i < count; i += grid_stride())
+        if (begin + i < hits.list.capacity) hits.list.data[begin + i] = found[i];
+    if (grid_thread() == 0) *hits.list.count = begin + count;
+}
+
+__global__ void rank_kernel(FeatureHits hits) {
+    const unsigned long long n = hits.list.filled();
+    for (unsigned long long i = grid_thread(); i < n; i += grid_stride()) {
+        RankedHit& hit = hits.list.data[i];
+        hit.rank = static_cast<std::uint32_t>(atomicAdd(&hits.by_first[hit.first], 1ull));
+        atomicAdd(&hits.by_tile[hit.first / offset_tile], 1ull);
+    }
+}
+
+__global__ void radii_kernel(Scene scene, const SceneBox* box, const double* radii, float* vertex, float* triangle) {
+    const Normaliser normaliser = normaliser_of(*box);
+    const auto vertices = static_cast<std::size_t>(scene.vertex_count());
+    for (std::size_t v = grid_thread(); v < vertices; v += grid_stride()) vertex[v] = radius_of(normaliser, radii[v]);
+    const auto triangles = static_cast<std::size_t>(scene.triangle_count());
+    const auto of = [&](std::int32_t v) {
+        return static_cast<std::uint32_t>(v) < vertices ? radius_of(normaliser, radii[v]) : 0;
+    };
+    for (std::size_t t = grid_thread(); t < triangles; t += grid_stride()) {
+        const std::int32_t* c = scene.corners + 3 * t;
+        triangle[t] = max(of(c[0]), max(of(c[1]), of(c[2])));
+    }
+}
+
+__global__ void inflation_kernel(const SceneBox* box, double distance, double share, const float* radius,
+                                 Inflation* inflation) {
+    Inflation made = inflation_of(normaliser_of(*box), distance, share);
+    made.radius = radius;
+    *inflation = made;
+}
+
+// Calls work(question type) of what is asked.
+template <class Work>
+void with_question(const AskedOfFeatures& asked, Work work) {
+    if (!asked.motion)
+        work.template operator()<NearQuestion>();
+    else if (asked.separated())
+        work.template operator()<SeparationQuestion>();
+    else
+        work.template operator()<ImpactQuestion>();
+}
+
+}  // namespace
+
+template <int moments>
+void list_tests(const Geometry& geometry, cudaStream_t stream, const FeatureSurvivors<moments>& survivors,
+                const PointRows& points, std::int32_t ends, const AskedOfFeatures& asked, bool all_kinds,
+                const TestLists& tests, const FeatureHits& hits, Counters* counters) {
+    const TestFilter<moments> filter{points, ends, asked};
+    if (all_kinds) {
+        Launch{stream, geometry.blocks(survivors.list.capacity), geometry.threads}(
+            listed_kernel<moments>, survivors, filter, tests, hits, &counters->listed);
+        return;
+    }
+    const auto list = [&]<int threads>() {
+        constexpr auto kernel = list_kernel<threads, moments>;
+        constexpr std::size_t shared = sizeof(ListShared<threads>);
+        const unsigned blocks = std::min(geometry.blocks(survivors.list.capacity), geometry.fitting(kernel, shared));
+        Launch{stream, blocks, threads, shared}(kernel, survivors, filter, tests, hits, &counters->listed);
+    };
+    geometry.threads == 64 ? list.template operator()<64>() : list.template operator()<256>();
+}
+template void list_tests(const Geometry&, cudaStream_t, const FeatureSurvivors<1>&, const PointRows&, std::int32_t,
+                         const AskedOfFeatures&, bool, const TestLists&, const FeatureHits&, Counters*);
+template void list_tests(const Geometry&, cudaStream_t, const FeatureSurvivors<2>&, const PointRows&, std::int32_t,
+                         const AskedOfFeatures&, bool, const TestLists&, const FeatureHits&, Counters*);
+
+void decide_tests(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const AskedOfFeatures& asked,
+                  bool all_kinds, const TestLists& tests, const TestLists& open, const List<OpenTest>& beyond,
+                  const FeatureHits& hits) {
+    const auto most = [](const TestLists& lists, std::size_t begin) {
+        return static_cast<std::size_t>(std::max(lists.of[begin].capacity, lists.of[begin + 1].capacity));
+    };
+    const auto decide = [&]<class Question, bool listed>() {
+        const Question question({scene, is_aligned(scene)}, asked, hits.any);
+        const auto fitting = [&](auto kernel, std::size_t capacity) {
+            return Launch{stream, std::min(geometry.blocks(capacity), geometry.fitting(kernel)), geometry.threads};
+        };
+        constexpr std::size_t begin = listed ? 2 : 0;
+        constexpr auto quick = decide_kernel<Question, listed>;
+        fitting(quick, most(tests, begin))(quick, question, tests, open, beyond, hits);
+        if constexpr (Question::closely) {
+            constexpr auto close = close_kernel<Question, listed>;
+            fitting(close, most(open, begin))(close, question, open, beyond, hits);
+        }
+    };
+    with_question(asked, [&]<class Question>() {
+        decide.template operator()<Question, false>();
+        if (all_kinds) decide.template operator()<Question, true>();
+    });
+}
+
+void reserve_feature_stacks(const Geometry& geometry, cudaStream_t stream, Counters* counters) {
+    TestLists none;
+    for (std::size_t k = 0; k < feature_kinds; ++k) none.of[k] = {nullptr, &counters->tests[k], 0};
+    const List<OpenTest> beyond{nullptr, &counters->beyond, 0};
+    FeatureHits hits{};
+    hits.list.count = &counters->hits;
+    AskedOfFeatures asked;
+    const auto reserve = [&](bool motion, double distance) {
+        asked.motion = motion, asked.distance = distance;
+        decide_tests(geometry, stream, Scene{}, asked, true, none, none, beyond, hits);
+    };
+    reserve(false, 1);
+    reserve(true, 0);
+    reserve(true, 1);
+}
+
+void pack_cases(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const AskedOfFeatures& asked,
+                const OpenTest* tests, std::size_t count, PackedFeatures* cases) {
+    Launch{stream, geometry.blocks(count), geometry.threads}(pack_kernel, ExactPoints{scene, is_aligned(scene)}, asked,
+                                                             tests, count, cases);
+}
+
+void append_hits(const Geometry& geometry, cudaStream_t stream, const RankedHit* found, std::size_t count,
+                 unsigned long long begin, const FeatureHits& hits) {
+    Launch{stream, geometry.blocks(count), geometry.threads}(append_kernel, found, count, begin, hits);
+}
+
+void rank_hits(const Geometry& geometry, cudaStream_t stream, const FeatureHits& hits) {
+    Launch{stream, geometry.blocks(hits.list.capacity), geometry.threads}(rank_kernel, hits);
+}
+
+void normalise_radii(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const SceneBox* box,
+                     const double* radii, float* vertex, float* triangle) {
+    const auto elements = static_cast<std::size_t>(std::max(scene.vertex_count(), scene.triangle_count()));
+    Launch{stream, geometry.blocks(elements), geometry.threads}(radii_kernel, scene, box, radii, vertex, triangle);
+}
+
+void make_inflation(cudaStream_t stream, const SceneBox* box, double distance, double share, const float* radius,
+                    Inflation* inflation) {
+    Launch{stream, 1, 1}(inflation_kernel, box, distance, share, radius, inflation);
+}
+
+}  // namespace crumple::cuda

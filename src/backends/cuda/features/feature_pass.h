@@ -1,0 +1,44 @@
+#pragma once
+
+// A pass for questions about features: records and directions in `sort` and `sweep`, then `narrow`.
+
+#include "backends/cuda/features/feature_narrow.h"
+#include "backends/cuda/stages/pass.h"
+
+namespace crumple::cuda {
+
+class FeaturePass : public Pass {
+   public:
+    using Pass::Pass;
+
+    AskedOfFeatures asked;
+    bool all_kinds = false;  ///< edges and points are listed
+
+    /// Cuts the arrays of all stages but the last; their contents are lost.
+    void cut(Cutter& cutter);
+
+    void sort();
+    void sweep(const Slice& slice);
+    void narrow(const FeatureHits& hits);
+
+    List<RankedHit> hits() const { return {hits_, &counters->hits, plan.hits}; }
+    OpenTest* beyond() const { return beyond_; }
+
+   private:
+    TestLists lists(FeatureTest* const* data, const unsigned long long* capacity, unsigned long long* count) const;
+    template <int moments>
+    FeatureRecord<moments>* records() const {
+        return static_cast<FeatureRecord<moments>*>(records_);
+    }
+    template <class Work>
+    void with_moments(Work work) const {
+        primitives.moving ? work.template operator()<2>() : work.template operator()<1>();
+    }
+
+    void* records_ = nullptr;  ///< FeatureRecords of one moment, or of two where the scene moves
+    FeatureTest *tests_[feature_kinds] = {}, *open_[feature_kinds] = {};
+    OpenTest* beyond_ = nullptr;
+    RankedHit* hits_ = nullptr;
+};
+
+}  // namespace crumple::cuda

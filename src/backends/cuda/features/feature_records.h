@@ -1,0 +1,51 @@
+#pragma once
+
+// What stages `sort` and `sweep` of the cuda backend do for questions about features: records by row, and whether a
+// direction parts two triangles, before a pair is listed.
+
+#include <limits>
+
+#include "backends/cuda/features/feature_parameters.h"
+#include "backends/cuda/stages/layout.h"
+#include "filters/features/separating_direction.h"
+
+namespace crumple::cuda {
+
+template <int moments>
+struct FeatureRows {
+    FeatureRecord<moments>* record;
+    FeatureTable features;
+
+    __device__ void put(std::uint32_t row, std::int32_t triangle, const Vec3d p[3 * moments], const std::int32_t id[3],
+                        const InFrame<3 * moments>& member, const Frame&) const {
+        FeatureRecord<moments> made;
+        write_geometry<moments>(p, member, made);
+        const TriangleEdges edges = features.edges_of[triangle];
+        for (std::size_t k = 0; k < 3; ++k) made.vertex[k] = id[k], made.edge[k] = edges[k];
+        made.triangle = triangle;
+        made.owned = features.owned[triangle];
+        record[row] = made;
+    }
+};
+
+/// Drops pairs that a direction parts by more than what is asked for. A share of the distance at the start is the
+/// business of the decision.
+template <int moments>
+struct SeparationTest {
+    const FeatureRecord<moments>* record;
+    Frames frames;
+    const std::uint16_t* leaf;
+    const Inflation* inflation;
+    const float* triangle_radius;
+    bool all;  ///< nothing is dropped
+
+    __device__ bool operator()(const Candidate& c) const {
+        if (all) return true;
+        const FeatureRecord<moments> a = record[c.row], b = record[c.column];
+        const float asked =
+            triangle_radius ? triangle_radius[a.triangle] + triangle_radius[b.triangle] : 2 * inflation->half;
+        return !surely_apart(a, b, needed_gap(asked, frames.reach_of(leaf[c.row])));
+    }
+};
+
+}  // namespace crumple::cuda

@@ -1,0 +1,50 @@
+#pragma once
+
+// Stage `output` for questions about features: all lists in order, one behind the other, with their values.
+
+#include "backends/cuda/device/memory.h"
+#include "backends/cuda/features/feature_narrow.h"
+#include "backends/cuda/stages/output.h"
+
+namespace crumple::cuda {
+
+struct FeatureOutput : RowsOfOutput {
+    using Key = std::uint64_t;  ///< the second feature in the upper half, its place in the list of hits in the lower
+    Key* second;
+    Pair* pairs;
+    double* value;
+    std::uint8_t* flag;
+    const RankedHit* hits;
+    FirstOfKind firsts;
+
+    void cut(Cutter& cutter, const FirstOfKind& features, std::size_t room);
+    void clear(Clearing& clearing) const;
+
+    __device__ void set_flags(std::size_t, Key) const {}
+    __device__ void write(unsigned long long place, std::int32_t first, Key key) const {
+        const auto joint = static_cast<std::uint32_t>(first);
+        std::uint32_t base = 0;
+        for (const std::uint32_t begin : firsts.base)
+            if (begin <= joint) base = begin;
+        const RankedHit& hit = hits[static_cast<std::uint32_t>(key)];
+        pairs[place] = {static_cast<std::int32_t>(joint - base), static_cast<std::int32_t>(key >> 32)};
+        value[place] = hit.value;
+        flag[place] = static_cast<std::uint8_t>(hit.flag);
+    }
+};
+
+/// Turns listed hits, which are counted by first feature, into the answer. `told` as order_buckets() has it.
+void write_answer(const Geometry& geometry, cudaStream_t stream, const FeatureHits& hits, const FeatureOutput& output,
+                  Counters* counters, Counters* told);
+
+/// The first impact among listed hits: least value, then first in the order of the answer.
+struct Earliest {
+    unsigned long long value, pair;  ///< bits of a number that is not negative; first and second feature
+    unsigned long long flag;
+};
+void clear(Clearing& clearing, Earliest* earliest);
+/// `told`: memory of the host that the device can write.
+void find_earliest(const Geometry& geometry, cudaStream_t stream, const FeatureHits& hits, Earliest* earliest,
+                   Counters* counters, Counters* told);
+
+}  // namespace crumple::cuda

@@ -1,0 +1,21 @@
+// The stages that take a part of the question into their kernels, for questions about features.
+
+#include "backends/cuda/features/feature_records.h"
+#include "backends/cuda/stages/sort_kernel.h"
+#include "backends/cuda/stages/sweep_kernel.h"
+
+namespace crumple::cuda {
+
+template void sort_members(const Geometry&, cudaStream_t, const Scene&, const Points&, int, const Segments&,
+                           const Members&, const Frames&, const Ownership&, const Sorted&, const Widened<1>&,
+                           const FeatureRows<1>&, const List<Unit>&, Counters*);
+template void sort_members(const Geometry&, cudaStream_t, const Scene&, const Points&, int, const Segments&,
+                           const Members&, const Frames&, const Ownership&, const Sorted&, const Widened<2>&,
+                           const FeatureRows<2>&, const List<Unit>&, Counters*);
+
+template void sweep(const Geometry&, cudaStream_t, const Scene&, const Sorted&, const List<Unit>&, const Ownership&,
+                    const WantedPairs&, const SeparationTest<1>&, const List<Candidate>&, const Slice&, Counters*);
+template void sweep(const Geometry&, cudaStream_t, const Scene&, const Sorted&, const List<Unit>&, const Ownership&,
+                    const WantedPairs&, const SeparationTest<2>&, const List<Candidate>&, const Slice&, Counters*);
+
+}  // namespace crumple::cuda

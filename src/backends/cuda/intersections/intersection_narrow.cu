@@ -1,0 +1,158 @@
+#include "backends/cuda/intersections/intersection_narrow.h"
+
+#include <algorithm>
+
+#include "exact/intersection/intersection_decision.h"
+#include "filters/intersection/pair_filters.h"
+
+namespace crumple::cuda {
+namespace {
+
+// Records one colliding pair, lower id first. All lanes of a warp call it together.
+__device__ void add(const Hits& hits, bool is_hit, std::int32_t a, std::int32_t b, std::int32_t second) {
+    if (hits.mode == Hits::Mode::any) return tally(is_hit, hits.list.count);
+    unsigned long long rank = 0;
+    if (is_hit) rank = atomicAdd(&hits.by_first[a], 1ull);
+    if (is_hit && hits.by_tile) atomicAdd(&hits.by_tile[a / offset_tile], 1ull);
+    if (hits.mode == Hits::Mode::fill) {
+        if (is_hit) hits.second[rank] = b - second;
+        return;
+    }
+    const unsigned long long place = append(is_hit, hits.list.count);
+    if (is_hit && hits.mode == Hits::Mode::list && place < hits.list.capacity)
+        hits.list.data[place] = {a, b, static_cast<std::uint32_t>(rank)};
+}
+
+// The same for a candidate.
+__device__ void add(const Hits& hits, bool is_hit, const Pair& pair, std::int32_t second, const Sorted& sorted,
+                    const Candidate& c) {
+    if (hits.mode != Hits::Mode::by_world) return add(hits, is_hit, pair.a, pair.b, second);
+    if (is_hit) atomicAdd(hits.worlds.of(sorted.leaf[c.row]), 1ull);
+}
+
+// Whether the candidate's world has a hit, so that it need not be decided. Each lane looks for itself, so none may go
+// another way than the warp because of it.
+__device__ bool is_decided(const Hits& hits, const Sorted& sorted, const Candidate& c) {
+    return hits.mode == Hits::Mode::by_world && atomicAdd(hits.worlds.of(sorted.leaf[c.row]), 0ull) != 0;
+}
+
+__device__ std::int32_t second_of(const Scene& scene) {
+    return static_cast<std::int32_t>(scene.between ? scene.triangles[0] : 0);
+}
+
+__device__ Pair pair_of(const Sorted& sorted, const Candidate& c) {
+    const std::int32_t a = sorted.triangle[c.row], b = sorted.triangle[c.column];
+    return {min(a, b), max(a, b)};
+}
+
+// What filters can prove, in float32 and then in float64.
+__global__ void __launch_bounds__(256, 3)
+    filter_kernel(Scene scene, Sorted sorted, RecordRows records, PointRows points, Frames frames, NarrowPolicy policy,
+                  List<Candidate> survivors, List<Candidate> undecided, Hits hits, unsigned long long* doubles) {
+    const unsigned long long n = survivors.filled(), warps_end = (n + 31) / 32 * 32;
+    for (unsigned long long i = grid_thread(); i < warps_end && !has_ended(hits.end()); i += grid_stride()) {
+        Verdict verdict = Verdict::apart;
+        Candidate candidate{};
+        Pair pair{};
+        bool in_double = false;
+        if (i < n) {
+            candidate = survivors.data[i];
+            pair = pair_of(sorted, candidate);
+            // Copied by four words at a time.
+            const Record a = records.record[candidate.row], b = records.record[candidate.column];
+            const PairSigns signs = pair_signs(a, b);
+            const float reach = frames.reach_of(sorted.leaf[candidate.row]);
+            verdict = filter_in_float(a, b, signs, classify(signs, policy), policy, points, reach);
+            in_double = verdict == Verdict::undecided;
+            if (in_double && filter_in_double(a, b, signs, points)) verdict = Verdict::apart;
+        }
+        tally(in_double, doubles);
+        add(hits, verdict == Verdict::collides, pair, second_of(scene), sorted, candidate);
+        const unsigned long long place = append(verdict == Verdict::undecided, undecided.count);
+        if (verdict == Verdict::undecided && place < undecided.capacity) undecided.data[place] = candidate;
+    }
+}
+
+// The exact decision, with expansions where it takes them. Few pairs come here: registers and stack do not matter.
+__global__ void exact_kernel(Scene scene, Sorted sorted, Neighbours neighbours, Intersections intersections,
+                             List<Candidate> undecided, List<Pair> beyond, Hits hits) {
+    const unsigned long long n = undecided.filled(), warps_end = (n + 31) / 32 * 32;
+    for (unsigned long long i = grid_thread(); i < warps_end && !has_ended(hits.end()); i += grid_stride()) {
+        Verdict verdict = Verdict::apart;
+        Pair pair{};
+        Candidate candidate{};
+        if (i < n) candidate = undecided.data[i];
+        if (i < n && !is_decided(hits, sorted, candidate)) {
+            pair = pair_of(sorted, candidate);
+            ExactSigns signs;
+            verdict = decide(scene.triangle(pair.a), scene.triangle(pair.b), neighbours, intersections, signs);
+        }
+        add(hits, verdict == Verdict::collides, pair, second_of(scene), sorted, candidate);
+        const unsigned long long place = append(verdict == Verdict::undecided, beyond.count);
+        if (verdict == Verdict::undecided && place < beyond.capacity) beyond.data[place] = pair;
+    }
+}
+
+__global__ void add_kernel(Scene scene, const Pair* pairs, std::size_t n, Hits hits) {
+    const std::size_t warps_end = (n + 31) / 32 * 32;
+    for (std::size_t i = grid_thread(); i < warps_end; i += grid_stride())
+        add(hits, i < n, i < n ? pairs[i].a : 0, i < n ? pairs[i].b : 0, second_of(scene));
+}
+
+__global__ void append_kernel(const Pair* pairs, std::size_t n, unsigned long long begin, List<Hit> hits) {
+    for (std::size_t i = grid_thread(); i < n; i += grid_stride())
+        if (begin + i < hits.capacity) hits.data[begin + i] = {pairs[i].a, pairs[i].b, 0};
+    if (grid_thread() == 0) *hits.count = begin + n;
+}
+
+__global__ void rank_kernel(List<Hit> hits, unsigned long long* by_first, unsigned long long* by_tile) {
+    const unsigned long long n = hits.filled();
+    for (unsigned long long i = grid_thread(); i < n; i += grid_stride()) {
+        hits.data[i].rank = static_cast<std::uint32_t>(atomicAdd(&by_first[hits.data[i].a], 1ull));
+        atomicAdd(&by_tile[hits.data[i].a / offset_tile], 1ull);
+    }
+}
+
+}  // namespace
+
+void narrow(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Sorted& sorted,
+            const RecordRows& records, const Points& points, const Frames& frames, const NarrowPolicy& policy,
+            const List<Candidate>& survivors, const List<Candidate>& undecided, const List<Pair>& beyond,
+            const Hits& hits, unsigned long long* doubles) {
+    const Neighbours neighbours = policy.skip_neighbours ? Neighbours::skip : Neighbours::geometric;
+    const Intersections intersections = policy.proper ? Intersections::proper : Intersections::all;
+    Launch{stream, std::min(geometry.blocks(survivors.capacity), geometry.fitting(filter_kernel)), geometry.threads}(
+        filter_kernel, scene, sorted, records, points.rows(), frames, policy, survivors, undecided, hits, doubles);
+    decide_exactly(geometry, stream, scene, sorted, neighbours, intersections, undecided, beyond, hits);
+}
+
+void decide_exactly(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Sorted& sorted,
+                    Neighbours neighbours, Intersections intersections, const List<Candidate>& undecided,
+                    const List<Pair>& beyond, const Hits& hits) {
+    // Its registers let one block in at a time.
+    const unsigned blocks = std::min(geometry.blocks(undecided.capacity), std::max(1u, geometry.multiprocessors));
+    Launch{stream, blocks, geometry.threads}(exact_kernel, scene, sorted, neighbours, intersections, undecided, beyond,
+                                             hits);
+}
+
+void reserve_exact_stack(const Geometry& geometry, cudaStream_t stream, Counters* counters) {
+    decide_exactly(geometry, stream, Scene{}, Sorted{}, Neighbours::geometric, Intersections::all,
+                   {nullptr, &counters->undecided, 0}, {nullptr, &counters->beyond, 0}, Hits{});
+}
+
+void append_hits(const Geometry& geometry, cudaStream_t stream, const Pair* pairs, std::size_t count,
+                 unsigned long long begin, const List<Hit>& hits) {
+    Launch{stream, geometry.blocks(count), geometry.threads}(append_kernel, pairs, count, begin, hits);
+}
+
+void rank_hits(const Geometry& geometry, cudaStream_t stream, const List<Hit>& hits, unsigned long long* by_first,
+               unsigned long long* by_tile) {
+    Launch{stream, geometry.blocks(hits.capacity), geometry.threads}(rank_kernel, hits, by_first, by_tile);
+}
+
+void add_hits(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Pair* pairs, std::size_t count,
+              const Hits& hits) {
+    Launch{stream, geometry.blocks(count), geometry.threads}(add_kernel, scene, pairs, count, hits);
+}
+
+}  // namespace crumple::cuda

@@ -1,0 +1,33 @@
+#pragma once
+
+// A pass for this question: records and the plane filter in `sort` and `sweep`, then `narrow`.
+
+#include "backends/cuda/intersections/intersection_narrow.h"
+#include "backends/cuda/stages/pass.h"
+
+namespace crumple::cuda {
+
+class IntersectionPass : public Pass {
+   public:
+    using Pass::Pass;
+
+    NarrowPolicy policy;
+
+    /// Cuts the arrays of all stages but the last; their contents are lost.
+    void cut(Cutter& cutter);
+
+    void sort() { Pass::sort(AtRest{}, records_); }
+    void sweep(const Slice& slice) { Pass::sweep(slice, PlaneTest{records_.record, policy}); }
+    void narrow(const Hits& hits);
+
+    List<Hit> hits() const { return {hits_, &counters->hits, plan.hits}; }
+    Pair* beyond() const { return beyond_; }
+
+   protected:  // tests of the stages look at the list
+    RecordRows records_{};
+    Candidate* undecided_ = nullptr;
+    Pair* beyond_ = nullptr;
+    Hit* hits_ = nullptr;
+};
+
+}  // namespace crumple::cuda

@@ -1,0 +1,34 @@
+#pragma once
+
+// What stages `sort` and `sweep` of the cuda backend do for this question: records by row, and the plane filter, before
+// a pair is listed. Both run within the stages' kernels, so that they cost no launch.
+
+#include "backends/cuda/stages/layout.h"
+#include "filters/intersection/plane_filter.h"
+
+namespace crumple::cuda {
+
+/// Records by row, planes scaled.
+struct RecordRows {
+    Record* record;
+
+    __device__ void put(std::uint32_t row, std::int32_t, const Vec3d p[3], const std::int32_t id[3],
+                        const InFrame<3>& member, const Frame& frame) const {
+        Record made = record_of(p, id, member);
+        scale_plane(made, plane_scale(frame.reach));
+        record[row] = made;
+    }
+};
+
+/// Drops pairs that a plane separates: four of five of those whose boxes overlap.
+struct PlaneTest {
+    const Record* record;
+    NarrowPolicy policy;
+
+    __device__ bool operator()(const Candidate& c) const {
+        const Record a = record[c.row], b = record[c.column];  // copied by four words at a time
+        return classify(pair_signs(a, b), policy) != PairKind::apart;
+    }
+};
+
+}  // namespace crumple::cuda

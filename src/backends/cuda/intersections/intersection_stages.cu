@@ -1,0 +1,16 @@
+// The stages that take a part of the question into their kernels, for this question.
+
+#include "backends/cuda/intersections/intersection_records.h"
+#include "backends/cuda/stages/sort_kernel.h"
+#include "backends/cuda/stages/sweep_kernel.h"
+
+namespace crumple::cuda {
+
+template void sort_members(const Geometry&, cudaStream_t, const Scene&, const Points&, int, const Segments&,
+                           const Members&, const Frames&, const Ownership&, const Sorted&, const AtRest&,
+                           const RecordRows&, const List<Unit>&, Counters*);
+
+template void sweep(const Geometry&, cudaStream_t, const Scene&, const Sorted&, const List<Unit>&, const Ownership&,
+                    const WantedPairs&, const PlaneTest&, const List<Candidate>&, const Slice&, Counters*);
+
+}  // namespace crumple::cuda

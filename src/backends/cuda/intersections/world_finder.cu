@@ -1,0 +1,70 @@
+#include "backends/cuda/intersections/world_finder.h"
+
+#include <utility>
+#include <vector>
+
+#include "results/intersection_output.h"
+
+namespace crumple::cuda {
+
+Query query_of(const Intersect& question) {
+    Query query;
+    query.neighbours = question.neighbours;
+    query.intersections = question.intersections;
+    query.weld = question.weld;
+    query.contacts = question.wants == Wants::contacts;
+    return query;
+}
+
+WorldFinder::WorldFinder(Search& search, cudaStream_t stream, MemoryMeter& meter)
+    : search_(search), stream_(stream), meter_(meter), found_(metered(&meter)) {}
+
+void WorldFinder::release() {
+    known_.reset();
+    found_ = metered(&meter_);
+}
+
+// Launches in flight keep the bodies that they were given.
+std::shared_ptr<const PosedWorlds> WorldFinder::bodies_of(const World& world, const Rules& rules, ParallelFor& workers,
+                                                          Room room) {
+    if (known_ && known_->resting().is_of(world, rules)) return known_;
+    if (room == Room::fixed) throw NoRoom{};
+    known_.reset();
+    std::unique_ptr<RestingWorlds> resting = RestingWorlds::make(world, rules, max_leaves, workers, meter_);
+    if (resting) known_ = std::make_shared<const PosedWorlds>(std::move(resting), stream_, meter_);
+    return known_;
+}
+
+bool WorldFinder::find(const World& world, const Intersect& question, ParallelFor& workers, WorldCollisions& result) {
+    const std::shared_ptr<const PosedWorlds> worlds = bodies_of(world, question.rules, workers);
+    if (!worlds) return false;
+    const RestingWorlds& resting = worlds->resting();
+    resting.begin(question, result);
+    search_.pose(search_.current(), worlds, world.device_poses, question.weld, false);
+    search_.adopt(query_of(question));
+    if (question.wants <= Wants::any_by_world) {
+        find_flags(*worlds, question.wants, result);
+    } else {
+        search_.find();
+        search_.copy_to(found_);
+        resting.tell_pairs(found_, question, result);
+    }
+    add_pass(search_.statistics(), result.statistics);
+    resting.finish(question, result);
+    return true;
+}
+
+void WorldFinder::find_flags(const PosedWorlds& worlds, Wants wants, WorldCollisions& result) {
+    const auto several = static_cast<std::size_t>(worlds.scene().worlds);
+    std::vector<std::uint8_t> flags(worlds.resting().empty() ? 0 : several, 0);
+    if (flags.empty()) return;
+    if (wants == Wants::any || several == 1) {
+        flags[0] = search_.any();
+    } else {
+        fill(stream_, worlds.found(), 0, several * sizeof *worlds.found());
+        search_.flag_worlds(flags);
+    }
+    worlds.resting().tell_flags(flags, result);
+}
+
+}  // namespace crumple::cuda

@@ -1,0 +1,43 @@
+#pragma once
+
+// Questions about worlds whose poses lie on the device: their bodies, which stay there from call to call, and answers
+// for the host.
+
+#include <memory>
+
+#include "backends/cuda/input/posed_worlds.h"
+#include "backends/cuda/intersections/intersection_search.h"
+#include "base/parallel_for.h"
+#include "crumple/world.h"
+
+namespace crumple::cuda {
+
+/// A world's question as that about its scene.
+Query query_of(const Intersect& question);
+
+class WorldFinder {
+   public:
+    WorldFinder(Search& search, cudaStream_t stream, MemoryMeter& meter);
+
+    /// The world's bodies, brought to the device unless they are those of the call before. Null if one scene cannot
+    /// hold them. Throws NoRoom if that is fixed and they are not there.
+    std::shared_ptr<const PosedWorlds> bodies_of(const World& world, const Rules& rules, ParallelFor& workers,
+                                                 Room room = Room::grows);
+
+    /// Fills the answer, once our stream waits for the poses; false if one scene cannot hold the worlds. Throws
+    /// MemoryMeter::Exceeded if memory does not hold all of them at once.
+    bool find(const World& world, const Intersect& question, ParallelFor& workers, WorldCollisions& result);
+
+    void release();
+
+   private:
+    void find_flags(const PosedWorlds& worlds, Wants wants, WorldCollisions& result);
+
+    Search& search_;
+    cudaStream_t stream_;
+    MemoryMeter& meter_;
+    std::shared_ptr<const PosedWorlds> known_;
+    Collisions found_;
+};
+
+}  // namespace crumple::cuda

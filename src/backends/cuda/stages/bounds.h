@@ -1,0 +1,65 @@
+#pragma once
+
+// Stage `bounds`: normalised vertices, and a ball around each triangle ([MZ] sec. 5). See docs/bounds.md.
+
+#include <bit>
+
+#include "backends/cuda/device/runtime.h"
+#include "backends/cuda/stages/clearing.h"
+#include "backends/cuda/stages/layout.h"
+#include "backends/cuda/stages/primitive.h"
+#include "geometry/normaliser.h"
+#include "scene/scene.h"
+
+namespace crumple::cuda {
+
+/// The box of all vertices, as integers in the order of the numbers they stand for, so that atomics can widen it.
+struct SceneBox {
+    unsigned long long low[3], high[3];
+};
+
+/// Integers in the order of the (finite) numbers.
+CRUMPLE_HD inline unsigned long long ordered(double x) {
+    const auto bits = std::bit_cast<unsigned long long>(x);
+    return bits >> 63 ? ~bits : bits | 1ull << 63;
+}
+CRUMPLE_HD inline double from_ordered(unsigned long long key) {
+    return std::bit_cast<double>(key >> 63 ? key & ~(1ull << 63) : ~key);
+}
+
+CRUMPLE_HD inline Normaliser normaliser_of(const SceneBox& box) {
+    Vec3d low, high;
+    for (int axis = 0; axis < 3; ++axis) {
+        low[axis] = from_ordered(box.low[axis]);
+        high[axis] = from_ordered(box.high[axis]);
+    }
+    return low.x <= high.x ? Normaliser(low, high) : Normaliser();
+}
+
+void clear(Clearing& clearing, Counters* counters);
+/// The empty box, for check_vertices().
+void clear(Clearing& clearing, SceneBox* box);
+
+/// Widens the box by the scene's vertices, also at their ends, and notes the first that is not finite. For scenes that
+/// lie on the device; others were checked by the host.
+void check_vertices(const Geometry& geometry, cudaStream_t stream, const Scene& scene, SceneBox* box,
+                    Counters* counters);
+
+/// Whether the triangle's corners exist; if not, notes it if it is the first.
+__device__ inline bool corners_exist(const Scene& scene, std::size_t t, Counters* counters) {
+    const std::int32_t* corner = scene.corners + 3 * t;
+    const auto vertices = static_cast<std::uint32_t>(scene.vertex_count());
+    if (static_cast<std::uint32_t>(corner[0]) < vertices && static_cast<std::uint32_t>(corner[1]) < vertices &&
+        static_cast<std::uint32_t>(corner[2]) < vertices)
+        return true;
+    const int side = scene.second(static_cast<std::int64_t>(t));
+    atomicMin(&counters->bad_triangle[side],
+              static_cast<unsigned long long>(t) - static_cast<unsigned long long>(side ? scene.triangles[0] : 0));
+    return false;
+}
+
+/// Of a scene that moves, a ball holds the triangle's whole way, and rows of ends follow those of starts.
+void compute_bounds(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Primitives& primitives,
+                    const SceneBox* box, const Points& points, Ball* balls, Counters* counters);
+
+}  // namespace crumple::cuda

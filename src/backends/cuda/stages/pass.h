@@ -1,0 +1,104 @@
+#pragma once
+
+// One pass over the stages up to `sweep`, [MZ] Algorithm 1, on arrays that are cut from blocks of device memory. What
+// follows depends on the kind of query, which brings its records and its filter.
+
+#include "backends/cuda/device/memory.h"
+#include "backends/cuda/stages/bounds.h"
+#include "backends/cuda/stages/plan.h"
+#include "backends/cuda/stages/sort.h"
+#include "backends/cuda/stages/subdivide.h"
+#include "backends/cuda/stages/sweep.h"
+#include "crumple/options.h"
+
+namespace crumple::cuda {
+
+/// What one pass leaves for the next. A guided pass begins with a copy of `next` and then makes the next one, beside
+/// the stages that wait for each other:
+///
+///     clear, now = next -- bounds -- members ---- sort -- sweep -- narrow -- output
+///                                          \                                  /
+///                                           fuzzy C-means, places, frames: next
+///
+/// One that is not guided makes each part of it before it is used.
+struct Guides {
+    Guide now, next;
+    float* moved[2];  ///< of the next centres
+
+    void cut(Cutter& cutter, const Plan& plan);
+};
+
+class Pass {
+   public:
+    Pass(const Geometry& geometry, cudaStream_t stream, const Options& options)
+        : geometry_(geometry), stream_(stream), options_(options) {}
+
+    /// What is asked. Pointers are of the device.
+    Scene scene;
+    const SceneBox* box = nullptr;
+    Primitives primitives;
+    Segments worlds{};  ///< triangles of each world; null: one has all
+    WantedPairs wanted;
+    Plan plan;
+    Guides guides{};
+    const Branch* beside = nullptr;  ///< where a guided pass makes the next guide; joined by whoever needs it
+
+    /// Cuts the arrays of the stages up to `sort`, and the list that `sweep` fills; their contents are lost.
+    void cut(Cutter& cutter);
+
+    void bounds();
+    void subdivide_scene();
+    /// Leaves of those clusters of the first level that have a bit in `listed`.
+    void subdivide_clusters(std::uint64_t listed);
+    void align();
+    template <class Primitive, class Records>
+    void sort(const Primitive& primitive, const Records& records) {
+        sort_members(geometry_, stream_, scene, points_, plan.leaves(), members_of(last_level()),
+                     members_[last_level()], frames(), ownership(), sorted_, primitive, records, units(), counters);
+    }
+    template <class Filter>
+    void sweep(const Slice& slice, const Filter& filter) {
+        cuda::sweep(geometry_, stream_, scene, sorted_, units(), ownership(), wanted, filter, survivors(), slice,
+                    counters);
+    }
+
+    /// What the stages find cleared, from subdivide_scene() or subdivide_clusters() on.
+    void clear(Clearing& clearing) const;
+    /// Between slices of one sweep: all but its units.
+    void clear_counters();
+
+    Counters* counters = nullptr;
+
+   private:
+    void list_members(int i, std::uint64_t listed);
+    void move_centres(int i);
+    void look_ahead(int i, cudaStream_t stream);
+
+   protected:  // tests of the stages look at the arrays, and bring another question
+    Level level(int i) const;
+    Members members(int i) const;
+    Fuzziness fuzziness(int i) const;
+    Ownership ownership() const;
+    int last_level() const { return plan.levels() - 1; }
+    Segments members_of(int i) const { return {guides.now.first[i], count_[i]}; }
+    Frames frames() const { return {guides.now.frame, reach_}; }
+    List<Unit> units() const { return {units_, &counters->units, plan.units}; }
+    List<Candidate> survivors() const { return {survivors_, &counters->survivors, plan.survivors}; }
+
+    Geometry geometry_;
+    cudaStream_t stream_;
+    const Options& options_;
+
+    Points points_;
+    Ball* balls_ = nullptr;
+    Row<float>* partial_ = nullptr;
+    std::uint64_t* mask_[2] = {};
+    unsigned long long* count_[2] = {};
+    Members members_[2] = {};
+    unsigned* reach_ = nullptr;
+    Sorted sorted_{};
+    Unit* units_ = nullptr;
+    Candidate* survivors_ = nullptr;
+};
+
+}  // namespace crumple::cuda

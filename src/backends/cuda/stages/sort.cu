@@ -1,0 +1,121 @@
+#include "backends/cuda/stages/sort.h"
+
+#include "backends/cuda/stages/align.h"
+
+namespace crumple::cuda {
+namespace {
+
+__device__ std::uint32_t bin_of(float x, const Frame& frame) {
+    const float b = (x - frame.base) * frame.scale;  // monotone, so overlapping intervals have overlapping bins
+    return b > 0 ? (b < bins - 1 ? static_cast<std::uint32_t>(b) : bins - 1) : 0;
+}
+
+// Turns a leaf's numbers by bin into first rows, by one warp.
+__device__ void sum_bins(std::uint32_t* bin_first, std::uint32_t first) {
+    const unsigned lane = threadIdx.x % 32;
+    for (unsigned b = lane; b < bins; b += 32) {
+        const std::uint32_t count = bin_first[b];
+        std::uint32_t sum = count;
+        for (unsigned lanes = 1; lanes < 32; lanes *= 2) {
+            const std::uint32_t before = __shfl_up_sync(whole_warp, sum, lanes);
+            if (lane >= lanes) sum += before;
+        }
+        bin_first[b] = first + sum - count;
+        first += __shfl_sync(whole_warp, sum, 31);
+    }
+    if (lane == 0) bin_first[bins] = first;
+}
+
+// First and last bin of each member, and its place among those that start in the same bin. A warp's members are of one
+// leaf, and the warp that brings the leaf's last ones sums up its bins, which is a kernel less than to wait for all
+// leaves. Fences on both sides of the counter: the last warp sees what the others have counted. The first fence is lane
+// 0's, and comes after a __syncwarp, since only then it follows what the other lanes have counted.
+template <class T, class Primitive>
+__global__ void bin_kernel(Scene scene, Primitive primitive, const Row<T>* rows, int leaves, Segments members_of,
+                           Members members, Frames frames, Sorted sorted) {
+    const unsigned lane = threadIdx.x % 32;
+    const auto n = static_cast<std::size_t>(leaves);
+    for (unsigned long long m = grid_thread(); m < members_of.first[n]; m += grid_stride()) {
+        const std::size_t leaf = segment_of(m, members_of.first, n);
+        const unsigned long long begin = members_of.first[leaf], end = members_of.end(leaf);
+        std::uint32_t* bin_first = sorted.bin_first + leaf * (bins + 1);
+        const bool valid = m < end;
+        if (valid) {
+            const Frame frame = frames[leaf];
+            const std::int32_t t = members.triangle[m];
+            Vec3d p[Primitive::corners];
+            const auto member = primitive.in_frame(rows, scene.corners + 3 * static_cast<std::size_t>(t), t, frame, p);
+            const std::uint32_t first = bin_of(member.low.x - frame.margin, frame);
+            const std::uint32_t last = bin_of(member.high.x + frame.margin, frame);
+            sorted.bin[m] = first | last << 16;
+            sorted.rank[m] = atomicAdd(&bin_first[first], 1u);
+        }
+        const auto here = static_cast<unsigned>(__popc(__ballot_sync(whole_warp, valid)));
+        __syncwarp();
+        unsigned before = 0;
+        if (lane == 0 && here) {
+            __threadfence();
+            before = atomicAdd(&sorted.binned[leaf], here);
+        }
+        before = __shfl_sync(whole_warp, before, 0);
+        if (here == 0 || before + here < end - begin) continue;
+        __threadfence();
+        __syncwarp();
+        sum_bins(bin_first, static_cast<std::uint32_t>(begin));
+    }
+}
+
+// Units of each group of 32 rows; a group is a warp's, and of one leaf.
+__global__ void unit_kernel(int leaves, Segments members_of, Sorted sorted, List<Unit> units) {
+    const unsigned lane = threadIdx.x % 32;
+    const auto n = static_cast<std::size_t>(leaves);
+    for (unsigned long long row = grid_thread(); row < members_of.first[n]; row += grid_stride()) {
+        const auto rows_end = static_cast<std::uint32_t>(members_of.end(segment_of(row, members_of.first, n)));
+        std::uint32_t end = row < rows_end ? sorted.end[row] : 0;
+        for (int lanes = 16; lanes > 0; lanes /= 2) end = max(end, __shfl_xor_sync(whole_warp, end, lanes));
+        const auto first = static_cast<std::uint32_t>(row) - lane, column = first + 1;
+        const unsigned wanted = end > column ? (end - column + unit_columns - 1) / unit_columns : 0;
+        unsigned long long place = 0;
+        if (lane == 0 && wanted) place = atomicAdd(units.count, static_cast<unsigned long long>(wanted));
+        place = __shfl_sync(whole_warp, place, 0);
+        for (unsigned u = lane; u < wanted && place + u < units.capacity; u += 32) {
+            const std::uint32_t begin = column + u * unit_columns;
+            units.data[place + u] = {first, rows_end, begin, min(begin + unit_columns, end)};
+        }
+    }
+}
+
+}  // namespace
+
+void clear(Clearing& clearing, const Sorted& sorted, int leaves) {
+    const auto n = static_cast<std::size_t>(leaves);
+    clearing.add(sorted.bin_first, n * (bins + 1) * sizeof *sorted.bin_first);
+    clearing.add(sorted.binned, n * sizeof *sorted.binned);
+}
+
+template <class Primitive>
+void bin_members(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Primitive& primitive,
+                 const Points& points, int leaves, const Segments& members_of, const Members& members,
+                 const Frames& frames, const Sorted& sorted) {
+    const auto bin = [&](const auto* rows, auto kernel) {
+        Launch{stream, geometry.blocks(members.capacity), geometry.threads}(kernel, scene, primitive, rows, leaves,
+                                                                            members_of, members, frames, sorted);
+    };
+    if (points.f)
+        bin(points.f, bin_kernel<float, Primitive>);
+    else
+        bin(points.d, bin_kernel<double, Primitive>);
+}
+template void bin_members(const Geometry&, cudaStream_t, const Scene&, const AtRest&, const Points&, int,
+                          const Segments&, const Members&, const Frames&, const Sorted&);
+template void bin_members(const Geometry&, cudaStream_t, const Scene&, const Widened<1>&, const Points&, int,
+                          const Segments&, const Members&, const Frames&, const Sorted&);
+template void bin_members(const Geometry&, cudaStream_t, const Scene&, const Widened<2>&, const Points&, int,
+                          const Segments&, const Members&, const Frames&, const Sorted&);
+
+void list_units(const Geometry& geometry, cudaStream_t stream, int leaves, const Segments& members_of,
+                std::size_t capacity, const Sorted& sorted, const List<Unit>& units) {
+    Launch{stream, geometry.blocks(capacity), geometry.threads}(unit_kernel, leaves, members_of, sorted, units);
+}
+
+}  // namespace crumple::cuda

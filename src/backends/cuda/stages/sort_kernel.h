@@ -1,0 +1,65 @@
+#pragma once
+
+// The kernel of `sort` that places members, for those who keep something of each: a question includes this and
+// instantiates sort_members<Records>().
+
+#include "backends/cuda/stages/align.h"
+#include "backends/cuda/stages/sort.h"
+
+namespace crumple::cuda {
+namespace detail {
+
+// Box and record are made from one gather of the corners.
+template <class T, class Primitive, class Records>
+__global__ void place_kernel(Scene scene, const Row<T>* rows, int leaves, Segments members_of, Members members,
+                             Frames frames, Ownership ownership, Sorted sorted, Primitive primitive, Records records,
+                             Counters* counters) {
+    unsigned long long tests = 0;
+    const auto n = static_cast<std::size_t>(leaves);
+    for (unsigned long long m = grid_thread(); m < members_of.first[n]; m += grid_stride()) {
+        const auto leaf = static_cast<std::uint32_t>(segment_of(m, members_of.first, n));
+        if (m >= members_of.end(leaf)) continue;
+        const std::int32_t t = members.triangle[m];
+        const std::uint32_t bin = sorted.bin[m], *bin_first = sorted.bin_first + leaf * (bins + 1);
+        const std::uint32_t row = bin_first[bin & 0xffff] + sorted.rank[m], end = bin_first[(bin >> 16) + 1];
+        const Frame frame = frames[leaf];
+        const std::int32_t* corner = scene.corners + 3 * static_cast<std::size_t>(t);
+        Vec3d p[Primitive::corners];
+        const auto member = primitive.in_frame(rows, corner, t, frame, p);
+        const auto item = members.item[m];
+        const auto child = leaf % static_cast<std::uint32_t>(ownership.last_fan_out);
+        const std::uint64_t lower = ownership.last_mask[item] & ((std::uint64_t{1} << child) - 1);
+        const std::uint64_t side = scene.between ? std::uint64_t{1} << (max_fan_out_between - 1 + scene.second(t)) : 0;
+        sorted.box[row] = {member.low.y - frame.margin, member.high.y + frame.margin, member.low.z - frame.margin,
+                           member.high.z + frame.margin};
+        records.put(row, t, p, corner, member, frame);
+        sorted.conflict[row] = lower | side;
+        sorted.end[row] = end;
+        sorted.triangle[row] = t;
+        sorted.leaf[row] = static_cast<std::uint16_t>(leaf);
+        tests += end - row - 1;
+    }
+    for (int lanes = 16; lanes > 0; lanes /= 2) tests += __shfl_xor_sync(whole_warp, tests, lanes);
+    if (tests && threadIdx.x % 32 == 0) atomicAdd(&counters->interval_tests, tests);
+}
+
+}  // namespace detail
+
+template <class Primitive, class Records>
+void sort_members(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Points& points, int leaves,
+                  const Segments& members_of, const Members& members, const Frames& frames, const Ownership& ownership,
+                  const Sorted& sorted, const Primitive& primitive, const Records& records, const List<Unit>& units,
+                  Counters* counters) {
+    bin_members(geometry, stream, scene, primitive, points, leaves, members_of, members, frames, sorted);
+    const auto place = [&](const auto* rows, auto kernel) {
+        Launch{stream, geometry.blocks(members.capacity), geometry.threads}(
+            kernel, scene, rows, leaves, members_of, members, frames, ownership, sorted, primitive, records, counters);
+    };
+    if (points.f)
+        place(points.f, detail::place_kernel<float, Primitive, Records>);
+    else
+        place(points.d, detail::place_kernel<double, Primitive, Records>);
+    list_units(geometry, stream, leaves, members_of, members.capacity, sorted, units);
+}
+
+}  // namespace crumple::cuda

@@ -1,0 +1,31 @@
+#pragma once
+
+// Stage `sweep`: pairs of rows whose boxes overlap ([MZ] sec. 3.1), that the leaf owns, whose groups (or
+// bodies) are wanted, and that the question's filter keeps. A filter while a pair's rows are in the cache saves the
+// list most of its length.
+
+#include "backends/cuda/device/runtime.h"
+#include "backends/cuda/stages/layout.h"
+#include "backends/cuda/stages/sort.h"
+#include "scene/scene.h"
+#include "scene/wanted_pairs.h"
+
+namespace crumple::cuda {
+
+/// The part that one call sweeps of all units, or of every `step`th one: `count` of `turns` parts, from number `turn`
+/// on. Ends early once `found`, unless it is null, is not 0; leaves out worlds with a hit, where these are counted.
+struct Slice {
+    unsigned long long turn = 0, turns = 1, count = 1;
+    unsigned long long* found = nullptr;
+    unsigned long long step = 1;
+    WorldHits decided{};
+};
+
+/// `Filter`: a function of the device that tells of a Candidate whether it goes
+/// on. Defined in sweep_kernel.h.
+template <class Filter>
+void sweep(const Geometry& geometry, cudaStream_t stream, const Scene& scene, const Sorted& sorted,
+           const List<Unit>& units, const Ownership& ownership, const WantedPairs& wanted, const Filter& filter,
+           const List<Candidate>& survivors, const Slice& slice, Counters* counters);
+
+}  // namespace crumple::cuda

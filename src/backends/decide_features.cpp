@@ -1,0 +1,128 @@
+#include "backends/decide_features.h"
+
+#include <algorithm>
+
+#include "exact/impact/decide_impact.h"
+#include "exact/impact/decide_separation.h"
+#include "exact/proximity/decide_distance.h"
+
+namespace crumple {
+namespace {
+
+FeatureDecision separated_impact(FeatureKind kind, const FeaturePoints& p, const Separation& separation,
+                                 FeatureCounts& counts) {
+    SeparationCounts by;
+    const Impact impact = decide_separation(kinds_of(kind), p, separation, by);
+    counts.rational += by.rational;
+    return {impact.meets, impact.toi, impact.start};
+}
+
+// Of vertices with edges and vertices next to none touch, and to tell how far they stay apart is quick.
+FeatureDecision impact(FeatureKind kind, const FeaturePoints& p, FeatureCounts& counts) {
+    if (kind == FeatureKind::vertex_edge || kind == FeatureKind::vertex_vertex)
+        return separated_impact(kind, p, {}, counts);
+    ImpactCounts by;
+    const auto decide = kind == FeatureKind::vertex_face ? vertex_face_impact : edge_edge_impact;
+    const Impact impact = decide(p[0], p[1], p[2], p[3], by, Filtered::yes);
+    counts.rational += by.exact;
+    return {impact.meets, impact.toi, impact.start};
+}
+
+// How many of the four vertices are the first feature's.
+std::size_t split_of(FeatureKind kind) { return kind == FeatureKind::edge_edge ? 2 : 1; }
+
+Reach reach_of(FeatureKind kind, const std::int32_t (&vertex)[4], const FeatureQuery& query) {
+    return reach_of(kind, vertex, query.radii.empty() ? nullptr : query.radii.data(), query.distance, query.strict);
+}
+
+bool close_at_rest(FeatureKind kind, const std::array<Vec3d, 4>& points, double radius, DistanceCounts& by) {
+    return Distance({kinds_of(kind), points}, by).within({radius, 0});
+}
+bool close_at_rest(FeatureKind kind, const std::int32_t (&vertex)[4], const RestShape& rest, DistanceCounts& by) {
+    if (!rest.knows(vertex[0], vertex[3])) return false;
+    const std::array points{rest.position(vertex[0]), rest.position(vertex[1]), rest.position(vertex[2]),
+                            rest.position(vertex[3])};
+    return close_at_rest(kind, points, rest.radius, by);
+}
+
+/// A pair of features at rest, of which it is asked whether they are near, and then how near.
+class Nearness {
+   public:
+    Nearness(FeatureKind kind, const FeaturePoints& p) : features_(at_start(kind, p)), distance_(features_, by_) {}
+
+    bool near(FeatureKind kind, const std::int32_t (&vertex)[4], const FeatureQuery& query) {
+        return distance_.within(reach_of(kind, vertex, query)) &&
+               !(query.rest && close_at_rest(kind, vertex, *query.rest, by_));
+    }
+    bool near(const PackedFeatures& pair, double rest_radius) {
+        return distance_.within(pair.reach) &&
+               !(pair.has_rest && close_at_rest(pair.kind, pair.rest, rest_radius, by_));
+    }
+    FeatureDecision measured() { return {true, distance_.squared(), distance_.touching()}; }
+    void add_to(cpu::GuessBatch& batch) const { batch.add(features_, distance_.guess()); }
+    std::int64_t rational() const { return by_.rational; }
+
+   private:
+    DistanceCounts by_;
+    Features features_;
+    Distance distance_;
+};
+
+FeatureDecision nearness(FeatureKind kind, const FeaturePoints& p, const std::int32_t (&vertex)[4],
+                         const FeatureQuery& query, FeatureCounts& counts) {
+    Nearness pair(kind, p);
+    FeatureDecision decision;
+    if (pair.near(kind, vertex, query)) decision = pair.measured();
+    counts.rational += pair.rational();
+    return decision;
+}
+
+}  // namespace
+
+FeatureDecision decide(FeatureKind kind, const Scene& scene, const std::int32_t (&vertex)[4], const FeatureQuery& query,
+                       FeatureCounts& counts) {
+    ++counts.tests;
+    const FeaturePoints points = points_of(scene, vertex);
+    if (!query.motion) return nearness(kind, points, vertex, query, counts);
+    if (query.distance == 0 && query.share == 0) return impact(kind, points, counts);
+    return separated_impact(kind, points, {query.distance, query.share}, counts);
+}
+
+FeatureDecision decide(const PackedFeatures& pair, const FeatureQuery& query, FeatureCounts& counts) {
+    ++counts.tests;
+    if (query.motion) {
+        if (query.distance == 0 && query.share == 0) return impact(pair.kind, pair.points, counts);
+        return separated_impact(pair.kind, pair.points, {query.distance, query.share}, counts);
+    }
+    Nearness near(pair.kind, pair.points);
+    FeatureDecision decision;
+    if (near.near(pair, query.rest ? query.rest->radius : 0)) decision = near.measured();
+    counts.rational += near.rational();
+    return decision;
+}
+
+std::optional<FeatureDecision> decide_or_add(FeatureKind kind, const Scene& scene, const std::int32_t (&vertex)[4],
+                                             const FeatureQuery& query, FeatureCounts& counts, cpu::GuessBatch& batch) {
+    ++counts.tests;
+    Nearness pair(kind, points_of(scene, vertex));
+    std::optional<FeatureDecision> decision = FeatureDecision();
+    if (pair.near(kind, vertex, query)) {
+        if (pair.rational() > 0) {
+            decision = pair.measured();
+        } else {
+            pair.add_to(batch);
+            decision.reset();
+        }
+    }
+    counts.rational += pair.rational();
+    return decision;
+}
+
+bool are_neighbours(FeatureKind kind, const std::int32_t (&vertex)[4], const FeatureQuery& query) {
+    for (std::size_t i = 0; i < split_of(kind); ++i)
+        for (std::size_t k = split_of(kind); k < 4; ++k)
+            if (query.rings->joined(query.features.name(vertex[i]), query.features.name(vertex[k]))) return true;
+    return false;
+}
+
+}  // namespace crumple

@@ -1,0 +1,81 @@
+#pragma once
+
+// A backend that has all done by another one. Whoever does some of it otherwise overrides that.
+
+#include <memory>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "backends/backend.h"
+
+namespace crumple {
+
+class ForwardingBackend : public BackendBase {
+   public:
+    explicit ForwardingBackend(std::unique_ptr<BackendBase> to) : to_(std::move(to)) {}
+
+    void parallel_for(std::size_t n, Task task) override { to_->parallel_for(n, task); }
+    void find(const Scene& scene, const Query& query, const Part* part, Collisions& result) override {
+        to_->find(scene, query, part, result);
+    }
+    std::int64_t bytes_needed(const Scene& scene, const Query& query, const Part* part) override {
+        return to_->bytes_needed(scene, query, part);
+    }
+    bool any(const Scene& scene, const Query& query) override { return to_->any(scene, query); }
+    int worlds_at_once() const override { return to_->worlds_at_once(); }
+    void any_by_world(const Scene& scene, const Query& query, std::span<std::uint8_t> flags,
+                      Statistics& statistics) override {
+        to_->any_by_world(scene, query, flags, statistics);
+    }
+    void stream(const Scene& scene, const Query& query, const Streaming& how, BlockSink sink,
+                Statistics& statistics) override {
+        to_->stream(scene, query, how, sink, statistics);
+    }
+    void visit(const Scene& scene, const Query& query, BlockSink take, Statistics& statistics) override {
+        to_->visit(scene, query, take, statistics);
+    }
+    void find(const Scene& scene, const FeatureQuery& query, FeatureAnswer& answer) override {
+        to_->find(scene, query, answer);
+    }
+    void find_candidates(const Scene& scene, const CandidateQuery& query, CandidateAnswer& answer) override {
+        to_->find_candidates(scene, query, answer);
+    }
+    void stream(const Scene& scene, const FeatureQuery& query, const Streaming& how, FeatureSink sink,
+                Statistics& statistics) override {
+        to_->stream(scene, query, how, sink, statistics);
+    }
+    void stream_candidates(const Scene& scene, const CandidateQuery& query, const Streaming& how, CandidateSink sink,
+                           Statistics& statistics) override {
+        to_->stream_candidates(scene, query, how, sink, statistics);
+    }
+    void find(const MeshView& a, const MeshView* b, const Query& query, Collisions& result) override {
+        to_->find(a, b, query, result);
+    }
+    std::int64_t bytes_needed(const MeshView& a, const MeshView* b, const Query& query) override {
+        return to_->bytes_needed(a, b, query);
+    }
+    bool any(const MeshView& a, const MeshView* b, const Query& query) override { return to_->any(a, b, query); }
+    std::vector<Part> partition(const MeshView& a, const MeshView* b, int count) override {
+        return to_->partition(a, b, count);
+    }
+    void launch(const MeshView& a, const MeshView* b, const Query& query) override { to_->launch(a, b, query); }
+    const DeviceCollisions& wait() override { return to_->wait(); }
+    void download(Collisions& result) override { to_->download(result); }
+    std::int64_t bytes_needed_for_launched() override { return to_->bytes_needed_for_launched(); }
+    DeviceFeatureCalls& features_there() override { return to_->features_there(); }
+    bool find(const World& world, const Intersect& question, WorldCollisions& result) override {
+        return to_->find(world, question, result);
+    }
+    std::vector<Pose> poses_of(const DevicePoses& poses) override { return to_->poses_of(poses); }
+    void launch(const World& world, const Intersect& question) override { to_->launch(world, question); }
+    const DeviceWorldCollisions& wait_worlds() override { return to_->wait_worlds(); }
+    bool keeps_after(const Error& error) const override { return to_->keeps_after(error); }
+    void swap_memory(std::unique_ptr<SceneMemory>& memory) override { to_->swap_memory(memory); }
+    void release() override { to_->release(); }
+
+   private:
+    std::unique_ptr<BackendBase> to_;
+};
+
+}  // namespace crumple

@@ -1,0 +1,219 @@
+// Brute force, the yardstick for every other backend: all wanted pairs whose boxes overlap, decided in rational
+// arithmetic. It shares no filter, no predicate and no subdivision with the others; only the seam, the group rules and
+// the ownership of public parts. One thread, O(m²) box tests, about 20 us for each overlapping pair.
+
+#include <algorithm>
+
+#include "backends/backend.h"
+#include "backends/pair_budget.h"
+#include "backends/reference/reference_candidates.h"
+#include "backends/reference/reference_features.h"
+#include "base/stopwatch.h"
+#include "exact/intersection/rational_intersection.h"
+#include "partition/levels.h"
+#include "results/intersection_output.h"
+#include "scene/rules.h"
+
+namespace crumple {
+namespace {
+
+struct Box {
+    Vec3d low, high;
+
+    explicit Box(const std::array<Vec3d, 3>& p) : low(min(p[0], min(p[1], p[2]))), high(max(p[0], max(p[1], p[2]))) {}
+};
+
+bool overlap(const Box& a, const Box& b) {
+    return a.low.x <= b.high.x && b.low.x <= a.high.x && a.low.y <= b.high.y && b.low.y <= a.high.y &&
+           a.low.z <= b.high.z && b.low.z <= a.high.z;
+}
+
+class Reference final : public BackendBase {
+   public:
+    Reference(MemoryMeter& meter, Cancellation& cancellation)
+        : meter_(meter), cancellation_(cancellation), rule_(&meter), boxes_(&meter) {}
+
+    void find(const Scene& scene, const Query& query, const Part* part, Collisions& result) override {
+        Statistics& statistics = result.statistics;
+        statistics.backend = "reference";
+        statistics.simd = "scalar";
+        prepare(scene, query, statistics);
+
+        Stopwatch narrow;
+        // Under a limit the pairs are counted first, so that they are stored without room to spare.
+        if (meter_.limit > 0) {
+            crumple::release(result);
+            const Levels levels(part);
+            PairBudget budget({scene, query, rule_, levels}, meter_, 0);
+            result.pairs.resize_discard(static_cast<std::size_t>(count(scene, query, part, &budget)));
+        }
+        statistics.box_overlaps = 0;
+        result.pairs.clear();
+        for_each_collision(scene, query, part, statistics.box_overlaps, [&](Pair pair, const RationalIntersection&) {
+            result.pairs.push_back(pair);
+            return true;
+        });
+        statistics.edge_tests = statistics.double_tests = statistics.exact_tests = statistics.rational_tests =
+            statistics.box_overlaps;
+        statistics[Stage::narrow] = narrow.lap();
+
+        Stopwatch output;
+        index_pairs(scene, result);
+        add_contacts(scene, query, result, statistics);
+        statistics[Stage::output] = output.lap();
+    }
+
+    void stream(const Scene& scene, const Query& query, const Streaming& how, BlockSink sink,
+                Statistics& statistics) override {
+        statistics = {};
+        statistics.backend = "reference";
+        statistics.simd = "scalar";
+        prepare(scene, query, statistics);
+        Collisions block = metered(&meter_);
+        const auto hand_over = [&] {
+            add_contacts(scene, query, block, statistics);
+            sink(block);
+            block.pairs.clear();
+        };
+        for_each_collision(scene, query, nullptr, statistics.box_overlaps, [&](Pair pair, const RationalIntersection&) {
+            block.pairs.push_back(pair);
+            if (static_cast<std::int64_t>(block.pairs.size()) == how.block_pairs) hand_over();
+            return true;
+        });
+        if (!block.pairs.empty()) hand_over();
+    }
+
+    std::int64_t bytes_needed(const Scene& scene, const Query& query, const Part* part) override {
+        Statistics unused;
+        prepare(scene, query, unused);
+        return meter_.used + result_bytes(scene, query, count(scene, query, part, nullptr));
+    }
+
+    bool any(const Scene& scene, const Query& query) override {
+        Statistics unused;
+        prepare(scene, query, unused);
+        bool found = false;
+        for_each_collision(scene, query, nullptr, unused.box_overlaps, [&](Pair, const RationalIntersection&) {
+            found = true;
+            return false;
+        });
+        return found;
+    }
+
+    void find(const Scene& scene, const FeatureQuery& query, FeatureAnswer& answer) override {
+        clear(answer);
+        answer.statistics.backend = "reference";
+        answer.statistics.simd = "scalar";
+        Stopwatch watch;
+        find_features_by_brute_force(scene, query, cancellation_, answer);
+        answer.statistics[Stage::narrow] = watch.lap();
+    }
+
+    void find_candidates(const Scene& scene, const CandidateQuery& query, CandidateAnswer& answer) override {
+        clear(answer);
+        answer.statistics.backend = "reference";
+        answer.statistics.simd = "scalar";
+        Stopwatch watch;
+        const auto keep = [&](CandidateKind kind, std::span<const Pair> rows) {
+            for (const Pair& pair : rows) answer.pairs[static_cast<std::size_t>(kind)].push_back(pair);
+        };
+        find_candidates_by_brute_force(scene, query, cancellation_, keep);
+        answer.statistics[Stage::narrow] = watch.lap();
+    }
+
+    void stream(const Scene& scene, const FeatureQuery& query, const Streaming&, FeatureSink sink,
+                Statistics& statistics) override {
+        FeatureAnswer told(nullptr);
+        told.statistics.backend = "reference";
+        told.statistics.simd = "scalar";
+        find_features_by_brute_force(scene, query, cancellation_, told, &sink);
+        statistics = told.statistics;
+    }
+
+    void stream_candidates(const Scene& scene, const CandidateQuery& query, const Streaming&, CandidateSink sink,
+                           Statistics& statistics) override {
+        statistics = {};
+        statistics.backend = "reference";
+        statistics.simd = "scalar";
+        find_candidates_by_brute_force(scene, query, cancellation_, sink);
+    }
+
+    void release() override {
+        rule_ = GroupRule(&meter_);
+        boxes_ = Array<Box>(&meter_);
+    }
+
+   private:
+    void prepare(const Scene& scene, const Query& query, Statistics& statistics) {
+        rule_.prepare(query, scene.bodies);
+        const std::int64_t triangles = scene.triangle_count();
+
+        Stopwatch bounds;
+        boxes_.clear();
+        boxes_.reserve(static_cast<std::size_t>(triangles));
+        for (std::int64_t t = 0; t < triangles; ++t) boxes_.push_back(Box(scene.triangle(t).point));
+        statistics[Stage::bounds] = bounds.lap();
+    }
+
+    /// Calls visit(pair, intersection) for each collision in lexicographic order until it returns false.
+    template <class Visit>
+    void for_each_collision(const Scene& scene, const Query& query, const Part* part, std::int64_t& box_overlaps,
+                            Visit visit) {
+        const std::int64_t first_end = scene.between ? scene.triangles[0] : scene.triangle_count();
+        const std::int64_t offset = scene.between ? first_end : 0;
+        const Levels levels(part);
+        for (std::int64_t a = 0; a < first_end; ++a) {
+            cancellation_.check();
+            const Box& box_a = box(a);
+            for (std::int64_t b = scene.between ? offset : a + 1; b < scene.triangle_count(); ++b) {
+                if (!overlap(box_a, box(b))) continue;
+                if (!rule_(scene.group(a), scene.group(b))) continue;
+                if (!levels.own(a, b)) continue;
+                cancellation_.check();
+                ++box_overlaps;
+                const RationalIntersection intersection = intersect_rationally(scene.triangle(a), scene.triangle(b));
+                if (!collide(intersection, query.neighbours, query.intersections)) continue;
+                const Pair pair{static_cast<std::int32_t>(a), static_cast<std::int32_t>(b - offset)};
+                if (!visit(pair, intersection)) return;
+            }
+        }
+    }
+
+    void add_contacts(const Scene& scene, const Query& query, Collisions& result, Statistics& statistics) {
+        result.contacts.kinds.clear();
+        result.contacts.offsets.clear();
+        result.contacts.points.clear();
+        if (!query.contacts) return;
+        statistics.rational_contacts += contacts_of_pairs(scene, result, [&](std::size_t n, auto task) {
+            for (std::size_t i = 0; i < n; ++i) {
+                cancellation_.check();
+                task(i);
+            }
+        });
+    }
+
+    std::int64_t count(const Scene& scene, const Query& query, const Part* part, PairBudget* budget) {
+        std::int64_t overlaps = 0, pairs = 0;
+        for_each_collision(scene, query, part, overlaps, [&](Pair, const RationalIntersection&) {
+            ++pairs;
+            if (budget) budget->add(1);
+            return true;
+        });
+        return pairs;
+    }
+
+    const Box& box(std::int64_t t) const { return boxes_[static_cast<std::size_t>(t)]; }
+
+    MemoryMeter& meter_;
+    Cancellation& cancellation_;
+    GroupRule rule_;
+    Array<Box> boxes_;
+};
+
+}  // namespace
+
+std::unique_ptr<BackendBase> make_reference_backend(const Options&, MemoryMeter& meter, Cancellation& cancellation) {
+    return std::make_unique<Reference>(meter, cancellation);
+}
+
+}  // namespace crumple

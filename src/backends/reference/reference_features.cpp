@@ -1,0 +1,305 @@
+#include "backends/reference/reference_features.h"
+
+#include <map>
+#include <set>
+#include <vector>
+
+#include "exact/impact/rational_impact.h"
+#include "exact/impact/rational_separation.h"
+#include "exact/proximity/rational_distance.h"
+#include "filters/features/feature_points.h"
+#include "partition/levels.h"
+
+namespace crumple {
+namespace {
+
+using Points = std::vector<std::int32_t>;
+
+// A feature by its vertices.
+struct Feature {
+    Points vertices;
+    std::int32_t index;
+    std::int32_t group;
+    std::set<std::int32_t> names;
+    Vec3d low, high;  ///< box of its way
+    double radius = 0;
+    bool lone = true;         ///< on no face; a vertex: and on no edge
+    std::int32_t owner = -1;  ///< within a part
+};
+
+using Ends = std::pair<std::int32_t, std::int32_t>;
+Ends ends_of(std::int32_t a, std::int32_t b) { return {std::min(a, b), std::max(a, b)}; }
+
+// Faces, and edges and points as they are listed; or else those of the faces, and of faces and edges.
+class Everything {
+   public:
+    std::vector<Feature> vertices, edges, faces;
+
+    Everything(const Scene& scene, const FeatureQuery& query) : scene_(scene), query_(query) {
+        if (query.part) {
+            read_part();
+            return;
+        }
+        for (std::int32_t t = 0; t < query.features.faces(); ++t) {
+            const std::int32_t* c = scene.corners + 3 * std::int64_t{t};
+            faces.push_back(feature({c[0], c[1], c[2]}, t, t));
+            for (int k = 0; k < 3; ++k) {
+                const std::int32_t a = c[k], b = c[(k + 1) % 3];
+                face_of_vertex_.emplace(a, t);
+                if (a != b) face_of_edge_.emplace(ends_of(a, b), t);
+            }
+        }
+        if (query.features.lists_edges())
+            for (const Edge& e : query.features.edges()) add_edge(ends_of(e.a, e.b));
+        else
+            for (const auto& [ends, face] : face_of_edge_) add_edge(ends);
+        for (std::int32_t p = 0; p < query.features.points(); ++p) {
+            const std::int32_t v = query.features.vertex_of(p);
+            if (query.features.lists_points() || face_of_vertex_.count(v) || edges_of_vertex_.count(v))
+                add_vertex(v, p);
+        }
+    }
+
+    /// Whether some edge of the vertex has no vertex in common with this one.
+    bool has_edge_apart(const Feature& vertex, const Feature& edge) const {
+        if (query_.part)
+            return query_.features.has_edge_apart(vertex.vertices[0], {edge.vertices[0], edge.vertices[1]});
+        const auto at = edges_of_vertex_.find(vertex.vertices[0]);
+        if (at == edges_of_vertex_.end()) return false;
+        return std::any_of(at->second.begin(), at->second.end(),
+                           [&](std::size_t e) { return !incident(edges[e], edge); });
+    }
+    static bool incident(const Feature& a, const Feature& b) {
+        return std::any_of(a.names.begin(), a.names.end(), [&](std::int32_t v) { return b.names.count(v) > 0; });
+    }
+
+   private:
+    /// `face`: the lowest that names it, or -1.
+    Feature feature(Points vertices, std::int32_t index, std::int32_t face) const {
+        Feature f{std::move(vertices), index, 0, {}, {}, {}, 0, face < 0};
+        if (face >= 0)
+            f.group = scene_.group(face);
+        else if (scene_.lone_groups)
+            f.group = scene_.lone_groups[f.vertices[0]];
+        for (const std::int32_t v : f.vertices) {
+            const MovingPoint p = moving_point(scene_, v);
+            const bool first = f.names.empty();
+            f.names.insert(query_.features.name(v));
+            f.low = min(first ? p.start : f.low, min(p.start, p.end));
+            f.high = max(first ? p.start : f.high, max(p.start, p.end));
+            if (!query_.radii.empty()) f.radius = std::max(f.radius, query_.radii[static_cast<std::size_t>(v)]);
+        }
+        return f;
+    }
+    // What the part's triangles own, who may not be the lowest that name it here.
+    void read_part() {
+        const SceneFeatures& features = query_.features;
+        const auto add = [&](std::vector<Feature>& list, Points vertices, std::int32_t index, std::int32_t owner,
+                             bool lone) {
+            list.push_back(feature(std::move(vertices), index, owner));
+            list.back().lone = lone;
+            list.back().owner = owner;
+        };
+        for (std::int32_t t = 0; t < scene_.triangle_count(); ++t) {
+            const std::int32_t* c = scene_.corners + 3 * std::int64_t{t};
+            const std::uint8_t owned = features.owned(t);
+            if (t < features.faces()) add(faces, {c[0], c[1], c[2]}, t, t, false);
+            for (int k = 0; k < 3; ++k) {
+                if (owned >> k & 1) add(vertices, {c[k]}, features.point_of(t, k), t, owned & lone_point);
+                if (!(owned >> (3 + k) & 1)) continue;
+                const std::int32_t e = features.edges_of(t)[static_cast<std::size_t>(k)];
+                add(edges, {features.edges()[e].a, features.edges()[e].b}, e, t, owned & lone_edge);
+            }
+        }
+        for (auto* list : {&vertices, &edges})
+            std::sort(list->begin(), list->end(), [](const Feature& f, const Feature& g) { return f.index < g.index; });
+    }
+    void add_edge(const Ends& ends) {
+        const auto face = face_of_edge_.find(ends);
+        for (const std::int32_t v : {ends.first, ends.second}) edges_of_vertex_[v].push_back(edges.size());
+        edges.push_back(feature({ends.first, ends.second}, static_cast<std::int32_t>(edges.size()),
+                                face == face_of_edge_.end() ? -1 : face->second));
+    }
+    void add_vertex(std::int32_t v, std::int32_t index) {
+        const auto face = face_of_vertex_.find(v);
+        vertices.push_back(feature({v}, index, face == face_of_vertex_.end() ? -1 : face->second));
+        vertices.back().lone = vertices.back().lone && !edges_of_vertex_.count(v);
+    }
+
+    const Scene& scene_;
+    const FeatureQuery& query_;
+    std::map<std::int32_t, std::int32_t> face_of_vertex_;
+    std::map<Ends, std::int32_t> face_of_edge_;
+    std::map<std::int32_t, std::vector<std::size_t>> edges_of_vertex_;
+};
+
+/// Who is joined to whom by an edge, of a face or listed, by name.
+using Next = std::map<std::int32_t, std::set<std::int32_t>>;
+
+Next next_of(const Everything& all) {
+    Next next;
+    for (const auto* features : {&all.edges, &all.faces})
+        for (const Feature& feature : *features)
+            for (const std::int32_t a : feature.names)
+                for (const std::int32_t b : feature.names) next[a].insert(b);
+    return next;
+}
+
+/// Whether a path of at most so many edges joins one name to another. Each way has a path of none.
+bool joined(const Next& next, std::set<std::int32_t> from, const std::set<std::int32_t>& to, std::int32_t edges) {
+    for (;; --edges) {
+        for (const std::int32_t v : from)
+            if (to.count(v) > 0) return true;
+        if (edges == 0) return false;
+        const std::size_t before = from.size();
+        const std::set<std::int32_t> ring = from;
+        for (const std::int32_t v : ring)
+            if (const auto found = next.find(v); found != next.end())
+                from.insert(found->second.begin(), found->second.end());
+        if (from.size() == before) return false;
+    }
+}
+
+class Search {
+   public:
+    Search(const Scene& scene, const FeatureQuery& query, Cancellation& cancellation, FeatureAnswer& answer,
+           const FeatureSink* sink)
+        : scene_(scene), query_(query), cancellation_(cancellation), answer_(answer), sink_(sink) {}
+
+    void run() {
+        const Everything all(scene_, query_);
+        if (!query_.part) next_ = next_of(all);
+        for (const Feature& v : all.vertices)
+            for (const Feature& f : all.faces) test(FeatureKind::vertex_face, v, f);
+        for (std::size_t i = 0; i < all.edges.size(); ++i)
+            for (std::size_t j = i + 1; j < all.edges.size(); ++j)
+                test(FeatureKind::edge_edge, all.edges[i], all.edges[j]);
+        for (const Feature& v : all.vertices)
+            for (const Feature& e : all.edges)
+                if (e.lone && !all.has_edge_apart(v, e)) test(FeatureKind::vertex_edge, v, e);
+        for (std::size_t i = 0; i < all.vertices.size(); ++i)
+            for (std::size_t j = i + 1; j < all.vertices.size(); ++j)
+                if (all.vertices[i].lone && all.vertices[j].lone)
+                    test(FeatureKind::vertex_vertex, all.vertices[i], all.vertices[j]);
+    }
+
+   private:
+    void test(FeatureKind kind, const Feature& a, const Feature& b) {
+        if (query_.extent == Extent::any && answer_.any) return;
+        if (far(a, b)) return;
+        if (query_.part ? close_within_part(a, b)
+                        : joined(next_, a.names, b.names, query_.rings ? query_.rings->rings() : 0))
+            return;
+        if (!query_.rule(a.group, b.group)) return;
+        cancellation_.check();
+        ++answer_.statistics.rational_tests;
+        const Row row = decide(kind, a, b);
+        if (!row.hit) return;
+        answer_.any = true;
+        const Pair pair{a.index, b.index};
+        if (query_.motion && query_.extent != Extent::any && (!answer_.first.found || row.value < answer_.first.toi))
+            answer_.first = {true, kind, pair, {}, row.value, row.flag};
+        if (query_.extent != Extent::all) return;
+        const FeatureHit hit{pair, row.value, row.flag};
+        if (sink_) return (*sink_)(kind, {&hit, 1});
+        FeatureRows& rows = answer_.rows[static_cast<std::size_t>(kind)];
+        rows.pairs.push_back(pair);
+        rows.value.push_back(row.value);
+        rows.flag.push_back(row.flag);
+    }
+
+    // Neighbours, or those of another part.
+    bool close_within_part(const Feature& a, const Feature& b) const {
+        if (Everything::incident(a, b) || a.owner == b.owner || !levels_.own(a.owner, b.owner)) return true;
+        if (!query_.rings) return false;
+        return std::any_of(a.names.begin(), a.names.end(), [&](std::int32_t v) {
+            return std::any_of(b.names.begin(), b.names.end(),
+                               [&](std::int32_t w) { return query_.rings->joined(v, w); });
+        });
+    }
+
+    // Certain: a difference of numbers is rounded by less than the factor.
+    bool far(const Feature& a, const Feature& b) const {
+        for (int axis = 0; axis < 3; ++axis) {
+            const double gap = std::max(a.low[axis] - b.high[axis], b.low[axis] - a.high[axis]);
+            const double reach = query_.radii.empty() ? query_.distance : a.radius + b.radius;
+            if (gap > 0 && gap * (1 - 0x1p-50) > reach) return query_.share == 0;
+        }
+        return false;
+    }
+
+    struct Row {
+        bool hit = false;
+        double value = 0;
+        bool flag = false;
+    };
+    Row decide(FeatureKind kind, const Feature& a, const Feature& b) const {
+        FeaturePoints p;
+        std::size_t n = 0;
+        for (const Feature* f : {&a, &b})
+            for (const std::int32_t v : f->vertices) p[n++] = moving_point(scene_, v);
+        if (!query_.motion) {
+            const RationalDistance distance(at_start(kind, p));
+            const Reach one{query_.distance, 0, query_.strict}, sum{a.radius, b.radius, query_.strict};
+            if (!distance.within(query_.radii.empty() ? one : sum) || close_at_rest(kind, a, b)) return {};
+            return {true, distance.squared(), distance.touching()};
+        }
+        const Separation separation{query_.distance, query_.share};
+        const bool plain = query_.distance == 0 && query_.share == 0;
+        const Impact impact = plain ? first_contact(kind, p) : first_approach(kind, p, separation);
+        return {impact.meets, impact.toi, impact.start};
+    }
+
+    static Impact first_contact(FeatureKind kind, const FeaturePoints& p) {
+        switch (kind) {
+            case FeatureKind::vertex_face:
+                return vertex_face(p[0], p[1], p[2], p[3]);
+            case FeatureKind::edge_edge:
+                return edge_edge(p[0], p[1], p[2], p[3]);
+            case FeatureKind::vertex_edge:
+                return vertex_edge(p[0], p[1], p[2]);
+            case FeatureKind::vertex_vertex:
+                break;
+        }
+        return vertex_vertex(p[0], p[1]);
+    }
+    static Impact first_approach(FeatureKind kind, const FeaturePoints& p, const Separation& separation) {
+        switch (kind) {
+            case FeatureKind::vertex_face:
+                return vertex_face(p[0], p[1], p[2], p[3], separation);
+            case FeatureKind::edge_edge:
+                return edge_edge(p[0], p[1], p[2], p[3], separation);
+            case FeatureKind::vertex_edge:
+                return vertex_edge(p[0], p[1], p[2], separation);
+            case FeatureKind::vertex_vertex:
+                break;
+        }
+        return vertex_vertex(p[0], p[1], separation);
+    }
+
+    bool close_at_rest(FeatureKind kind, const Feature& a, const Feature& b) const {
+        if (!query_.rest || !query_.rest->knows(a.vertices[0], b.vertices[0])) return false;
+        Features features{kinds_of(kind), {}};
+        std::size_t n = 0;
+        for (const Feature* f : {&a, &b})
+            for (const std::int32_t v : f->vertices) features.point[n++] = query_.rest->position(v);
+        return RationalDistance(features).within({query_.rest->radius, 0});
+    }
+
+    const Scene& scene_;
+    const FeatureQuery& query_;
+    Cancellation& cancellation_;
+    FeatureAnswer& answer_;
+    const FeatureSink* sink_;
+    const Levels levels_{query_.part};
+    Next next_;
+};
+
+}  // namespace
+
+void find_features_by_brute_force(const Scene& scene, const FeatureQuery& query, Cancellation& cancellation,
+                                  FeatureAnswer& answer, const FeatureSink* sink) {
+    Search(scene, query, cancellation, answer, sink).run();
+}
+
+}  // namespace crumple
