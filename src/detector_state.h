@@ -14,14 +14,14 @@
 #include "base/cancellation.h"
 #include "base/float_environment.h"
 #include "crumple/error.h"
-#include "engine/feature_search.h"
-#include "engine/nearest.h"
-#include "engine/worlds.h"
 #include "queries/checks.h"
 #include "results/feature_output.h"
 #include "results/intersection_output.h"
 #include "results/nearest_output.h"
 #include "results/world_output.h"
+#include "search/distances.h"
+#include "search/feature_search.h"
+#include "search/world_search.h"
 
 namespace crumple {
 

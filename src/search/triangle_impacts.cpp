@@ -1,4 +1,4 @@
-#include "engine/triangle_impacts.h"
+#include "search/triangle_impacts.h"
 
 #include <algorithm>
 

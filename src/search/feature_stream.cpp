@@ -5,12 +5,12 @@
 #include <type_traits>
 #include <utility>
 
-#include "engine/feature_search.h"
 #include "queries/feature_queries.h"
 #include "results/feature_output.h"
 #include "results/filling_block.h"
 #include "results/intersection_output.h"
 #include "results/near_details.h"
+#include "search/feature_search.h"
 
 namespace crumple {
 namespace {

@@ -5,9 +5,9 @@
 #include <type_traits>
 
 #include "crumple/error.h"
-#include "engine/feature_search.h"
 #include "queries/feature_queries.h"
 #include "results/feature_output.h"
+#include "search/feature_search.h"
 
 namespace crumple {
 namespace {

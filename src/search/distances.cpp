@@ -1,4 +1,4 @@
-#include "engine/nearest.h"
+#include "search/distances.h"
 
 #include <algorithm>
 #include <atomic>
@@ -6,9 +6,9 @@
 #include <limits>
 #include <utility>
 
-#include "engine/nearest_walk.h"
 #include "results/nearest_output.h"
 #include "scene/world_scene.h"
+#include "search/nearest_walk.h"
 
 namespace crumple {
 namespace {

@@ -4,12 +4,12 @@
 #include <algorithm>
 
 #include "crumple/error.h"
-#include "engine/feature_search.h"
 #include "queries/checks.h"
 #include "queries/feature_queries.h"
 #include "results/feature_output.h"
 #include "results/intersection_output.h"
 #include "results/near_details.h"
+#include "search/feature_search.h"
 
 namespace crumple {
 namespace {

@@ -1,4 +1,4 @@
-#include "engine/worlds.h"
+#include "search/world_search.h"
 
 #include <algorithm>
 #include <atomic>
@@ -9,8 +9,8 @@
 #include <utility>
 
 #include "crumple/error.h"
-#include "engine/first_hit.h"
 #include "results/intersection_output.h"
+#include "search/first_hit.h"
 
 namespace crumple {
 namespace {

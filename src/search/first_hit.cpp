@@ -1,4 +1,4 @@
-#include "engine/first_hit.h"
+#include "search/first_hit.h"
 
 #include <cstring>
 #include <utility>

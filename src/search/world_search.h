@@ -4,7 +4,7 @@
 //
 //   shapes  --named, or in all of several worlds-->  trees (scene/shape_tree.h), kept by name
 //   bodies  ---------------------------------------> boxes, and pairs of bodies whose boxes overlap
-//   both bodies of a pair have trees, and a flag is wanted:  engine/first_hit.h decides the pair at once
+//   both bodies of a pair have trees, and a flag is wanted:  search/first_hit.h decides the pair at once
 //   else: groups of triangles that may meet, or whole bodies --> WorldScene --> the backend's search of a scene
 //
 // A scene is of one world, or of many side by side where the backend says that it can (worlds_at_once).

@@ -1,4 +1,4 @@
-#include "engine/nearest_walk.h"
+#include "search/nearest_walk.h"
 
 #include <cmath>
 #include <limits>

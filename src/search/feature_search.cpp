@@ -1,4 +1,4 @@
-#include "engine/feature_search.h"
+#include "search/feature_search.h"
 
 #include <algorithm>
 #include <utility>

@@ -1,7 +1,7 @@
 #pragma once
 
 // How far bodies are apart, on any backend that runs on the host: trees of all shapes, kept by name; all pairs of
-// bodies that the rules allow and that may be near enough; and a walk for each of them (engine/nearest_walk.h), on all
+// bodies that the rules allow and that may be near enough; and a walk for each of them (search/nearest_walk.h), on all
 // threads.
 
 #include <memory>

@@ -13,7 +13,6 @@
 #include "crumple/candidates.h"
 #include "crumple/motion.h"
 #include "crumple/near.h"
-#include "engine/triangle_impacts.h"
 #include "partition/feature_part.h"
 #include "queries/near_input.h"
 #include "scene/body_rules.h"
@@ -22,6 +21,7 @@
 #include "scene/scene_features.h"
 #include "scene/world_outline.h"
 #include "scene/world_scene.h"
+#include "search/triangle_impacts.h"
 
 namespace crumple {
 
