@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "crumple/part.h"
-#include "detector_state.h"
+#include "detector/detector_state.h"
 
 namespace crumple::distribute {
 

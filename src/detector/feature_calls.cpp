@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "world_calls.h"
+#include "detector/world_calls.h"
 
 namespace crumple {
 namespace {

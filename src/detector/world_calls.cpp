@@ -1,4 +1,4 @@
-#include "world_calls.h"
+#include "detector/world_calls.h"
 
 #include <utility>
 

@@ -1,6 +1,6 @@
 // A step that is cut short before the first contact: tried, and verified as it is rounded.
 
-#include "free_step.h"
+#include "detector/free_step.h"
 
 #include <algorithm>
 #include <array>

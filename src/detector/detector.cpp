@@ -8,10 +8,10 @@
 #include <utility>
 
 #include "base/stopwatch.h"
-#include "free_step.h"
+#include "detector/free_step.h"
+#include "detector/world_calls.h"
 #include "partition/part_centres.h"
 #include "partition/parts_of_scene.h"
-#include "world_calls.h"
 
 namespace crumple {
 

@@ -7,7 +7,7 @@
 
 #include "base/stopwatch.h"
 #include "crumple/detector.h"
-#include "detector_state.h"
+#include "detector/detector_state.h"
 
 namespace crumple {
 
