@@ -4,8 +4,8 @@
 #include <limits>
 
 #include "cli/rank_gather.h"
-#include "distribute/exchange_lists.h"
-#include "distribute/merge_runs.h"
+#include "distributed/transport/exchange_lists.h"
+#include "distributed/transport/merge_runs.h"
 #include "io/feature_answer.h"
 #include "io/sink.h"
 

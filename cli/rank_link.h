@@ -7,9 +7,9 @@
 #include <string>
 #include <utility>
 
-#include "distribute/agreement.h"
-#include "distribute/mpi/mpi_transport.h"
-#include "distribute/rounds.h"
+#include "distributed/mpi/mpi_transport.h"
+#include "distributed/transport/agreement.h"
+#include "distributed/transport/rounds.h"
 
 namespace crumple::cli {
 

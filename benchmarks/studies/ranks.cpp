@@ -11,8 +11,8 @@
 
 #include <time.h>
 
-#include "distribute/in_process.h"
-#include "distribute/rank_detector.h"
+#include "distributed/rank_detector.h"
+#include "distributed/transport/in_process.h"
 #include "rank_block.h"
 #include "report.h"
 #include "studies/studies.h"

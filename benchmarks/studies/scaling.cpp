@@ -13,8 +13,8 @@
 #include <time.h>
 
 #include "crumple/error.h"
-#include "distribute/in_process.h"
-#include "distribute/rank_detector.h"
+#include "distributed/rank_detector.h"
+#include "distributed/transport/in_process.h"
 #include "report.h"
 #include "scenes/cloth.h"
 #include "studies/studies.h"

@@ -14,8 +14,8 @@
 #include "device_mesh.h"
 #include "distribute/feature_rows.h"
 #include "distribute/pretended_ranks.h"
-#include "distribute/rank_detector.h"
 #include "distribute/verdicts.h"
+#include "distributed/rank_detector.h"
 #include "error_of.h"
 #include "questions/features/compare_features.h"
 

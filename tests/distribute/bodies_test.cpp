@@ -10,9 +10,9 @@
 
 #include "crumple/crumple.h"
 #include "distribute/pretended_ranks.h"
-#include "distribute/rank_detector.h"
 #include "distribute/verdicts.h"
 #include "distribute/world_shares.h"
+#include "distributed/rank_detector.h"
 #include "worlds/random_worlds.h"
 
 namespace crumple::test {

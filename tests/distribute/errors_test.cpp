@@ -12,8 +12,8 @@
 
 #include "crumple/crumple.h"
 #include "distribute/pretended_ranks.h"
-#include "distribute/rank_detector.h"
 #include "distribute/shares.h"
+#include "distributed/rank_detector.h"
 
 namespace crumple::test {
 namespace {

@@ -10,8 +10,8 @@
 #include "distribute/feature_rows.h"
 #include "distribute/last_frame.h"
 #include "distribute/pretended_ranks.h"
-#include "distribute/rank_detector.h"
 #include "distribute/verdicts.h"
+#include "distributed/rank_detector.h"
 #include "tested_backend.h"
 
 namespace crumple::test {

@@ -7,7 +7,7 @@
 #include <thread>
 #include <vector>
 
-#include "distribute/in_process.h"
+#include "distributed/transport/in_process.h"
 
 namespace crumple::test {
 

@@ -13,9 +13,9 @@
 #include "crumple/crumple.h"
 #include "distribute/last_frame.h"
 #include "distribute/pretended_ranks.h"
-#include "distribute/rank_detector.h"
 #include "distribute/shares.h"
 #include "distribute/verdicts.h"
+#include "distributed/rank_detector.h"
 #include "error_of.h"
 #include "tested_backend.h"
 

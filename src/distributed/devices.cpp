@@ -1,0 +1,264 @@
+#include "distributed/devices.h"
+
+#include <algorithm>
+#include <array>
+#include <exception>
+#include <optional>
+#include <string>
+#include <thread>
+#include <type_traits>
+#include <utility>
+
+#include "distributed/transport/merge_runs.h"
+#include "results/intersection_output.h"
+
+namespace crumple::distribute {
+namespace {
+
+Options of_one_device(const Options& options, std::size_t which) {
+    Options own = options;
+    own.backend = Backend::cuda;
+    own.device = options.devices[which];
+    own.devices = {};
+    return own;
+}
+
+/// What several ranks throw is one Error; that it came from a rank concerns nobody but who gave the devices.
+Error without_rank(const Error& error, const std::vector<int>& devices) {
+    std::string message = error.what();
+    if (error.code == ErrorCode::device && error.rank >= 0)
+        message = "device " + std::to_string(devices[static_cast<std::size_t>(error.rank)]) + ": " + message;
+    return Error(error.code, message, error.element, error.index, error.bytes_needed, error.system_error,
+                 error.bytes_needed_at_least);
+}
+
+/// Of those who have thrown, the first that has not only seen another one end.
+[[noreturn]] void rethrow_cause(const std::vector<std::exception_ptr>& failed, const std::vector<int>& devices) {
+    std::optional<Error> left_alone;
+    for (const std::exception_ptr& one : failed) {
+        if (!one) continue;
+        try {
+            std::rethrow_exception(one);
+        } catch (const Error& error) {
+            if (error.code != ErrorCode::communication) throw without_rank(error, devices);
+            left_alone = error;
+        }
+    }
+    throw Error(*left_alone);
+}
+
+template <class T>
+void append(Array<T>& all, const Array<T>& some) {
+    const std::size_t before = all.size();
+    all.resize(before + some.size());
+    std::copy(some.begin(), some.end(), all.begin() + before);
+}
+
+// Blocks follow each other in the order of the ranks, so their rows do.
+void append(Collisions& all, const DistributedCollisions& rows, bool contacts) {
+    append(all.pairs, rows.pairs);
+    add_pass(rows.statistics.search, all.statistics);
+    if (!contacts) return;
+    append(all.contacts.kinds, rows.contacts.kinds);
+    const auto points = static_cast<std::int64_t>(all.contacts.points.size());
+    for (std::size_t i = 1; i < rows.contacts.offsets.size(); ++i)
+        all.contacts.offsets.push_back(points + rows.contacts.offsets[i]);
+    append(all.contacts.points, rows.contacts.points);
+}
+
+Rules rules_of(const WantedGroups& groups) {
+    Rules rules;
+    rules.groups = groups.between ? Wanted::between : groups.within ? Wanted::within : Wanted::both;
+    for (std::int64_t i = 0; i < groups.excluded_count; ++i) {
+        const std::uint64_t key = groups.excluded[i];
+        rules.excluded_groups.push_back({static_cast<std::int32_t>(key >> 32), static_cast<std::int32_t>(key)});
+    }
+    return rules;
+}
+
+Motion motion_of(const FeatureQuery& query) {
+    constexpr std::array wants{MotionWants::any, MotionWants::earliest, MotionWants::impacts};
+    Motion question;
+    question.wants = wants[static_cast<std::size_t>(query.extent)];
+    question.separation = query.distance, question.separation_share = query.share;
+    question.rules = rules_of(query.rule.of_groups());
+    return question;
+}
+
+Near near_of(const FeatureQuery& query) {
+    Near question;
+    question.wants = query.extent == Extent::all ? NearWants::pairs : NearWants::any;
+    question.radius = query.distance, question.strict = query.strict;
+    question.rules = rules_of(query.rule.of_groups());
+    return question;
+}
+
+const Array<double>& values_of(const ImpactList& list) { return list.toi; }
+const Array<double>& values_of(const NearList& list) { return list.squared_distance; }
+const Array<std::uint8_t>& flags_of(const ImpactList& list) { return list.start; }
+const Array<std::uint8_t>& flags_of(const NearList& list) { return list.touching; }
+
+// Rows of the lists of a kind, those of one rank behind those of another.
+template <class Found>
+void merge(const std::vector<const Found*>& of_ranks, std::size_t kind, FeatureRows& rows) {
+    std::vector<FeatureHit> hits;
+    for (const Found* found : of_ranks) {
+        const auto& list = found->lists[kind];
+        for (std::size_t i = 0; i < list.pairs.size(); ++i)
+            hits.push_back({list.pairs[i], values_of(list)[i], flags_of(list)[i]});
+    }
+    merge_runs(hits, [](const FeatureHit& hit) { return hit.pair; });
+    rows.pairs.resize_discard(hits.size());
+    rows.value.resize_discard(hits.size());
+    rows.flag.resize_discard(hits.size());
+    for (std::size_t i = 0; i < hits.size(); ++i)
+        rows.pairs[i] = hits[i].pair, rows.value[i] = hits[i].value, rows.flag[i] = hits[i].flag;
+}
+
+}  // namespace
+
+Devices::Rank::Rank(std::shared_ptr<Hub> hub, int rank, const Options& options)
+    : transport(std::move(hub), rank), detector(transport, {.detector = options}), block(rank, transport.size()) {}
+
+void Devices::Rank::set_poll(Cancellation& cancellation) {
+    detector.set_poll([&cancellation] { cancellation.check(); });
+    detector.set_hook([&cancellation](Phase) { cancellation.check(); });
+}
+
+Devices::Devices(const Options& options, MemoryMeter& meter, Cancellation& cancellation)
+    : ForwardingBackend(make_cuda_backend(of_one_device(options, 0), meter, cancellation)),
+      options_(options),
+      cancellation_(cancellation) {
+    make_ranks();
+}
+
+void Devices::release() {
+    ranks_.clear();
+    ForwardingBackend::release();
+}
+
+// One mesh, all of which is asked about; under a memory limit, which holds for all that the detector owns, one device
+// does with less.
+bool Devices::is_for_all(const Scene& scene) const {
+    return options_.memory_limit == 0 && !scene.between && !scene.bodies && !scene.first_of_world;
+}
+
+bool Devices::is_for_all(const Scene& scene, const FeatureQuery& query) const {
+    const SceneFeatures& features = query.features;
+    return is_for_all(scene) && !query.part && !query.rings && !query.rest && query.radii.empty() &&
+           !features.lists_edges() && !features.lists_points() && features.plain() && !features.renames();
+}
+
+void Devices::make_ranks() {
+    const std::size_t n = options_.devices.size();
+    hub_ = std::make_shared<Hub>(static_cast<int>(n));
+    ranks_.resize(n);
+    // It takes all of them to make one: they agree on their options.
+    on_each({});
+}
+
+void Devices::on_each(const std::function<void(Rank&)>& work) {
+    if (work && ranks_.empty()) make_ranks();
+    std::vector<std::exception_ptr> failed(ranks_.size());
+    const auto run = [&](std::size_t r) {
+        try {
+            if (!ranks_[r]) {
+                ranks_[r] = std::make_unique<Rank>(hub_, static_cast<int>(r), of_one_device(options_, r));
+                if (r == 0) ranks_[r]->set_poll(cancellation_);
+            }
+            if (work) work(*ranks_[r]);
+        } catch (...) {
+            failed[r] = std::current_exception();
+            hub_->leave();
+        }
+    };
+    {
+        std::vector<std::jthread> others;
+        try {
+            for (std::size_t r = 1; r < ranks_.size(); ++r) others.emplace_back(run, r);
+        } catch (...) {
+            failed[0] = std::current_exception();
+            hub_->leave();
+        }
+        if (!failed[0]) run(0);
+    }
+    if (std::all_of(failed.begin(), failed.end(), [](const auto& error) { return !error; })) return;
+    ranks_.clear();
+    rethrow_cause(failed, options_.devices);
+}
+
+void Devices::find(const Scene& scene, const Query& query, const Part* part, Collisions& result) {
+    if (part || !is_for_all(scene)) return ForwardingBackend::find(scene, query, part, result);
+    Query question = query;
+    question.weld = false;  // corners are welded
+    std::vector<const DistributedCollisions*> rows(options_.devices.size());
+    on_each([&](Rank& rank) {
+        rows[static_cast<std::size_t>(rank.transport.rank())] =
+            &rank.detector.find_self(rank.block.take(scene), question);
+    });
+    result.pairs.clear();
+    result.contacts.kinds.clear();
+    result.contacts.offsets.clear();
+    result.contacts.points.clear();
+    if (query.contacts) result.contacts.offsets.push_back(0);
+    for (const DistributedCollisions* some : rows) append(result, *some, query.contacts);
+    index_pairs(scene, result);
+}
+
+bool Devices::any(const Scene& scene, const Query& query) {
+    if (!is_for_all(scene)) return ForwardingBackend::any(scene, query);
+    Query question = query;
+    question.weld = false;
+    bool found = false;
+    on_each([&](Rank& rank) {
+        const bool any = rank.detector.has_collision(rank.block.take(scene), question);
+        if (rank.transport.rank() == 0) found = any;
+    });
+    return found;
+}
+
+// find(rank, share) asks one rank. Returns what the first of them has found.
+template <class Find>
+const auto& Devices::ask_features(const Scene& scene, FeatureAnswer& answer, bool listed, Find find) {
+    using Found = std::remove_cvref_t<std::invoke_result_t<Find, Rank&, const MeshShare&>>;
+    std::vector<const Found*> found(options_.devices.size());
+    on_each([&](Rank& rank) {
+        found[static_cast<std::size_t>(rank.transport.rank())] = &find(rank, rank.block.take(scene));
+    });
+    clear(answer);
+    for (const Found* some : found) add_pass(some->statistics.search, answer.statistics);
+    answer.any = found[0]->any;
+    for (std::size_t kind = 0; listed && kind < feature_kinds; ++kind) merge(found, kind, answer.rows[kind]);
+    return *found[0];
+}
+
+void Devices::find(const Scene& scene, const FeatureQuery& query, FeatureAnswer& answer) {
+    if (!is_for_all(scene, query)) return ForwardingBackend::find(scene, query, answer);
+    const bool listed = query.extent == Extent::all;
+    if (query.motion) {
+        const Motion question = motion_of(query);
+        answer.first = ask_features(
+                           scene, answer, listed,
+                           [&](Rank & rank, const MeshShare& share) -> auto& {
+                               return rank.detector.find_impacts(share, rank.block.end(), question);
+                           })
+                           .first;
+    } else {
+        const Near question = near_of(query);
+        ask_features(
+            scene, answer, listed, [&](Rank & rank, const MeshShare& share) -> auto& {
+                return rank.detector.find_near(share, question);
+            });
+    }
+}
+
+}  // namespace crumple::distribute
+
+namespace crumple {
+
+std::unique_ptr<BackendBase> make_devices_backend(const Options& options, MemoryMeter& meter,
+                                                  Cancellation& cancellation) {
+    return std::make_unique<distribute::Devices>(options, meter, cancellation);
+}
+
+}  // namespace crumple

@@ -1,0 +1,56 @@
+#pragma once
+
+// Several devices of one process (Options::devices): each is a rank, a thread with a cuda backend of its own, and has a
+// block of the scene's triangles. What ranks do not answer, the first device does alone.
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "backends/forwarding_backend.h"
+#include "distributed/block_of_triangles.h"
+#include "distributed/rank_detector.h"
+#include "distributed/transport/in_process.h"
+
+namespace crumple::distribute {
+
+class Devices final : public ForwardingBackend {
+   public:
+    /// Throws Error (backend_unavailable) if one of the devices is not there.
+    Devices(const Options& options, MemoryMeter& meter, Cancellation& cancellation);
+
+    void find(const Scene& scene, const Query& query, const Part* part, Collisions& result) override;
+    bool any(const Scene& scene, const Query& query) override;
+    void find(const Scene& scene, const FeatureQuery& query, FeatureAnswer& answer) override;
+    void release() override;
+
+    // Meshes and worlds that lie on a device are the first one's.
+    using ForwardingBackend::any, ForwardingBackend::find;
+
+   private:
+    struct Rank {
+        Rank(std::shared_ptr<Hub> hub, int rank, const Options& options);
+        void set_poll(Cancellation& cancellation);
+
+        InProcess transport;
+        RankDetector detector;
+        Block block;
+    };
+
+    bool is_for_all(const Scene& scene) const;
+    bool is_for_all(const Scene& scene, const FeatureQuery& query) const;
+    void make_ranks();
+    /// Runs work(rank) for each on a thread of its own, the first on the caller's; throws what one has thrown. After a
+    /// failure all begin anew.
+    void on_each(const std::function<void(Rank&)>& work);
+    template <class Find>
+    const auto& ask_features(const Scene& scene, FeatureAnswer& answer, bool listed, Find find);
+
+    Options options_;
+    Cancellation& cancellation_;
+    std::shared_ptr<Hub> hub_;
+    std::vector<std::unique_ptr<Rank>> ranks_;  ///< none: to be made
+};
+
+}  // namespace crumple::distribute

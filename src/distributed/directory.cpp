@@ -1,0 +1,206 @@
+#include "distributed/directory.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <string>
+#include <type_traits>
+
+#include "crumple/error.h"
+#include "distributed/transport/exchange_lists.h"
+
+namespace crumple::distribute {
+namespace {
+
+[[noreturn]] void refuse(const std::string& what, Element element, std::int64_t id) {
+    throw Error(ErrorCode::invalid_argument, what, element, id);
+}
+
+Traffic traffic_of(Rounds& rounds, const ByKeeper& elements) {
+    const int ranks = rounds.transport().size();
+    Traffic traffic(ranks);
+    for (std::size_t r = 0; r < traffic.out.size(); ++r) traffic.out[r] = elements.first[r + 1] - elements.first[r];
+    rounds.transport().all_to_all(traffic.out, traffic.in);
+    return traffic;
+}
+
+// All ids that ranks tell this one, those of rank 0 first.
+void exchange_ids(Rounds& rounds, const ByKeeper& elements, const Ids& ids, const Traffic& traffic,
+                  const std::vector<std::int64_t>& from, std::vector<std::int32_t>& told) {
+    rounds.exchange<std::int32_t>(
+        traffic,
+        [&](int rank, std::int64_t first, std::span<std::int32_t> rows) {
+            const auto begin = static_cast<std::size_t>(elements.first[static_cast<std::size_t>(rank)] + first);
+            for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = ids(elements.element[begin + i]);
+        },
+        [&](int rank, std::int64_t first, std::span<const std::int32_t> rows) {
+            std::copy(rows.begin(), rows.end(),
+                      told.begin() + static_cast<std::ptrdiff_t>(from[static_cast<std::size_t>(rank)] + first));
+        });
+}
+
+// -0 and +0 are told apart.
+template <class Scalar>
+auto bits_of(const std::array<Scalar, 3>& position) {
+    using Bits = std::conditional_t<sizeof(Scalar) == 4, std::uint32_t, std::uint64_t>;
+    return std::bit_cast<std::array<Bits, 3>>(position);
+}
+
+int rank_of_row(const std::vector<std::int64_t>& first, std::int64_t row) {
+    return static_cast<int>(std::upper_bound(first.begin(), first.end(), row) - first.begin()) - 1;
+}
+
+}  // namespace
+
+ByKeeper::ByKeeper(const Ids& ids, std::int64_t count, const std::vector<std::uint8_t>* chosen, int ranks)
+    : first(static_cast<std::size_t>(ranks) + 1, 0) {
+    const std::int64_t per = std::max<std::int64_t>(1, block(ids.all, ranks));
+    const auto keeper = [&](std::int64_t i) { return static_cast<std::size_t>(ids(i) / per); };
+    const auto is_chosen = [&](std::int64_t i) { return !chosen || (*chosen)[static_cast<std::size_t>(i)]; };
+    for (std::int64_t i = 0; i < count; ++i)
+        if (is_chosen(i)) ++first[keeper(i) + 1];
+    for (std::size_t r = 0; r + 1 < first.size(); ++r) first[r + 1] += first[r];
+    element.resize(static_cast<std::size_t>(first.back()));
+    std::vector<std::int64_t> next(first.begin(), first.end() - 1);
+    for (std::int64_t i = 0; i < count; ++i)
+        if (is_chosen(i)) element[static_cast<std::size_t>(next[keeper(i)]++)] = static_cast<std::int32_t>(i);
+}
+
+// As many ids as there are triangles, all in range: if none is there twice, none is missing.
+void check_each_once(Rounds& rounds, Agreement& agree, const Ids& ids, std::int64_t count) {
+    const int ranks = rounds.transport().size();
+    ByKeeper elements;
+    agree(Phase::ids, [&] { elements = ByKeeper(ids, count, nullptr, ranks); });
+    const Traffic traffic = traffic_of(rounds, elements);
+    const std::vector<std::int64_t> from = first_of_each(traffic.in);
+    std::vector<std::int32_t> told, seen;
+    const std::int64_t per = ByKeeper::block(ids.all, ranks), begin = per * rounds.transport().rank();
+    agree(Phase::ids, [&] {
+        told.resize(static_cast<std::size_t>(from.back()));
+        seen.assign(static_cast<std::size_t>(per), -1);
+    });
+    exchange_ids(rounds, elements, ids, traffic, from, told);
+    agree(Phase::ids, [&] {
+        std::int64_t twice = ids.all;
+        std::array<int, 2> by{};
+        for (std::size_t i = 0; i < told.size(); ++i) {
+            std::int32_t& first = seen[static_cast<std::size_t>(told[i] - begin)];
+            if (first >= 0 && told[i] < twice)
+                twice = told[i], by = {rank_of_row(from, first), rank_of_row(from, static_cast<std::int64_t>(i))};
+            if (first < 0) first = static_cast<std::int32_t>(i);
+        }
+        if (twice < ids.all)
+            refuse("triangle " + std::to_string(twice) + " is brought twice, by rank " + std::to_string(by[0]) +
+                       " and by rank " + std::to_string(by[1]),
+                   Element::triangle, twice);
+    });
+}
+
+void SharedVertices::learn(Rounds& rounds, Agreement& agree, const Ids& ids, std::int64_t count) {
+    any_ = false;
+    all_ = ids.all;
+    shared_.clear();
+    kept_.clear();
+    if (!ids.are_given()) return;
+    const int ranks = rounds.transport().size();
+    block_size_ = ByKeeper::block(ids.all, ranks);
+    block_begin_ = block_size_ * rounds.transport().rank();
+    ByKeeper all;
+    agree(Phase::ids, [&] { all = ByKeeper(ids, count, nullptr, ranks); });
+    const Traffic traffic = traffic_of(rounds, all);
+    const std::vector<std::int64_t> from = first_of_each(traffic.in);
+    std::vector<std::int32_t> told, ranks_with;
+    std::vector<std::uint8_t> flags;
+    agree(Phase::ids, [&] {
+        told.resize(static_cast<std::size_t>(from.back()));
+        ranks_with.assign(static_cast<std::size_t>(block_size_), 0);
+        shared_.assign(static_cast<std::size_t>(count), 0);
+    });
+    exchange_ids(rounds, all, ids, traffic, from, told);
+    agree(Phase::ids, [&] {
+        for (const std::int32_t id : told) ++ranks_with[static_cast<std::size_t>(id - block_begin_)];
+        const std::int64_t end = std::min(block_size_, ids.all - block_begin_);
+        for (std::int64_t i = 0; i < end; ++i)
+            if (ranks_with[static_cast<std::size_t>(i)] == 0)
+                refuse("no rank brings vertex " + std::to_string(block_begin_ + i), Element::vertex, block_begin_ + i);
+    });
+    Traffic back(ranks);
+    back.out = traffic.in, back.in = traffic.out;
+    rounds.exchange<std::uint8_t>(
+        back,
+        [&](int rank, std::int64_t first, std::span<std::uint8_t> rows) {
+            const std::int64_t begin = from[static_cast<std::size_t>(rank)] + first;
+            for (std::size_t i = 0; i < rows.size(); ++i) {
+                const std::int32_t id = told[static_cast<std::size_t>(begin) + i];
+                rows[i] = ranks_with[static_cast<std::size_t>(id - block_begin_)] > 1;
+            }
+        },
+        [&](int rank, std::int64_t first, std::span<const std::uint8_t> rows) {
+            const auto begin = static_cast<std::size_t>(all.first[static_cast<std::size_t>(rank)] + first);
+            for (std::size_t i = 0; i < rows.size(); ++i)
+                shared_[static_cast<std::size_t>(all.element[begin + i])] = rows[i];
+        });
+
+    std::int64_t some = std::any_of(shared_.begin(), shared_.end(), [](std::uint8_t flag) { return flag != 0; });
+    rounds.transport().reduce({&some, 1}, Reduction::max);
+    any_ = some != 0;
+    if (!any_) return;
+    agree(Phase::ids, [&] { told_ = ByKeeper(ids, count, &shared_, ranks); });
+    traffic_ = traffic_of(rounds, told_);
+    first_from_ = first_of_each(traffic_.in);
+    agree(Phase::ids, [&] { kept_.resize(static_cast<std::size_t>(first_from_.back())); });
+    exchange_ids(rounds, told_, ids, traffic_, first_from_, kept_);
+    for (std::int32_t& id : kept_) id -= static_cast<std::int32_t>(block_begin_);
+}
+
+void SharedVertices::check(Rounds& rounds, Agreement& agree, const VertexReader& reader, bool float32,
+                           const char* when) const {
+    if (!any_) return;
+    float32 ? check_copies<float>(rounds, agree, reader, when) : check_copies<double>(rounds, agree, reader, when);
+}
+
+template <class Scalar>
+void SharedVertices::check_copies(Rounds& rounds, Agreement& agree, const VertexReader& reader,
+                                  const char* when) const {
+    using Position = std::array<Scalar, 3>;
+    std::vector<Position> first;
+    std::vector<std::int32_t> by;
+    std::int64_t differs = all_;
+    std::array<int, 2> ranks{};
+    agree(Phase::ids, [&] {
+        first.resize(static_cast<std::size_t>(block_size_));
+        by.assign(static_cast<std::size_t>(block_size_), -1);
+    });
+    rounds.exchange<Position>(
+        traffic_,
+        [&](int rank, std::int64_t begin, std::span<Position> rows) {
+            const auto at = static_cast<std::size_t>(told_.first[static_cast<std::size_t>(rank)] + begin);
+            for (std::size_t i = 0; i < rows.size(); ++i) {
+                const Vec3d p = reader(told_.element[at + i]);
+                rows[i] = {static_cast<Scalar>(p.x), static_cast<Scalar>(p.y), static_cast<Scalar>(p.z)};
+            }
+        },
+        [&](int rank, std::int64_t begin, std::span<const Position> rows) {
+            const auto at = static_cast<std::size_t>(first_from_[static_cast<std::size_t>(rank)] + begin);
+            for (std::size_t i = 0; i < rows.size(); ++i) {
+                const std::int32_t v = kept_[at + i];
+                std::int32_t& known = by[static_cast<std::size_t>(v)];
+                Position& position = first[static_cast<std::size_t>(v)];
+                if (known < 0) {
+                    known = rank;
+                    position = rows[i];
+                } else if (bits_of(position) != bits_of(rows[i]) && block_begin_ + v < differs) {
+                    differs = block_begin_ + v;
+                    ranks = {known, rank};
+                }
+            }
+        });
+    agree(Phase::ids, [&] {
+        if (differs < all_)
+            refuse("the copies of vertex " + std::to_string(differs) + when + " on rank " + std::to_string(ranks[0]) +
+                       " and on rank " + std::to_string(ranks[1]) + " differ",
+                   Element::vertex, differs);
+    });
+}
+
+}  // namespace crumple::distribute

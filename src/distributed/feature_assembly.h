@@ -1,0 +1,46 @@
+#pragma once
+
+// An assembled part as questions about features take it: vertices by ascending id, each once, with the features that
+// its triangles own (PartFeatures).
+
+#include <cstdint>
+#include <vector>
+
+#include "crumple/part.h"
+#include "distributed/assembled_part.h"
+
+namespace crumple::distribute {
+
+/// What a part is made for.
+struct FeatureDemand {
+    bool moving = false;
+    double distance = 0, share = 0;
+    bool weld = false;
+    friend bool operator==(const FeatureDemand&, const FeatureDemand&) = default;
+};
+
+class FeatureAssembly {
+   public:
+    /// Takes over what has changed, and all coordinates.
+    const Part& update(const AssembledPart& from, const FeatureDemand& demand);
+
+    /// The rank of the triangle that owns a vertex or an edge of the part, by its id.
+    int rank_of_vertex(std::int32_t id) const;
+    int rank_of_edge(std::int32_t id) const;
+    /// The ids of an edge's vertices.
+    Edge ends_of_edge(std::int32_t id) const;
+
+   private:
+    void take_triangles(const AssembledPart& from);
+    void take_edges(const AssembledPart& from);
+    void take_coordinates(const AssembledPart& from);
+    void name_vertices();
+    std::size_t place_of_edge(std::int32_t id) const;
+
+    Part part_;
+    std::int64_t revision_ = -1;
+    std::vector<std::int32_t> place_;  ///< of each vertex, where it lies in the assembled part
+    std::vector<std::int32_t> vertex_rank_, edge_rank_;
+};
+
+}  // namespace crumple::distribute

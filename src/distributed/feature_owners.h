@@ -1,0 +1,39 @@
+#pragma once
+
+// Vertices and edges over all ranks: which triangle owns each, and the edges' numbers. As on one machine
+// (scene/scene_features.h) the lowest triangle that names a feature owns it, and edges are numbered in lexicographic
+// order. The rank that keeps the book of an edge's lower vertex sees all triangles that name the edge.
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "distributed/directory.h"
+#include "distributed/share.h"
+#include "distributed/transport/agreement.h"
+#include "distributed/transport/rounds.h"
+
+namespace crumple::distribute {
+
+/// What a triangle owns: bit k, the vertex at corner k; bit 3 + k, the edge from there, whose number is edges[k].
+struct OwnedFeatures {
+    std::array<std::int32_t, 3> edges{-1, -1, -1};
+    std::int32_t owned = 0;
+};
+
+class FeatureOwners {
+   public:
+    void learn(Rounds& rounds, Agreement& agree, const Share& share, const SharedVertices& copies);
+    bool known() const { return known_; }
+    void forget() { *this = {}; }
+    const OwnedFeatures& of(std::int64_t triangle) const { return of_[static_cast<std::size_t>(triangle)]; }
+
+   private:
+    void own_vertices(Rounds& rounds, Agreement& agree, const Share& share, const SharedVertices& copies);
+    void own_edges(Rounds& rounds, Agreement& agree, const Share& share);
+
+    bool known_ = false;
+    std::vector<OwnedFeatures> of_;  ///< by triangle of this rank
+};
+
+}  // namespace crumple::distribute

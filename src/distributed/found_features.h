@@ -1,0 +1,49 @@
+#pragma once
+
+// Impacts and near pairs on their way from the rank that found them to the rank whose triangle owns their first
+// feature.
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "crumple/distributed.h"
+#include "distributed/feature_assembly.h"
+#include "distributed/transport/agreement.h"
+#include "distributed/transport/rounds.h"
+
+namespace crumple::distribute {
+
+class FoundFeatures {
+   public:
+    explicit FoundFeatures(int ranks) : for_rank_(static_cast<std::size_t>(ranks)) {}
+
+    /// What has been found in a part.
+    void add(const FeatureAssembly& part, const Impacts& found);
+    void add(const FeatureAssembly& part, const Nearby& found);
+
+    /// All of this rank's rows, in order.
+    void exchange(Rounds& rounds, Agreement& agree, DistributedImpacts& result);
+    void exchange(Rounds& rounds, Agreement& agree, DistributedNearby& result);
+
+   private:
+    // Faces own themselves, and every vertex and edge is a triangle's: the other two kinds do not occur.
+    static constexpr std::size_t kinds = 2;
+    struct Row {
+        Pair pair;
+        std::array<Edge, 2> ends;  ///< of edges, the ids of their vertices
+        double value;              ///< time, or squared distance
+        std::array<double, 2> at;  ///< where they are closest
+        std::uint8_t flag, type;
+    };
+    using Rows = std::array<std::vector<Row>, kinds>;
+
+    template <class Answer, class Fill>
+    void add_rows(const FeatureAssembly& part, const Answer& found, Fill fill);
+    template <class Result, class Write>
+    void exchange_rows(Rounds& rounds, Agreement& agree, Result& result, Write write);
+
+    std::vector<Rows> for_rank_;
+};
+
+}  // namespace crumple::distribute

@@ -1,0 +1,42 @@
+#pragma once
+
+// Rows of the answer on their way from the rank that found them to the rank that brought their first triangle.
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "crumple/distributed.h"
+#include "distributed/assembled_part.h"
+#include "distributed/transport/agreement.h"
+#include "distributed/transport/rounds.h"
+
+namespace crumple::distribute {
+
+class FoundRows {
+   public:
+    explicit FoundRows(int ranks) : for_rank_(static_cast<std::size_t>(ranks)) {}
+
+    /// What has been found in a part, by place in it.
+    void add(const AssembledPart& part, const Collisions& found);
+
+    /// All of this rank's rows, in order.
+    void exchange(Rounds& rounds, Agreement& agree, bool contacts, DistributedCollisions& result);
+
+   private:
+    struct Points {
+        ContactKind kind;
+        std::uint8_t count;
+    };
+    struct Rows {
+        std::vector<Pair> pairs;
+        std::vector<Points> contacts;  ///< of each
+        std::vector<std::array<double, 3>> points;
+    };
+    static void order_pairs(Rows& coming, DistributedCollisions& result);
+    static void order_contacts(Rows& coming, DistributedCollisions& result);
+
+    std::vector<Rows> for_rank_;
+};
+
+}  // namespace crumple::distribute

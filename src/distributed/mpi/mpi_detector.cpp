@@ -1,0 +1,193 @@
+// The front door for processes of MPI: what MPI has to be, and how many threads each rank may have.
+
+#include "crumple/mpi.h"
+
+#ifdef __linux__
+#include <sched.h>
+#endif
+
+#include <algorithm>
+#include <cstring>
+#include <functional>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "crumple/device.h"
+#include "distributed/mpi/mpi_transport.h"
+#include "distributed/rank_detector.h"
+
+namespace crumple::mpi {
+namespace {
+
+using distribute::check_mpi;
+
+[[noreturn]] void refuse(const std::string& what) { throw Error(ErrorCode::communication, what); }
+
+/// A duplicate of its own, whose errors are returned.
+class Communicator {
+   public:
+    explicit Communicator(MPI_Comm of) {
+        int initialised = 0, finalised = 0;
+        check_mpi(MPI_Initialized(&initialised), "MPI_Initialized");
+        check_mpi(MPI_Finalized(&finalised), "MPI_Finalized");
+        if (!initialised || finalised) refuse("MPI is not initialised: call MPI_Init_thread before");
+        if (of == MPI_COMM_NULL) refuse("the communicator is MPI_COMM_NULL");
+        check_mpi(MPI_Comm_dup(of, &own_), "MPI_Comm_dup");
+        check_mpi(MPI_Comm_set_errhandler(own_, MPI_ERRORS_RETURN), "MPI_Comm_set_errhandler");
+    }
+    MPI_Comm get() const { return own_; }
+    void free() { check_mpi(MPI_Comm_free(&own_), "MPI_Comm_free"); }
+
+   private:
+    MPI_Comm own_ = MPI_COMM_NULL;
+};
+
+/// The cores that this process may run on, one byte each.
+std::vector<std::uint8_t> allowed_cores() {
+    std::vector<std::uint8_t> allowed;
+#ifdef __linux__
+    cpu_set_t set;
+    if (sched_getaffinity(0, sizeof set, &set) == 0) {
+        allowed.resize(CPU_SETSIZE);
+        for (std::size_t c = 0; c < allowed.size(); ++c) allowed[c] = CPU_ISSET(c, &set) != 0;
+        return allowed;
+    }
+#endif
+    allowed.assign(1024, 0);
+    std::fill_n(allowed.begin(), std::min<std::size_t>(1024, std::max(1u, std::thread::hardware_concurrency())), 1);
+    return allowed;
+}
+
+/// What ranks on one machine have of it.
+struct Fair {
+    int threads = 1;
+    int place = 0;  ///< of the rank among those of its machine
+};
+
+// Each core counts for its share among the ranks of the machine that may use it.
+Fair fair_share(MPI_Comm communicator) {
+    MPI_Comm machine = MPI_COMM_NULL;
+    check_mpi(MPI_Comm_split_type(communicator, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine),
+              "MPI_Comm_split_type");
+    Fair fair;
+    const std::vector<std::uint8_t> mine = allowed_cores();
+    std::vector<int> users(mine.begin(), mine.end());
+    int code = MPI_Comm_rank(machine, &fair.place);
+    if (code == MPI_SUCCESS)
+        code = MPI_Allreduce(MPI_IN_PLACE, users.data(), static_cast<int>(users.size()), MPI_INT, MPI_SUM, machine);
+    MPI_Comm_free(&machine);
+    check_mpi(code, "MPI_Allreduce");
+    double threads = 0;
+    for (std::size_t c = 0; c < mine.size(); ++c)
+        if (mine[c]) threads += 1.0 / users[c];
+    fair.threads = std::clamp(static_cast<int>(threads + 1e-9), 1, 1024);
+    return fair;
+}
+
+// The machine is looked at where some rank asks for it.
+DistributedOptions settled(DistributedOptions options, MPI_Comm communicator) {
+    Options& own = options.detector;
+    const bool asks_threads = own.threads == 0 && !own.executor;
+    const std::size_t devices =
+        own.backend == Backend::cuda || own.backend == Backend::automatic ? list_devices().devices.size() : 0;
+    int asks = asks_threads || devices > 0;
+    check_mpi(MPI_Allreduce(MPI_IN_PLACE, &asks, 1, MPI_INT, MPI_MAX, communicator), "MPI_Allreduce");
+    if (!asks) return options;
+    const Fair fair = fair_share(communicator);
+    if (asks_threads) own.threads = fair.threads;
+    // A device that is none is refused later, with all other options.
+    if (devices > 0 && own.device >= 0)
+        own.device =
+            static_cast<int>((static_cast<std::size_t>(own.device) + static_cast<std::size_t>(fair.place)) % devices);
+    return options;
+}
+
+}  // namespace
+
+struct Detector::Implementation {
+    Communicator communicator;
+    distribute::MpiTransport transport;
+    distribute::RankDetector detector;
+    std::function<void()> poll;
+
+    Implementation(MPI_Comm of, const DistributedOptions& options)
+        : communicator(of), transport(communicator.get()), detector(transport, settled(options, communicator.get())) {
+        // Within an agreement: a thread that may not call on one rank ends the call on all.
+        detector.set_hook([this](Phase phase) {
+            if (phase == Phase::question) check_thread();
+            if (poll) poll();
+        });
+    }
+
+    void check_thread() const {
+        int level = MPI_THREAD_SINGLE, main = 0;
+        check_mpi(MPI_Query_thread(&level), "MPI_Query_thread");
+        check_mpi(MPI_Is_thread_main(&main), "MPI_Is_thread_main");
+        if (level < MPI_THREAD_SERIALIZED && !main)
+            refuse("this thread may not call MPI, which was initialised with less than MPI_THREAD_SERIALIZED");
+        if (level < MPI_THREAD_FUNNELED && detector.options().detector.threads != 1)
+            refuse(
+                "MPI was initialised for a single thread: call MPI_Init_thread with MPI_THREAD_FUNNELED, or give the "
+                "detector one thread");
+    }
+};
+
+Detector::Detector(MPI_Comm communicator, const DistributedOptions& options)
+    : implementation_(std::make_unique<Implementation>(communicator, options)) {}
+Detector::~Detector() = default;
+Detector::Detector(Detector&&) noexcept = default;
+Detector& Detector::operator=(Detector&&) noexcept = default;
+
+Detector::Implementation& Detector::open() const {
+    if (!implementation_) refuse("the detector is closed");
+    return *implementation_;
+}
+
+void Detector::close() {
+    if (!implementation_) return;
+    const std::unique_ptr<Implementation> closing = std::move(implementation_);
+    closing->communicator.free();
+}
+
+const DistributedCollisions& Detector::find_self(const MeshShare& share, const Query& query, std::stop_token stop) {
+    return open().detector.find_self(share, query, std::move(stop));
+}
+std::int64_t Detector::count(const MeshShare& share, const Query& query, std::stop_token stop) {
+    return open().detector.count(share, query, std::move(stop));
+}
+bool Detector::has_collision(const MeshShare& share, const Query& query, std::stop_token stop) {
+    return open().detector.has_collision(share, query, std::move(stop));
+}
+const DistributedImpacts& Detector::find_impacts(const MeshShare& share, const VertexView& end, const Motion& question,
+                                                 std::stop_token stop) {
+    return open().detector.find_impacts(share, end, question, std::move(stop));
+}
+const DistributedNearby& Detector::find_near(const MeshShare& share, const Near& question, std::stop_token stop) {
+    return open().detector.find_near(share, question, std::move(stop));
+}
+const DistributedWorldCollisions& Detector::find(const WorldShare& share, const Intersect& question,
+                                                 std::stop_token stop) {
+    return open().detector.find(share, question, std::move(stop));
+}
+const DistributedImpacts& Detector::find_impacts(const WorldShare& share, const Motion& question,
+                                                 std::stop_token stop) {
+    return open().detector.find_impacts(share, question, std::move(stop));
+}
+const DistributedNearby& Detector::find_near(const WorldShare& share, const Near& question, std::stop_token stop) {
+    return open().detector.find_near(share, question, std::move(stop));
+}
+void Detector::set_poll(std::function<void()> poll) {
+    open().detector.set_poll(poll);
+    open().poll = std::move(poll);
+}
+void Detector::set_progress(std::function<void(const DistributedProgress&)> show) {
+    open().detector.set_progress(std::move(show));
+}
+const DistributedStatistics& Detector::statistics() const { return open().detector.statistics(); }
+const DistributedOptions& Detector::options() const { return open().detector.options(); }
+int Detector::rank() const { return open().transport.rank(); }
+int Detector::ranks() const { return open().transport.size(); }
+
+}  // namespace crumple::mpi

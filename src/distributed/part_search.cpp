@@ -1,0 +1,61 @@
+#include "distributed/part_search.h"
+
+#include <utility>
+
+#include "scene/scene.h"
+
+namespace crumple::distribute {
+
+template <class Work>
+void PartSearch::guarded(const Part& part, const Query& query, std::unique_ptr<SceneMemory>& memory,
+                         std::stop_token stop, Work work) {
+    const MeshView mesh = part.mesh.view();
+    backend->swap_memory(memory);
+    const auto attempt = [&] { work(prepare_scene(mesh, nullptr, query.weld, *backend, buffers)); };
+    within_limit(
+        std::move(stop), attempt, [] { return true; },
+        [&] {
+            const Lifted lifted(meter);
+            return backend->bytes_needed(prepare_scene(mesh, nullptr, query.weld, *backend, buffers), query, &part);
+        });
+    backend->swap_memory(memory);
+}
+
+const Collisions& PartSearch::find(const Part& part, const Query& query, std::unique_ptr<SceneMemory>& memory,
+                                   std::stop_token stop) {
+    result.statistics = {};
+    guarded(part, query, memory, std::move(stop),
+            [&](const Scene& scene) { backend->find(scene, query, &part, result); });
+    result.statistics.peak_memory_bytes = meter.peak;
+    return result;
+}
+
+bool PartSearch::any(const Part& part, const Query& query, std::unique_ptr<SceneMemory>& memory, std::stop_token stop) {
+    bool found = false;
+    guarded(part, query, memory, std::move(stop), [&](const Scene& scene) { found = backend->any(scene, query); });
+    return found;
+}
+
+template <class Question, class Answer>
+const Answer& PartSearch::find_features(const Part& part, const Question& question,
+                                        std::unique_ptr<SceneMemory>& memory, std::stop_token stop, Answer& answer) {
+    bool frugal = false;
+    const auto attempt = [&] { features.find(*backend, part, question, frugal, answer); };
+    backend->swap_memory(memory);
+    within_limit(
+        std::move(stop), attempt, [&] { return frugal = true; }, [&] { return peak_of(attempt); });
+    backend->swap_memory(memory);
+    answer.statistics.peak_memory_bytes = meter.peak;
+    return answer;
+}
+
+const Impacts& PartSearch::find(const Part& part, const Motion& question, std::unique_ptr<SceneMemory>& memory,
+                                std::stop_token stop) {
+    return find_features(part, question, memory, std::move(stop), impacts);
+}
+const Nearby& PartSearch::find(const Part& part, const Near& question, std::unique_ptr<SceneMemory>& memory,
+                               std::stop_token stop) {
+    return find_features(part, question, memory, std::move(stop), nearby);
+}
+
+}  // namespace crumple::distribute

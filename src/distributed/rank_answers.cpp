@@ -1,0 +1,165 @@
+// What a rank does for each question once parts are up to date: the last three phases.
+
+#include <array>
+#include <bit>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+#include "distributed/found_features.h"
+#include "distributed/found_rows.h"
+#include "distributed/rank_detector.h"
+#include "results/intersection_output.h"
+
+namespace crumple::distribute {
+namespace {
+
+// Impacts in order; times are not negative.
+std::array<std::int64_t, 5> key_of(const FirstImpact& impact) {
+    return {std::bit_cast<std::int64_t>(impact.toi), static_cast<std::int64_t>(impact.kind), impact.pair.a,
+            impact.pair.b, !impact.start};
+}
+
+}  // namespace
+
+std::int64_t RankDetector::add_up(std::int64_t found, bool cut_short) {
+    statistics_.search.pairs = found;
+    std::int64_t largest = std::accumulate(work_.begin(), work_.end(), std::int64_t{0});
+    reduce({&largest, 1}, Reduction::max);
+    work_.push_back(found);
+    reduce(work_, Reduction::sum);
+    const std::int64_t all = work_.back();
+    work_.pop_back();
+    const auto sum = static_cast<double>(std::accumulate(work_.begin(), work_.end(), std::int64_t{0}));
+    statistics_.largest_work = 1e-6 * static_cast<double>(largest);
+    statistics_.mean_work = 1e-6 * sum / transport_.size();
+    if (cut_short) return all;
+    // What is expected of the next call is a mean of calls before, for times jitter.
+    if (expected_work_.size() != work_.size()) expected_work_ = work_;
+    for (std::size_t k = 0; k < work_.size(); ++k) expected_work_[k] = (expected_work_[k] + work_[k]) / 2;
+    return all;
+}
+
+const DistributedCollisions& RankDetector::find_self(const MeshShare& share, const Query& query, std::stop_token stop) {
+    find(share, query, Wants::pairs, std::move(stop));
+    return result_;
+}
+std::int64_t RankDetector::count(const MeshShare& share, const Query& query, std::stop_token stop) {
+    find(share, query, Wants::count, std::move(stop));
+    return result_.total;
+}
+bool RankDetector::has_collision(const MeshShare& share, const Query& query, std::stop_token stop) {
+    find(share, query, Wants::any, std::move(stop));
+    return result_.total > 0;
+}
+
+void RankDetector::find(const MeshShare& share, const Query& query, Wants wants, std::stop_token stop) {
+    result_ = {};
+    answer(
+        share, nullptr, [&] { return asked_by(query, wants); }, [] {}, std::move(stop),
+        [&] { search_rows(query, wants); });
+    result_.statistics = statistics_;
+}
+
+void RankDetector::search_rows(const Query& query, Wants wants) {
+    FoundRows rows(transport_.size());
+    std::int64_t found = 0;
+    const auto each = [&](AssembledPart& part) {
+        if (wants == Wants::any) {
+            found = engine_->any(part.part(), query, part.memory(), stop_);
+            return;
+        }
+        const Collisions& in_part = engine_->find(part.part(), query, part.memory(), stop_);
+        found += static_cast<std::int64_t>(in_part.pairs.size());
+        if (wants == Wants::pairs) rows.add(part, in_part);
+        add_pass(in_part.statistics, statistics_.search);
+    };
+    search(each, [&] { return wants == Wants::any && found > 0; });
+    if (wants == Wants::pairs) rows.exchange(rounds_, agree_, query.contacts, result_);
+    result_.total = add_up(found, wants == Wants::any);
+}
+
+// each(part, part as the engine takes it) returns what is found in a part. `listed`: rows are wanted; `cut_short`: a
+// first one is enough.
+template <class Each, class Result>
+void RankDetector::search_features(Each each, bool listed, bool cut_short, Result& result) {
+    FoundFeatures rows(transport_.size());
+    std::int64_t found = 0;
+    bool any = false;
+    const auto one = [&](AssembledPart& part) {
+        FeatureAssembly& assembly = assemblies_[part.index()];
+        const auto& in_part = each(part, assembly.update(part, *demand_));
+        any = any || in_part.any;
+        found += in_part.count;
+        if (listed) rows.add(assembly, in_part);
+        add_pass(in_part.statistics, statistics_.search);
+    };
+    search(one, [&] { return cut_short && any; });
+    if (listed) rows.exchange(rounds_, agree_, result);
+    result.total = add_up(found, !listed);
+    result.any = on_any_rank(any);
+}
+
+const DistributedImpacts& RankDetector::find_impacts(const MeshShare& share, const VertexView& end,
+                                                     const Motion& question, std::stop_token stop) {
+    impacts_ = {};
+    answer(
+        share, &end, [&] { return asked_by(question, false); }, [] {}, std::move(stop),
+        [&] { search_impacts(question); });
+    impacts_.statistics = statistics_;
+    return impacts_;
+}
+
+void RankDetector::search_impacts(const Motion& question) {
+    const bool listed = question.wants == MotionWants::impacts;
+    const bool any = question.wants == MotionWants::any || question.wants == MotionWants::any_by_world;
+    FirstImpact first;
+    const auto each = [&](AssembledPart& part, const Part& of) -> const Impacts& {
+        const Impacts& found = engine_->find(of, question, part.memory(), stop_);
+        if (found.first.found && (!first.found || key_of(found.first) < key_of(first))) first = found.first;
+        return found;
+    };
+    search_features(each, listed, any, impacts_);
+    if (!any) impacts_.first = first_of_all(first);
+}
+
+const DistributedNearby& RankDetector::find_near(const MeshShare& share, const Near& question, std::stop_token stop) {
+    nearby_ = {};
+    answer(
+        share, nullptr, [&] { return asked_by(question, false); }, [] {}, std::move(stop),
+        [&] { search_near(question); });
+    nearby_.statistics = statistics_;
+    return nearby_;
+}
+
+void RankDetector::search_near(const Near& question) {
+    nearby_.closest = question.closest && question.wants == NearWants::pairs;
+    const bool listed = question.wants == NearWants::pairs;
+    const auto each = [&](AssembledPart& part, const Part& of) -> const Nearby& {
+        return engine_->find(of, question, part.memory(), stop_);
+    };
+    search_features(each, listed, !listed, nearby_);
+}
+
+// The least in time, then in the order of the lists: number by number, and whoever falls back is out.
+FirstImpact RankDetector::first_of_all(const FirstImpact& here) {
+    constexpr std::int64_t none = std::numeric_limits<std::int64_t>::max();
+    const std::array<std::int64_t, 5> key = key_of(here);
+    std::array<std::int64_t, 5> first{};
+    bool in = here.found;
+    for (std::size_t i = 0; i < key.size(); ++i) {
+        first[i] = in ? key[i] : none;
+        reduce({&first[i], 1}, Reduction::min);
+        if (i == 0 && first[0] == none) return {};
+        in = in && key[i] == first[i];
+    }
+    FirstImpact impact;
+    impact.found = true;
+    impact.toi = std::bit_cast<double>(first[0]);
+    impact.kind = static_cast<FeatureKind>(first[1]);
+    impact.pair = {static_cast<std::int32_t>(first[2]), static_cast<std::int32_t>(first[3])};
+    impact.start = first[4] == 0;
+    return impact;
+}
+
+}  // namespace crumple::distribute

@@ -1,0 +1,101 @@
+#pragma once
+
+// The bodies that one rank brings, as a share of triangles: whole bodies, one after the other, posed by the engine's
+// own function. Every rank has a table of all bodies, which are few.
+//
+//     triangles over all ranks   body 0 | body 1 | ...    so their order is that of a world's answer
+//     vertices and edges         the same
+//
+// A share knows one kind of group. These are the bodies, unless rules speak of the triangles' groups.
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "base/parallel_for.h"
+#include "crumple/distributed.h"
+#include "crumple/error.h"
+#include "distributed/feature_owners.h"
+#include "distributed/transport/agreement.h"
+#include "scene/world_outline.h"
+
+namespace crumple::distribute {
+
+class Bodies {
+   public:
+    /// Looks at all but coordinates, and makes a share of the right size. `moving`: with vertices at the end. Throws
+    /// Error for what makes no sense, or is not for ranks; about a body by its id, if ids are given.
+    void outline(const WorldShare& share, const Rules& rules, bool moving);
+    /// Collective: each body once. Numbers and groups of the share follow. Throws the same Error on all ranks.
+    void number(Transport& transport, Agreement& agree);
+    /// Puts vertices at their places. Throws Error (Element::body, by its id).
+    void pose(ParallelFor& workers);
+    /// Collective, once edges are known: how many each body has.
+    void count_edges(Transport& transport, Agreement& agree, const FeatureOwners& features);
+    void forget_edges() { first_edge_.clear(); }
+    void forget();
+
+    /// Views that follow; they stay where they are.
+    const MeshShare& share() const { return share_; }
+    const VertexView& end() const { return end_view_; }
+    /// What the rules of the world say of the share's groups.
+    const Rules& rules() const { return group_rules_; }
+    /// The rank that has brought a body.
+    int rank_of(std::int32_t body) const { return static_cast<int>(table_[static_cast<std::size_t>(body)].rank); }
+
+    /// A number over all ranks as a body, and a number within it.
+    struct Within {
+        std::int32_t body, number;
+    };
+    Within triangle(std::int32_t id) const { return within(first_triangle_, id); }
+    Within vertex(std::int32_t id) const { return within(first_vertex_, id); }
+    Within edge(std::int32_t id) const { return within(first_edge_, id); }
+    /// Both features of a pair. Ranks have no pairs of other kinds than vertex and face, and edge and edge.
+    std::pair<Within, Within> features(FeatureKind kind, Pair pair) const {
+        if (kind == FeatureKind::edge_edge) return {edge(pair.a), edge(pair.b)};
+        return {vertex(pair.a), triangle(pair.b)};
+    }
+
+   private:
+    using Coordinates = std::variant<std::vector<float>, std::vector<double>>;
+    /// Summed over the ranks, of which one has the body.
+    struct Row {
+        std::int64_t brought = 0, rank = 0, triangles = 0, vertices = 0, self = 0;
+        friend bool operator==(const Row&, const Row&) = default;
+    };
+
+    static Within within(std::span<const std::int64_t> first, std::int32_t id);
+    std::int64_t id_of(std::int32_t body) const {
+        return given_.empty() ? first_body_ + body : given_[static_cast<std::size_t>(body)];
+    }
+    /// Throws an error about one of this rank's bodies with the body's id.
+    [[noreturn]] static void fail_with_id(const Error& error, std::int64_t body, std::int64_t id);
+    void look_at(const WorldShare& share, const Rules& rules, bool moving);
+    void check_shape(const Shape& shape, std::int32_t body) const;
+    bool settle_ids(Transport& transport, Agreement& agree);
+    void tabulate(Transport& transport, Agreement& agree);
+    void settle_rules();
+    void give_numbers();
+    void pose_body(std::int32_t body, std::int64_t first_vertex, std::int64_t first_triangle, ParallelFor& workers);
+
+    WorldOutline outline_{nullptr};
+    std::span<const std::int64_t> given_;
+    Rules rules_, group_rules_;
+    bool by_groups_ = false;       ///< rules speak of the triangles' groups
+    std::int64_t first_body_ = 0;  ///< of this rank, where no ids are given
+
+    std::vector<Row> table_;                                                ///< by body, over all ranks
+    std::vector<std::int64_t> first_triangle_, first_vertex_, first_edge_;  ///< of each body, and the end
+    std::vector<std::pair<std::int64_t, Row>> kept_;                        ///< this rank's rows, by id
+
+    MeshShare share_;
+    VertexView end_view_;
+    Coordinates start_, end_;
+    std::vector<std::int32_t> corners_, groups_;
+    std::vector<std::int64_t> triangle_ids_, vertex_ids_;
+};
+
+}  // namespace crumple::distribute

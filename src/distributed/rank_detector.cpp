@@ -1,0 +1,364 @@
+#include "distributed/rank_detector.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <chrono>
+#include <limits>
+#include <string>
+#include <utility>
+
+#include "base/float_environment.h"
+#include "distributed/delivery.h"
+#include "queries/checks.h"
+
+namespace crumple::distribute {
+namespace {
+
+// Integers in the order of the numbers. -0 is +0.
+std::int64_t ordered(double x) {
+    const auto bits = std::bit_cast<std::int64_t>(x + 0.0);
+    return bits >= 0 ? bits : std::numeric_limits<std::int64_t>::min() - bits;
+}
+double number(std::int64_t ordered) {
+    return std::bit_cast<double>(ordered >= 0 ? ordered : std::numeric_limits<std::int64_t>::min() - ordered);
+}
+
+double time_of_day() {
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+}  // namespace
+
+RankDetector::RankDetector(Transport& transport, const DistributedOptions& options)
+    : transport_(transport),
+      options_(options),
+      rounds_(transport, std::max<std::int64_t>(options.round_bytes, 1024)),
+      agree_(transport),
+      clock_(time_of_day),
+      share_(nullptr) {
+    agree_(Phase::question, [&] {
+        check(options.parts >= 0 && options.parts <= max_parts, "parts must be 0 (chosen) to 262144");
+        check(options.round_bytes >= 1024, "round_bytes must be at least 1024");
+        check(options.detector.devices.empty(), "devices must be empty: a rank has one device");
+        engine_.emplace(options_.detector);
+        rounds_.reserve();
+    });
+    agree_.before = [&](Phase phase) {
+        statistics_[phase_] += watch_.lap();
+        phase_ = phase;
+        if (stop_.stop_requested()) throw Error(ErrorCode::cancelled, "the call was cancelled");
+        if (hook_) hook_(phase);
+        show_phase(phase);
+    };
+}
+
+RankDetector::~RankDetector() = default;
+
+void RankDetector::set_poll(std::function<void()> poll) { engine_->set_poll(std::move(poll)); }
+
+// A phase has many agreements, and where lists travel in rounds, members and room take turns.
+void RankDetector::show_phase(Phase phase) {
+    if (shown_ && phase <= *shown_) return;
+    shown_ = phase;
+    if (show_ && phase != Phase::search) show_({phase});
+}
+
+void RankDetector::answer(const MeshShare& share, const VertexView* end, FunctionRef<Asked()> ask,
+                          FunctionRef<void()> prepare, std::stop_token stop, FunctionRef<void()> work) {
+    const FloatEnvironment environment;
+    Stopwatch whole;
+    watch_.lap();
+    stop_ = std::move(stop);
+    statistics_ = {};
+    rounds_.reset_counts();
+    phase_ = Phase::question;
+    shown_.reset();
+    try {
+        agree_(Phase::question, [&] {
+            asked_ = ask();
+            Share::check_shape(share);
+        });
+        settle_question(share, end);
+        prepare();
+        read(share, end);
+        settle_ids();
+        place();
+        list_members();
+        deliver();
+        work();
+    } catch (...) {
+        forget();
+        throw;
+    }
+    statistics_[phase_] += watch_.lap();
+    statistics_.milliseconds = whole.lap();
+    statistics_.bytes_sent = rounds_.bytes_sent();
+    statistics_.messages = rounds_.messages();
+}
+
+// One reduction for all that ranks have to agree upon, or to know of each other.
+void RankDetector::settle_question(const MeshShare& share, const VertexView* end) {
+    std::vector<std::int64_t> told = asked_.told;
+    told.push_back(options_.parts);
+    told.push_back(options_.round_bytes);
+    // Of different questions there may be different numbers of numbers.
+    constexpr std::size_t n = 20;
+    told.resize(n, 0);
+    for (std::size_t i = 0; i < n; ++i) told.push_back(-told[i]);
+    const auto is_float64 = [](const VertexView& view) { return view.type == ScalarType::float64 && view.rows > 0; };
+    told.push_back(-std::int64_t{!share.triangle_ids.empty()});
+    told.push_back(-std::int64_t{!share.vertex_ids.empty()});
+    told.push_back(-std::int64_t{!share.mesh.groups.empty()});
+    // What has no vertices has no precision.
+    told.push_back(-std::int64_t{is_float64(share.mesh.vertices) || (end && is_float64(*end))});
+    reduce(told, Reduction::min);
+    triangle_ids_ = told[2 * n] != 0, vertex_ids_ = told[2 * n + 1] != 0, groups_ = told[2 * n + 2] != 0;
+    float32_ = told[2 * n + 3] == 0;
+    counts_.assign(2 * static_cast<std::size_t>(transport_.size()), 0);
+    counts_[2 * static_cast<std::size_t>(transport_.rank())] = share.mesh.triangles.rows;
+    counts_[2 * static_cast<std::size_t>(transport_.rank()) + 1] = share.mesh.vertices.rows;
+    reduce(counts_, Reduction::sum);
+    agree_(Phase::question, [&] {
+        for (std::size_t i = 0; i < n; ++i)
+            check(told[i] == -told[n + i], "the ranks ask different questions, or have different options");
+        std::int64_t triangles = 0;
+        for (std::size_t r = 0; r < counts_.size(); r += 2) triangles += counts_[r];
+        check(!asked_.between_groups || groups_ || triangles == 0,
+              "wanted between needs groups, and no rank has any: nothing lies between different groups");
+    });
+}
+
+void RankDetector::read(const MeshShare& share, const VertexView* end) {
+    agree_(Phase::input, [&] {
+        share_.number(share, triangle_ids_, vertex_ids_, counts_, transport_.rank());
+        if (share.mesh.memory == MemorySpace::host) {
+            share_.read(share, engine_->workers());
+            if (end) share_.read_end(*end, engine_->workers());
+            return;
+        }
+        DeviceShape there{Shape(share.mesh), share.mesh.stream};
+        if (end) there.shape.end = *end;
+        engine_->copy_to_host(there, staged_);
+        MeshShare here = share;
+        here.mesh = MeshView(staged_.shape.vertices, staged_.shape.triangles, staged_.shape.groups);
+        share_.read(here, engine_->workers());
+        if (end) share_.read_end(staged_.shape.end, engine_->workers());
+    });
+    const Scene& scene = share_.scene();
+    const bool empty = scene.vertex_count() == 0;
+    constexpr double most = std::numeric_limits<double>::max();
+    std::array<std::int64_t, 8> least{};
+    for (int axis = 0; axis < 3; ++axis) {
+        least[static_cast<std::size_t>(axis)] = ordered(empty ? most : scene.low[axis]);
+        least[3 + static_cast<std::size_t>(axis)] = ordered(empty ? most : -scene.high[axis]);
+    }
+    std::int64_t last = -1;
+    if (vertex_ids_)
+        for (std::int64_t v = 0; v < scene.vertex_count(); ++v)
+            last = std::max<std::int64_t>(last, share_.vertices()(v));
+    least[6] = -last;
+    bool same = false;
+    agree_(Phase::input, [&] { same = share_.is_same_as_before(); });
+    least[7] = same;
+    reduce(least, Reduction::min);
+    if (vertex_ids_) {
+        // Before anybody makes room for as many.
+        agree_(Phase::input, [&] {
+            std::int64_t brought = 0;
+            for (std::size_t r = 1; r < counts_.size(); r += 2) brought += counts_[r];
+            if (-least[6] < brought) return;
+            throw Error(ErrorCode::invalid_argument,
+                        "there is a vertex with the id " + std::to_string(-least[6]) + ", but all ranks bring " +
+                            std::to_string(brought) + " vertices: some ids are missing",
+                        Element::vertex, -least[6]);
+        });
+        share_.set_vertices(-least[6] + 1);
+    }
+    box_ = {};
+    if (least[0] != ordered(most))
+        for (int axis = 0; axis < 3; ++axis) {
+            box_.low[axis] = number(least[static_cast<std::size_t>(axis)]);
+            box_.high[axis] = -number(least[3 + static_cast<std::size_t>(axis)]);
+        }
+    same_ = least[7] != 0;
+}
+
+void RankDetector::settle_ids() {
+    if (!same_) {
+        if (triangle_ids_) check_each_once(rounds_, agree_, share_.triangles(), share_.scene().triangle_count());
+        copies_.learn(rounds_, agree_, share_.vertices(), share_.scene().vertex_count());
+        features_.forget();
+        bodies_.forget_edges();
+    }
+    copies_.check(rounds_, agree_, share_.scene().reader[0], float32_, "");
+    if (!asked_.features) return;
+    if (asked_.features->moving) copies_.check(rounds_, agree_, share_.scene().end, float32_, " at the end");
+    if (!features_.known()) features_.learn(rounds_, agree_, share_, copies_);
+}
+
+void RankDetector::place() {
+    const int parts = parts_wanted();
+    const bool serves = placement_.serves(parts, box_);
+    if (same_ && serves && asked_.features == demand_ && !on_any_rank(members_.stale())) return;
+    same_ = false;
+    drop_parts();
+    demand_ = asked_.features;
+    if (serves) return;
+    owners_.forget();
+    expected_work_.clear();
+    placement_.make(rounds_, agree_, share_, parts, box_, engine_->workers());
+}
+
+void RankDetector::list_members() {
+    agree_(Phase::members, [&] {
+        if (demand_) {
+            const FeaturePartQuestion question{demand_->moving, demand_->distance, demand_->share};
+            placement_.widen(&question);
+        } else {
+            placement_.widen(nullptr);
+        }
+        members_.set_features(demand_ ? &features_ : nullptr);
+        members_.update(share_, placement_, engine_->workers());
+    });
+    give_out();
+    agree_(Phase::members, [&] { own_parts(); });
+}
+
+// By members for a start, each part to a rank that has many of them; by measured work where that is far from even.
+void RankDetector::give_out() {
+    if (owners_.known()) return give_out_anew();
+    std::vector<std::int64_t> all(members_.counts().begin(), members_.counts().end());
+    reduce(all, Reduction::sum);
+    const std::vector<std::vector<int>> near = ranks_near_parts();
+    owners_.give_out(all, transport_.size(), [&](std::size_t part) { return std::span<const int>(near[part]); });
+}
+
+// Of each part the ranks that have most of its members, up to four. A table of all ranks would be too large for many.
+std::vector<std::vector<int>> RankDetector::ranks_near_parts() {
+    const std::span<const std::int64_t> mine = members_.counts();
+    const std::int64_t ranks = transport_.size(), rank = transport_.rank();
+    std::vector<std::vector<int>> near(mine.size());
+    std::vector<std::int64_t> next(mine.size());
+    for (int round = 0; round < std::min<std::int64_t>(4, ranks); ++round) {
+        // A count and a rank in one number, so that one reduction finds the rank that has most.
+        for (std::size_t k = 0; k < mine.size(); ++k) {
+            const bool is_told = std::find(near[k].begin(), near[k].end(), rank) != near[k].end();
+            next[k] = is_told || mine[k] == 0 ? -1 : (mine[k] << 32) + (ranks - 1 - rank);
+        }
+        reduce(next, Reduction::max);
+        for (std::size_t k = 0; k < mine.size(); ++k)
+            if (next[k] >= 0) near[k].push_back(static_cast<int>(ranks - 1 - (next[k] & 0xffffffff)));
+    }
+    return near;
+}
+
+// Parts that change hands begin anew, so few should.
+void RankDetector::give_out_anew() {
+    if (transport_.size() == 1 || expected_work_.empty()) return;
+    const double balance = owners_.balance(expected_work_, transport_.size());
+    if (balance < 1.1) return;
+    Owners others;
+    others.give_out(expected_work_, transport_.size(),
+                    [&](std::size_t part) { return owners_.all().subspan(part, 1); });
+    if (others.balance(expected_work_, transport_.size()) > 0.93 * balance) return;
+    for (std::int32_t k = 0; k < placement_.parts(); ++k)
+        if (others.of(k) != owners_.of(k)) members_.tell_anew(k);
+    owners_ = std::move(others);
+    same_ = false;
+}
+
+// Those that this rank owned before go on; others begin empty.
+void RankDetector::own_parts() {
+    std::vector<AssembledPart> mine;
+    for (const std::int32_t k : owners_.parts_of(transport_.rank())) {
+        const auto at =
+            std::find_if(mine_.begin(), mine_.end(), [&](const AssembledPart& part) { return part.index() == k; });
+        if (at != mine_.end()) {
+            mine.push_back(std::move(*at));
+            continue;
+        }
+        mine.emplace_back(k, placement_.parts(), placement_.path(k), float32_, groups_);
+        if (demand_) mine.back().know_features(demand_->moving);
+        assemblies_.erase(k);
+    }
+    mine_ = std::move(mine);
+}
+
+void RankDetector::deliver() {
+    const auto depth = static_cast<std::size_t>(placement_.tree().depth);
+    const bool features = demand_.has_value();
+    Delivery(rounds_, agree_, owners_, members_, share_, copies_, mine_, depth)
+        .run({.float32 = float32_, .features = features, .moving = features && demand_->moving},
+             [&](std::int64_t bytes) {
+                 MemoryMeter& memory = engine_->memory();
+                 if (memory.limit == 0) return;
+                 memory.add(bytes);
+                 reserved_ += bytes;
+             });
+    // What has left, and parts that have gone to others, are given back.
+    std::int64_t kept = 0;
+    for (const AssembledPart& part : mine_) kept += part.bytes();
+    if (kept < reserved_) engine_->memory().add(kept - std::exchange(reserved_, kept));
+    statistics_.moved = same_;
+}
+
+void RankDetector::search(FunctionRef<void(AssembledPart&)> each, FunctionRef<bool()> done) {
+    work_.assign(static_cast<std::size_t>(placement_.parts()), 0);
+    agree_(Phase::search, [&] {
+        DistributedProgress progress{Phase::search};
+        progress.parts = static_cast<int>(
+            std::count_if(mine_.begin(), mine_.end(), [](const AssembledPart& part) { return part.size() > 0; }));
+        if (show_) show_(progress);
+        for (AssembledPart& part : mine_) {
+            if (part.size() == 0 || done()) continue;
+            const double begin = clock_();
+            each(part);
+            const double milliseconds = clock_() - begin;
+            work_[static_cast<std::size_t>(part.index())] = static_cast<std::int64_t>(1e6 * milliseconds);
+            statistics_.work_milliseconds += milliseconds;
+            statistics_.members += part.size();
+            ++statistics_.parts;
+            ++progress.parts_done;
+            if (show_) show_(progress);
+        }
+    });
+}
+
+void RankDetector::forget() {
+    share_.forget();
+    placement_.forget();
+    owners_.forget();
+    drop_parts();
+    expected_work_.clear();
+    features_.forget();
+    bodies_.forget();
+    result_ = {}, world_result_ = {}, impacts_ = {}, nearby_ = {};
+    engine_->release();
+}
+
+void RankDetector::drop_parts() {
+    mine_.clear();
+    assemblies_.clear();
+    members_.forget();
+    if (reserved_ > 0) engine_->memory().add(-std::exchange(reserved_, 0));
+}
+
+// Two ranks share evenly as it is. More get several parts each, which even out, as long as these are of some thousand
+// triangles: more of them overlap more (benchmark study "ranks").
+int RankDetector::parts_wanted() const {
+    if (options_.parts > 0) return options_.parts;
+    const int ranks = transport_.size();
+    if (ranks <= 2) return ranks;
+    const std::int64_t triangles = share_.triangles().all / ranks, most = triangles > 100'000 ? 8 : 4;
+    return static_cast<int>(
+        std::min<std::int64_t>(max_parts, ranks * std::clamp<std::int64_t>(triangles / 2500, 1, most)));
+}
+
+bool RankDetector::on_any_rank(bool here) {
+    std::int64_t flag = here;
+    reduce({&flag, 1}, Reduction::max);
+    return flag != 0;
+}
+
+}  // namespace crumple::distribute

@@ -1,0 +1,113 @@
+#include "distributed/rank_query.h"
+
+#include <algorithm>
+#include <bit>
+#include <span>
+
+#include "queries/checks.h"
+
+namespace crumple::distribute {
+namespace {
+
+// Kinds of questions, which are told apart by the first number.
+enum class Kind : std::uint8_t { intersections, motion, nearness, of_bodies };
+
+// All bits, in two numbers whose negatives are numbers, too.
+void tell(double x, std::vector<std::int64_t>& told) {
+    const auto bits = std::bit_cast<std::uint64_t>(x);
+    told.push_back(static_cast<std::int64_t>(bits >> 32));
+    told.push_back(static_cast<std::int64_t>(bits & 0xffffffffu));
+}
+
+// A word that differs, all but surely, where the lists do.
+template <class Pairs>
+std::int64_t word_of(const Pairs& pairs) {
+    std::uint64_t word = 0x9e3779b97f4a7c15ull;
+    for (const auto& pair : pairs)
+        for (const std::int32_t group : {std::min(pair.first, pair.second), std::max(pair.first, pair.second)})
+            word = (word ^ static_cast<std::uint32_t>(group)) * 0xff51afd7ed558ccdull, word ^= word >> 32;
+    return static_cast<std::int64_t>(word >> 1);
+}
+
+void tell(const Rules& rules, bool world, Asked& asked) {
+    check(world || rules.excluded_bodies.empty(), "excluded_bodies must be empty: a share is no world");
+    asked.told.insert(asked.told.end(),
+                      {static_cast<std::int64_t>(rules.bodies), static_cast<std::int64_t>(rules.groups),
+                       static_cast<std::int64_t>(rules.excluded_groups.size()), word_of(rules.excluded_groups),
+                       static_cast<std::int64_t>(rules.excluded_bodies.size()), word_of(rules.excluded_bodies), world});
+    asked.between_groups = !world && rules.groups == Wanted::between;
+}
+
+}  // namespace
+
+Asked asked_by(const Query& query, Wants wants) {
+    Asked asked;
+    asked.told = {static_cast<std::int64_t>(Kind::intersections),
+                  static_cast<std::int64_t>(wants),
+                  static_cast<std::int64_t>(query.neighbours),
+                  static_cast<std::int64_t>(query.intersections),
+                  query.weld,
+                  query.contacts,
+                  static_cast<std::int64_t>(query.wanted),
+                  static_cast<std::int64_t>(query.excluded_groups.size()),
+                  word_of(query.excluded_groups)};
+    asked.between_groups = query.wanted == Wanted::between;
+    return asked;
+}
+
+Wants wants_of(const Intersect& question) {
+    switch (question.wants) {
+        case crumple::Wants::any:
+        case crumple::Wants::any_by_world:  // of one world
+            return Wants::any;
+        case crumple::Wants::body_pairs:
+            return Wants::body_pairs;
+        case crumple::Wants::count:
+            return Wants::count;
+        case crumple::Wants::pairs:
+        case crumple::Wants::contacts:
+            break;
+    }
+    return Wants::pairs;
+}
+
+Asked asked_by(const Intersect& question) {
+    check(!question.index, "index must be false: ranks have no offsets by body");
+    Asked asked;
+    asked.told = {static_cast<std::int64_t>(Kind::of_bodies), static_cast<std::int64_t>(question.wants),
+                  static_cast<std::int64_t>(question.neighbours), static_cast<std::int64_t>(question.intersections),
+                  question.weld};
+    tell(question.rules, true, asked);
+    return asked;
+}
+
+Asked asked_by(const Motion& question, bool world) {
+    check_question(question, false);
+    check(!question.triangle_pairs, "triangle_pairs must be false: ranks have none");
+    check(!question.index, "index must be false: ranks have no offsets by feature");
+    Asked asked;
+    asked.told = {static_cast<std::int64_t>(Kind::motion), static_cast<std::int64_t>(question.wants), question.weld};
+    tell(question.separation, asked.told);
+    tell(question.separation_share, asked.told);
+    asked.features = {true, question.separation, question.separation_share, question.weld};
+    tell(question.rules, world, asked);
+    return asked;
+}
+
+Asked asked_by(const Near& question, bool world) {
+    check_question(question, false);
+    check(question.radii.empty(), "radii must be empty: ranks take one radius");
+    check(!question.rest.data && question.rest.rows == 0, "rest must be empty: ranks take no shape at rest");
+    check(question.rings == 0, "rings must be 0: ranks leave out features with a common vertex");
+    check(!question.least, "least must be false: ranks tell no least distances");
+    check(!question.index, "index must be false: ranks have no offsets by feature");
+    Asked asked;
+    asked.told = {static_cast<std::int64_t>(Kind::nearness), static_cast<std::int64_t>(question.wants), question.strict,
+                  question.closest, question.weld};
+    tell(question.radius, asked.told);
+    asked.features = {false, question.radius, 0, question.weld};
+    tell(question.rules, world, asked);
+    return asked;
+}
+
+}  // namespace crumple::distribute

@@ -1,0 +1,33 @@
+#pragma once
+
+// A question as ranks compare it: what all of them have to ask alike, and what the phases need to know of it.
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "crumple/motion.h"
+#include "crumple/near.h"
+#include "crumple/options.h"
+#include "distributed/feature_assembly.h"
+
+namespace crumple::distribute {
+
+enum class Wants : std::uint8_t { any, count, pairs, body_pairs };
+
+struct Asked {
+    std::vector<std::int64_t> told;         ///< numbers that have to be the same on all ranks
+    std::optional<FeatureDemand> features;  ///< of questions about features
+    bool between_groups = false;            ///< pairs within a group are not wanted, and groups are needed
+};
+
+/// Throws Error (invalid_argument) for what makes no sense, or is not for ranks.
+Asked asked_by(const Query& query, Wants wants);
+/// `world`: asked of bodies, of which rules may speak.
+Asked asked_by(const Motion& question, bool world);
+Asked asked_by(const Near& question, bool world);
+Asked asked_by(const Intersect& question);
+/// What of an answer for a world is made.
+Wants wants_of(const Intersect& question);
+
+}  // namespace crumple::distribute

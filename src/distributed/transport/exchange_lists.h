@@ -1,0 +1,51 @@
+#pragma once
+
+// A list for each rank, and one from each.
+
+#include <algorithm>
+#include <cstdint>
+#include <numeric>
+#include <span>
+#include <vector>
+
+#include "distributed/transport/rounds.h"
+
+namespace crumple::distribute {
+
+/// How many rows come, where size(rank) go to each.
+template <class Size>
+Traffic traffic_of(Rounds& rounds, Size size) {
+    Traffic traffic(rounds.transport().size());
+    for (std::size_t r = 0; r < traffic.out.size(); ++r) traffic.out[r] = static_cast<std::int64_t>(size(r));
+    rounds.transport().all_to_all(traffic.out, traffic.in);
+    return traffic;
+}
+
+inline std::size_t all(const std::vector<std::int64_t>& counts) {
+    return static_cast<std::size_t>(std::accumulate(counts.begin(), counts.end(), std::int64_t{0}));
+}
+
+/// Where the rows of each rank begin, and the end.
+inline std::vector<std::int64_t> first_of_each(const std::vector<std::int64_t>& counts) {
+    std::vector<std::int64_t> first(1, 0);
+    for (const std::int64_t count : counts) first.push_back(first.back() + count);
+    return first;
+}
+
+/// list(rank) is a vector; all that come lie in `coming`, which has their size, those of rank 0 first.
+template <class Row, class List>
+void exchange_lists(Rounds& rounds, const Traffic& traffic, List list, std::vector<Row>& coming) {
+    const std::vector<std::int64_t> first = first_of_each(traffic.in);
+    rounds.exchange<Row>(
+        traffic,
+        [&](int rank, std::int64_t begin, std::span<Row> rows) {
+            const std::vector<Row>& from = list(static_cast<std::size_t>(rank));
+            std::copy_n(from.begin() + static_cast<std::ptrdiff_t>(begin), rows.size(), rows.begin());
+        },
+        [&](int rank, std::int64_t begin, std::span<const Row> rows) {
+            std::copy(rows.begin(), rows.end(),
+                      coming.begin() + static_cast<std::ptrdiff_t>(first[static_cast<std::size_t>(rank)] + begin));
+        });
+}
+
+}  // namespace crumple::distribute

@@ -1,0 +1,75 @@
+#pragma once
+
+// Ranks that are threads of one process: several devices, and any number of pretended machines in tests.
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "distributed/transport/transport.h"
+
+namespace crumple::distribute {
+
+/// Where they meet.
+class Hub {
+   public:
+    explicit Hub(int size) : size_(size), slot_(static_cast<std::size_t>(size)), box_(slot_.size() * slot_.size()) {}
+    int size() const { return size_; }
+
+    /// A rank ends without its call: what the others wait for will never come, so they throw Error.
+    void leave();
+
+   private:
+    friend class InProcess;
+    struct Box {
+        const std::byte* bytes = nullptr;  ///< not yet taken
+    };
+
+    /// Returns when all ranks are here.
+    void meet();
+    /// Wakes all that wait, under the lock.
+    void tell_of_change();
+    template <class Ready>
+    void wait(std::unique_lock<std::mutex>& lock, Ready ready);
+    Box& box(int from, int to) {
+        return box_[static_cast<std::size_t>(from) * slot_.size() + static_cast<std::size_t>(to)];
+    }
+
+    int size_;
+    std::mutex mutex_;
+    /// Waited for. Not a condition variable, whose wait() asks for a newer libstdc++ than all else here.
+    std::atomic<int> changes_ = 0;
+    int here_ = 0;
+    std::uint64_t meetings_ = 0;
+    bool left_ = false;
+    std::vector<const void*> slot_;  ///< what each rank shows at a meeting
+    std::vector<Box> box_;
+};
+
+/// One of them.
+class InProcess final : public Transport {
+   public:
+    InProcess(std::shared_ptr<Hub> hub, int rank) : hub_(std::move(hub)), rank_(rank) {}
+    int rank() const override { return rank_; }
+    int size() const override { return hub_->size(); }
+    void reduce(std::span<std::int64_t> numbers, Reduction how) override;
+    void broadcast(std::span<std::byte> bytes, int root) override;
+    void all_to_all(std::span<const std::int64_t> to, std::span<std::int64_t> from) override;
+    void exchange(std::span<const Outgoing> out, std::span<const Incoming> in) override;
+
+   private:
+    template <class T>
+    const T* shown_by(int rank) const {
+        return static_cast<const T*>(hub_->slot_[static_cast<std::size_t>(rank)]);
+    }
+    /// Shows `mine` to the others, and has read() look at what they show.
+    template <class Read>
+    void show(const void* mine, Read read);
+
+    std::shared_ptr<Hub> hub_;
+    int rank_;
+};
+
+}  // namespace crumple::distribute

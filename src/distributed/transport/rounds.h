@@ -1,0 +1,119 @@
+#pragma once
+
+// Lists that travel between ranks, of any length, in rounds of bounded bytes: what is on its way never takes more than
+// that at either end. Rows are packed when their round comes, and unpacked when it has come, so no list need exist as
+// such on either side.
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <span>
+#include <vector>
+
+#include "distributed/transport/transport.h"
+
+namespace crumple::distribute {
+
+/// How many rows go to each rank and come from each.
+struct Traffic {
+    explicit Traffic(int ranks) : out(static_cast<std::size_t>(ranks), 0), in(out) {}
+    std::vector<std::int64_t> out, in;
+};
+
+class Rounds {
+   public:
+    /// `bytes`: what one rank may have on its way out, and in, at a time.
+    Rounds(Transport& transport, std::int64_t bytes) : transport_(transport), bytes_(bytes) {}
+
+    /// pack(rank, first, span of rows) writes the rows [first, first + n) for a rank; unpack(rank, first, rows) takes
+    /// those from it. A rank's rows for itself go the same way, but nowhere.
+    template <class Row, class Pack, class Unpack>
+    void exchange(const Traffic& traffic, Pack pack, Unpack unpack) {
+        const auto self = static_cast<std::size_t>(transport_.rank());
+        hand_over<Row>(static_cast<int>(self), traffic.out[self], pack, unpack);
+        const std::int64_t most = rows_at_once(sizeof(Row));
+        std::int64_t rounds = 0;
+        for (std::size_t r = 0; r < traffic.out.size(); ++r)
+            if (r != self) rounds = std::max(rounds, (std::max(traffic.out[r], traffic.in[r]) + most - 1) / most);
+        const auto others = [&](const std::vector<std::int64_t>& rows, std::int64_t first, auto visit) {
+            for (std::size_t r = 0; r < rows.size(); ++r)
+                if (const std::int64_t n = std::min(rows[r] - first, most); r != self && n > 0)
+                    visit(static_cast<int>(r), static_cast<std::size_t>(n));
+        };
+        for (std::int64_t round = 0; round < rounds; ++round) {
+            const std::int64_t first = round * most;
+            std::size_t leaving = 0, coming = 0;
+            others(traffic.out, first, [&](int, std::size_t n) { leaving += n; });
+            others(traffic.in, first, [&](int, std::size_t n) { coming += n; });
+            Row *to = rows_in<Row>(leaving_, leaving), *from = rows_in<Row>(coming_, coming);
+            out_.clear(), in_.clear();
+            others(traffic.out, first, [&](int rank, std::size_t n) {
+                const std::span<Row> rows(to, n);
+                pack(rank, first, rows);
+                send(rank, std::as_bytes(rows));
+                to += n;
+            });
+            others(traffic.in, first, [&](int rank, std::size_t n) {
+                in_.push_back({rank, std::as_writable_bytes(std::span(from, n))});
+                from += n;
+            });
+            transport_.exchange(out_, in_);
+            for (const Incoming& message : in_)
+                unpack(message.rank, first,
+                       std::span<const Row>(reinterpret_cast<const Row*>(message.bytes.data()),
+                                            message.bytes.size() / sizeof(Row)));
+        }
+    }
+
+    /// So that no exchange has to allocate for its messages. Memory is taken as it is used.
+    void reserve() {
+        const auto most = static_cast<std::size_t>(bytes_) + 64 * static_cast<std::size_t>(transport_.size());
+        leaving_.reserve(most), coming_.reserve(most);
+        out_.reserve(static_cast<std::size_t>(transport_.size())), in_.reserve(out_.capacity());
+    }
+    std::int64_t bytes() const { return bytes_; }
+    std::int64_t bytes_sent() const { return sent_; }
+    std::int64_t messages() const { return messages_; }
+    void reset_counts() { sent_ = messages_ = 0; }
+    Transport& transport() { return transport_; }
+
+   private:
+    // Through a buffer that stays in the cache.
+    template <class Row, class Pack, class Unpack>
+    void hand_over(int self, std::int64_t count, Pack pack, Unpack unpack) {
+        constexpr auto at_once =
+            static_cast<std::int64_t>(std::max<std::size_t>(1, (std::size_t{1} << 16) / sizeof(Row)));
+        std::vector<Row> rows(static_cast<std::size_t>(std::min(count, at_once)));
+        for (std::int64_t first = 0; first < count; first += at_once) {
+            const std::span<Row> some(rows.data(), static_cast<std::size_t>(std::min(count - first, at_once)));
+            pack(self, first, some);
+            unpack(self, first, std::span<const Row>(some));
+        }
+    }
+
+    // Equal shares, so that both ends of a message know how long it is.
+    std::int64_t rows_at_once(std::size_t row_bytes) const {
+        const std::int64_t share = std::min<std::int64_t>(bytes_ / transport_.size(), std::int64_t{1} << 30);
+        return std::max<std::int64_t>(1, share / static_cast<std::int64_t>(row_bytes));
+    }
+    void send(int rank, std::span<const std::byte> bytes) {
+        out_.push_back({rank, bytes});
+        sent_ += static_cast<std::int64_t>(bytes.size());
+        ++messages_;
+    }
+    template <class Row>
+    static Row* rows_in(std::vector<std::byte>& buffer, std::size_t rows) {
+        if (buffer.size() < rows * sizeof(Row)) buffer.resize(rows * sizeof(Row));
+        return reinterpret_cast<Row*>(buffer.data());
+    }
+
+    Transport& transport_;
+    std::int64_t bytes_;
+    std::int64_t sent_ = 0, messages_ = 0;
+    std::vector<Outgoing> out_;
+    std::vector<Incoming> in_;
+    std::vector<std::byte> leaving_, coming_;
+};
+
+}  // namespace crumple::distribute
