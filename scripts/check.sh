@@ -20,21 +20,21 @@ files=$(changed "$base")
 # Lists the folders of tests/ (or `python`, `player`) for the beginning of a path. A path takes the first line that fits; files
 # of other tests take their own folder.
 table='
-src/questions/intersect/cuda    cuda stages
-src/questions/features/cuda     cuda
-src/questions/candidates/cuda   cuda
-src/questions/intersect         intersect agreement stages
-src/questions/motion            motion features
-src/questions/nearest           nearest
-src/questions/near              near features
-src/questions/features          features
-src/questions/candidates        candidates
-src/engine/cuda                 cuda stages
-src/engine/cpu                  cpu stages agreement
-src/engine                      detector worlds agreement features
-src/geometry                    geometry intersect motion near
-src/model                       detector worlds features
-src/distribute                  distribute
+src/base                        detector cpu
+src/geometry                    geometry intersections impacts proximities
+src/exact/intersection          intersections agreement
+src/exact/impact                impacts features
+src/exact/proximity             proximities features
+src/exact/distance              distances
+src/filters/intersection        intersections stages agreement
+src/filters/candidates          candidates
+src/filters                     features stages
+src/backends/cuda               cuda stages
+src/backends/cpu/features       features stages
+src/backends/cpu/candidates     candidates
+src/backends/cpu                cpu stages agreement
+src/backends/reference          agreement worlds features candidates distances
+src/distributed                 distributed
 src/io                          io cli python
 src                             detector worlds features python
 include                         detector worlds features python

@@ -3,13 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include "candidates/compare_candidates.h"
 #include "crumple/error.h"
 #include "cuda/cloth.h"
 #include "cuda/device_mesh.h"
 #include "cuda/shows.h"
 #include "error_of.h"
-#include "questions/candidates/compare_candidates.h"
-#include "questions/features/compare_features.h"
+#include "features/compare_features.h"
 
 namespace crumple::test {
 namespace {

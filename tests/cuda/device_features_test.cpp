@@ -13,7 +13,7 @@
 #include "cuda/falling.h"
 #include "cuda/shows.h"
 #include "error_of.h"
-#include "questions/features/listed_soups.h"
+#include "features/listed_soups.h"
 #include "rounds.h"
 
 namespace crumple::test {

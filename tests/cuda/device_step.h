@@ -9,10 +9,10 @@
 #include <span>
 #include <vector>
 
+#include "candidates/compare_candidates.h"
 #include "cuda/device_mesh.h"
-#include "questions/candidates/compare_candidates.h"
-#include "questions/features/compare_features.h"
-#include "questions/features/moving_soups.h"
+#include "features/compare_features.h"
+#include "features/moving_soups.h"
 
 namespace crumple::test {
 

@@ -14,7 +14,7 @@
 #include "cuda/recorder.h"
 #include "cuda/shows.h"
 #include "error_of.h"
-#include "questions/features/joined_blocks.h"
+#include "features/joined_blocks.h"
 #include "soups.h"
 #include "worlds/compare_worlds.h"
 

@@ -12,12 +12,12 @@
 #include "crumple/crumple.h"
 #include "cuda_on_cpu/machine/settings.h"
 #include "device_mesh.h"
-#include "distribute/feature_rows.h"
-#include "distribute/pretended_ranks.h"
-#include "distribute/verdicts.h"
+#include "distributed/feature_rows.h"
+#include "distributed/pretended_ranks.h"
 #include "distributed/rank_detector.h"
+#include "distributed/verdicts.h"
 #include "error_of.h"
-#include "questions/features/compare_features.h"
+#include "features/compare_features.h"
 
 namespace crumple::test {
 namespace {

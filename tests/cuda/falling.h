@@ -3,7 +3,7 @@
 #include <cstring>
 
 #include "cuda/cloth.h"
-#include "questions/features/moving_soups.h"
+#include "features/moving_soups.h"
 
 namespace crumple::test {
 

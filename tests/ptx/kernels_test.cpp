@@ -13,9 +13,9 @@
 #include "backends/cuda/known_answers.h"
 #include "crumple/crumple.h"
 #include "cuda_on_cpu/machine/settings.h"
+#include "features/compare_features.h"
+#include "features/moving_soups.h"
 #include "ptx/kernels.h"
-#include "questions/features/compare_features.h"
-#include "questions/features/moving_soups.h"
 #include "rounds.h"
 
 namespace crumple::test {

@@ -1,0 +1,267 @@
+// The definition of a candidate at its edges, what goes wrong, what is left behind then, and who owns an answer.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <stop_token>
+
+#include "candidates/compare_candidates.h"
+#include "error_of.h"
+#include "features/compare_features.h"
+#include "features/moving_soups.h"
+
+namespace crumple::test {
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
+constexpr double most = std::numeric_limits<double>::max();
+
+class Candidacy : public testing::TestWithParam<Backend> {
+   protected:
+    Detector detector_{Options{.backend = GetParam(), .threads = 2}};
+
+    /// Whether two points, as triangles, are a candidate if they are these numbers on one axis and equal on the others.
+    bool listed(double low, double high, double r, int axis) {
+        MovingSoup<> soup;
+        for (const double at : {low, high}) {
+            PointOf<double> p{1, 1, 1};
+            p[static_cast<std::size_t>(axis)] = at;
+            const std::int32_t v = soup.vertex(p, p);
+            soup.triangles.push_back({v, v, v});
+        }
+        const CandidateLists& found =
+            detector_.find_candidates(soup.view(), {.kinds = all_candidate_kinds(), .inflation = r});
+        // A vertex in one triangle and that of the other, each with the other's face, face with face; no edges.
+        const bool any = found.count > 0;
+        EXPECT_EQ(found[CandidateKind::vertex_vertex].pairs.size(), any ? 1U : 0U);
+        EXPECT_EQ(found[CandidateKind::vertex_face].pairs.size(), any ? 2U : 0U);
+        EXPECT_EQ(found[CandidateKind::face_face].pairs.size(), any ? 1U : 0U);
+        EXPECT_EQ(found.count, any ? 4 : 0);
+        return any;
+    }
+    void expect_edge(double low, double high, double r) {
+        for (int axis = 0; axis < 3; ++axis) {
+            EXPECT_TRUE(listed(low, high, r, axis)) << low << ' ' << high << ' ' << r;
+            EXPECT_TRUE(listed(high, low, r, axis)) << low << ' ' << high << ' ' << r;
+            EXPECT_FALSE(listed(low, std::nextafter(high, inf), r, axis)) << low << ' ' << high << ' ' << r;
+            EXPECT_FALSE(listed(std::nextafter(high, inf), low, r, axis)) << low << ' ' << high << ' ' << r;
+        }
+    }
+};
+
+TEST_P(Candidacy, is_a_gap_of_twice_the_inflation_and_no_ulp_more) {
+    expect_edge(0, 0, 0);
+    expect_edge(3, 3, 0);
+    expect_edge(1, 2, 0.5);
+    expect_edge(-1, 1, 1);
+    expect_edge(0.1, 0.1, 0);
+    expect_edge(1e300, 3e300, 1e300);
+    expect_edge(0x1p-1074, 3 * 0x1p-1074, 0x1p-1074);
+    expect_edge(-0x1p-1074, 0x1p-1074, 0x1p-1074);
+    expect_edge(0x1p52, 0x1p52 + 1, 0.5);
+    expect_edge(-0x1p1023, 0x1p1023, 0x1p1023);
+}
+/// Sums that round to the same number, but are not.
+TEST_P(Candidacy, knows_what_rounding_hides) {
+    for (int axis = 0; axis < 3; ++axis) {
+        EXPECT_TRUE(listed(1, 1 + 0x1p-52, 0x1p-53, axis));
+        EXPECT_FALSE(listed(1, 1 + 0x1p-52, std::nextafter(0x1p-53, 0), axis));
+        EXPECT_TRUE(listed(-1, 0x1p-60, 0.5 + 0x1p-53, axis));
+        EXPECT_FALSE(listed(-1, 0x1p-60, 0.5, axis));
+        EXPECT_TRUE(listed(-1, -0x1p-60, 0.5, axis));
+        EXPECT_FALSE(listed(-1, 0x1p-1074, 0.5, axis));
+        EXPECT_TRUE(listed(-most, most, most, axis)) << "sums overflow";
+        EXPECT_FALSE(listed(-most, most, std::nextafter(most, 0), axis));
+        EXPECT_FALSE(listed(-most, 0x1p-1074, most / 2, axis));
+        EXPECT_TRUE(listed(-most, -0x1p-1074, most / 2, axis));
+        EXPECT_TRUE(listed(-most, 0, most / 2, axis));
+        EXPECT_FALSE(listed(-0x1p1023, 0x1p-1074, 0x1p1022, axis));
+    }
+}
+TEST_P(Candidacy, holds_the_whole_way) {
+    MovingSoup<> soup;
+    const auto point = [&](PointOf<double> from, PointOf<double> to) {
+        const std::int32_t v = soup.vertex(from, to);
+        soup.triangles.push_back({v, v, v});
+    };
+    point({0, 0, 0}, {4, 4, 0});  // its way is a diagonal, its box a square
+    point({0, 4, 0}, {0, 4, 0});  // the corner of it
+    point({5, 4, 0}, {5, 4, 0});
+    const auto pairs = [&](double r, bool step) {
+        const CandidateQuestion question{.kinds = {CandidateKind::vertex_vertex}, .inflation = r};
+        const CandidateLists& found = step ? detector_.find_candidates(soup.view(), soup.end_view(), question)
+                                           : detector_.find_candidates(soup.view(), question);
+        return std::vector<Pair>(found[CandidateKind::vertex_vertex].pairs.begin(),
+                                 found[CandidateKind::vertex_vertex].pairs.end());
+    };
+    EXPECT_EQ(pairs(0, true), (std::vector<Pair>{{0, 1}}));
+    EXPECT_EQ(pairs(0.5, true), (std::vector<Pair>{{0, 1}, {0, 2}}));
+    EXPECT_EQ(pairs(2, false), (std::vector<Pair>{{0, 1}}));
+    EXPECT_EQ(pairs(1, false), (std::vector<Pair>{}));
+}
+
+TEST_P(Candidacy, empty_braces_ask_the_default_question_at_rest) {
+    const MovingSoup<> soup = moving_grid(3, 14, 10, 1);
+    const CandidateLists at_rest = detector_.find_candidates(soup.view(), CandidateQuestion());
+    EXPECT_GT(at_rest.count, 0);
+    EXPECT_TRUE(same_candidates(detector_.find_candidates(soup.view(), {}), at_rest));
+    EXPECT_FALSE(same_candidates(detector_.find_candidates(soup.view(), soup.end_view()), at_rest));
+}
+
+TEST_P(Candidacy, knows_features_of_one_triangle) {
+    const std::vector<std::array<double, 3>> vertices{{0, 0, 0}, {2, 0, 0}, {0, 2, 0}};
+    const std::vector<std::array<std::int32_t, 3>> triangles{{0, 1, 2}};
+    const auto count = [&](double r) {
+        const CandidateLists& found =
+            detector_.find_candidates(MeshView(vertices, triangles), {.kinds = all_candidate_kinds(), .inflation = r});
+        EXPECT_EQ(found.count, static_cast<std::int64_t>(found[CandidateKind::vertex_vertex].pairs.size() +
+                                                         found[CandidateKind::vertex_edge].pairs.size()));
+        return std::pair(found[CandidateKind::vertex_vertex].pairs.size(),
+                         found[CandidateKind::vertex_edge].pairs.size());
+    };
+    EXPECT_EQ(count(0), std::pair(std::size_t{0}, std::size_t{1})) << "the corner lies in the box of the slope";
+    EXPECT_EQ(count(0.5), std::pair(std::size_t{0}, std::size_t{1}));
+    EXPECT_EQ(count(1), std::pair(std::size_t{3}, std::size_t{3}));
+}
+
+INSTANTIATE_TEST_SUITE_P(, Candidacy, testing::Values(Backend::reference, Backend::cpu),
+                         [](const auto& info) { return std::string(backend_name(info.param)); });
+
+class CandidateErrors : public testing::TestWithParam<Backend> {
+   protected:
+    Detector detector_{Options{.backend = GetParam(), .threads = 2}};
+    const MovingSoup<> soup_ = moving_grid(3, 14, 10, 1);
+
+    /// The error of a call; before it the detector holds answers, afterwards none, and it works as if nothing had been.
+    template <class Call>
+    Error refused(Call call) {
+        const CandidateLists& held = detector_.find_candidates(soup_.view(), soup_.end_view());
+        EXPECT_GT(held.count, 0);
+        const Error error = error_of(call);
+        EXPECT_TRUE(held.count == 0 && held.edges.empty() && held[CandidateKind::vertex_face].pairs.empty() &&
+                    held[CandidateKind::edge_edge].pairs.empty() && held.listed == CandidateLists().listed)
+            << "holds an empty result";
+        Detector fresh(detector_.options());
+        EXPECT_TRUE(same_candidates(detector_.find_candidates(soup_.view(), soup_.end_view()),
+                                    fresh.find_candidates(soup_.view(), soup_.end_view())));
+        return error;
+    }
+    Error refused(const CandidateQuestion& question) {
+        return refused([&] { detector_.find_candidates(soup_.view(), soup_.end_view(), question); });
+    }
+};
+
+TEST_P(CandidateErrors, of_inflations) {
+    for (const double wrong : {nan, inf, -inf, -1.0, -0x1p-1074}) {
+        const Error error = refused({.inflation = wrong});
+        EXPECT_EQ(error.code, ErrorCode::invalid_argument);
+        EXPECT_EQ(error.element, Element::option);
+        EXPECT_STREQ(error.what(), "inflation must be finite and 0 or more");
+    }
+}
+TEST_P(CandidateErrors, of_kinds) {
+    EXPECT_STREQ(refused({.kinds = {}}).what(), "kinds names no kind of candidates");
+    EXPECT_STREQ(refused({.kinds = {static_cast<CandidateKind>(6)}}).what(),
+                 "kinds names a kind of candidates that there is not");
+}
+TEST_P(CandidateErrors, of_ends) {
+    const auto at = [&](const VertexView& end) {
+        return refused([&] { detector_.find_candidates(soup_.view(), end); });
+    };
+    VertexView end = soup_.end_view();
+    end.rows = 13;
+    EXPECT_EQ(at(end).code, ErrorCode::invalid_argument);
+    EXPECT_STREQ(at({}).what(), "the vertices at the end are missing");
+    auto soup = soup_;
+    soup.end[11][2] = nan;
+    EXPECT_STREQ(at(soup.end_view()).what(), "at the end: vertex 11 is not finite");
+}
+TEST_P(CandidateErrors, of_meshes) {
+    auto soup = soup_;
+    soup.triangles[4][1] = 14;
+    EXPECT_STREQ(refused([&] { detector_.find_candidates(soup.view()); }).what(), "triangle 4 names vertex 14 of 14");
+    MeshView mesh = soup_.view();
+    mesh.memory = MemorySpace::cuda;
+    EXPECT_EQ(refused([&] { detector_.find_candidates(mesh); }).code, ErrorCode::invalid_argument);
+}
+TEST_P(CandidateErrors, of_calls_that_were_stopped) {
+    std::stop_source stop;
+    stop.request_stop();
+    const auto call = [&] { detector_.find_candidates(soup_.view(), CandidateQuestion(), stop.get_token()); };
+    EXPECT_EQ(refused(call).code, ErrorCode::cancelled);
+}
+
+INSTANTIATE_TEST_SUITE_P(, CandidateErrors, testing::Values(Backend::reference, Backend::cpu),
+                         [](const auto& info) { return std::string(backend_name(info.param)); });
+
+TEST(CandidateCalls, HandTheirAnswersOver) {
+    const MovingSoup<> soup = moving_grid(4, 30, 24, 3);
+    Detector detector({.backend = Backend::cpu, .threads = 2}), fresh({.backend = Backend::cpu});
+    const CandidateLists& held = detector.find_candidates(soup.view(), {.inflation = 1});
+    const Pair* const storage = held[CandidateKind::edge_edge].pairs.data();
+    CandidateLists taken;
+    detector.swap_result(taken);
+    EXPECT_EQ(taken[CandidateKind::edge_edge].pairs.data(), storage) << "nothing is copied";
+    EXPECT_TRUE(held.count == 0 && held[CandidateKind::edge_edge].pairs.empty() && held.edges.empty());
+    detector.find_candidates(soup.view());
+    EXPECT_TRUE(same_candidates(taken, fresh.find_candidates(soup.view(), {.inflation = 1})));
+}
+
+TEST(CandidateCalls, DoNotDependOnThoseBefore) {
+    const std::vector<MovingSoup<>> soups{moving_grid(3, 20, 20, 4), in_general(60, 0.3, 0.2, 5), {}};
+    Detector warm({.backend = Backend::cpu, .threads = 2, .leaf_size = 8});
+    for (int round = 0; round < 2; ++round)
+        for (const MovingSoup<>& soup : soups) {
+            Detector fresh({.backend = Backend::cpu, .threads = 2, .leaf_size = 8});
+            const CandidateQuestion question{.kinds = all_candidate_kinds(), .inflation = 0.1 * round};
+            ASSERT_TRUE(same_candidates(warm.find_candidates(soup.view(), soup.end_view(), question),
+                                        fresh.find_candidates(soup.view(), soup.end_view(), question)));
+            ASSERT_TRUE(same_features(warm.find_near(soup.view(), {.radius = 0.1}),
+                                      fresh.find_near(soup.view(), {.radius = 0.1})));
+            ASSERT_TRUE(same_answer(warm.find_self(soup.view()), fresh.find_self(soup.view())));
+        }
+}
+
+class CandidateMemory : public testing::TestWithParam<int> {};
+
+TEST_P(CandidateMemory, IsBounded) {
+    const MovingSoup<> soup = in_general(1500, 0.07, 0.06, 6);
+    const Options options{.backend = Backend::cpu, .threads = GetParam(), .leaf_size = 40};
+    const auto ask = [&](Detector& detector) -> const CandidateLists& {
+        return detector.find_candidates(soup.view(), soup.end_view(), {.kinds = all_candidate_kinds()});
+    };
+    Detector free(options);
+    const CandidateLists expected = ask(free);
+    bool refused = false;
+    for (std::int64_t limit = expected.statistics.peak_memory_bytes; limit > 10'000; limit = limit * 3 / 5) {
+        SCOPED_TRACE(limit);
+        Options tight = options;
+        tight.memory_limit = limit;
+        tight.count_bytes_needed = true;
+        Detector limited(tight);
+        try {
+            EXPECT_TRUE(same_candidates(ask(limited), expected));
+            EXPECT_LE(ask(limited).statistics.peak_memory_bytes, limit);
+        } catch (const Error& error) {
+            refused = true;
+            ASSERT_EQ(error.code, ErrorCode::memory_limit) << error.what();
+            EXPECT_GT(error.bytes_needed, limit);
+            Options alone = tight;
+            alone.threads = 1;
+            Detector single(alone);
+            EXPECT_EQ(error_of([&] { ask(single); }).bytes_needed, error.bytes_needed)
+                << "it does not depend on who does what";
+            tight.memory_limit = error.bytes_needed;
+            for (int again = 0; again < 3; ++again) {
+                Detector enough(tight);
+                EXPECT_TRUE(same_candidates(ask(enough), expected));
+            }
+        }
+    }
+    EXPECT_TRUE(refused) << "no limit was too small";
+}
+INSTANTIATE_TEST_SUITE_P(Threads, CandidateMemory, testing::Values(1, 2, 5));
+
+}  // namespace
+}  // namespace crumple::test

@@ -1,0 +1,149 @@
+// Distances of bodies against brute force in rational arithmetic.
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <vector>
+
+#include "distances/compare_nearest.h"
+#include "rounds.h"
+#include "worlds/random_worlds.h"
+
+namespace crumple {
+namespace {
+
+using test::Dice;
+using test::random_world;
+using test::same_nearest;
+
+Nearest random_nearest(unsigned seed, int bodies) {
+    Dice dice(seed);
+    Nearest question;
+    if (dice.chance(0.4)) question.radius = dice.chance(0.2) ? 0 : dice.between(0, 0.5);
+    if (dice.chance(0.2)) question.rules.bodies = Wanted::between;
+    question.rules.groups = static_cast<Wanted>(dice.chance(0.5) ? 0 : dice.below(3));
+    for (int i = dice.below(3); i > 0 && bodies > 0; --i)
+        question.rules.excluded_bodies.push_back({dice.below(bodies), dice.below(bodies)});
+    for (int i = dice.below(3); i > 0; --i) question.rules.excluded_groups.push_back({dice.below(3), dice.below(3)});
+    return question;
+}
+
+class NearestAgreement : public testing::TestWithParam<int> {
+   protected:
+    Detector detector_{Options{.backend = Backend::cpu, .threads = GetParam()}};
+    Detector reference_{Options{.backend = Backend::reference}};
+
+    void compare(unsigned seed, const test::WorldKind& kind) {
+        SCOPED_TRACE(testing::Message() << "seed " << seed);
+        const auto world = random_world(seed, kind);
+        const Nearest question = random_nearest(7 * seed, kind.bodies);
+        // Under other names each time, for a detector holds on to what it knows.
+        for (Shape& shape : world->shapes)
+            if (shape.name != 0) shape.name += 1000 * (seed + 1);
+        const NearestBodies& found = detector_.find_nearest(world->view(), question);
+        ASSERT_TRUE(same_nearest(found, reference_.find_nearest(world->view(), question)));
+        rows_ += found.bodies.size();
+        for (const std::uint8_t touches : found.touching) touching_ += touches;
+    }
+
+    std::size_t rows_ = 0, touching_ = 0;
+};
+
+TEST_P(NearestAgreement, of_bodies_apart) {
+    for (unsigned seed = 0; seed < 25; ++seed) compare(seed, {.triangles = 12, .reach = 4});
+    EXPECT_GT(rows_ - touching_, 50u);
+}
+TEST_P(NearestAgreement, of_bodies_at_one_place) {
+    for (unsigned seed = 100; seed < 125; ++seed) compare(seed, {.bodies = 7, .triangles = 14, .reach = 0.1});
+    EXPECT_GT(touching_, 30u);
+}
+TEST_P(NearestAgreement, of_several_worlds) {
+    for (unsigned seed = 200; seed < 215; ++seed)
+        compare(seed, {.bodies = 9, .worlds = 4, .triangles = 6, .everywhere = 0.3, .reach = 2});
+}
+TEST_P(NearestAgreement, of_larger_bodies) {
+    for (unsigned seed = 300; seed < 304; ++seed)
+        compare(seed, {.shapes = 2, .bodies = 3, .triangles = 60, .named = 1, .reach = 3});
+}
+/// So many triangles touch that the first ones are seldom found first.
+TEST_P(NearestAgreement, of_larger_bodies_at_one_place) {
+    for (unsigned seed = 350; seed < (sanitized ? 352u : 358u); ++seed)
+        compare(seed, {.shapes = 2, .bodies = 4, .triangles = 60, .named = 1, .everywhere = 0, .reach = 0.1});
+    EXPECT_GE(touching_, sanitized ? 1u : 5u);
+}
+TEST_P(NearestAgreement, of_single_triangles) {
+    for (unsigned seed = 400; seed < 440; ++seed) compare(seed, {.shapes = 5, .triangles = 1, .reach = 1.5});
+}
+TEST_P(NearestAgreement, of_no_bodies) { compare(500, {.bodies = 0}); }
+
+/// A box of `cuts` squares along each edge, of two triangles each: symmetric, with many triangles in one plane.
+test::Soup<double> box(int cuts) {
+    test::Soup<double> soup;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        for (const double side : {0.0, 1.0})
+            for (int i = 0; i < cuts; ++i)
+                for (int j = 0; j < cuts; ++j) {
+                    const auto first = static_cast<std::int32_t>(soup.vertices.size());
+                    for (int k = 0; k < 4; ++k) {
+                        std::array<double, 3> p{};
+                        p[axis] = side;
+                        p[(axis + 1) % 3] = static_cast<double>(i + (k & 1)) / cuts;
+                        p[(axis + 2) % 3] = static_cast<double>(j + (k >> 1)) / cuts;
+                        soup.vertices.push_back(p);
+                    }
+                    soup.triangles.push_back({first, first + 1, first + 2});
+                    soup.triangles.push_back({first + 3, first + 1, first + 2});
+                }
+    return soup;
+}
+
+/// Faces that are parallel, edges that are, corners: all kinds of ties, in place and turned.
+TEST_P(NearestAgreement, of_symmetric_shapes) {
+    const auto coarse = box(1), fine = box(2);
+    const std::vector<Shape> shapes{Shape(coarse.view(), 1), Shape(fine.view())};
+    const std::vector<Body> bodies{{.shape = 0}, {.shape = 1}};
+    Dice dice(3);
+    for (const std::array<double, 3>& step : std::vector<std::array<double, 3>>{
+             {3, 0, 0}, {1.25, 0.5, 0}, {2, 2, 0}, {2, 2, 2}, {-1.5, 0.25, 0.25}, {0, 1, 0}, {1, 1, 1}, {0.5, 0, 0}}) {
+        for (const bool turned : {false, true}) {
+            const Pose turn = turned ? test::random_motion(dice, 1) : Pose{};
+            Pose moved = turn;
+            for (std::size_t i = 0; i < 3; ++i)
+                for (std::size_t k = 0; k < 3; ++k) moved.rows[4 * i + 3] += turn.rows[4 * i + k] * step[k];
+            const Pose poses[]{turn, moved};
+            SCOPED_TRACE(testing::Message() << step[0] << ' ' << step[1] << ' ' << step[2] << " turned " << turned);
+            const World world{shapes, bodies, poses};
+            ASSERT_TRUE(same_nearest(detector_.find_nearest(world), reference_.find_nearest(world)));
+        }
+    }
+}
+
+/// As they are, scaled down to a size with small numbers, and to one whose squares underflow.
+TEST_P(NearestAgreement, of_the_largest_and_the_smallest_numbers) {
+    for (const double size : {0x1p-1060, 0x1p-600, 0x1p-300, 0x1p250, 0x1p500, 0x1p1020}) {
+        const std::vector<std::array<double, 3>> vertices{{-size, -size, 0}, {size, -size, 0}, {0, size, 0},
+                                                          {-size, 0, -size}, {size, 0, size},  {0, 0, size}};
+        const std::vector<std::array<std::int32_t, 3>> triangles{{0, 1, 2}, {3, 4, 5}};
+        const Shape shapes[] = {Shape(MeshView(vertices, triangles))};
+        const Body bodies[] = {{}, {}, {}};
+        const auto at = [&](double x) {
+            Pose pose;
+            pose.rows[3] = x * size;
+            return pose;
+        };
+        const Pose poses[] = {at(0), at(2.5), at(-7)};
+        const World world{shapes, bodies, poses};
+        SCOPED_TRACE(size);
+        ASSERT_TRUE(same_nearest(detector_.find_nearest(world), reference_.find_nearest(world)));
+        for (const double radius : {0.25, 0.5, 1.0}) {
+            const Nearest question{.radius = radius * size};
+            ASSERT_TRUE(
+                same_nearest(detector_.find_nearest(world, question), reference_.find_nearest(world, question)));
+        }
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Threads, NearestAgreement, testing::Values(1, 3));
+
+}  // namespace
+}  // namespace crumple

@@ -1,0 +1,108 @@
+// The yardstick: distances of two triangles in rational arithmetic.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "distances/random_triangles.h"
+#include "exact/distance/rational_nearest.h"
+
+namespace crumple::test {
+namespace {
+
+constexpr TrianglePoints flat{Vec3d{0, 0, 0}, Vec3d{4, 0, 0}, Vec3d{0, 4, 0}};
+
+Vec3d minus_zero_free(const Vec3d& p) { return {p.x + 0.0, p.y + 0.0, p.z + 0.0}; }
+
+void expect_points(const RationalNearest& nearest, const Vec3d& a, const Vec3d& b) {
+    EXPECT_EQ(nearest.points()[0], a);
+    EXPECT_EQ(nearest.points()[1], b);
+}
+
+TEST(RationalNearest, OfAVertexAboveAFace) {
+    const TrianglePoints above{Vec3d{1, 1, 2}, Vec3d{1, 2, 5}, Vec3d{2, 1, 5}};
+    const RationalNearest nearest(flat, above), other(above, flat);
+    EXPECT_FALSE(nearest.touching());
+    EXPECT_EQ(nearest.squared(), 4);
+    expect_points(nearest, {1, 1, 0}, {1, 1, 2});
+    expect_points(other, {1, 1, 2}, {1, 1, 0});
+    EXPECT_TRUE(nearest.within(2));
+    EXPECT_FALSE(nearest.within(std::nextafter(2, 0)));
+}
+TEST(RationalNearest, OfTwoEdgesAcrossEachOther) {
+    const TrianglePoints across{Vec3d{2, -1, 3}, Vec3d{2, 1, 3}, Vec3d{2, 0, 9}};
+    const TrianglePoints below{Vec3d{0, 0, 0}, Vec3d{4, 0, 0}, Vec3d{2, 0, -4}};
+    const RationalNearest nearest(below, across);
+    EXPECT_EQ(nearest.squared(), 9);
+    expect_points(nearest, {2, 0, 0}, {2, 0, 3});
+}
+TEST(RationalNearest, IsZeroWhereAnEdgeRunsThroughAFace) {
+    const TrianglePoints through{Vec3d{1, 1, -1}, Vec3d{1, 1, 1}, Vec3d{9, 9, 1}};
+    const RationalNearest nearest(flat, through);
+    EXPECT_TRUE(nearest.touching());
+    EXPECT_EQ(nearest.squared(), 0);
+    EXPECT_TRUE(nearest.within(0));
+    expect_points(nearest, {1, 1, 0}, {1, 1, 0});
+}
+TEST(RationalNearest, TakesTheLeastCommonPoint) {
+    const TrianglePoints inside{Vec3d{1, 0.5, 0}, Vec3d{0.5, 1, 0}, Vec3d{1, 1, 0}};
+    expect_points(RationalNearest(flat, inside), {0.5, 1, 0}, {0.5, 1, 0});
+}
+TEST(RationalNearest, OfCollapsedTriangles) {
+    const TrianglePoints point{Vec3d{1, 1, 7}, Vec3d{1, 1, 7}, Vec3d{1, 1, 7}};
+    const TrianglePoints segment{Vec3d{-1, -3, 0}, Vec3d{-1, 9, 0}, Vec3d{-1, 2, 0}};
+    EXPECT_EQ(RationalNearest(flat, point).squared(), 49);
+    EXPECT_EQ(RationalNearest(flat, segment).squared(), 1);
+    EXPECT_EQ(RationalNearest(segment, point).squared(), 4 + 49);
+    EXPECT_TRUE(RationalNearest(point, point).touching());
+}
+TEST(RationalNearest, RoundsSquaresBeyondTheLargestNumberToInfinity) {
+    TrianglePoints far = flat;
+    for (Vec3d& p : far) p.x = 0x1p1000;
+    const RationalNearest nearest(flat, far);
+    EXPECT_TRUE(std::isinf(nearest.squared()));
+    EXPECT_TRUE(nearest.within(0x1p1001));
+    EXPECT_FALSE(nearest.within(0x1p999));
+    TrianglePoints farther = far;
+    farther[0].x = farther[1].x = farther[2].x = 0x1p1001;
+    EXPECT_LT(compare(nearest, RationalNearest(flat, farther)), 0);
+}
+
+/// Whether no pair of points out of many is closer, and the points that are told are that close.
+TEST(RationalNearest, IsTheLeastOverManyPoints) {
+    for_triangles(60, [](RandomTriangles& random, double apart) {
+        const TrianglePoints a = random(0), b = random(apart);
+        const RationalNearest nearest(a, b);
+        const double squared = nearest.squared(), slack = 1e-12;
+        const Witnesses points = nearest.points();
+        const Vec3d told = points[0] - points[1];
+        ASSERT_NEAR(dot(told, told), squared, slack);
+        constexpr int steps = 7;
+        const auto each = [&](const TrianglePoints& t, auto visit) {
+            for (int i = 0; i <= steps; ++i)
+                for (int j = 0; i + j <= steps; ++j)
+                    visit(t[0] + (1.0 * i / steps) * (t[1] - t[0]) + (1.0 * j / steps) * (t[2] - t[0]));
+        };
+        each(a,
+             [&](const Vec3d& p) { each(b, [&](const Vec3d& q) { ASSERT_GE(dot(p - q, p - q), squared - slack); }); });
+        // Each point is in its own triangle: no farther from it than rounding.
+        for (std::size_t side = 0; side < 2; ++side) {
+            const TrianglePoints point{points[side], points[side], points[side]};
+            ASSERT_LT(RationalNearest(side == 0 ? a : b, point).squared(), 1e-24);
+            ASSERT_EQ(minus_zero_free(points[side]), points[side]);
+        }
+    });
+}
+TEST(RationalNearest, IsTheSameFromBothSides) {
+    for_triangles(60, [](RandomTriangles& random, double apart) {
+        const TrianglePoints a = random(0), b = random(apart);
+        const RationalNearest one(a, b), other(b, a);
+        ASSERT_EQ(one.touching(), other.touching());
+        ASSERT_EQ(one.squared(), other.squared());
+        ASSERT_EQ(compare(one, other), 0);
+    });
+}
+
+}  // namespace
+}  // namespace crumple::test

@@ -1,0 +1,361 @@
+// What fails on one rank is the same Error on all, and the detectors go on.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <mutex>
+#include <stdexcept>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "crumple/crumple.h"
+#include "distributed/pretended_ranks.h"
+#include "distributed/rank_detector.h"
+#include "distributed/shares.h"
+
+namespace crumple::test {
+namespace {
+
+using distribute::RankDetector;
+using distribute::Transport;
+
+constexpr int ranks = 3;
+
+DistributedOptions small() {
+    DistributedOptions options;
+    options.detector.backend = Backend::cpu;
+    options.detector.threads = 1;
+    return options;
+}
+
+/// An error as each rank saw it; "" where there was none.
+struct Seen {
+    std::string message;
+    ErrorCode code{};
+    Element element{};
+    std::int64_t index = 0, bytes_needed = 0;
+    int rank = -2;
+    bool operator==(const Seen&) const = default;
+};
+void PrintTo(const Seen& seen, std::ostream* out) {
+    *out << seen.message << " (" << seen.index << ", " << seen.rank << ")";
+}
+
+template <class Call>
+Seen seen_by(Call call) {
+    try {
+        call();
+    } catch (const Error& e) {
+        return {e.what(), e.code, e.element, e.index, e.bytes_needed, e.rank};
+    }
+    return {};
+}
+
+/// Three ranks ask about shares that spoil(rank, piece, query) has changed, and then about the right ones. Returns what
+/// they saw, which has to be the same on all.
+template <class Spoil>
+Seen seen_by_all(Spoil spoil, const DistributedOptions& options = small()) {
+    const WholeMesh mesh(wavy_sheet<float>(16));
+    Detector one({.backend = Backend::cpu});
+    const Collisions expected = one.find_self(mesh.view());
+    std::vector<Seen> seen(ranks);
+    std::vector<testing::AssertionResult> after(ranks, testing::AssertionSuccess());
+    run_ranks(ranks, [&](Transport& transport) {
+        const auto rank = static_cast<std::size_t>(transport.rank());
+        const MeshPiece good(mesh, Distribution::blocks, transport.rank(), ranks);
+        RankDetector detector(transport, options);
+        for (int frame = 0; frame < 2; ++frame) {  // a first one, and one in which only vertices have moved
+            MeshPiece piece = good;
+            Query query;
+            spoil(transport.rank(), piece, query);
+            seen[rank] = seen_by([&] { detector.find_self(piece.share(), query); });
+            after[rank] = rows_are(detector.find_self(good.share(), {}), good.triangle_ids, expected);
+            if (!after[rank]) return;
+        }
+    });
+    for (std::size_t r = 0; r < ranks; ++r) {
+        EXPECT_EQ(seen[r], seen[0]) << "rank " << r;
+        EXPECT_TRUE(after[r]) << "rank " << r;
+    }
+    return seen[0];
+}
+
+TEST(RankErrors, are_the_same_on_all_ranks_at_each_phase) {
+    const WholeMesh mesh(wavy_sheet<float>(16));
+    Detector one({.backend = Backend::cpu});
+    const Collisions expected = one.find_self(mesh.view());
+    std::vector<int> failures(ranks, 0);
+    std::vector<std::string> wrong(ranks);
+    run_ranks(ranks, [&](Transport& transport) {
+        const int rank = transport.rank();
+        const auto r = static_cast<std::size_t>(rank);
+        const MeshPiece piece(mesh, Distribution::random, rank, ranks);
+        for (int phase = 0; phase < phase_count; ++phase)
+            for (int failing = 0; failing < ranks; ++failing)
+                for (const bool warm : {false, true}) {
+                    RankDetector detector(transport, small());
+                    if (warm) detector.find_self(piece.share(), {});
+                    const std::string name(phase_name(static_cast<Phase>(phase)));
+                    detector.set_hook([&](Phase now) {
+                        if (rank == failing && now == static_cast<Phase>(phase))
+                            throw Error(ErrorCode::invalid_argument, "fault in " + name, Element::option);
+                    });
+                    const Seen seen = seen_by([&] { detector.find_self(piece.share(), {}); });
+                    detector.set_hook({});
+                    // Where only vertices have moved, centres are not made anew.
+                    const bool skipped = warm && static_cast<Phase>(phase) == Phase::place;
+                    const std::string message = "rank " + std::to_string(failing) + ": fault in " + name;
+                    if (seen.message != (skipped ? "" : message) || (!skipped && seen.rank != failing))
+                        wrong[r] += name + ": \"" + seen.message + "\"; ";
+                    if (!rows_are(detector.find_self(piece.share(), {}), piece.triangle_ids, expected))
+                        wrong[r] += "after " + name + "; ";
+                    ++failures[r];
+                }
+    });
+    for (std::size_t r = 0; r < ranks; ++r) {
+        EXPECT_EQ(wrong[r], "") << "rank " << r;
+        EXPECT_EQ(failures[r], phase_count * ranks * 2);
+    }
+}
+
+TEST(RankErrors, name_the_least_element_over_all_ranks) {
+    const auto spoil = [](int rank, MeshPiece& piece, Query&) {
+        if (rank == 0) return;
+        auto& xyz = std::get<0>(piece.vertices);
+        xyz[3 * 5 + 1] = std::numeric_limits<float>::quiet_NaN();
+        xyz[3 * 90] = std::numeric_limits<float>::infinity();
+    };
+    const Seen seen = seen_by_all(spoil);
+    EXPECT_EQ(seen.code, ErrorCode::not_finite);
+    EXPECT_EQ(seen.element, Element::vertex);
+    EXPECT_EQ(seen.rank, 1);
+    EXPECT_EQ(seen.message,
+              "rank 1: vertex 5 is not finite (vertex " + std::to_string(seen.index) + " over all ranks)");
+    const MeshPiece piece(WholeMesh(wavy_sheet<float>(16)), Distribution::blocks, 1, ranks);
+    EXPECT_EQ(seen.index, piece.vertex_ids[5]);
+}
+
+TEST(RankErrors, name_what_is_out_of_range) {
+    const Seen seen = seen_by_all([](int rank, MeshPiece& piece, Query&) {
+        if (rank == 2) piece.corners[3 * 7 + 2] = 100000;
+    });
+    EXPECT_EQ(seen.code, ErrorCode::index_out_of_range);
+    EXPECT_EQ(seen.element, Element::triangle);
+    EXPECT_EQ(seen.rank, 2);
+}
+
+TEST(RankErrors, tell_of_ids_that_are_not_there_once) {
+    Seen seen = seen_by_all([](int rank, MeshPiece& piece, Query&) {
+        if (rank == 1) piece.triangle_ids[3] = 2;
+    });
+    EXPECT_EQ(seen.message.substr(7), " triangle 2 is brought twice, by rank 0 and by rank 1");
+    EXPECT_EQ(seen.index, 2);
+    seen = seen_by_all([](int rank, MeshPiece& piece, Query&) {
+        if (rank == 1) piece.triangle_ids[3] = 512;
+    });
+    EXPECT_EQ(seen.message, "rank 1: triangle 3 has the id 512, but ids are 0 to 511");
+    seen = seen_by_all([](int rank, MeshPiece& piece, Query&) {
+        if (rank == 2) piece.vertex_ids[0] = -4;
+    });
+    EXPECT_EQ(seen.message.substr(0, 35), "rank 2: vertex 0 has the id -4, but");
+    seen = seen_by_all([](int rank, MeshPiece& piece, Query&) {
+        if (rank == 0) piece.vertex_ids[3] = 2'000'000'000;
+    });
+    EXPECT_EQ(seen.message.substr(0, 56), "rank 0: there is a vertex with the id 2000000000, but al");
+    seen = seen_by_all([](int, MeshPiece& piece, Query&) {
+        for (std::int64_t& id : piece.vertex_ids) id += id >= 100;
+    });
+    EXPECT_EQ(seen.message.substr(7), " no rank brings vertex 100");
+    EXPECT_EQ(seen.element, Element::vertex);
+}
+
+TEST(RankErrors, tell_of_copies_that_differ) {
+    const WholeMesh mesh(wavy_sheet<float>(16));
+    const MeshPiece first(mesh, Distribution::blocks, 0, ranks), second(mesh, Distribution::blocks, 1, ranks);
+    std::size_t shared = 0;
+    while (std::find(first.vertex_ids.begin(), first.vertex_ids.end(), second.vertex_ids[shared]) ==
+           first.vertex_ids.end())
+        ++shared;
+    const Seen seen = seen_by_all([&](int rank, MeshPiece& piece, Query&) {
+        float& x = std::get<0>(piece.vertices)[3 * shared];
+        if (rank == 1) x = std::nextafter(x, 2.0f);
+    });
+    EXPECT_EQ(seen.message.substr(7),
+              " the copies of vertex " + std::to_string(second.vertex_ids[shared]) + " on rank 0 and on rank 1 differ");
+    EXPECT_EQ(seen.index, second.vertex_ids[shared]);
+}
+
+TEST(RankErrors, tell_of_ranks_that_ask_different_questions) {
+    const std::string expected = "rank 0: the ranks ask different questions, or have different options";
+    EXPECT_EQ(seen_by_all([](int rank, MeshPiece&, Query& query) { query.contacts = rank == 1; }).message, expected);
+    static constexpr std::array<GroupPair, 1> one{{{1, 2}}}, other{{{1, 3}}};
+    EXPECT_EQ(
+        seen_by_all([](int rank, MeshPiece&, Query& query) { query.excluded_groups = rank ? one : other; }).message,
+        expected);
+    std::vector<Seen> seen(2);
+    run_ranks(2, [&](Transport& transport) {
+        DistributedOptions options = small();
+        options.parts = 3 + transport.rank();
+        RankDetector detector(transport, options);
+        seen[static_cast<std::size_t>(transport.rank())] = seen_by([&] { detector.count({}, {}); });
+    });
+    EXPECT_EQ(seen[0].message, expected);
+    EXPECT_EQ(seen[1], seen[0]);
+    run_ranks(2, [&](Transport& transport) {
+        const MeshPiece piece(WholeMesh(wavy_sheet<float>(8)), Distribution::blocks, transport.rank(), 2);
+        RankDetector detector(transport, small());
+        const Near near{.radius = transport.rank() ? 0.1 : std::nextafter(0.1, 1.0)};
+        seen[static_cast<std::size_t>(transport.rank())] = seen_by([&] { detector.find_near(piece.share(), near); });
+    });
+    EXPECT_EQ(seen[0].message, expected);
+    EXPECT_EQ(seen[1], seen[0]);
+    const Seen lonely = seen_by_all([](int, MeshPiece&, Query& query) { query.wanted = Wanted::between; });
+    EXPECT_EQ(lonely.message,
+              "rank 0: wanted between needs groups, and no rank has any: nothing lies between different groups");
+}
+
+TEST(RankErrors, tell_of_ids_that_only_some_ranks_give) {
+    std::vector<Seen> seen(2);
+    run_ranks(2, [&](Transport& transport) {
+        const MeshPiece piece(WholeMesh(wavy_sheet<float>(8)), Distribution::blocks, transport.rank(), 2);
+        MeshShare share = piece.share();
+        if (transport.rank() == 1) share.vertex_ids = {};
+        RankDetector detector(transport, small());
+        seen[static_cast<std::size_t>(transport.rank())] = seen_by([&] { detector.count(share, {}); });
+    });
+    EXPECT_EQ(seen[0].message, "rank 1: another rank gives vertex ids, and this one has none");
+    EXPECT_EQ(seen[1], seen[0]);
+}
+
+TEST(RankErrors, refuse_options_that_make_no_sense) {
+    for (const int which : {0, 1, 2}) {
+        std::vector<Seen> seen(2);
+        run_ranks(2, [&](Transport& transport) {
+            DistributedOptions options = small();
+            if (which == 0) options.parts = -1;
+            if (which == 1) options.round_bytes = 1000;
+            if (which == 2 && transport.rank() == 1) options.detector.leaf_size = 0;
+            seen[static_cast<std::size_t>(transport.rank())] = seen_by([&] { RankDetector(transport, options); });
+        });
+        EXPECT_NE(seen[0].message, "");
+        EXPECT_EQ(seen[1], seen[0]);
+        EXPECT_EQ(seen[0].rank, which == 2 ? 1 : 0);
+    }
+}
+
+TEST(RankErrors, end_a_call_on_all_ranks_where_one_is_stopped) {
+    const WholeMesh mesh(wavy_sheet<float>(16));
+    std::vector<Seen> seen(ranks);
+    run_ranks(ranks, [&](Transport& transport) {
+        const MeshPiece piece(mesh, Distribution::blocks, transport.rank(), ranks);
+        RankDetector detector(transport, small());
+        std::stop_source source;
+        if (transport.rank() == 1) source.request_stop();
+        seen[static_cast<std::size_t>(transport.rank())] =
+            seen_by([&] { detector.find_self(piece.share(), {}, source.get_token()); });
+    });
+    for (const Seen& by_one : seen) {
+        EXPECT_EQ(by_one.code, ErrorCode::cancelled);
+        EXPECT_EQ(by_one.message, "rank 1: the call was cancelled");
+    }
+}
+
+TEST(RankErrors, of_a_foreign_kind_are_thrown_as_they_are_where_they_began) {
+    const WholeMesh mesh(wavy_sheet<float>(8));
+    std::vector<std::string> seen(ranks);
+    run_ranks(ranks, [&](Transport& transport) {
+        const MeshPiece piece(mesh, Distribution::blocks, transport.rank(), ranks);
+        RankDetector detector(transport, small());
+        detector.set_hook([&](Phase phase) {
+            if (transport.rank() == 2 && phase == Phase::search) throw std::out_of_range("an interrupt");
+        });
+        try {
+            detector.find_self(piece.share(), {});
+        } catch (const std::exception& error) {
+            seen[static_cast<std::size_t>(transport.rank())] = error.what();
+        }
+    });
+    EXPECT_EQ(seen[0], "rank 2: the call was interrupted: an interrupt");
+    EXPECT_EQ(seen[1], seen[0]);
+    EXPECT_EQ(seen[2], "an interrupt");
+}
+
+TEST(RankErrors, in_what_shows_progress_end_a_call_on_all_ranks) {
+    const WholeMesh mesh(wavy_sheet<float>(8));
+    std::vector<Seen> seen(ranks);
+    run_ranks(ranks, [&](Transport& transport) {
+        const MeshPiece piece(mesh, Distribution::blocks, transport.rank(), ranks);
+        RankDetector detector(transport, small());
+        detector.set_progress([&](const DistributedProgress& progress) {
+            if (transport.rank() == 1 && progress.parts_done == 1)
+                throw Error(ErrorCode::cancelled, "enough", Element::none);
+        });
+        seen[static_cast<std::size_t>(transport.rank())] = seen_by([&] { detector.find_self(piece.share(), {}); });
+    });
+    for (const Seen& by_one : seen) {
+        EXPECT_EQ(by_one.code, ErrorCode::cancelled);
+        EXPECT_EQ(by_one.message, "rank 1: enough");
+    }
+}
+
+TEST(RankErrors, tell_what_memory_the_rank_that_lacks_most_needs) {
+    const WholeMesh mesh(wavy_sheet<float>(40));
+    std::vector<Seen> seen(ranks);
+    run_ranks(ranks, [&](Transport& transport) {
+        const MeshPiece piece(mesh, Distribution::blocks, transport.rank(), ranks);
+        DistributedOptions options = small();
+        options.detector.memory_limit = 20000;
+        RankDetector detector(transport, options);
+        seen[static_cast<std::size_t>(transport.rank())] = seen_by([&] { detector.find_self(piece.share(), {}); });
+    });
+    EXPECT_EQ(seen[0].code, ErrorCode::memory_limit);
+    EXPECT_GT(seen[0].bytes_needed, 20000);
+    EXPECT_EQ(seen[1], seen[0]);
+    EXPECT_EQ(seen[2], seen[0]);
+}
+
+// Triangles enter parts and leave them, frame by frame, within a quarter more memory than the first frame needs. What
+// leaves is given back to the meter, or it would be full after some frames.
+TEST(RankErrors, stay_within_their_memory_while_a_scene_moves_through_the_parts) {
+    const WholeMesh mesh(wavy_sheet<float>(60));
+    const auto answer_frames = [&](std::int64_t limit, int frames) {
+        std::vector<Seen> seen(ranks);
+        run_ranks(ranks, [&](Transport& transport) {
+            WholeMesh now = mesh;
+            MeshPiece piece(now, Distribution::blocks, transport.rank(), ranks);
+            DistributedOptions options = small();
+            options.parts = 9;
+            options.detector.memory_limit = limit;
+            RankDetector detector(transport, options);
+            detector.set_clock([] { return 0.0; });  // no part changes hands
+            for (int f = 0; f < frames; ++f) {
+                auto& xyz = std::get<std::vector<float>>(now.vertices);
+                const auto& start = std::get<std::vector<float>>(mesh.vertices);
+                for (std::size_t i = 0; i < xyz.size(); i += 3)
+                    xyz[i] = start[i] * (1 + 0.2f * std::sin(1.5f * static_cast<float>(f)));
+                piece.follow();
+                Seen& mine = seen[static_cast<std::size_t>(transport.rank())];
+                if (mine == Seen{}) mine = seen_by([&] { detector.find_self(piece.share(), {}); });
+            }
+        });
+        return seen[0];
+    };
+    std::int64_t limit = 20000;
+    while (answer_frames(limit, 1).code == ErrorCode::memory_limit) limit += limit / 8;
+    EXPECT_EQ(answer_frames(limit + limit / 4, 300), Seen{});
+}
+
+TEST(RankErrors, keep_nobody_waiting_for_a_rank_that_has_ended) {
+    std::vector<Seen> seen(ranks);
+    EXPECT_THROW(run_ranks(ranks,
+                           [&](Transport& transport) {
+                               if (transport.rank() == 1) throw std::runtime_error("gone");
+                               RankDetector detector(transport, small());
+                           }),
+                 std::exception);
+}
+
+}  // namespace
+}  // namespace crumple::test

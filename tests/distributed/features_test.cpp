@@ -1,0 +1,185 @@
+// Motion and nearness on many ranks against one machine: byte for byte.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <vector>
+
+#include "crumple/crumple.h"
+#include "distributed/feature_rows.h"
+#include "distributed/last_frame.h"
+#include "distributed/pretended_ranks.h"
+#include "distributed/rank_detector.h"
+#include "distributed/verdicts.h"
+#include "tested_backend.h"
+
+namespace crumple::test {
+namespace {
+
+using distribute::RankDetector;
+using distribute::Transport;
+
+DistributedOptions single_thread(int parts = 0) {
+    DistributedOptions options;
+    options.detector.backend = tested_backend;
+    options.detector.threads = 1;
+    options.parts = parts;
+    return options;
+}
+
+testing::AssertionResult same_impacts(const Step& step, Distribution how, int ranks, const Motion& question,
+                                      const DistributedOptions& options = single_thread()) {
+    Detector one({.backend = Backend::cpu});
+    const Impacts expected = one.find_impacts(step.start.view(), step.end_view(), question);
+    Verdicts verdicts;
+    run_ranks(ranks, [&](Transport& transport) {
+        const int rank = transport.rank();
+        const MeshPiece start(step.start, how, rank, ranks), end(step.end, how, rank, ranks);
+        const VertexView end_view = end.share().mesh.vertices;
+        RankDetector detector(transport, options);
+        const DistributedImpacts& found = detector.find_impacts(start.share(), end_view, question);
+        verdicts.add(rank, rows_are(found, start.triangle_ids, expected, step.start));
+        if (!(found.first == expected.first)) verdicts.add(rank, testing::AssertionFailure() << "first impact");
+        Motion asked = question;
+        asked.wants = MotionWants::any;
+        if (detector.find_impacts(start.share(), end_view, asked).any != expected.any)
+            verdicts.add(rank, testing::AssertionFailure() << "any");
+        asked.wants = MotionWants::earliest;
+        if (!(detector.find_impacts(start.share(), end_view, asked).first == expected.first))
+            verdicts.add(rank, testing::AssertionFailure() << "earliest");
+    });
+    return verdicts.all();
+}
+
+testing::AssertionResult same_near(const WholeMesh& mesh, Distribution how, int ranks, const Near& question,
+                                   const DistributedOptions& options = single_thread()) {
+    Detector one({.backend = Backend::cpu});
+    const Nearby expected = one.find_near(mesh.view(), question);
+    Verdicts verdicts;
+    run_ranks(ranks, [&](Transport& transport) {
+        const int rank = transport.rank();
+        const MeshPiece piece(mesh, how, rank, ranks);
+        RankDetector detector(transport, options);
+        verdicts.add(rank, rows_are(detector.find_near(piece.share(), question), piece.triangle_ids, expected, mesh));
+        Near asked = question;
+        asked.wants = NearWants::any;
+        if (detector.find_near(piece.share(), asked).any != expected.any)
+            verdicts.add(rank, testing::AssertionFailure() << "any");
+    });
+    return verdicts.all();
+}
+
+TEST(RankFeatures, have_the_impacts_of_one_machine) {
+    const Step sheet(WholeMesh(wavy_sheet<float>(12))), soup(WholeMesh(random_soup<double>(150, 0.3)));
+    for (const int ranks : {1, 3})
+        for (const Distribution how : every_distribution)
+            for (const Step* step : {&sheet, &soup})
+                ASSERT_TRUE(same_impacts(*step, how, ranks, {}))
+                    << ranks << " ranks, distribution " << static_cast<int>(how);
+}
+
+TEST(RankFeatures, have_the_near_pairs_of_one_machine) {
+    const WholeMesh sheet(wavy_sheet<double>(12)), soup(random_soup<float>(150, 0.3));
+    for (const int ranks : {1, 3})
+        for (const Distribution how : every_distribution)
+            for (const WholeMesh* mesh : {&sheet, &soup})
+                ASSERT_TRUE(same_near(*mesh, how, ranks, {.radius = 0.05, .closest = true}))
+                    << ranks << " ranks, distribution " << static_cast<int>(how);
+}
+
+TEST(RankFeatures, have_the_answers_of_one_machine_on_hard_soups) {
+    std::size_t number = 0;
+    for (const NamedMove<double>& soup : moving_soups<double>()) {
+        const Step step(soup.soup);
+        Motion motion;
+        motion.weld = number % 2 == 0;
+        motion.separation = number % 3 == 0 ? 0.25 : 0;
+        motion.separation_share = number % 4 == 0 ? 0.1 : 0;
+        if (!step.start.groups.empty())
+            motion.rules.groups = number % 5 == 1 ? Wanted::between : number % 5 == 2 ? Wanted::within : Wanted::both;
+        const Distribution how = every_distribution[number % 2 == 0 ? 2 : 1];
+        ASSERT_TRUE(same_impacts(step, how, 3, motion)) << soup.name;
+        Near near{.radius = 0.5, .strict = number % 2 == 1, .closest = number % 3 == 1, .weld = number % 3 == 0};
+        near.rules.groups = motion.rules.groups;
+        ASSERT_TRUE(same_near(step.start, how, 3, near)) << soup.name;
+        ++number;
+    }
+}
+
+TEST(RankFeatures, have_the_answers_of_one_machine_on_scenes) {
+    for (const scenes::Description& scene : scenes::descriptions()) {
+        const WholeMesh mesh = last_frame(scene, 600);
+        ASSERT_TRUE(same_impacts(Step(mesh, 0.01), Distribution::blocks, 3, {})) << scene.name;
+        ASSERT_TRUE(same_near(mesh, Distribution::random, 3, {.radius = 0.01})) << scene.name;
+    }
+}
+
+TEST(RankFeatures, may_be_asked_for_in_turn_while_the_scene_moves) {
+    WholeMesh mesh(wavy_sheet<float>(14));
+    constexpr int ranks = 3, frames = 8;
+    std::vector<Step> steps;
+    for (int f = 0; f < frames; ++f) {
+        steps.emplace_back(mesh, 0.02 * (f % 3 + 1));
+        mesh.vertices = steps.back().end.vertices;
+    }
+    Verdicts verdicts;
+    int moved = 0;
+    run_ranks(ranks, [&](Transport& transport) {
+        const int rank = transport.rank();
+        RankDetector detector(transport, single_thread(5));
+        detector.set_clock([] { return 0.0; });
+        Detector one({.backend = Backend::cpu, .threads = 1});
+        for (int f = 0; f < frames; ++f) {
+            const Step& step = steps[static_cast<std::size_t>(f)];
+            const MeshPiece start(step.start, Distribution::random, rank, ranks),
+                end(step.end, Distribution::random, rank, ranks);
+            if (f == 4) {
+                const Near question{.radius = 0.03};
+                verdicts.add(rank, rows_are(detector.find_near(start.share(), question), start.triangle_ids,
+                                            one.find_near(step.start.view(), question), step.start));
+                verdicts.add(rank, test::rows_are(detector.find_self(start.share(), {}), start.triangle_ids,
+                                                  one.find_self(step.start.view())));
+            }
+            const Motion question{.separation = f < 6 ? 0.0 : 0.01};
+            const DistributedImpacts& found = detector.find_impacts(start.share(), end.share().mesh.vertices, question);
+            verdicts.add(rank, rows_are(found, start.triangle_ids,
+                                        one.find_impacts(step.start.view(), step.end_view(), question), step.start));
+            if (rank == 0) moved += found.statistics.moved;
+        }
+    });
+    EXPECT_TRUE(verdicts.all());
+    EXPECT_GE(moved, 1);
+}
+
+TEST(RankFeatures, own_a_vertex_once_that_a_rank_lists_twice) {
+    Soup<float> soup;
+    soup.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 1}, {1, 1, 1}, {0, 2, 1}};
+    soup.triangles = {{0, 0, 1}, {2, 3, 4}};
+    const WholeMesh mesh(soup);
+    Soup<float> listed = soup;
+    listed.vertices.insert(listed.vertices.begin(), soup.vertices[0]);
+    listed.triangles = {{0, 1, 2}, {3, 4, 5}};
+    const std::vector<std::int64_t> ids{0, 0, 1, 2, 3, 4};
+    Detector one({.backend = Backend::cpu});
+    const Near question{.radius = 10};
+    const Nearby& expected = one.find_near(mesh.view(), question);
+    ASSERT_GT(expected.count, 0);
+    Verdicts verdicts;
+    run_ranks(1, [&](Transport& transport) {
+        RankDetector detector(transport, single_thread());
+        verdicts.add(0, rows_are(detector.find_near({listed.view(), {}, ids}, question), {0, 1}, expected, mesh));
+    });
+    EXPECT_TRUE(verdicts.all());
+}
+
+TEST(RankFeatures, may_have_little_or_nothing) {
+    for (const int triangles : {0, 1, 2}) {
+        const Step step(WholeMesh(random_soup<float>(triangles, 0.9)), 0.4);
+        ASSERT_TRUE(same_impacts(step, Distribution::round_robin, 3, {}));
+        ASSERT_TRUE(same_near(step.start, Distribution::round_robin, 3, {.radius = 1}));
+    }
+}
+
+}  // namespace
+}  // namespace crumple::test

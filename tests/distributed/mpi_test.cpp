@@ -1,0 +1,215 @@
+// Processes of MPI against one machine: one mpirun for each number of ranks, with all scenes inside. Every rank makes
+// the answer of one machine itself and looks for its own rows in it. A failed expectation must not leave out a
+// collective call, so calls come first.
+
+#include "crumple/mpi.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <span>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "agreement/hard_soups.h"
+#include "crumple/crumple.h"
+#include "distributed/feature_rows.h"
+#include "distributed/last_frame.h"
+#include "distributed/world_shares.h"
+#include "error_of.h"
+#include "io/files.h"
+#include "rounds.h"
+#include "worlds/random_worlds.h"
+
+namespace crumple::test {
+namespace {
+
+int rank_in_world() {
+    int rank = 0;
+    MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+    return rank;
+}
+int ranks_in_world() {
+    int ranks = 0;
+    MPI_Comm_size(MPI_COMM_WORLD, &ranks);
+    return ranks;
+}
+
+DistributedOptions one_thread() {
+    DistributedOptions options;
+    options.detector.backend = Backend::cpu;
+    options.detector.threads = 1;
+    return options;
+}
+
+class MpiRanks : public testing::Test {
+   protected:
+    void expect_same(const WholeMesh& mesh, std::span<const Distribution> each, const Query& query,
+                     const std::string& name, const DistributedOptions& options = one_thread()) const {
+        Detector one({.backend = Backend::cpu, .threads = 1});
+        const Collisions& expected = one.find_self(mesh.view(), query);
+        for (const Distribution how : each) {
+            const MeshPiece piece(mesh, how, rank, ranks);
+            mpi::Detector detector(MPI_COMM_WORLD, options);
+            const DistributedCollisions found = detector.find_self(piece.share(), query);
+            const bool any = detector.has_collision(piece.share(), query);
+            const std::int64_t count = detector.count(piece.share(), query);
+            detector.close();
+            EXPECT_TRUE(rows_are(found, piece.triangle_ids, expected)) << name << ", rank " << rank;
+            EXPECT_EQ(any, !expected.pairs.empty()) << name;
+            EXPECT_EQ(count, static_cast<std::int64_t>(expected.pairs.size())) << name;
+        }
+    }
+    const int rank = rank_in_world(), ranks = ranks_in_world();
+};
+
+TEST_F(MpiRanks, have_the_answer_of_one_machine_on_soups) {
+    std::size_t number = 0;
+    for (const NamedMesh& soup : hard_soups()) {
+        const WholeMesh mesh(soup.mesh);
+        expect_same(mesh, every_distribution, {.weld = number % 3 == 0, .contacts = number % 2 == 0}, soup.name);
+        ++number;
+    }
+}
+
+TEST_F(MpiRanks, have_the_answer_of_one_machine_on_scenes) {
+    for (const scenes::Description& scene : scenes::descriptions()) {
+        const WholeMesh mesh = last_frame(scene, 1000);
+        expect_same(mesh, every_distribution, {.contacts = true}, std::string(scene.name));
+    }
+}
+
+TEST_F(MpiRanks, have_the_answer_of_one_machine_on_real_scenes) {
+    const auto folder = io::test::data_folder();
+    if (!folder) GTEST_SKIP() << "no scenes: set CRUMPLE_DATA";
+    const bool usual = (ranks == 2 || ranks == 3) && !sanitized;
+    if (!usual && !thorough()) GTEST_SKIP() << "only with CRUMPLE_ROUNDS";
+    std::size_t number = 0;
+    for (const char* name :
+         {"soups/soup_degenerate.ply", "soups/soup_grid.ply", "soups/soup_huge32.ply", "soups/soup_tiny64.ply",
+          "ipc-toolkit-test-data/spike-plane.ply", "meshes/self_intersectA_17k.obj", "meshes/truck.obj",
+          "scalable-ccd/cloth-ball/frames/cloth_ball92.ply", "scalable-ccd/cloth-funnel/frames/227.ply",
+          "scalable-ccd/n-body-simulation/frames/balls16_18.ply"}) {
+        const WholeMesh mesh(io::read_mesh(*folder / name, {.triangulation = io::Triangulation::fan}));
+        expect_same(mesh, std::span(every_distribution).subspan(number++ % 4, 1), {.contacts = true}, name);
+    }
+}
+
+TEST_F(MpiRanks, have_impacts_and_near_pairs_of_one_machine) {
+    Detector one({.backend = Backend::cpu, .threads = 1});
+    mpi::Detector detector(MPI_COMM_WORLD, one_thread());
+    for (const NamedMove<double>& soup : moving_soups<double>(0.5)) {
+        const Step step(soup.soup);
+        const Near near{.radius = 0.25, .closest = true};
+        const Impacts expected = one.find_impacts(step.start.view(), step.end_view());
+        const Nearby& expected_nearby = one.find_near(step.start.view(), near);
+        for (const Distribution how : {Distribution::blocks, Distribution::random}) {
+            const MeshPiece start(step.start, how, rank, ranks), end(step.end, how, rank, ranks);
+            const DistributedImpacts impacts = detector.find_impacts(start.share(), end.share().mesh.vertices);
+            const DistributedNearby nearby = detector.find_near(start.share(), near);
+            EXPECT_TRUE(rows_are(impacts, start.triangle_ids, expected, step.start)) << soup.name;
+            EXPECT_TRUE(impacts.first == expected.first) << soup.name;
+            EXPECT_TRUE(rows_are(nearby, start.triangle_ids, expected_nearby, step.start)) << soup.name;
+        }
+    }
+    detector.close();
+}
+
+TEST_F(MpiRanks, have_the_answer_of_one_machine_about_bodies) {
+    Detector one({.backend = Backend::cpu, .threads = 1});
+    mpi::Detector detector(MPI_COMM_WORLD, one_thread());
+    WorldKind kind;
+    kind.bodies = 9, kind.everywhere = 0, kind.named = 0, kind.reach = 0.3;
+    for (unsigned seed = 1; seed <= 3; ++seed) {
+        const auto random = random_world(seed, kind);
+        std::vector<Pose> ends(random->bodies.size());
+        for (std::size_t b = 0; b < ends.size(); ++b) ends[b].rows[3] = 0.1 * static_cast<double>(b);
+        World world = random->view();
+        world.end_poses = ends;
+        const WorldPiece piece(world, every_distribution[seed % 4], rank, ranks);
+        const Intersect question{.wants = seed % 2 ? Wants::contacts : Wants::body_pairs};
+        const DistributedWorldCollisions found = detector.find(piece.share(), question);
+        const DistributedImpacts impacts = detector.find_impacts(piece.share());
+        const Near near{.radius = 0.05, .closest = true};
+        const DistributedNearby nearby = detector.find_near(piece.share(), near);
+        EXPECT_TRUE(rows_are(found, piece, one.find(world, question))) << seed;
+        EXPECT_TRUE(feature_rows_are(impacts, piece, one.find_impacts(world))) << seed;
+        EXPECT_TRUE(feature_rows_are(nearby, piece, one.find_near(world, near))) << seed;
+    }
+    detector.close();
+}
+
+TEST_F(MpiRanks, send_in_rounds_of_a_kilobyte) {
+    DistributedOptions options = one_thread();
+    options.round_bytes = 1024;
+    expect_same(WholeMesh(wavy_sheet<double>(24)), every_distribution, {.contacts = true}, "wavy sheet", options);
+}
+
+TEST_F(MpiRanks, follow_frames_of_a_scene) {
+    const WholeMesh start(wavy_sheet<float>(30));
+    WholeMesh now = start;
+    MeshPiece piece(now, Distribution::random, rank, ranks);
+    mpi::Detector detector(MPI_COMM_WORLD, one_thread());
+    Detector one({.backend = Backend::cpu, .threads = 1});
+    for (int frame = 0; frame < 20; ++frame) {
+        auto& xyz = std::get<0>(now.vertices);
+        for (std::size_t i = 0; i < xyz.size(); ++i)
+            xyz[i] = std::get<0>(start.vertices)[i] +
+                     0.03f * std::sin(static_cast<float>(frame) + 0.01f * static_cast<float>(i % 700));
+        piece.follow();
+        const DistributedCollisions& found = detector.find_self(piece.share());
+        EXPECT_TRUE(rows_are(found, piece.triangle_ids, one.find_self(now.view()))) << "frame " << frame;
+    }
+    detector.close();
+}
+
+TEST_F(MpiRanks, fail_together_and_go_on) {
+    const WholeMesh mesh(wavy_sheet<float>(16));
+    const MeshPiece good(mesh, Distribution::blocks, rank, ranks);
+    mpi::Detector detector(MPI_COMM_WORLD, one_thread());
+    Detector one({.backend = Backend::cpu, .threads = 1});
+    for (int failing = 0; failing < ranks; ++failing) {
+        MeshPiece bad = good;
+        if (rank == failing) std::get<0>(bad.vertices)[7] = std::numeric_limits<float>::quiet_NaN();
+        const Error error = error_of([&] { detector.find_self(bad.share()); });
+        const DistributedCollisions& found = detector.find_self(good.share());
+        EXPECT_EQ(error.code, ErrorCode::not_finite);
+        EXPECT_EQ(error.rank, failing);
+        EXPECT_TRUE(rows_are(found, good.triangle_ids, one.find_self(mesh.view())));
+    }
+    detector.close();
+    EXPECT_EQ(error_of([&] { detector.count(good.share()); }).code, ErrorCode::communication);
+}
+
+TEST_F(MpiRanks, share_the_cores_of_their_machine) {
+    mpi::Detector detector(MPI_COMM_WORLD, {});
+    EXPECT_GE(detector.options().detector.threads, 1);
+    int threads = detector.options().detector.threads;
+    MPI_Allreduce(MPI_IN_PLACE, &threads, 1, MPI_INT, MPI_SUM, MPI_COMM_WORLD);
+    EXPECT_LE(threads, std::max(ranks, static_cast<int>(std::thread::hardware_concurrency())));
+    EXPECT_EQ(detector.rank(), rank);
+    EXPECT_EQ(detector.ranks(), ranks);
+    detector.close();
+    detector.close();
+    EXPECT_STREQ(error_of([] { mpi::Detector of_nobody(MPI_COMM_NULL); }).what(), "the communicator is MPI_COMM_NULL");
+}
+
+}  // namespace
+}  // namespace crumple::test
+
+int main(int count, char** arguments) {
+    int level = 0;
+    MPI_Init_thread(&count, &arguments, MPI_THREAD_FUNNELED, &level);
+    testing::InitGoogleTest(&count, arguments);
+    if (crumple::test::rank_in_world() != 0) {
+        // Only what fails there is told.
+        testing::GTEST_FLAG(brief) = true;
+    }
+    int failed = RUN_ALL_TESTS();
+    MPI_Allreduce(MPI_IN_PLACE, &failed, 1, MPI_INT, MPI_MAX, MPI_COMM_WORLD);
+    MPI_Finalize();
+    return failed;
+}

@@ -1,0 +1,99 @@
+#pragma once
+
+// Detectors on the tested backend that work in many ways, and shall agree with brute force in every one.
+
+#include <memory>
+
+#include "features/compare_features.h"
+#include "features/moving_soups.h"
+#include "rounds.h"
+#include "tested_backend.h"
+
+namespace crumple::test {
+
+/// Soups to try, see moving_soups(). Under sanitizers they are smaller, as the yardstick takes the square of it; where
+/// a device is played, they are fewer.
+template <class Scalar>
+std::vector<NamedMove<Scalar>> soups_to_try(double part, double if_sanitized) {
+    std::vector<NamedMove<Scalar>> all = moving_soups<Scalar>((played ? 0.2 : sanitized ? if_sanitized : 1) * part);
+    std::size_t i = 0;
+    if (played) std::erase_if(all, [&](const auto&) { return i++ % (sanitized ? 21 : 7) != 0; });
+    return all;
+}
+
+/// Names of tests that are typed by the scalar.
+class PrecisionNames {
+   public:
+    template <class Scalar>
+    static std::string GetName(int) {
+        return sizeof(Scalar) == 4 ? "float32" : "float64";
+    }
+};
+
+/// Detectors that shall all agree; they go from soup to soup, and from question to question.
+struct Tested {
+    std::string name;
+    std::unique_ptr<Detector> detector;
+};
+
+inline const std::vector<Tested>& tested() {
+    static const std::vector<Tested> all = [] {
+        std::vector<Tested> list;
+        const auto add = [&](const std::string& name, Options options) {
+            options.backend = tested_backend;
+            try {
+                list.push_back({name, std::make_unique<Detector>(options)});
+            } catch (const Error& error) {
+                EXPECT_EQ(error.code, ErrorCode::backend_unavailable);
+            }
+        };
+        add("one thread", {.threads = 1});
+        add("small leaves", {.threads = 2, .leaf_size = 8});
+        add("seven clusters", {.threads = 5, .clusters = 7, .leaf_size = 8});
+        if (played) return list;
+        add("one cluster", {.threads = 2, .clusters = 1, .leaf_size = 8});
+        add("many clusters", {.threads = 1, .clusters = 64, .leaf_size = 1});
+        for (const Simd simd : {Simd::scalar, Simd::sse4, Simd::avx2, Simd::avx512, Simd::neon})
+            add("instruction set " + std::to_string(static_cast<int>(simd)), {.threads = 1, .simd = simd});
+        return list;
+    }();
+    return all;
+}
+inline Detector& reference() {
+    static Detector detector({.backend = Backend::reference});
+    return detector;
+}
+
+template <class Scalar>
+void expect_impacts(const MovingSoup<Scalar>& soup, const Motion& asked, std::span<const Tested> by = tested()) {
+    Motion question = asked;
+    question.index = true;
+    const Impacts& expected = reference().find_impacts(soup.view(), soup.end_view(), question);
+    const FirstImpact first = first_listed(expected);
+    EXPECT_EQ(expected.any, first.found);
+    EXPECT_TRUE(same_first(expected.first, first)) << "listed with all";
+    for (const auto& [name, detector] : by) {
+        SCOPED_TRACE(name);
+        const Impacts& found = detector->find_impacts(soup.view(), soup.end_view(), question);
+        ASSERT_TRUE(same_features(found, expected));
+        if (&detector != &tested()[1].detector) continue;  // others are as slow, and no different
+        EXPECT_TRUE(same_first(detector->time_of_first_impact(soup.view(), soup.end_view(), question), first));
+        EXPECT_EQ(detector->is_free(soup.view(), soup.end_view(), question), !first.found);
+    }
+}
+
+template <class Scalar>
+void expect_near(const MovingSoup<Scalar>& soup, const Near& asked) {
+    Near question = asked;
+    question.index = true;
+    const Nearby& expected = reference().find_near(soup.view(), question);
+    Near any = question;
+    any.wants = NearWants::any;
+    for (const auto& [name, detector] : tested()) {
+        SCOPED_TRACE(name);
+        ASSERT_TRUE(same_features(detector->find_near(soup.view(), question), expected));
+        EXPECT_EQ(detector->find_near(soup.view(), any).any, expected.count > 0);
+    }
+}
+
+}  // namespace crumple::test

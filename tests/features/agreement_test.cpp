@@ -1,0 +1,105 @@
+// Impacts and near pairs of small hard soups: the cpu backend, however it works, against brute force in rational
+// arithmetic, value for value.
+
+#include <gtest/gtest.h>
+
+#include "features/agreeing.h"
+#include "features/moving_soups.h"
+#include "rounds.h"
+
+namespace crumple::test {
+namespace {
+
+template <class Scalar>
+class FeatureAgreement : public testing::Test {
+   protected:
+    /// `part`: see moving_soups().
+    template <class Work>
+    void for_each_soup(Work work, double part = 1) {
+        for (const NamedMove<Scalar>& move : soups_to_try<Scalar>(part, 0.3)) {
+            SCOPED_TRACE(move.name);
+            work(move);
+            if (this->HasFailure()) return;
+        }
+    }
+    void expect_separated(double separation, double share) {
+        SCOPED_TRACE(testing::Message() << "separation " << separation << ", share " << share);
+        const auto work = [&](const NamedMove<Scalar>& move) {
+            const double distance = separation * move.unit;
+            if (distance > 1e300) return;
+            const Motion question{.separation = distance, .separation_share = share};
+            expect_impacts(move.soup, question, std::span(tested()).subspan(1, share > 0 ? 1 : 2));
+        };
+        for_each_soup(work, share > 0 ? 0.12 : 0.2);  // a share spares no pair the decision
+    }
+};
+using Precisions = testing::Types<float, double>;
+TYPED_TEST_SUITE(FeatureAgreement, Precisions, PrecisionNames);
+
+TYPED_TEST(FeatureAgreement, OfImpacts) {
+    this->for_each_soup([](const auto& move) { expect_impacts(move.soup, {}); });
+}
+
+TYPED_TEST(FeatureAgreement, OfWhatComesWithinADistance) {
+    for (const double separation : {1e-3, 0.75, 1.0, 1e9}) this->expect_separated(separation, 0);
+}
+
+TYPED_TEST(FeatureAgreement, OfWhatComesWithinAShareOfItsDistance) {
+    for (const double share : {0.5, 1 - 0x1p-53}) this->expect_separated(0, share);
+    this->expect_separated(1, 0.75);
+}
+
+TYPED_TEST(FeatureAgreement, OfImpactsOfWeldedSoups) {
+    this->for_each_soup([](const auto& move) { expect_impacts(move.soup, {.weld = true}); });
+}
+
+TYPED_TEST(FeatureAgreement, OfWhatTouchesAtRest) {
+    this->for_each_soup([](const auto& move) {
+        auto soup = move.soup;
+        soup.end = soup.start;
+        expect_impacts(soup, {});
+        expect_near(soup, {});
+        expect_near(soup, {.weld = true});
+    });
+}
+
+TYPED_TEST(FeatureAgreement, OfWhatIsNear) {
+    for (const double radius : {1e-3, 1.0, 3.0, 1e9})
+        for (const bool strict : {false, true}) {
+            if (strict && radius != 1) continue;
+            const std::size_t most = radius < 1 ? 300 : radius < 4 ? 40 : 20;
+            SCOPED_TRACE(testing::Message() << "radius " << radius << (strict ? ", strict" : ""));
+            this->for_each_soup([&](const auto& move) {
+                if (radius * move.unit > 1e300 || move.soup.triangles.size() > most) return;
+                expect_near(move.soup, {.radius = radius * move.unit, .strict = strict});
+            });
+        }
+}
+
+/// A few triangles next to 0 come close, in a leaf of their own, while others are so far away that squares of the few
+/// ones' steps vanish in float32.
+TEST(FeatureExtremes, SmallStepsInALargeScene) {
+    for (int exponent = -5; exponent >= -22; exponent -= sanitized || played ? 4 : 1) {
+        const double step = std::pow(10, exponent);
+        MovingSoup<> soup;
+        const auto add = [&](double x, double y, double size, double way) {
+            const std::int32_t a = soup.vertex({x, y, 0}, {x + way, y, 0});
+            soup.vertex({x, y + size, 0}, {x + way, y + size, 0});
+            soup.vertex({x, y, size}, {x + way, y, size});
+            soup.triangles.push_back({a, a + 1, a + 2});
+        };
+        for (int i = 0; i < 6; ++i) {
+            add(0, i * 5 * step, step, step);
+            add(3.8 * step, i * 5 * step, step, -step);  // comes from 3.8 to 1.8 steps
+            add(1, 0.1 * i, 0.05, 0.01);
+            add(-1, 0.1 * i, 0.05, 0.01);
+        }
+        SCOPED_TRACE(step);
+        expect_impacts(soup, {.separation_share = 0.5}, std::span(tested()).subspan(1, 2));
+        expect_impacts(soup, {.separation = 2 * step}, std::span(tested()).subspan(1, 2));
+        if (HasFailure()) return;
+    }
+}
+
+}  // namespace
+}  // namespace crumple::test

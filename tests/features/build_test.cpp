@@ -1,0 +1,153 @@
+// Records and boxes of a leaf's members, by every table of kernels: what the plain one makes, up to rounding.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include "backends/cpu/features/feature_kernels.h"
+#include "base/float_environment.h"
+#include "features/feature_cases.h"
+#include "geometry/eigen.h"
+
+namespace crumple {
+namespace {
+
+constexpr std::int64_t vertices = 300, triangles = 500;
+
+/// A tangle that moves, of which some triangles have no area, and a leaf of some of its triangles.
+template <int moments>
+class Leaf {
+   public:
+    explicit Leaf(std::int64_t members) : members_(members), features_(nullptr) {
+        std::mt19937 engine(7);
+        const auto number = [&] { return 2 * static_cast<float>(engine()) / 4294967296.0f - 1; };
+        const auto vertex = [&] { return static_cast<std::int32_t>(engine() % vertices); };
+        for (std::int64_t i = 0; i < moments * vertices; ++i) {
+            for (int axis = 0; axis < 3; ++axis) rows32_.push_back(0.4f * number());
+            rows32_.push_back(0);
+        }
+        rows64_.assign(rows32_.begin(), rows32_.end());
+        for (std::int64_t t = 0; t < triangles; ++t) {
+            const std::int32_t a = vertex();
+            corners_.insert(corners_.end(), {a, vertex(), t % 17 ? vertex() : a});
+        }
+        Scene scene;
+        scene.vertices = {vertices, 0};
+        scene.triangles = {triangles, 0};
+        scene.corners = corners_.data();
+        ParallelFor serial;
+        features_.prepare(scene, false, serial);
+        for (std::int64_t i = 0; i < members; ++i) triangle_.push_back(static_cast<std::int32_t>(i * 7 % triangles));
+        triangle_.resize(static_cast<std::size_t>(members + cpu::padding), triangle_.back());
+        for (std::int64_t t = 0; t < triangles; ++t) radius_.push_back(0.01f + 0.01f * number());
+        const PrincipalAxes axes = principal_axes({3, 0.4, 0.2, 2, -0.3, 1});
+        frame_.origin = {0.05f, -0.1f, 0.02f};
+        for (int i = 0; i < 3; ++i) frame_.axis[i] = to_float(axes.axis[i]);
+    }
+
+    cpu::BuildInput input(bool float32, float big, Inflation inflation, bool radii) const {
+        LeafFrame frame = frame_;
+        frame.big = big;
+        if (radii) inflation.radius = radius_.data();
+        return {float32 ? PointRows{rows32_.data(), nullptr} : PointRows{nullptr, rows64_.data()},
+                corners_.data(),
+                triangles,
+                triangle_.data(),
+                members_,
+                frame,
+                vertices,
+                inflation};
+    }
+    const SceneFeatures& features() const { return features_; }
+
+   private:
+    std::int64_t members_;
+    std::vector<float> rows32_, radius_;
+    std::vector<double> rows64_;
+    std::vector<std::int32_t> corners_, triangle_;
+    SceneFeatures features_;
+    LeafFrame frame_;
+};
+
+template <int moments>
+struct Built {
+    Array<FeatureRecord<moments>> record;
+    cpu::Boxes boxes{nullptr};
+    cpu::LeafBounds bounds;
+
+    Built(const cpu::FeatureTables& table, const Leaf<moments>& leaf, const cpu::BuildInput& input) {
+        record.resize(static_cast<std::size_t>(input.members + cpu::padding));
+        boxes.resize(static_cast<std::size_t>(input.members));
+        const FlushToZero mode;
+        table.of<moments>().build(input, leaf.features(), record.data(), boxes, bounds);
+    }
+};
+
+// Coordinates are below 1.
+void expect_near(const Vec3f& a, const Vec3f& b, float by) {
+    for (int axis = 0; axis < 3; ++axis) ASSERT_NEAR(a[axis], b[axis], by);
+}
+
+template <int moments>
+void expect_same(const FeatureRecord<moments>& a, const FeatureRecord<moments>& b) {
+    for (int i = 0; i < 4 * moments; ++i)
+        for (int axis = 0; axis < 3; ++axis) {
+            const float p = a.at(i)[axis], q = b.at(i)[axis];
+            ASSERT_EQ(std::isnan(p), std::isnan(q));
+            if (std::isnan(p)) continue;
+            if (i % 4 < 3)
+                ASSERT_EQ(p, q);
+            else
+                ASSERT_NEAR(p, q, 1e-5);  // of a normal, where edges are short against their distance
+        }
+    for (int k = 0; k < 3; ++k) {
+        ASSERT_EQ(a.vertex[k], b.vertex[k]);
+        ASSERT_EQ(a.edge[k], b.edge[k]);
+    }
+    ASSERT_EQ(a.triangle, b.triangle);
+    ASSERT_EQ(a.owned, b.owned);
+}
+
+template <int moments>
+void expect_plain_answers() {
+    constexpr float margin = 16 * unit_roundoff;
+    const Inflation none, distance{0.02f, 0}, share{0, 0.5f}, both{0.01f, 0.25f};
+    int big_ones = 0;
+    for (const std::int64_t members : {1, 2, 3, 5, 64, 487}) {
+        const Leaf<moments> leaf(members);
+        for (const bool float32 : {true, false})
+            for (const float big : {10.0f, 0.3f, 0.0f})
+                for (const Inflation& inflation : {none, distance, share, both})
+                    for (const bool radii : {false, true}) {
+                        const cpu::BuildInput input = leaf.input(float32, big, inflation, radii);
+                        const Built<moments> plain(cpu::scalar_features, leaf, input);
+                        big_ones += plain.bounds.big;
+                        for (const auto* table : feature_tables()) {
+                            const Built<moments> built(*table, leaf, input);
+                            ASSERT_EQ(built.bounds.big, plain.bounds.big);
+                            ASSERT_EQ(built.bounds.reach, plain.bounds.reach);
+                            if (plain.bounds.big < members) {
+                                expect_near(built.bounds.low, plain.bounds.low, margin);
+                                expect_near(built.bounds.high, plain.bounds.high, margin);
+                            }
+                            for (std::size_t i = 0; i < static_cast<std::size_t>(members); ++i) {
+                                expect_same(built.record[i], plain.record[i]);
+                                const auto corner = [](const cpu::BoxCorner& c) { return Vec3f{c.x, c.y, c.z}; };
+                                expect_near(corner(built.boxes.low[i]), corner(plain.boxes.low[i]), margin);
+                                expect_near(corner(built.boxes.high[i]), corner(plain.boxes.high[i]), margin);
+                            }
+                            if (testing::Test::HasFatalFailure()) return;
+                        }
+                    }
+    }
+    EXPECT_GT(big_ones, 1000);
+}
+
+TEST(BuildOfFeatures, MakesWhatThePlainOneMakesAtRest) { expect_plain_answers<1>(); }
+TEST(BuildOfFeatures, MakesWhatThePlainOneMakesOfSteps) { expect_plain_answers<2>(); }
+
+}  // namespace
+}  // namespace crumple

@@ -1,0 +1,372 @@
+// What goes wrong in questions about motion and nearness, what is left behind then, and who owns an answer.
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <stop_token>
+#include <thread>
+
+#include "error_of.h"
+#include "features/agreeing.h"
+#include "features/compare_features.h"
+#include "features/moving_soups.h"
+
+namespace crumple::test {
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
+
+class FeatureErrors : public testing::TestWithParam<Backend> {
+   protected:
+    Detector detector_{Options{.backend = GetParam(), .threads = 2}};
+    const MovingSoup<> soup_ = moving_grid(3, 14, 10, 1);
+
+    /// The error of a call; before it the detector holds answers, afterwards none, and it works as if nothing had been.
+    template <class Call>
+    Error refused(Call call) {
+        const Impacts& impacts = detector_.find_impacts(soup_.view(), soup_.end_view());
+        const Nearby& nearby = detector_.find_near(soup_.view(), {.radius = 1});
+        EXPECT_GT(impacts.count, 0);
+        EXPECT_GT(nearby.count, 0);
+        const Error error = error_of(call);
+        EXPECT_FALSE(impacts.any || impacts.count || impacts.first.found || !impacts.edges.empty() ||
+                     !impacts.vertex_faces().pairs.empty() || !impacts.edge_edges().pairs.empty())
+            << "holds an empty result";
+        EXPECT_FALSE(nearby.any || nearby.count || !nearby.edges.empty() || !nearby.vertex_faces().pairs.empty() ||
+                     !nearby.edge_edges().pairs.empty())
+            << "holds an empty result";
+        Detector fresh(detector_.options());
+        EXPECT_TRUE(same_features(detector_.find_impacts(soup_.view(), soup_.end_view()),
+                                  fresh.find_impacts(soup_.view(), soup_.end_view())));
+        EXPECT_TRUE(same_features(detector_.find_near(soup_.view(), {.radius = 1}),
+                                  fresh.find_near(soup_.view(), {.radius = 1})));
+        return error;
+    }
+    Error refused(const MovingSoup<>& soup, const VertexView& end, const Motion& question = {}) {
+        return refused([&] { detector_.find_impacts(soup.view(), end, question); });
+    }
+    Error refused(const World& world) {
+        return refused([&] { detector_.find(world, Motion()); });
+    }
+};
+
+TEST_P(FeatureErrors, of_an_end_of_another_shape) {
+    VertexView end = soup_.end_view();
+    end.rows = 13;
+    EXPECT_EQ(refused(soup_, end).code, ErrorCode::invalid_argument);
+    end.rows = 15;
+    EXPECT_EQ(refused(soup_, end).code, ErrorCode::invalid_argument);
+    end.rows = 0;
+    EXPECT_EQ(refused(soup_, end).code, ErrorCode::invalid_argument);
+}
+TEST_P(FeatureErrors, but_not_of_an_end_of_another_precision) {
+    const auto floats = rounded<float>(soup_);
+    const auto doubles = rounded<double>(floats);
+    const Impacts expected = detector_.find_impacts(soup_.view(), doubles.end_view());
+    EXPECT_TRUE(same_features(detector_.find_impacts(soup_.view(), floats.end_view()), expected));
+}
+TEST_P(FeatureErrors, of_a_missing_end) {
+    EXPECT_STREQ(refused(soup_, {}).what(), "the vertices at the end are missing");
+    VertexView end = soup_.end_view();
+    end.data = nullptr;
+    EXPECT_EQ(refused(soup_, end).code, ErrorCode::invalid_argument) << "so many vertices, but no data";
+}
+TEST_P(FeatureErrors, of_ends_that_are_not_finite) {
+    for (const double value : {nan, inf, -inf}) {
+        auto soup = soup_;
+        soup.end[11][2] = value;
+        const Error error = refused(soup, soup.end_view());
+        EXPECT_EQ(error.code, ErrorCode::not_finite);
+        EXPECT_EQ(error.element, Element::vertex);
+        EXPECT_EQ(error.index, 11);
+        EXPECT_STREQ(error.what(), "at the end: vertex 11 is not finite");
+        // Of a start that is not finite, too, the start is named.
+        soup.start[12][0] = value;
+        EXPECT_STREQ(refused(soup, soup.end_view()).what(), "vertex 12 is not finite");
+        EXPECT_STREQ(refused([&] { detector_.find_near(soup.view(), {}); }).what(), "vertex 12 is not finite");
+    }
+}
+TEST_P(FeatureErrors, of_indices) {
+    auto soup = soup_;
+    soup.triangles[4][1] = 14;
+    EXPECT_STREQ(refused(soup, soup.end_view()).what(), "triangle 4 names vertex 14 of 14");
+    EXPECT_STREQ(refused([&] { detector_.find_near(soup.view(), {}); }).what(), "triangle 4 names vertex 14 of 14");
+}
+TEST_P(FeatureErrors, of_distances) {
+    const VertexView end = soup_.end_view();
+    for (const double wrong : {nan, inf, -1.0, -std::numeric_limits<double>::denorm_min()}) {
+        EXPECT_EQ(refused(soup_, end, {.separation = wrong}).element, Element::option);
+        EXPECT_EQ(refused(soup_, end, {.separation_share = wrong}).element, Element::option);
+        EXPECT_EQ(refused([&] { detector_.find_near(soup_.view(), {.radius = wrong}); }).element, Element::option);
+    }
+    EXPECT_EQ(refused(soup_, end, {.separation_share = 1}).code, ErrorCode::invalid_argument);
+    EXPECT_TRUE(same_features(Impacts(detector_.find_impacts(soup_.view(), end, {.separation = -0.0})),
+                              detector_.find_impacts(soup_.view(), end)));
+}
+TEST_P(FeatureErrors, of_meshes_on_a_device) {
+    MeshView mesh = soup_.view();
+    mesh.memory = MemorySpace::cuda;
+    EXPECT_EQ(refused([&] { detector_.find_impacts(mesh, soup_.end_view()); }).code, ErrorCode::invalid_argument);
+    EXPECT_EQ(refused([&] { detector_.find_near(mesh, {}); }).code, ErrorCode::invalid_argument);
+}
+TEST_P(FeatureErrors, of_worlds) {
+    std::vector<Shape> shapes{Shape(soup_.view()), Shape(soup_.view())};
+    shapes[1].end = soup_.end_view();
+    const std::vector<Body> bodies{{.shape = 0, .self = true}, {.shape = 1, .self = true}};
+    const std::vector<Pose> good(2);
+    std::vector<Pose> bad(3);
+    EXPECT_STREQ(refused({shapes, bodies, good, bad}).what(), "there are 3 poses for 2 bodies");
+    bad.pop_back();
+    bad[1].rows[7] = nan;
+    Error error = refused({shapes, bodies, good, bad});
+    EXPECT_STREQ(error.what(), "body 1: its pose is not finite");
+    EXPECT_EQ(error.element, Element::body);
+    EXPECT_EQ(error.index, 1);
+    bad[1].rows[7] = 0;
+    bad[1].rows[0] = std::numeric_limits<double>::max();
+    error = refused({shapes, bodies, {}, bad});
+    EXPECT_EQ(error.code, ErrorCode::not_finite);
+    EXPECT_NE(std::string(error.what()).find("is posed to infinity at the end"), std::string::npos) << error.what();
+    --shapes[1].end.rows;
+    error = refused({shapes, bodies, {}, {}});
+    EXPECT_EQ(error.element, Element::shape);
+    EXPECT_EQ(error.index, 1);
+    shapes[1].end = {nullptr, 14, 24, 8, ScalarType::float64};
+    EXPECT_EQ(refused({shapes, bodies, {}, {}}).element, Element::shape) << "so many vertices, but no data";
+}
+TEST_P(FeatureErrors, of_rules_that_name_nobody) {
+    Motion question;
+    question.rules.excluded_bodies = {{0, 1}};
+    EXPECT_EQ(refused(soup_, soup_.end_view(), question).element, Element::body);
+}
+TEST_P(FeatureErrors, of_groups_that_there_are_not) {
+    Rules rules;
+    rules.groups = Wanted::between;
+    const char* const message =
+        "wanted between needs groups, and the mesh has none: nothing lies between different groups";
+    EXPECT_STREQ(refused(soup_, soup_.end_view(), {.rules = rules}).what(), message);
+    EXPECT_STREQ(refused([&] { detector_.find_near(soup_.view(), {.rules = rules}); }).what(), message);
+    EXPECT_STREQ(refused([&] { detector_.find_candidates(soup_.view(), {.rules = rules}); }).what(), message);
+    EXPECT_STREQ(refused([&] { detector_.stream_near(soup_.view(), [](const Nearby&) {}, {.rules = rules}); }).what(),
+                 message);
+    if (GetParam() == Backend::cuda) return;  // which has no parts
+    const auto parts = detector_.partition(soup_.view(), soup_.end_view(), Motion(), 1);
+    EXPECT_STREQ(refused([&] { detector_.find_impacts(parts[0], {.rules = rules}); }).what(), message);
+    const MovingSoup<> none;
+    EXPECT_FALSE(detector_.find_near(none.view(), {.rules = rules}).any) << "there is nothing to have groups";
+}
+/// Each row is the same vertex.
+TEST_P(FeatureErrors, of_more_vertices_than_both_ends_can_be_numbered) {
+    MeshView mesh = soup_.view();
+    mesh.vertices.rows = (std::int64_t{1} << 30) + 1;
+    mesh.vertices.row_stride = 0;
+    EXPECT_STREQ(refused([&] { detector_.find_impacts(mesh, mesh.vertices); }).what(),
+                 "in motion there may be 1073741824 vertices at most");
+}
+TEST_P(FeatureErrors, of_calls_that_were_stopped) {
+    std::stop_source stop;
+    stop.request_stop();
+    const auto code = [&](auto call) { return refused(call).code; };
+    const auto token = stop.get_token();
+    EXPECT_EQ(code([&] { detector_.find_impacts(soup_.view(), soup_.end_view(), {}, token); }), ErrorCode::cancelled);
+    EXPECT_EQ(code([&] { detector_.find_near(soup_.view(), {}, token); }), ErrorCode::cancelled);
+    EXPECT_EQ(code([&] { detector_.is_free(soup_.view(), soup_.end_view(), {}, token); }), ErrorCode::cancelled);
+    const std::vector<Shape> shapes{Shape(soup_.view())};
+    const std::vector<Body> bodies(2, Body{.self = true});
+    EXPECT_EQ(code([&] { detector_.find({shapes, bodies, {}}, Near(), token); }), ErrorCode::cancelled);
+}
+
+INSTANTIATE_TEST_SUITE_P(, FeatureErrors, testing::ValuesIn(tested_backends), name_of_backend);
+
+/// All in one leaf, whose tests take a second or so together, for no filter in floating point knows such numbers.
+/// Between leaves and chunks alone there would be some three polls.
+TEST(FeatureCalls, LookForAStopBetweenTests) {
+    constexpr double unit = 0x1p600;
+    MovingSoup<> soup = moving_grid(6, 60, 40, 2);
+    for (auto* vertices : {&soup.start, &soup.end})
+        for (auto& p : *vertices)
+            for (double& x : p) x *= unit;
+    Detector detector({.backend = tested_backend, .threads = 1});
+    int polls = 0;
+    detector.set_poll([&] { ++polls; });
+    // A machine that stands still meanwhile polls less.
+    for (int call = 0; call < 5 && polls < 8; ++call) {
+        polls = 0;
+        detector.find_impacts(soup.view(), soup.end_view(), {.separation = unit});
+    }
+    EXPECT_GE(polls, 8);
+    std::stop_source stop;
+    detector.set_poll([&] { stop.request_stop(); });
+    const auto call = [&] {
+        detector.find_impacts(soup.view(), soup.end_view(), {.separation = unit}, stop.get_token());
+    };
+    EXPECT_EQ(error_of(call).code, ErrorCode::cancelled);
+}
+
+/// Two flat sheets that slide through each other in one plane touch all over at the start: the first of these pairs
+/// ends the search for the first impact, and is the one that the whole list tells.
+TEST(FeatureCalls, FindTheFirstOfManyImpactsAtTheStart) {
+    constexpr std::int32_t n = 8;
+    std::vector<std::array<double, 3>> start, end;
+    std::vector<std::array<std::int32_t, 3>> triangles;
+    for (std::int32_t sheet = 0; sheet < 2; ++sheet) {
+        const auto first = static_cast<std::int32_t>(start.size());
+        for (std::int32_t i = 0; i <= n; ++i)
+            for (std::int32_t j = 0; j <= n; ++j) {
+                start.push_back({i + 0.37 * sheet, j + 0.21 * sheet, 0});
+                end.push_back({start.back()[0] + 3.3 * sheet, start.back()[1] - 2.1 * sheet, 0});
+            }
+        for (std::int32_t i = 0; i < n; ++i)
+            for (std::int32_t j = 0; j < n; ++j) {
+                const std::int32_t a = first + i * (n + 1) + j;
+                triangles.push_back({a, a + n + 1, a + n + 2});
+                triangles.push_back({a, a + n + 2, a + 1});
+            }
+    }
+    const MeshView mesh(start, triangles), moved(end, triangles);
+    for (const int threads : {1, 2, 7}) {
+        Detector detector({.backend = Backend::cpu, .threads = threads});
+        const Impacts& all = detector.find_impacts(mesh, moved.vertices);
+        const FirstImpact expected = all.first;
+        const std::int64_t decided = all.statistics.double_tests, exact = all.statistics.exact_tests;
+        ASSERT_TRUE(expected.found && expected.toi == 0 && expected.start);
+        for (int again = 0; again < 5; ++again) {
+            const Impacts& first = detector.find_impacts(mesh, moved.vertices, {.wants = MotionWants::earliest});
+            EXPECT_TRUE(first.first.found && first.first.toi == 0 && first.first.start);
+            EXPECT_EQ(first.first.kind, expected.kind);
+            EXPECT_EQ(first.first.pair, expected.pair);
+            EXPECT_EQ(first.statistics.double_tests, decided);
+            EXPECT_LT(first.statistics.exact_tests, exact / 4) << "most pairs cannot be the first, and are not decided";
+        }
+        EXPECT_EQ(detector.time_of_first_impact(mesh, moved.vertices).toi, 0);
+        EXPECT_EQ(detector.find_free_step(mesh, moved.vertices).share, 0);
+    }
+}
+
+TEST(FeatureCalls, HandTheirAnswersOver) {
+    const MovingSoup<> soup = moving_grid(4, 30, 24, 3);
+    Detector detector({.backend = tested_backend, .threads = 2}), fresh({.backend = tested_backend});
+    const Impacts& impacts = detector.find_impacts(soup.view(), soup.end_view(), {.index = true});
+    const Nearby& nearby = detector.find_near(soup.view(), {.radius = 1, .index = true});
+    const Pair* const storage = impacts.vertex_faces().pairs.data();
+    Impacts taken;
+    Nearby near;
+    detector.swap_result(taken);
+    detector.swap_result(near);
+    EXPECT_EQ(taken.vertex_faces().pairs.data(), storage) << "nothing is copied";
+    EXPECT_FALSE(impacts.any || impacts.first.found || impacts.count || !impacts.edge_edges().pairs.empty());
+    EXPECT_FALSE(nearby.any || nearby.count || !nearby.edge_edges().pairs.empty());
+    Impacts spare;
+    detector.find_impacts(soup.view(), soup.view().vertices);
+    detector.swap_result(spare);
+    detector.find_near(soup.view(), {});
+    const Impacts& expected = fresh.find_impacts(soup.view(), soup.end_view(), {.index = true});
+    EXPECT_TRUE(same_features(taken, expected));
+    EXPECT_TRUE(same_features(near, fresh.find_near(soup.view(), {.radius = 1, .index = true})));
+    detector.swap_result(taken);  // gives its storage for the next
+    EXPECT_EQ(taken.count, 0);
+    EXPECT_TRUE(same_features(detector.find_impacts(soup.view(), soup.end_view(), {.index = true}), expected));
+}
+
+TEST(FeatureCalls, DoNotDependOnThoseBefore) {
+    const auto soups = [] {
+        std::vector<MovingSoup<>> all{moving_grid(3, 20, 20, 4), in_general(60, 0.3, 0.2, 5), {}};
+        all.push_back(all[1]);
+        for (auto& p : all.back().end) p[0] += 0.01;  // the next frame of the same triangles
+        all.push_back(all[1]);
+        std::swap(all.back().triangles[3], all.back().triangles[40]);  // other triangles, as many
+        return all;
+    }();
+    Detector warm({.backend = tested_backend, .threads = 2, .leaf_size = 8});
+    for (int round = 0; round < 2; ++round)
+        for (std::size_t s = 0; s < soups.size(); ++s) {
+            SCOPED_TRACE(s);
+            const MovingSoup<>& soup = soups[s];
+            Detector fresh({.backend = tested_backend, .threads = 2, .leaf_size = 8});
+            const Motion motion{.weld = s % 2 == 0, .index = true};
+            ASSERT_TRUE(same_features(warm.find_impacts(soup.view(), soup.end_view(), motion),
+                                      fresh.find_impacts(soup.view(), soup.end_view(), motion)));
+            ASSERT_TRUE(same_features(warm.find_near(soup.view(), {.radius = 0.1}),
+                                      fresh.find_near(soup.view(), {.radius = 0.1})));
+            const Near filtered{.radius = 0.1, .rings = 1 + round, .rest = soup.end_view(), .rest_radius = 0.05};
+            ASSERT_TRUE(same_features(warm.find_near(soup.view(), filtered), fresh.find_near(soup.view(), filtered)));
+            ASSERT_TRUE(same_answer(warm.find_self(soup.view()), fresh.find_self(soup.view())));
+            std::vector<Shape> shapes{Shape(soup.view())};
+            shapes[0].end = soup.end_view();
+            const std::vector<Body> bodies{
+                {.world = 0, .self = true}, {.world = 1, .self = true}, {.world = 1, .self = true}};
+            const Motion in_worlds{.weld = motion.weld};
+            ASSERT_TRUE(
+                same_features(warm.find({shapes, bodies, {}}, in_worlds), fresh.find({shapes, bodies, {}}, in_worlds)));
+        }
+}
+
+class FeatureMemory : public testing::TestWithParam<int> {};
+
+TEST_P(FeatureMemory, IsBounded) {
+    const MovingSoup<> soup = in_general(played ? 400 : 1500, played ? 0.14 : 0.07, played ? 0.12 : 0.06, 6);
+    const Options options{.backend = tested_backend, .threads = GetParam(), .leaf_size = 40};
+    const std::vector<double> radii(soup.start.size(), 0.005);
+    const Near one{.radius = 0.01}, filtered{.radii = radii, .rings = 3, .rest = soup.end_view(), .rest_radius = 0.01};
+    const auto questions = {0, 1, 2};
+    for (const int question : questions) {
+        const auto ask = [&](Detector& detector) -> std::int64_t {
+            return question
+                       ? detector.find_near(soup.view(), question == 1 ? one : filtered).statistics.peak_memory_bytes
+                       : detector.find_impacts(soup.view(), soup.end_view()).statistics.peak_memory_bytes;
+        };
+        Detector free(options);
+        const std::int64_t peak = ask(free);
+        Impacts impacts;
+        Nearby nearby;
+        free.swap_result(impacts);
+        free.swap_result(nearby);
+        const auto same = [&](Detector& detector) {
+            Impacts found;
+            Nearby found_near;
+            detector.swap_result(found);
+            detector.swap_result(found_near);
+            return question ? same_features(found_near, nearby) : same_features(found, impacts);
+        };
+        bool refused = false;
+        for (std::int64_t limit = peak; limit > 10'000; limit = limit * 3 / 5) {
+            SCOPED_TRACE(testing::Message() << "limit " << limit << ", question " << question);
+            Options tight = options;
+            tight.memory_limit = limit;
+            tight.count_bytes_needed = true;
+            Detector limited(tight);
+            try {
+                EXPECT_LE(ask(limited), limit);
+                EXPECT_TRUE(same(limited));
+            } catch (const Error& error) {
+                refused = true;
+                ASSERT_EQ(error.code, ErrorCode::memory_limit) << error.what();
+                EXPECT_GT(error.bytes_needed, limit);
+                EXPECT_FALSE(error.bytes_needed_at_least);
+                Options alone = tight;
+                alone.threads = 1;
+                Detector single(alone);
+                EXPECT_EQ(error_of([&] { ask(single); }).bytes_needed, error.bytes_needed)
+                    << "it does not depend on who does what";
+                tight.count_bytes_needed = false;
+                Detector hasty(tight);
+                const Error least = error_of([&] { ask(hasty); });
+                EXPECT_TRUE(least.bytes_needed_at_least);
+                EXPECT_GT(least.bytes_needed, limit);
+                EXPECT_LE(least.bytes_needed, error.bytes_needed) << "a lower bound";
+                tight.memory_limit = error.bytes_needed;
+                for (int again = 0; again < (played ? 1 : 5); ++again) {
+                    Detector enough(tight);
+                    EXPECT_LE(ask(enough), error.bytes_needed);
+                    EXPECT_TRUE(same(enough));
+                }
+                EXPECT_NO_THROW(limited.find_near(MeshView(), {})) << "usable still";
+            }
+        }
+        EXPECT_TRUE(refused) << "no limit was too small";
+    }
+}
+INSTANTIATE_TEST_SUITE_P(Threads, FeatureMemory, played ? testing::ValuesIn({1}) : testing::ValuesIn({1, 2, 5}));
+
+}  // namespace
+}  // namespace crumple::test

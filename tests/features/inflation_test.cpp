@@ -1,0 +1,213 @@
+// Balls and boxes of triangles for questions that ask for less than contact: those of an answer overlap, and they are
+// hardly larger than that takes.
+
+#include "geometry/inflation.h"
+
+#include <gtest/gtest.h>
+
+#include "backends/cpu/features/find_features.h"
+#include "features/triangle_cases.h"
+#include "geometry/ball.h"
+
+namespace crumple {
+namespace {
+
+/// Of coordinates that are normalised already.
+Inflation inflation_of(const Separation& separation) {
+    Scene scene;
+    scene.low = {-0.75, -0.75, -0.75};
+    scene.high = {0.75, 0.75, 0.75};
+    const SceneFeatures features(nullptr);
+    const GroupRule rule;
+    return cpu::inflation_of(
+        scene, {.distance = separation.distance, .share = separation.share, .features = features, .rule = rule});
+}
+
+Ball ball_of(const TriangleCase& c, std::size_t first, const Inflation& inflation) {
+    Vec3f start[3], end[3];
+    for (std::size_t k = 0; k < 3; ++k) {
+        start[k] = to_float(c.corner[first + k].start);
+        end[k] = to_float(c.corner[first + k].end);
+    }
+    return ball_of_way(start, end, inflation);
+}
+
+bool balls_overlap(const TriangleCase& c, const Inflation& inflation) {
+    const Ball a = ball_of(c, 0, inflation), b = ball_of(c, 3, inflation);
+    const Vec3d between = Vec3d{a.x, a.y, a.z} - Vec3d{b.x, b.y, b.z};
+    const double reach = static_cast<double>(a.r) + static_cast<double>(b.r);
+    return dot(between, between) <= reach * reach;
+}
+
+// Stage `sort` lowers starts against ends by 20 u M at least (docs/align.md).
+template <int moments>
+bool boxes_overlap(const cpu::FeatureTables& table, const TriangleCase& c, bool float32, const LeafFrame& frame,
+                   const Inflation& inflation) {
+    const LeafOfTwo<moments> leaf(table, c, float32, frame, inflation);
+    const double margin = 20 * 0x1p-24 * static_cast<double>(leaf.bounds().reach) + 1e-30;
+    const cpu::BoxCorner* low = leaf.boxes().low.data();
+    const cpu::BoxCorner* high = leaf.boxes().high.data();
+    const auto apart = [&](double from, double to) { return from > to + margin; };
+    const auto behind = [&](int i, int j) {
+        return apart(low[i].x, high[j].x) || apart(low[i].y, high[j].y) || apart(low[i].z, high[j].z);
+    };
+    return !behind(0, 1) && !behind(1, 0);
+}
+bool boxes_overlap(const TriangleCase& c, bool float32, const LeafFrame& frame, const Inflation& inflation) {
+    const auto& tables = feature_tables();
+    return std::all_of(tables.begin(), tables.end(), [&](const cpu::FeatureTables* table) {
+        return c.moments == 1 ? boxes_overlap<1>(*table, c, float32, frame, inflation)
+                              : boxes_overlap<2>(*table, c, float32, frame, inflation);
+    });
+}
+
+const LeafFrame straight = around({});
+
+LeafFrame any_frame(RandomCases& random) {
+    const double turn = random.real(0, 6.3), tilt = random.real(0, 6.3);
+    const Vec3d x{std::cos(turn), std::sin(turn), 0}, across{-std::sin(turn), std::cos(turn), 0};
+    const Vec3d y = std::cos(tilt) * across + Vec3d{0, 0, std::sin(tilt)}, z = cross(x, y);
+    return {{static_cast<float>(random.real(-1, 1)), 0.25f, 0}, {to_float(x), to_float(y), to_float(z)}, most};
+}
+
+class InflationOf : public testing::TestWithParam<Hard> {};
+INSTANTIATE_TEST_SUITE_P(, InflationOf, testing::ValuesIn(all_hard), name_of_hard);
+
+TEST_P(InflationOf, MakesBallsAndBoxesOfAnswersOverlap) {
+    int near = 0;
+    for (const bool float32 : {true, false})
+        for (const FeatureKind kind : {FeatureKind::vertex_face, FeatureKind::edge_edge})
+            for (const int moments : {1, 2}) {
+                RandomTriangles random(GetParam(), float32, 107);
+                for (int i = 0; i < 120; ++i) {
+                    TriangleCase c = random(kind, moments);
+                    RandomCases& features = random.features();
+                    if (moments == 2 && i % 2) {
+                        const double shares[] = {0x1p-60, 0.001, 0.5, 0.99, 1 - 0x1p-30, 1 - 0x1p-53};
+                        c.separation.share = shares[features.below(6)];
+                        if (i % 4 == 3) c.separation.distance = 0;
+                        const double part = std::ldexp(1.0, -features.below(70));
+                        for (MovingPoint& p : c.corner) p.end = features.number(p.start + part * (p.end - p.start));
+                    }
+                    const LeafFrame frame = i % 3 ? any_frame(features) : straight;
+                    const Inflation inflation = inflation_of(c.separation);
+                    const bool overlap = balls_overlap(c, inflation) && boxes_overlap(c, float32, frame, inflation);
+                    const bool answer = c.near();
+                    ASSERT_TRUE(overlap || !answer) << c << (float32 ? ", float32" : ", float64");
+                    near += answer;
+                }
+            }
+    EXPECT_GT(near, 100);
+}
+
+TEST(Inflation, IsHalfOfTheDistanceRoundedUp) {
+    for (const double distance : {1e-300, 1e-38, 1e-7, 0.3, 1.0, 3.4}) {
+        const Inflation inflation = inflation_of({distance, 0});
+        EXPECT_GE(2 * static_cast<double>(inflation.half), distance);
+        EXPECT_LE(2 * static_cast<double>(inflation.half), distance * 1.00001 + 4e-30);
+        EXPECT_GE(2 * static_cast<double>(inflation(1)), distance);
+        EXPECT_LE(2 * static_cast<double>(inflation(1)), distance * 1.00001 + 4e-30);
+    }
+    EXPECT_LE(inflation_of({1e308, 0})(1), 4);
+    EXPECT_GE(2 * inflation_of({1e308, 0})(1), 3.5f);  // no two points are further apart
+    EXPECT_TRUE(inflation_of({0, 0}).none());
+}
+
+/// Radii of two triangles' vertices, of which three and three are theirs.
+struct RadiiOfTwo {
+    explicit RadiiOfTwo(const std::vector<double>& radii) {
+        Scene scene;
+        scene.low = {-0.75, -0.75, -0.75};
+        scene.high = {0.75, 0.75, 0.75};
+        scene.triangles = {2, 0};
+        scene.corners = corners.data();
+        inflation = cpu::inflation_of_radii(scene, radii, workers, buffers);
+    }
+    double of(std::size_t triangle) const {
+        return static_cast<double>(inflation.of(static_cast<std::int64_t>(triangle))(0));
+    }
+
+    static constexpr std::array<std::int32_t, 6> corners{0, 1, 2, 3, 4, 5};
+    Options options{.threads = 1};
+    Cancellation cancellation;
+    cpu::Workers workers{options, cancellation};
+    cpu::FeatureBuffers buffers{nullptr, 1, cpu::scalar_features};
+    Inflation inflation;
+};
+
+TEST(InflationOfRadii, IsTheLargestOfATriangleRoundedUp) {
+    for (const double radius : {0.0, 1e-300, 1e-38, 1e-7, 0.3, 1.0, 3.4}) {
+        std::vector<double> radii(6, radius / 3);
+        radii[1] = radius;
+        radii[5] = 2 * radius;
+        const RadiiOfTwo two(radii);
+        EXPECT_GE(two.of(0), radius);
+        EXPECT_LE(two.of(0), radius * 1.00001 + 4e-30);
+        EXPECT_GE(two.of(1), std::min(4.0, 2 * radius));
+        EXPECT_LE(two.of(1), 2 * radius * 1.00001 + 4e-30);
+        EXPECT_EQ(two.inflation.half, std::max(two.inflation.of(0).half, two.inflation.of(1).half));
+        for (std::size_t v = 0; v < 6; ++v)
+            EXPECT_GE(static_cast<double>(two.buffers.vertex_radius[v]), std::min(4.0, radii[v]));
+    }
+    EXPECT_GE(RadiiOfTwo(std::vector<double>(6, 1e308)).of(0), 3.5) << "no two points are further apart";
+    EXPECT_LE(RadiiOfTwo(std::vector<double>(6, 1e308)).of(0), 4);
+}
+
+// One is widened by all of the distance but a part, the other by that.
+TEST_P(InflationOf, RadiiMakesBallsAndBoxesOfAnswersOverlap) {
+    int near = 0;
+    for (const bool float32 : {true, false})
+        for (const FeatureKind kind : {FeatureKind::vertex_face, FeatureKind::edge_edge}) {
+            RandomTriangles random(GetParam(), float32, 113);
+            for (int i = 0; i < 120; ++i) {
+                const TriangleCase c = random(kind, 1);
+                RandomCases& features = random.features();
+                const double part[] = {0, 0x1p-30, 0.25, 0.5, 1};
+                const double first = part[features.below(5)] * c.separation.distance;  // exact, and so is the rest
+                const double second = c.separation.distance - first;
+                const RadiiOfTwo radii({first, 0, first / 2, second, second, 0});
+                const Ball a = ball_of(c, 0, radii.inflation.of(0)), b = ball_of(c, 3, radii.inflation.of(1));
+                const Vec3d between = Vec3d{a.x, a.y, a.z} - Vec3d{b.x, b.y, b.z};
+                const double reach = static_cast<double>(a.r) + static_cast<double>(b.r);
+                const LeafFrame frame = i % 3 ? any_frame(features) : straight;
+                const bool overlap =
+                    dot(between, between) <= reach * reach && boxes_overlap(c, float32, frame, radii.inflation);
+                const bool answer = c.near();
+                ASSERT_TRUE(overlap || !answer) << c << (float32 ? ", float32" : ", float64");
+                near += answer;
+            }
+        }
+    EXPECT_GT(near, 50);
+}
+
+// Its square is flushed to zero, yet it brings the vertex to the share: 1e-19 of a half of a thousandth.
+TEST(Inflation, SeesTheShortestWay) {
+    TriangleCase c{2, {}, {0, 1 - 0x1p-53}};
+    const auto at = [](double x, double y, double z) { return MovingPoint{{x, y, z}, {x, y, z}}; };
+    c.corner = {at(0, 0, 0),          at(0.25, 0, -0.25),  at(0, 0.25, -0.25),
+                at(-0.5, -0.5, 5e-4), at(0.5, -0.5, 5e-4), at(0, 0.5, 5e-4)};
+    c.corner[0].end.z = 6e-20;
+    ASSERT_TRUE(c.near());
+    const Inflation inflation = inflation_of(c.separation);
+    EXPECT_TRUE(balls_overlap(c, inflation));
+    for (const bool float32 : {true, false}) EXPECT_TRUE(boxes_overlap(c, float32, straight, inflation));
+}
+
+// Nothing that moves by more than the way of its corners is in it, and nothing comes closer than their ways allow.
+TEST(Inflation, OfAShareIsNoLargerThanItTakes) {
+    // Two that come towards each other by an eighth each, from a half apart to half of that.
+    TriangleCase c{2, {}, {0, 0.5}};
+    const auto corner = [](double x, double y, double z, double way) {
+        return MovingPoint{{x, y, z}, {x, y, z + way}};
+    };
+    c.corner = {corner(0.5, 0, 0, 0.125),    corner(-0.5, 0, 0, 0.125),    corner(0, 0.5, 0, 0.125),
+                corner(0.5, 0, 0.5, -0.125), corner(-0.5, 0, 0.5, -0.125), corner(0, 0.5, 0.5, -0.125)};
+    ASSERT_TRUE(c.near());
+    EXPECT_TRUE(boxes_overlap(c, false, straight, inflation_of(c.separation)));
+    for (MovingPoint& p : c.corner) p.end.z = p.start.z + 0.999 * (p.end.z - p.start.z);
+    ASSERT_FALSE(c.near());
+    EXPECT_FALSE(boxes_overlap(c, false, straight, inflation_of(c.separation)));
+}
+
+}  // namespace
+}  // namespace crumple

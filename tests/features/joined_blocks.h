@@ -1,0 +1,151 @@
+#pragma once
+
+// Blocks of an answer about features, put together and compared with the whole answer.
+
+#include <functional>
+#include <numeric>
+#include <tuple>
+#include <vector>
+
+#include "candidates/compare_candidates.h"
+#include "features/compare_features.h"
+
+namespace crumple::test {
+
+// The arrays of a list that blocks have.
+inline auto rows_of(ImpactList& l) { return std::tie(l.pairs, l.bodies, l.toi, l.start); }
+inline auto rows_of(NearList& l) { return std::tie(l.pairs, l.bodies, l.squared_distance, l.touching, l.type, l.at); }
+inline auto rows_of(CandidateList& l) { return std::tie(l.pairs, l.bodies); }
+
+/// Calls visit(array, array) for each.
+template <class List, class Visit>
+void for_each_array(List& a, List& b, Visit visit) {
+    auto of_a = rows_of(a);
+    std::apply([&](auto&... in_b) { std::apply([&](auto&... in_a) { (visit(in_a, in_b), ...); }, of_a); }, rows_of(b));
+}
+
+/// Sorts rows by their features: the same order for all that have the same rows.
+template <class List>
+void sort_rows(List& list) {
+    std::vector<std::size_t> order(list.pairs.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    const auto key = [&](std::size_t i) {
+        return std::tuple(list.bodies.empty() ? BodyPair{} : list.bodies[i], list.pairs[i]);
+    };
+    std::sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) { return key(i) < key(j); });
+    List sorted = list;
+    for_each_array(list, sorted, [&](auto& from, auto& to) {
+        if (from.empty()) return;
+        for (std::size_t i = 0; i < order.size(); ++i) to[i] = from[order[i]];
+    });
+    list = std::move(sorted);
+}
+
+/// All blocks one behind the other.
+template <class Answer>
+struct Joined {
+    std::int64_t most;
+    Answer all = {};
+    std::int64_t blocks = 0;
+
+    void add(const Answer& given) {
+        Answer block = given;
+        std::int64_t rows = 0;
+        for (std::size_t k = 0; k < block.lists.size(); ++k) {
+            rows += static_cast<std::int64_t>(block.lists[k].pairs.size());
+            for_each_array(all.lists[k], block.lists[k], [](auto& to, auto& from) {
+                for (const auto& row : from) to.push_back(row);
+            });
+        }
+        EXPECT_GE(rows, 1);
+        EXPECT_LE(rows, most);
+        EXPECT_EQ(block.count, all.count + rows);
+        all.count = block.count;
+        if (blocks++ > 0) {
+            EXPECT_TRUE(same_bytes(block.edges, all.edges, "edges"));
+            EXPECT_TRUE(same_bytes(block.first_edge, all.first_edge, "first edges"));
+            EXPECT_TRUE(same_bytes(block.points, all.points, "points"));
+            EXPECT_TRUE(same_bytes(block.first_point, all.first_point, "first points"));
+        }
+        all.edges = block.edges;
+        all.first_edge = block.first_edge;
+        all.points = block.points;
+        all.first_point = block.first_point;
+        tell(block);
+    }
+
+   private:
+    void tell(const CandidateLists& block) { all.listed = block.listed; }
+    void tell(const Nearby& block) {
+        EXPECT_TRUE(block.any);
+        EXPECT_TRUE(block.world_hit.empty());
+        all.any = true;
+    }
+    void tell(const Impacts& block) {
+        EXPECT_TRUE(block.any);
+        EXPECT_TRUE(block.world_hit.empty());
+        EXPECT_TRUE(block.world_first.empty());
+        EXPECT_FALSE(block.first.found);
+        all.any = true;
+    }
+};
+
+/// What blocks have of a whole answer.
+inline CandidateLists of_blocks(const CandidateLists& answer) { return answer; }
+inline Nearby of_blocks(const Nearby& answer) {
+    Nearby all = answer;
+    all.world_hit.clear();
+    return all;
+}
+inline Impacts of_blocks(const Impacts& answer) {
+    Impacts all = answer;
+    all.world_hit.clear();
+    all.world_first.clear();
+    all.first = {};
+    return all;
+}
+
+inline testing::AssertionResult same_whole(const CandidateLists& found, const CandidateLists& expected) {
+    return same_candidates(found, expected);
+}
+template <class Answer>
+testing::AssertionResult same_whole(const Answer& found, const Answer& expected) {
+    testing::AssertionResult same = same_features(found, expected);
+    if constexpr (std::is_same_v<Answer, Nearby>)
+        for (std::size_t k = 0; same && k < feature_kinds; ++k) {
+            same = same_bytes(found.lists[k].type, expected.lists[k].type, "types");
+            if (same) same = same_bytes(found.lists[k].at, expected.lists[k].at, "parameters");
+        }
+    return same;
+}
+
+/// A question by both ways.
+template <class Answer>
+struct Asked {
+    using Take = FunctionRef<void(const Answer&)>;
+    std::function<const Answer&(Detector&)> find;
+    std::function<Statistics(Detector&, Take, const Streaming&, std::stop_token)> stream;
+
+    Statistics blocks(Detector& by, Take take, const Streaming& how = {}, std::stop_token stop = {}) const {
+        return stream(by, take, how, std::move(stop));
+    }
+};
+
+/// Blocks of a size, by a detector, are the answer.
+template <class Answer>
+void expect_blocks(const Asked<Answer>& asked, const Answer& expected, Detector& by, const Streaming& how) {
+    SCOPED_TRACE(testing::Message() << "blocks of " << how.block_pairs << (how.ordered ? "" : ", in any order"));
+    Joined<Answer> joined{how.block_pairs};
+    const Statistics statistics = asked.blocks(
+        by, [&](const Answer& block) { joined.add(block); }, how);
+    EXPECT_EQ(statistics.pairs, expected.count);
+    EXPECT_EQ(joined.blocks, (expected.count + how.block_pairs - 1) / how.block_pairs) << "full blocks, but the last";
+    if (expected.count == 0) return;
+    Answer whole = of_blocks(expected);
+    if (!how.ordered)
+        for (Answer* answer : {&whole, &joined.all})
+            for (auto& list : answer->lists) sort_rows(list);
+    EXPECT_TRUE(same_whole(joined.all, whole));
+}
+
+}  // namespace crumple::test

@@ -1,0 +1,425 @@
+// What may be asked of nearness beside one radius: a radius of each vertex, neighbours along edges, a shape at rest. By
+// hand; against brute force; and that one against what tests themselves make of a list of everything that is near.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+#include <vector>
+
+#include "error_of.h"
+#include "exact/proximity/rational_distance.h"
+#include "features/agreeing.h"
+#include "features/moving_soups.h"
+#include "rounds.h"
+
+namespace crumple::test {
+namespace {
+
+constexpr double ulp = 0x1p-52;
+
+/// So many vertices' radii about a size: powers of two and thirds, none, and all that is not a float32 number.
+std::vector<double> random_radii(Draw& draw, std::size_t vertices, double size) {
+    std::vector<double> radii(vertices);
+    for (double& r : radii) {
+        const double some[] = {0, 0.5, 1.0 / 3, 1, std::nextafter(0.5, 1.0), draw.number(), 1e-9 * draw.number()};
+        r = size * some[static_cast<std::size_t>(draw.below(7))];
+    }
+    return radii;
+}
+
+class NearFilters : public testing::TestWithParam<Backend> {
+   protected:
+    Detector detector{Options{.backend = GetParam(), .threads = 2}};
+
+    std::size_t faces(const MovingSoup<>& soup, const Near& question) {
+        return detector.find_near(soup.view(), question).vertex_faces().pairs.size();
+    }
+};
+INSTANTIATE_TEST_SUITE_P(, NearFilters, testing::ValuesIn(tested_backends), name_of_backend);
+
+/// A small triangle, whose first vertex is the lowest, one above the middle of a large one.
+MovingSoup<> two(double height = 1) {
+    MovingSoup<> soup;
+    const auto add = [&](double x, double y, double z) { soup.vertex({x, y, z}, {x, y, z}); };
+    add(-8, -8, 0), add(8, -8, 0), add(0, 8, 0);
+    add(0, 0, height), add(1, 0, height + 8), add(0, 1, height + 8);
+    soup.triangles = {{0, 1, 2}, {3, 4, 5}};
+    return soup;
+}
+
+TEST_P(NearFilters, RadiiAddUpInRealNumbers) {
+    const auto near = [&](double face, double vertex, double height, bool strict) {
+        const std::vector<double> radii{face, 0, 0, vertex, 0, 0};
+        const MovingSoup<> soup = two(height);
+        const auto& pairs = detector.find_near(soup.view(), {.radii = radii, .strict = strict}).vertex_faces().pairs;
+        return std::find(pairs.begin(), pairs.end(), Pair{3, 0}) != pairs.end();
+    };
+    EXPECT_TRUE(near(0.75, 0.25, 1, false)) << "at the sum";
+    EXPECT_FALSE(near(0.75, 0.25, 1, true)) << "at the sum, strictly";
+    EXPECT_FALSE(near(0.75, 0.25 - ulp / 8, 1, false)) << "one beside";
+    EXPECT_TRUE(near(0.75, 0.25 + ulp, 1, true)) << "one beside";
+    // Sums that are no numbers, on either side of one.
+    EXPECT_TRUE(near(1, 0x1p-80, 1, true)) << "rounds to 1, and is more";
+    EXPECT_FALSE(near(1, 0x1p-80, 1 + ulp, false));
+    EXPECT_FALSE(near(1 - ulp / 2, ulp / 4, 1, false)) << "rounds to 1, and is less";
+    EXPECT_TRUE(near(1 - ulp / 2, ulp / 4, 1 - ulp / 2, true));
+    EXPECT_TRUE(near(0, 0, 0, false)) << "touching";
+    EXPECT_FALSE(near(0, 0, 0, true));
+    EXPECT_TRUE(near(0, 1, 1, false)) << "one without a radius";
+    constexpr double most = std::numeric_limits<double>::max();
+    EXPECT_TRUE(near(most, most, 1, true)) << "a sum beyond all numbers";
+}
+
+TEST_P(NearFilters, AFeatureHasTheLargestRadiusOfItsVertices) {
+    for (std::size_t v = 0; v < 3; ++v) {
+        std::vector<double> radii(6, 0.25);
+        radii[v] = 0.75;
+        EXPECT_EQ(faces(two(), {.radii = radii}), 1u) << "vertex " << v;
+        radii[v] = 0.75 - ulp;
+        EXPECT_EQ(faces(two(), {.radii = radii}), 0u) << "vertex " << v;
+    }
+    std::vector<double> radii(6, 0.25);
+    radii[4] = radii[5] = 100;
+    const MovingSoup<> soup = two();
+    const Nearby& nearby = detector.find_near(soup.view(), {.radii = radii});
+    const std::vector<Pair> expected{{0, 1}, {1, 1}, {2, 1}, {4, 0}, {5, 0}};
+    EXPECT_TRUE(same_pairs(nearby.vertex_faces().pairs.span(), expected)) << "the vertex 3 has a radius of its own";
+    EXPECT_EQ(nearby.edge_edges().pairs.size(), 9u);
+}
+
+TEST_P(NearFilters, WhatIsCloseAtRestIsLeftOut) {
+    const MovingSoup<> soup = two(0.5);
+    for (const double height : {1.0, std::nextafter(1.0, 2.0)}) {
+        MovingSoup<> rest = two(height);
+        const auto narrow = rounded<float>(rest);
+        const bool close = height == 1;
+        EXPECT_EQ(faces(soup, {.radius = 1, .rest = rest.view().vertices, .rest_radius = 1}), close ? 0u : 1u);
+        EXPECT_EQ(faces(soup, {.radius = 1, .rest = narrow.view().vertices, .rest_radius = 1}), 0u) << "rounded to 1";
+        EXPECT_FALSE(
+            detector
+                .find_near(soup.view(),
+                           {.wants = NearWants::any, .radius = 1, .rest = narrow.view().vertices, .rest_radius = 1})
+                .any);
+    }
+    EXPECT_EQ(faces(soup, {.radius = 1, .rest = soup.view().vertices}), 1u) << "apart at rest, and that is enough";
+    EXPECT_EQ(faces(two(0), {.radius = 1, .rest = two(0).view().vertices}), 0u) << "in contact at rest";
+}
+
+/// A strip of quads of width 1, along x, and two triangles a quad.
+MovingSoup<> strip(std::int32_t quads) {
+    MovingSoup<> soup;
+    for (std::int32_t i = 0; i <= quads; ++i)
+        for (const double y : {0.0, 1.0}) soup.vertex({1.0 * i, y, 0}, {1.0 * i, y, 0});
+    for (std::int32_t i = 0; i < quads; ++i) {
+        const std::int32_t a = 2 * i;
+        soup.triangles.push_back({a, a + 2, a + 1});
+        soup.triangles.push_back({a + 1, a + 2, a + 3});
+    }
+    return soup;
+}
+
+TEST_P(NearFilters, NeighboursAreJoinedByEdges) {
+    const MovingSoup<> soup = strip(8);
+    // The vertex (0, 0), and the faces from x to x + 1: x edges lead to the one, x + 1 to the other.
+    for (const std::int32_t rings : {0, 1, 2, 3, 7, 8, 1000}) {
+        const NearList& list = detector.find_near(soup.view(), {.radius = 100, .rings = rings}).vertex_faces();
+        std::set<std::int32_t> of_first, expected;
+        for (const Pair& pair : list.pairs)
+            if (pair.a == 0) of_first.insert(pair.b);
+        for (std::int32_t t = 0; t < 16; ++t)
+            if ((t + 1) / 2 > rings) expected.insert(t);
+        EXPECT_EQ(of_first, expected) << rings << " rings";
+    }
+    MovingSoup<> apart = soup;
+    apart.append(strip(2));
+    EXPECT_EQ(detector.find_near(apart.view(), {.radius = 0, .rings = 1000}).vertex_faces().pairs.size(), 27u)
+        << "no path leads from one sheet to another, wherever they are";
+    EXPECT_FALSE(detector.find_near(apart.view(), {.radius = 0, .weld = true, .rings = 1000}).any)
+        << "unless vertices at equal positions are one";
+}
+
+TEST_P(NearFilters, LeastAndIndexAreThoseOfTheList) {
+    const MovingSoup<> soup = strip(4);
+    const Nearby& all =
+        detector.find_near(soup.view(), {.radius = 10, .closest = true, .least = true, .rings = 1, .index = true});
+    ASSERT_GT(all.vertex_faces().pairs.size(), 0u);
+    EXPECT_EQ(all.vertex_distance[0], 0x1.6a09e667f3bccp+0) << "that of (2, 0) to (1, 1)";
+    EXPECT_EQ(all.vertex_faces().type.size(), all.vertex_faces().pairs.size());
+    EXPECT_EQ(all.vertex_faces().offsets[1], 5) << "the faces from there on";
+}
+
+TEST_P(NearFilters, ErrorsNameArgumentAndVertex) {
+    const MovingSoup<> soup = two();
+    const auto of = [&](const Near& question) { return error_of([&] { detector.find_near(soup.view(), question); }); };
+    std::vector<double> radii(5, 1);
+    EXPECT_STREQ(of({.radii = radii}).what(), "there are 5 radii for 6 vertices");
+    radii.resize(6, 1);
+    for (const double wrong : {-1.0, std::nan(""), std::numeric_limits<double>::infinity(), -0x1p-1074}) {
+        radii[4] = wrong;
+        const Error error = of({.radii = radii});
+        EXPECT_STREQ(error.what(), "the radius of vertex 4 must be finite and 0 or more");
+        EXPECT_EQ(error.element, Element::vertex);
+        EXPECT_EQ(error.index, 4);
+    }
+    radii[4] = -0.0;
+    EXPECT_STREQ(of({.radius = 1, .radii = radii}).what(), "radius is not asked for beside radii");
+    EXPECT_STREQ(of({.rings = -1}).what(), "rings must be 0 or more");
+    EXPECT_STREQ(of({.rest_radius = 1}).what(), "rest_radius needs a shape at rest");
+    EXPECT_STREQ(of({.rest_radius = -1}).what(), "rest_radius must be finite and 0 or more");
+    EXPECT_STREQ(of({.rest_radius = std::nan("")}).what(), "rest_radius must be finite and 0 or more");
+    MovingSoup<> rest = two();
+    rest.start[3][1] = std::nan("");
+    const Error error = of({.rest = rest.view().vertices});
+    EXPECT_STREQ(error.what(), "at rest: vertex 3 is not finite");
+    EXPECT_EQ(error.code, ErrorCode::not_finite);
+    EXPECT_EQ(error.index, 3);
+    VertexView view = soup.view().vertices;
+    view.rows = 5;
+    EXPECT_STREQ(of({.rest = view}).what(), "there are 5 vertices at rest for 6 vertices");
+    view = soup.view().vertices;
+    view.data = nullptr;
+    EXPECT_STREQ(of({.rest = view}).what(), "the vertices at rest have no data");
+
+    std::vector<Shape> shapes{Shape(soup.view()), Shape(soup.view())};
+    const std::vector<Body> bodies{{.shape = 0, .self = true}, {.shape = 1, .self = true}};
+    const auto of_world = [&](const Near& question) {
+        return error_of([&] { detector.find({shapes, bodies, {}}, question); });
+    };
+    EXPECT_STREQ(of_world({.radii = radii}).what(), "radii of a world are those of its shapes");
+    EXPECT_STREQ(of_world({.rest = soup.view().vertices}).what(),
+                 "the rest shape of a world is that of each of its shapes");
+    EXPECT_STREQ(of_world({.rest_radius = 1}).what(), "rest_radius needs a shape at rest");
+    radii[2] = -3;
+    shapes[1].radii = radii;
+    EXPECT_STREQ(of_world({}).what(), "shape 1: the radius of vertex 2 must be finite and 0 or more");
+    radii[2] = 0;
+    EXPECT_STREQ(of_world({.radius = 1}).what(), "radius is not asked for beside radii");
+    shapes[1].rest = rest.view().vertices;
+    EXPECT_STREQ(of_world({}).what(), "shape 1: at rest: vertex 3 is not finite");
+    EXPECT_FALSE(detector.find_near(soup.view(), {}).any) << "usable still";
+}
+
+TEST(NearFiltersOfWorlds, ConcernPairsWithinABody) {
+    const MovingSoup<> soup = two();
+    const std::vector<double> radii(6, 0.5);
+    for (const Backend backend : {Backend::reference, tested_backend}) {
+        Detector detector({.backend = backend, .threads = 2});
+        std::vector<Shape> shapes{Shape(soup.view()), Shape(soup.view())};
+        const std::vector<Body> bodies{{.shape = 0, .self = true}, {.shape = 1, .self = true}};
+        const auto count = [&](const Near& question) {
+            return detector.find({shapes, bodies, {}}, question).vertex_faces().pairs.size();
+        };
+        // Each body's vertex above its face; each body's three and one vertices on the other's faces, and above them.
+        const std::size_t between = 2 * 7, within = 2;
+        EXPECT_EQ(count({.radius = 1}), between + within);
+        shapes[0].rest = shapes[1].rest = soup.view().vertices;
+        EXPECT_EQ(count({.radius = 1, .rest_radius = 1}), between) << "at rest, too";
+        shapes[1].rest = {};
+        EXPECT_EQ(count({.radius = 1, .rest_radius = 1}), between + 1) << "without a shape at rest";
+        EXPECT_EQ(count({.radius = 1, .rings = 5}), between + within) << "no edges lead to other triangles";
+        shapes[0].radii = shapes[1].radii = radii;
+        EXPECT_EQ(count({}), between + within);
+        shapes[1].radii = {};
+        EXPECT_EQ(count({}), between - 2 + 1) << "that of others is 0";
+    }
+}
+
+/// Poses move what radii are of, and scale it; radii stay.
+TEST(NearFiltersOfWorlds, RadiiAreNotPosed) {
+    const MovingSoup<> soup = two();
+    const std::vector<double> radii(6, 0.5);
+    std::vector<Shape> shapes{Shape(soup.view())};
+    shapes[0].radii = radii;
+    const std::vector<Body> bodies(1, Body{.self = true});
+    Detector detector({.backend = tested_backend});
+    for (const double scale : {0.5, 1.0, 1.0 + ulp, 2.0}) {
+        const std::vector<Pose> poses{{{scale, 0, 0, 1, 0, scale, 0, 1, 0, 0, scale, 0}}};
+        shapes[0].rest = {};
+        EXPECT_EQ(detector.find({shapes, bodies, poses}, Near()).any, scale <= 1) << scale;
+        shapes[0].rest = soup.view().vertices;
+        EXPECT_FALSE(detector.find({shapes, bodies, poses}, Near{.rest_radius = 1}).any) << "nor is the shape at rest";
+    }
+}
+
+template <class Scalar>
+class NearFilterAgreement : public testing::Test {};
+using Precisions = testing::Types<float, double>;
+TYPED_TEST_SUITE(NearFilterAgreement, Precisions, PrecisionNames);
+
+/// Soups that are not too large to be decided in rationals, pair by pair.
+template <class Scalar, class Work>
+void for_each_small_soup(std::size_t most, Work work) {
+    unsigned seed = 0;
+    for (const NamedMove<Scalar>& move : soups_to_try<Scalar>(1, 0.5)) {
+        SCOPED_TRACE(move.name);
+        ++seed;
+        if (move.soup.triangles.size() > most || move.unit > 1e300) continue;
+        work(move, seed);
+        if (testing::Test::HasFailure()) return;
+    }
+}
+
+TYPED_TEST(NearFilterAgreement, OfRadii) {
+    for (const double size : {1e-3, 1.0, 3.0})
+        for_each_small_soup<TypeParam>(size < 1 ? 300 : 60, [&](const auto& move, unsigned seed) {
+            SCOPED_TRACE(size);
+            Draw draw(seed);
+            const std::vector<double> radii = random_radii(draw, move.soup.start.size(), size * move.unit);
+            expect_near(move.soup, {.radii = radii, .strict = seed % 2 == 0, .weld = seed % 3 == 0});
+        });
+}
+TYPED_TEST(NearFilterAgreement, OfNeighbours) {
+    for (const std::int32_t rings : {1, 2, 5})
+        for_each_small_soup<TypeParam>(60, [&](const auto& move, unsigned seed) {
+            SCOPED_TRACE(rings);
+            expect_near(move.soup, {.radius = 2 * move.unit, .weld = seed % 2 == 0, .rings = rings});
+        });
+}
+TYPED_TEST(NearFilterAgreement, OfShapesAtRest) {
+    for (const double radius : {0.0, 0.1, 1.0})
+        for_each_small_soup<TypeParam>(60, [&](const auto& move, unsigned seed) {
+            SCOPED_TRACE(radius);
+            Near question{.radius = 2 * move.unit, .rest = move.soup.end_view(), .rest_radius = radius * move.unit};
+            question.rings = seed % 2 == 0 ? 1 : 0;
+            expect_near(move.soup, question);
+        });
+}
+
+/// Rods and particles: paths go along listed edges and along the sides of all faces.
+TYPED_TEST(NearFilterAgreement, OfListedEdgesAndPoints) {
+    for_each_small_soup<TypeParam>(60, [&](const auto& move, unsigned seed) {
+        auto soup = move.soup;
+        const auto n = static_cast<int>(soup.start.size());
+        if (n < 4) return;
+        Draw draw(seed);
+        soup.edges.emplace();
+        for (int i = 0; i < 16; ++i) {
+            const int a = draw.below(n), b = draw.below(n);
+            if (a != b) soup.edges->push_back({a, b});
+        }
+        soup.points.emplace();
+        for (int i = 0; i < 8; ++i) soup.points->push_back(draw.below(n));
+        soup.triangles.resize(soup.triangles.size() / 3);
+        const std::vector<double> radii = random_radii(draw, soup.start.size(), 2 * move.unit);
+        for (const std::int32_t rings : {0, 1, 2})
+            expect_near(soup, {.radii = radii,
+                               .weld = seed % 2 == 0,
+                               .rings = rings,
+                               .rest = soup.end_view(),
+                               .rest_radius = 0.5 * move.unit});
+    });
+}
+TEST_P(NearFilters, ListedEdgesLeadToNeighbours) {
+    MovingSoup<> soup;  // a rod along x, and a particle
+    for (int i = 0; i < 6; ++i) soup.vertex({1.0 * i, 0, 0}, {1.0 * i, 0, 0});
+    soup.edges = {{0, 1}, {2, 1}, {2, 3}, {3, 4}};
+    const auto pairs = [&](std::int32_t rings) {
+        const NearList& list = detector.find_near(soup.view(), {.radius = 10, .rings = rings})[FeatureKind::edge_edge];
+        return std::vector<Pair>(list.pairs.begin(), list.pairs.end());
+    };
+    EXPECT_EQ(pairs(0), (std::vector<Pair>{{0, 2}, {0, 3}, {1, 3}}));
+    EXPECT_EQ(pairs(1), (std::vector<Pair>{{0, 3}}));
+    EXPECT_TRUE(pairs(2).empty());
+    soup.triangles = {{0, 5, 4}};  // a way round, of no edge that is listed
+    EXPECT_EQ(pairs(0).size(), 3u);
+    EXPECT_TRUE(pairs(1).empty());
+}
+
+/// One radius for all is that of a half for each vertex.
+TYPED_TEST(NearFilterAgreement, EqualRadiiAreOneRadius) {
+    for_each_small_soup<TypeParam>(300, [&](const auto& move, unsigned) {
+        const double radius = 0.25 * move.unit;
+        const std::vector<double> radii(move.soup.start.size(), radius);
+        for (const auto& [name, detector] : tested()) {
+            const Nearby expected = detector->find_near(move.soup.view(), {.radius = 2 * radius});
+            ASSERT_TRUE(same_features(detector->find_near(move.soup.view(), {.radii = radii}), expected)) << name;
+        }
+    });
+}
+
+/// The contract, word by word, of a list of all pairs within a radius that holds everything.
+struct Oracle {
+    const MovingSoup<>& soup;
+    const Near& question;
+    std::set<Edge> edges;
+
+    Oracle(const MovingSoup<>& s, const Near& q) : soup(s), question(q) {
+        for (const auto& corner : soup.triangles)
+            for (std::size_t k = 0; k < 3; ++k) {
+                const std::int32_t a = corner[k], b = corner[(k + 1) % 3];
+                edges.insert({std::min(a, b), std::max(a, b)});
+            }
+    }
+
+    bool wanted(FeatureKind kind, const std::vector<std::int32_t>& a, const std::vector<std::int32_t>& b) const {
+        for (const std::int32_t v : a)
+            for (const std::int32_t w : b)
+                if (path(v, w)) return false;
+        const auto radius = [&](const std::vector<std::int32_t>& of) {
+            double largest = 0;
+            for (const std::int32_t v : of) largest = std::max(largest, question.radii[static_cast<std::size_t>(v)]);
+            return largest;
+        };
+        const Reach reach{radius(a), radius(b), question.strict};
+        return distance(soup.start, kind, a, b).within(reach) &&
+               !distance(soup.end, kind, a, b).within({question.rest_radius, 0});
+    }
+
+   private:
+    bool path(std::int32_t v, std::int32_t w) const {
+        std::map<std::int32_t, std::int32_t> steps{{v, 0}};
+        for (std::int32_t step = 0; step < question.rings; ++step) {
+            const auto known = steps;
+            for (const Edge& e : edges)
+                for (const auto& [from, to] : {std::pair(e.a, e.b), std::pair(e.b, e.a)})
+                    if (known.count(from)) steps.emplace(to, step + 1);
+        }
+        return steps.count(w) > 0;
+    }
+    static RationalDistance distance(const std::vector<PointOf<double>>& at, FeatureKind kind,
+                                     const std::vector<std::int32_t>& a, const std::vector<std::int32_t>& b) {
+        Features features{kind == FeatureKind::vertex_face ? FeatureKinds::vertex_face : FeatureKinds::edge_edge, {}};
+        std::size_t n = 0;
+        for (const auto* of : {&a, &b})
+            for (const std::int32_t v : *of) {
+                const auto& [x, y, z] = at[static_cast<std::size_t>(v)];
+                features.point[n++] = {x, y, z};
+            }
+        return RationalDistance(features);
+    }
+};
+
+TEST(NearFiltersOfTheReference, AreTheContract) {
+    for (unsigned seed = 0; seed < 12; ++seed) {
+        const MovingSoup<> soup = moving_grid(4, 14, 8, 50 + seed);
+        Draw draw(seed);
+        const std::vector<double> radii = random_radii(draw, soup.start.size(), 2);
+        const Near question{.radii = radii,
+                            .strict = seed % 2 == 0,
+                            .rings = static_cast<std::int32_t>(seed % 3),
+                            .rest = soup.end_view(),
+                            .rest_radius = 0.5 * draw.below(4)};
+        const Oracle oracle(soup, question);
+        const Nearby all = reference().find_near(soup.view(), {.radius = 100});
+        const Nearby& found = reference().find_near(soup.view(), question);
+        std::array<std::vector<Pair>, feature_kinds> expected;
+        for (const Pair& pair : all.vertex_faces().pairs) {
+            const auto& corner = soup.triangles[static_cast<std::size_t>(pair.b)];
+            if (oracle.wanted(FeatureKind::vertex_face, {pair.a}, {corner[0], corner[1], corner[2]}))
+                expected[0].push_back(pair);
+        }
+        for (const Pair& pair : all.edge_edges().pairs) {
+            const Edge e = all.edges[pair.a], f = all.edges[pair.b];
+            if (oracle.wanted(FeatureKind::edge_edge, {e.a, e.b}, {f.a, f.b})) expected[1].push_back(pair);
+        }
+        for (std::size_t k = 0; k < 2; ++k)
+            EXPECT_TRUE(same_pairs(found.lists[k].pairs.span(), expected[k])) << "seed " << seed << ", kind " << k;
+        EXPECT_LT(found.count, all.count);
+    }
+}
+
+}  // namespace
+}  // namespace crumple::test

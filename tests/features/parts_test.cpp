@@ -1,0 +1,330 @@
+// Public parts that are asked about features: together they have the rows of the whole answer, byte for byte, and no
+// row twice; and each is answered without the mesh.
+
+#include <gtest/gtest.h>
+
+#include <array>
+
+#include "error_of.h"
+#include "features/joined_blocks.h"
+#include "features/listed_soups.h"
+#include "rounds.h"
+#include "tested_backend.h"
+
+namespace crumple::test {
+namespace {
+
+const Impacts& ask(Detector& by, const Part& part, const Motion& question) { return by.find_impacts(part, question); }
+const Nearby& ask(Detector& by, const Part& part, const Near& question) { return by.find_near(part, question); }
+
+/// What a part knows already is not asked once more.
+Motion of_part(const Motion& question) { return question; }
+Near of_part(const Near& question) {
+    Near asked = question;
+    asked.radii = {};
+    asked.rest = {};
+    return asked;
+}
+
+template <class Answer, class Question>
+void expect_union(const Answer& whole, const std::vector<Part>& parts, const Question& question, Detector& elsewhere) {
+    Answer joined, expected = whole;
+    FirstImpact first;
+    for (const Part& part : parts) {
+        const Answer& found = ask(elsewhere, part, of_part(question));
+        joined.count += found.count;
+        joined.any = joined.any || found.any;
+        for (std::size_t k = 0; k < joined.lists.size(); ++k) {
+            Answer copy = found;
+            EXPECT_TRUE(std::is_sorted(copy.lists[k].pairs.begin(), copy.lists[k].pairs.end()));
+            for_each_array(joined.lists[k], copy.lists[k], [](auto& to, auto& from) {
+                for (const auto& row : from) to.push_back(row);
+            });
+        }
+        if constexpr (std::is_same_v<Answer, Impacts>) {
+            const auto key = [](const FirstImpact& f) { return std::tuple(f.toi, f.kind, f.pair); };
+            if (found.first.found && (!first.found || key(found.first) < key(first))) first = found.first;
+        }
+    }
+    if constexpr (std::is_same_v<Answer, Impacts>) {
+        EXPECT_TRUE(first == whole.first);
+    }
+    EXPECT_EQ(joined.any, whole.any);
+    ASSERT_EQ(joined.count, whole.count);
+    for (std::size_t k = 0; k < joined.lists.size(); ++k) {
+        sort_rows(joined.lists[k]);
+        for_each_array(joined.lists[k], expected.lists[k],
+                       [](auto& found, auto& all) { ASSERT_TRUE(same_bytes(found, all, "rows")); });
+    }
+}
+
+Detector& at_home() {
+    static Detector detector({.backend = Backend::cpu, .threads = 2, .leaf_size = 40});
+    return detector;
+}
+// The backend that answers parts.
+Detector& elsewhere() {
+    static Detector detector({.backend = tested_backend, .threads = 1, .clusters = 3, .leaf_size = 10});
+    return detector;
+}
+Detector& by_brute_force() {
+    static Detector detector({.backend = Backend::reference});
+    return detector;
+}
+
+template <class Soup>
+std::vector<Part> partition(const Soup& soup, const Motion& question, int count) {
+    return at_home().partition(soup.view(), soup.end_view(), question, count);
+}
+template <class Soup>
+std::vector<Part> partition(const Soup& soup, const Near& question, int count) {
+    return at_home().partition(soup.view(), question, count);
+}
+template <class Soup>
+Impacts whole(const Soup& soup, const Motion& question) {
+    return at_home().find_impacts(soup.view(), soup.end_view(), question);
+}
+template <class Soup>
+Nearby whole(const Soup& soup, const Near& question) {
+    return at_home().find_near(soup.view(), question);
+}
+
+constexpr std::int64_t most_for_brute_force = 400;
+const std::vector<int> numbers_of_parts = played ? std::vector{3} : std::vector{1, 7, 70};
+const double share_of_soups = played ? 0.2 : 1;
+
+template <class Soup, class Question>
+void expect_union(const Soup& soup, const Question& question) {
+    const auto all = whole(soup, question);
+    for (const int count : numbers_of_parts) {
+        SCOPED_TRACE(testing::Message() << count << " parts");
+        const std::vector<Part> parts = partition(soup, question, count);
+        ASSERT_EQ(parts.size(), static_cast<std::size_t>(count));
+        expect_union(all, parts, question, elsewhere());
+        if (count > 1 && count < 10 && all.count < most_for_brute_force)
+            expect_union(all, parts, question, by_brute_force());
+        if (testing::Test::HasFailure()) return;
+    }
+}
+
+template <class Scalar>
+class PartsOfFeatures : public testing::Test {
+   protected:
+    template <class Work>
+    void for_each_soup(double part, Work work) {
+        unsigned seed = 0;
+        for (const NamedMove<Scalar>& move : moving_soups<Scalar>(share_of_soups * part * more_or_less(10) / 10)) {
+            SCOPED_TRACE(move.name);
+            work(move, seed++);
+            if (this->HasFailure()) return;
+        }
+    }
+};
+using Precisions = testing::Types<float, double>;
+TYPED_TEST_SUITE(PartsOfFeatures, Precisions, );
+
+TYPED_TEST(PartsOfFeatures, HaveTheImpactsOfTheWhole) {
+    this->for_each_soup(0.4, [](const auto& move, unsigned) {
+        expect_union(move.soup, Motion{});
+        if (move.unit > 1e100) return;
+        expect_union(move.soup, Motion{.separation = 0.1 * move.unit, .weld = true});
+    });
+}
+
+TYPED_TEST(PartsOfFeatures, HaveWhatComesWithinAShareOfItsDistance) {
+    this->for_each_soup(0.2, [](const auto& move, unsigned) {
+        if (move.unit < 1e100) expect_union(move.soup, Motion{.separation_share = 0.5});
+    });
+}
+
+TYPED_TEST(PartsOfFeatures, HaveTheNearPairsOfTheWhole) {
+    this->for_each_soup(0.4, [](const auto& move, unsigned) {
+        if (move.unit > 1e100) return;
+        expect_union(move.soup, Near{.radius = 0.5 * move.unit, .closest = true});
+        expect_union(move.soup, Near{.radius = 0.7 * move.unit, .strict = true, .weld = true, .rings = 1});
+        expect_union(move.soup, Near{.radius = 0.7 * move.unit, .rings = 2});
+    });
+}
+
+TYPED_TEST(PartsOfFeatures, OfListedEdgesAndPoints) {
+    this->for_each_soup(0.4, [](const auto& move, unsigned seed) {
+        if (move.unit > 1e100) return;
+        for (unsigned lists = 0; lists < 4; ++lists) {
+            const auto soup = with_lists(move.soup, 7 * seed + lists);
+            expect_union(soup, Motion{.separation = 0.1 * move.unit, .weld = lists == 2});
+            expect_union(soup,
+                         Near{.radius = 0.6 * move.unit, .closest = true, .weld = lists == 1, .rings = lists == 3});
+        }
+    });
+}
+
+TYPED_TEST(PartsOfFeatures, KnowRadiiAndARestShape) {
+    const auto soup = rounded<TypeParam>(moving_grid(5, 60, 70, 3));
+    std::vector<double> radii;
+    for (std::size_t v = 0; v < soup.start.size(); ++v) radii.push_back(0.1 * static_cast<double>(v % 7));
+    const Near question{.radii = radii, .closest = true, .rest = soup.end_view(), .rest_radius = 1.5};
+    EXPECT_GT(whole(soup, question).count, 300);
+    expect_union(soup, question);
+}
+
+TYPED_TEST(PartsOfFeatures, HeedGroups) {
+    auto plain = moving_grid(5, 60, 70, 4);
+    for (std::size_t t = 0; t < plain.triangles.size(); ++t)
+        plain.groups.push_back(static_cast<std::int32_t>(t % 4) - 1);
+    for (const bool listed : {false, true}) {
+        auto soup = rounded<TypeParam>(plain);
+        if (listed) {
+            soup = with_lists(soup, 11);
+            for (std::size_t t = 0; t < soup.triangles.size(); ++t)
+                soup.groups.push_back(static_cast<std::int32_t>(t % 4) - 1);
+        }
+        std::vector<Rules> all_rules(4);
+        all_rules[0].groups = Wanted::between;
+        all_rules[1].groups = Wanted::within;
+        all_rules[2].excluded_groups = {{-1, 0}, {2, 2}};
+        all_rules[3].bodies = Wanted::between;
+        for (const Rules& rules : all_rules) {
+            expect_union(soup, Motion{.separation = 0.2, .rules = rules});
+            expect_union(soup, Near{.radius = 0.5, .rules = rules});
+        }
+    }
+}
+
+TEST(PartOfFeatures, CountsOffsetsAndLeastDistancesInItsOwnLists) {
+    const auto soup = moving_grid(5, 60, 70, 5);
+    const Near question{.radius = 1, .least = true, .index = true};
+    const Nearby all = whole(soup, question);
+    std::vector<double> least(soup.start.size(), std::numeric_limits<double>::infinity());
+    for (const Part& part : partition(soup, question, 5)) {
+        const Nearby& found = elsewhere().find_near(part, question);
+        const PartFeatures& known = *part.features;
+        ASSERT_EQ(found.vertex_distance.size(), known.vertices.size());
+        ASSERT_EQ(found.edge_distance.size(), known.edges.size());
+        ASSERT_EQ(found.vertex_faces().offsets.size(), known.vertices.size() + 1);
+        for (std::size_t v = 0; v < known.vertices.size(); ++v) {
+            double& of = least[static_cast<std::size_t>(known.vertices[v])];
+            of = std::min(of, found.vertex_distance[v]);
+            for (std::int64_t i = found.vertex_faces().offsets[v]; i < found.vertex_faces().offsets[v + 1]; ++i)
+                EXPECT_EQ(found.vertex_faces().pairs[i].a, known.vertices[v]);
+        }
+    }
+    EXPECT_EQ(least, std::vector<double>(all.vertex_distance.begin(), all.vertex_distance.end()));
+}
+
+TEST(PartOfFeatures, OutlivesTheMesh) {
+    auto soup = moving_grid(6, 40, 30, 3);
+    const Impacts all = whole(soup, Motion{});
+    ASSERT_GT(all.count, 50);
+    const std::vector<Part> parts = partition(soup, Motion{}, 3);
+    soup = {};
+    expect_union(all, parts, Motion{}, elsewhere());
+}
+
+TEST(PartOfFeatures, AnswersAsMuchAsIsWanted) {
+    const auto soup = moving_grid(6, 40, 30, 3);
+    for (const Part& part : partition(soup, Motion{}, 3)) {
+        const Impacts all = elsewhere().find_impacts(part);
+        const Impacts& first = elsewhere().find_impacts(part, {.wants = MotionWants::earliest});
+        EXPECT_TRUE(first.first == all.first);
+        EXPECT_EQ(first.world_first.size(), 1u);
+        EXPECT_TRUE(first.vertex_faces().pairs.empty());
+        const Impacts& any = elsewhere().find_impacts(part, {.wants = MotionWants::any});
+        EXPECT_EQ(any.any, all.count > 0);
+        EXPECT_TRUE(any.world_hit.empty());
+    }
+}
+
+/// A question that asks for less than the part was made for is a question like any other.
+TEST(PartOfFeatures, AnswersLesserQuestions) {
+    const auto soup = moving_grid(5, 60, 70, 6);
+    const auto parts = partition(soup, Motion{.separation = 1, .separation_share = 0.3}, 5);
+    expect_union(whole(soup, Motion{.separation = 0.25}), parts, Motion{.separation = 0.25}, elsewhere());
+    const auto at_rest = partition(soup, Near{.radius = 1}, 5);
+    expect_union(whole(soup, Near{.radius = 0.5}), at_rest, Near{.radius = 0.5}, elsewhere());
+}
+
+std::string message(const Part& part, const Motion& question) {
+    return error_of([&] { elsewhere().find_impacts(part, question); }).what();
+}
+std::string message(const Part& part, const Near& question) {
+    return error_of([&] { elsewhere().find_near(part, question); }).what();
+}
+
+TEST(PartOfFeatures, RefusesOtherQuestions) {
+    const auto soup = moving_grid(5, 30, 20, 6);
+    const Part moving = partition(soup, Motion{.separation = 1}, 2)[0];
+    const Part at_rest = partition(soup, Near{.radius = 1, .rings = 1}, 2)[0];
+    const Part plain = at_home().partition(soup.view(), 2)[0];
+    EXPECT_EQ(message(plain, Motion{}), "the part was not made for a question about features");
+    EXPECT_EQ(error_of([&] { elsewhere().find(moving); }).what(),
+              std::string("the part was made for a question about features"));
+    EXPECT_EQ(message(moving, Near{}), "the part was made for a question about motion");
+    EXPECT_EQ(message(at_rest, Motion{}), "the part was made for a question about nearness");
+    EXPECT_EQ(message(moving, Motion{.separation = 2}),
+              "separation and separation_share must be at most those that the part was made for");
+    EXPECT_EQ(message(moving, Motion{.separation_share = 0.5}),
+              "separation and separation_share must be at most those that the part was made for");
+    EXPECT_EQ(message(moving, Motion{.weld = true}), "weld must be as the part was made");
+    EXPECT_EQ(message(moving, Motion{.triangle_pairs = true}),
+              "triangle_pairs must be false: parts of features have none");
+    EXPECT_EQ(message(at_rest, Near{.radius = 2, .rings = 1}),
+              "radius must be at most that which the part was made for");
+    EXPECT_EQ(message(at_rest, Near{.radius = 1}), "rings must be as the part was made");
+    EXPECT_EQ(message(at_rest, Near{.rest_radius = 1}), "rings must be as the part was made");
+    EXPECT_EQ(message(at_rest, Near{.rings = 1, .rest_radius = 1}),
+              "rest_radius needs a part that was made with a shape at rest");
+    EXPECT_EQ(message(moving, Motion{.separation = -1}), "separation must be finite and 0 or more");
+    EXPECT_EQ(error_of([&] { partition(soup, Motion{}, 0); }).what(),
+              std::string("the number of parts must be 1 to 262144"));
+    EXPECT_EQ(error_of([&] {
+                  Detector({.backend = Backend::reference}).partition(soup.view(), Near{.radius = -1}, 1);
+              }).what(),
+              std::string("radius must be finite and 0 or more"));
+}
+
+/// Whatever is changed in a part that came from elsewhere is an error, or leaves a part that can be searched.
+TEST(PartOfFeatures, IsCheckedBeforeItIsSearched) {
+    const auto soup = with_lists(moving_grid(5, 40, 40, 6), 4);
+    const Part good = partition(soup, Motion{}, 2)[0];
+    ASSERT_GT(good.features->edges.size(), 3u);
+    ASSERT_GT(good.features->joined.size(), 0u);
+    const auto refused = [&](const char* what, auto change) {
+        Part bad = good;
+        change(bad, *bad.features);
+        const Error error = error_of([&] { elsewhere().find_impacts(bad); });
+        EXPECT_TRUE(error.code == ErrorCode::invalid_argument || error.code == ErrorCode::index_out_of_range) << what;
+    };
+    refused("no ends", [](Part&, PartFeatures& f) { f.end = std::vector<double>(); });
+    refused("an end too few", [](Part&, PartFeatures& f) { std::get<std::vector<double>>(f.end).pop_back(); });
+    refused("a vertex too few", [](Part&, PartFeatures& f) { f.vertices.pop_back(); });
+    refused("vertices in no order", [](Part&, PartFeatures& f) { std::swap(f.vertices[0], f.vertices[1]); });
+    refused("more faces than triangles", [](Part& p, PartFeatures& f) { f.faces = p.mesh.size() + 1; });
+    refused("fewer faces", [](Part&, PartFeatures& f) { --f.faces; });
+    refused("an owner too few", [](Part&, PartFeatures& f) { f.owned.pop_back(); });
+    refused("an edge beyond", [](Part&, PartFeatures& f) { f.edges_of[0][0] = 1 << 20; });
+    refused("an edge before", [](Part&, PartFeatures& f) { f.edges_of[0][0] = -2; });
+    refused("an unknown edge", [](Part&, PartFeatures& f) { f.owned[0] |= 8, f.edges_of[0][0] = -1; });
+    refused("an edge's end", [](Part&, PartFeatures& f) { f.edge_ends[0].b = -1; });
+    refused("edges in no order", [](Part&, PartFeatures& f) { f.edges[1] = f.edges[0]; });
+    refused("neighbours of no vertex", [](Part&, PartFeatures& f) { f.joined.clear(); });
+    refused("a name", [](Part&, PartFeatures& f) { f.names.assign(f.vertices.size(), 1 << 20); });
+    refused("radii", [](Part&, PartFeatures& f) { f.radii = {1}; });
+    refused("a triangle", [](Part& p, PartFeatures&) { p.mesh.corners[0] = 1 << 20; });
+    refused("a level", [](Part& p, PartFeatures&) { p.levels[0].masks.pop_back(); });
+    refused("rings", [](Part&, PartFeatures& f) { f.rings = 1; });
+}
+
+/// Radii that came from elsewhere may be none.
+TEST(PartOfFeatures, ChecksNumbersToo) {
+    const auto soup = moving_grid(5, 30, 20, 6);
+    const std::vector<double> radii(soup.start.size(), 0.5);
+    Part part = partition(soup, Near{.radii = radii}, 1)[0];
+    part.features->radii[0] = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_EQ(message(part, Near{}), "the radius of vertex 0 must be finite and 0 or more");
+    part = partition(soup, Near{.rest = soup.end_view(), .rest_radius = 1}, 1)[0];
+    part.features->rest[4] = std::numeric_limits<double>::infinity();
+    EXPECT_NE(message(part, Near{.rest_radius = 1}).find("not finite"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace crumple::test

@@ -1,0 +1,366 @@
+// Answers about features in blocks: together they are the answer of find, byte for byte, whatever the blocks' size.
+
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+#include <thread>
+
+#include "error_of.h"
+#include "features/joined_blocks.h"
+#include "features/listed_soups.h"
+#include "features/moving_worlds.h"
+#include "rounds.h"
+
+namespace crumple::test {
+namespace {
+
+// What views name outlives the call: soups and questions are captured by reference.
+template <class Scalar>
+Asked<Impacts> impacts(const MovingSoup<Scalar>& soup, const Motion& question) {
+    return {[&, question](Detector& by) -> const Impacts& {
+                return by.find_impacts(soup.view(), soup.end_view(), question);
+            },
+            [&, question](Detector& by, auto take, const Streaming& how, std::stop_token stop) {
+                return by.stream_impacts(soup.view(), soup.end_view(), take, question, how, std::move(stop));
+            }};
+}
+template <class Scalar>
+Asked<Nearby> near(const MovingSoup<Scalar>& soup, const Near& question) {
+    return {[&, question](Detector& by) -> const Nearby& { return by.find_near(soup.view(), question); },
+            [&, question](Detector& by, auto take, const Streaming& how, std::stop_token stop) {
+                return by.stream_near(soup.view(), take, question, how, std::move(stop));
+            }};
+}
+template <class Scalar>
+Asked<CandidateLists> candidates(const MovingSoup<Scalar>& soup, bool step, const CandidateQuestion& question) {
+    return {[&, step, question](Detector& by) -> const CandidateLists& {
+                return step ? by.find_candidates(soup.view(), soup.end_view(), question)
+                            : by.find_candidates(soup.view(), question);
+            },
+            [&, step, question](Detector& by, auto take, const Streaming& how, std::stop_token stop) {
+                return step ? by.stream_candidates(soup.view(), soup.end_view(), take, question, how, std::move(stop))
+                            : by.stream_candidates(soup.view(), take, question, how, std::move(stop));
+            }};
+}
+
+/// Detectors that go from soup to soup.
+Detector& plain() {
+    static Detector detector({.backend = Backend::cpu, .threads = 1});
+    return detector;
+}
+std::vector<Detector*> streaming() {
+    static Detector one({.backend = Backend::cpu, .threads = 1, .leaf_size = 20});
+    static Detector three({.backend = Backend::cpu, .threads = 3, .clusters = 5, .leaf_size = 8});
+    static Detector limited({.backend = Backend::cpu, .threads = 2, .memory_limit = 1 << 24, .leaf_size = 30});
+    return {&one, &three, &limited};
+}
+Detector& by_brute_force() {
+    static Detector detector({.backend = Backend::reference});
+    return detector;
+}
+
+/// A search for each block takes a while: smaller blocks where there are fewer rows.
+template <class Answer>
+void expect_blocks(const Asked<Answer>& asked, bool reference = false) {
+    const Answer expected = asked.find(plain());
+    auto detectors = streaming();
+    if (reference) detectors = {&by_brute_force()};
+    for (std::size_t d = 0; d < detectors.size(); ++d) {
+        SCOPED_TRACE(testing::Message() << "detector " << d);
+        for (const std::int64_t size : {std::int64_t{1}, std::int64_t{7}, std::int64_t{1000}, std::int64_t{1} << 30}) {
+            if (size == 1000 && expected.count <= 7) continue;
+            if (!reference && expected.count > more_or_less(60) * size) continue;
+            for (const bool ordered : {true, false})
+                expect_blocks<Answer>(asked, expected, *detectors[d], {size, ordered});
+            if (testing::Test::HasFailure()) return;
+        }
+    }
+}
+
+template <class Scalar>
+class StreamOfFeatures : public testing::Test {
+   protected:
+    template <class Work>
+    void for_each_soup(double part, Work work) {
+        for (const NamedMove<Scalar>& move : moving_soups<Scalar>(part * more_or_less(10) / 10)) {
+            SCOPED_TRACE(move.name);
+            work(move);
+            if (this->HasFailure()) return;
+        }
+    }
+};
+class PrecisionNames {
+   public:
+    template <class Scalar>
+    static std::string GetName(int) {
+        return sizeof(Scalar) == 4 ? "float32" : "float64";
+    }
+};
+using Precisions = testing::Types<float, double>;
+TYPED_TEST_SUITE(StreamOfFeatures, Precisions, PrecisionNames);
+
+TYPED_TEST(StreamOfFeatures, Impacts) {
+    this->for_each_soup(0.4, [](const auto& move) {
+        expect_blocks(impacts(move.soup, {}));
+        if (move.unit > 1e100) return;
+        expect_blocks(impacts(move.soup, {.separation = 0.1 * move.unit, .weld = true}));
+    });
+}
+
+TYPED_TEST(StreamOfFeatures, NearPairs) {
+    this->for_each_soup(0.4, [](const auto& move) {
+        if (move.unit > 1e100) return;
+        expect_blocks(near(move.soup, {.radius = 0.5 * move.unit, .closest = true}));
+        expect_blocks(near(move.soup, {.radius = 0.7 * move.unit, .strict = true, .weld = true, .rings = 1}));
+    });
+}
+
+TYPED_TEST(StreamOfFeatures, Candidates) {
+    this->for_each_soup(0.3, [](const auto& move) {
+        expect_blocks(candidates(move.soup, true, {}));
+        expect_blocks(candidates(move.soup, false, {.kinds = all_candidate_kinds(), .weld = true}));
+    });
+}
+
+TYPED_TEST(StreamOfFeatures, NearPairsWithRadiiAndARestShape) {
+    const auto soup = rounded<TypeParam>(moving_grid(5, 60, 70, 3));
+    std::vector<double> radii;
+    for (std::size_t v = 0; v < soup.start.size(); ++v) radii.push_back(0.1 * static_cast<double>(v % 7));
+    const Near question{.radii = radii, .closest = true, .rest = soup.end_view(), .rest_radius = 1.5};
+    const Asked<Nearby> asked = near(soup, question);
+    EXPECT_GT(asked.find(plain()).count, 300);
+    expect_blocks(asked);
+}
+
+TYPED_TEST(StreamOfFeatures, OfListedEdgesAndPoints) {
+    unsigned seed = 0;
+    this->for_each_soup(0.25, [&](const auto& move) {
+        if (move.unit > 1e100) return;
+        const auto soup = with_lists(move.soup, seed++);
+        expect_blocks(impacts(soup, {.separation = 0.1 * move.unit}));
+        expect_blocks(near(soup, {.radius = 0.5 * move.unit, .closest = true}));
+        expect_blocks(candidates(soup, true, {.kinds = all_candidate_kinds()}));
+    });
+}
+
+TYPED_TEST(StreamOfFeatures, OfTheReferenceBackend) {
+    this->for_each_soup(0.15, [](const auto& move) {
+        if (move.unit > 1e100) return;
+        expect_blocks(impacts(move.soup, {}), true);
+        expect_blocks(near(move.soup, {.radius = 0.5 * move.unit, .closest = true}), true);
+        expect_blocks(candidates(move.soup, true, {.kinds = all_candidate_kinds()}), true);
+    });
+}
+
+TEST(StreamOfFeatures, HasGroupsAndRules) {
+    MovingSoup<> soup = in_general(150, 0.5, 0.4, 3);
+    for (std::size_t t = 0; t < soup.triangles.size(); ++t) soup.groups.push_back(static_cast<std::int32_t>(t % 5));
+    Motion question;
+    question.rules.groups = Wanted::between;
+    question.rules.excluded_groups = {{0, 1}, {2, 4}};
+    const Asked<Impacts> asked = impacts(soup, question);
+    EXPECT_GT(asked.find(plain()).count, 500);
+    expect_blocks(asked);
+}
+
+// One vertex, and with it two edges and a face, is near everything: more rows of one feature than a block holds.
+TEST(StreamOfFeatures, CutsTheRowsOfOneFeature) {
+    const MovingSoup<> soup = giant_under_many(300, 4, 40);
+    std::vector<double> radii(soup.start.size(), 0.0);
+    radii[150] = 30;
+    const Asked<Nearby> asked = near(soup, {.radii = radii, .closest = true});
+    const Nearby expected = asked.find(plain());
+    std::vector<int> of_vertex(soup.start.size()), of_edge(expected.edges.size());
+    for (const Pair& pair : expected.vertex_faces().pairs) ++of_vertex[static_cast<std::size_t>(pair.a)];
+    for (const Pair& pair : expected.edge_edges().pairs) ++of_edge[static_cast<std::size_t>(pair.a)];
+    ASSERT_GT(*std::max_element(of_vertex.begin(), of_vertex.end()), 200);
+    ASSERT_GT(*std::max_element(of_edge.begin(), of_edge.end()), 500);
+    const Asked<CandidateLists> boxes = candidates(soup, true, {.kinds = {CandidateKind::face_face}});
+    const CandidateLists listed = boxes.find(plain());
+    ASSERT_GT(listed.count, 1000);  // 200 of the giant
+    for (Detector* detector : streaming())
+        for (const std::int64_t size : {30, 90}) {
+            expect_blocks<Nearby>(asked, expected, *detector, {size, true});
+            expect_blocks<CandidateLists>(boxes, listed, *detector, {size, true});
+        }
+}
+
+TEST(StreamOfFeatures, OfWorlds) {
+    std::int64_t rows = 0;
+    for (unsigned seed = 0; seed < 24; ++seed) {
+        SCOPED_TRACE(seed);
+        WorldKind kind{.bodies = static_cast<int>(seed % 7), .worlds = 1 + static_cast<int>(seed % 3), .triangles = 12};
+        kind.everywhere = seed % 5 == 0 ? 1 : 0.3;
+        const auto moving = moving_world(seed, kind);
+        std::vector<std::vector<Edge>> edges;
+        std::vector<std::vector<std::int32_t>> points;
+        for (Shape& shape : moving->world->shapes) {
+            if (shape.vertices.rows < 3 || seed % 2 == 0) continue;
+            shape.edges = edges.emplace_back(std::vector<Edge>{{0, 1}, {2, 1}});
+            shape.points = points.emplace_back(std::vector<std::int32_t>{2, 0, 0});
+        }
+        const World step = moving->view(), still{step.shapes, step.bodies, step.poses};
+        const Intersect drawn = random_question(seed, kind.bodies);
+        const auto expect = [&](auto asked) {
+            rows += asked.find(plain()).count;
+            expect_blocks(asked);
+        };
+        Motion motion{.separation = 0.02, .weld = drawn.weld};
+        motion.rules = drawn.rules;
+        expect(Asked<Impacts>{[&](Detector& by) -> const Impacts& { return by.find_impacts(step, motion); },
+                              [&](Detector& by, auto take, const Streaming& how, std::stop_token stop) {
+                                  return by.stream_impacts(step, take, motion, how, std::move(stop));
+                              }});
+        Near nearness{.radius = 0.1, .closest = true, .rings = static_cast<std::int32_t>(seed % 3)};
+        nearness.rules = drawn.rules;
+        expect(Asked<Nearby>{[&](Detector& by) -> const Nearby& { return by.find_near(still, nearness); },
+                             [&](Detector& by, auto take, const Streaming& how, std::stop_token stop) {
+                                 return by.stream_near(still, take, nearness, how, std::move(stop));
+                             }});
+        CandidateQuestion boxes{.kinds = all_candidate_kinds(), .inflation = 0.01};
+        boxes.rules = drawn.rules;
+        expect(Asked<CandidateLists>{
+            [&](Detector& by) -> const CandidateLists& { return by.find_candidates(step, boxes); },
+            [&](Detector& by, auto take, const Streaming& how, std::stop_token stop) {
+                return by.stream_candidates(step, take, boxes, how, std::move(stop));
+            }});
+        if (HasFailure()) return;
+    }
+    EXPECT_GT(rows, 5000);
+}
+
+TEST(StreamOfFeatures, OfNothingHasNoBlocks) {
+    const auto never = [](const auto&) { FAIL(); };
+    for (Detector* detector : streaming()) {
+        EXPECT_EQ(detector->stream_impacts(World(), never).pairs, 0);
+        EXPECT_EQ(detector->stream_near(World(), never, {}).pairs, 0);
+        EXPECT_EQ(detector->stream_candidates(World(), never).pairs, 0);
+        EXPECT_EQ(detector->stream_candidates(MeshView(), never).pairs, 0);
+        EXPECT_EQ(detector->stream_near(MeshView(), never, {.radius = 1}).pairs, 0);
+        const auto one = in_general(1, 0.1, 0.1, 1);
+        EXPECT_EQ(detector->stream_impacts(one.view(), one.end_view(), never).triangles, 1);
+    }
+}
+
+template <class Answer>
+void expect_to_end(const Asked<Answer>& asked, Detector& detector, bool ordered) {
+    const Answer expected = asked.find(plain());
+    ASSERT_GT(expected.count, 400);
+    int blocks = 0;
+    const auto refuse = [&](const Answer&) {
+        if (++blocks == 3) throw std::runtime_error("full");
+    };
+    EXPECT_THROW(asked.blocks(detector, refuse, {50, ordered}), std::runtime_error);
+    EXPECT_EQ(blocks, 3);
+    std::stop_source stop;
+    const auto ask = [&](const Answer&) { stop.request_stop(); };
+    const auto stopped = [&] { asked.blocks(detector, ask, {50, ordered}, stop.get_token()); };
+    EXPECT_EQ(error_of(stopped).code, ErrorCode::cancelled);
+    EXPECT_EQ(error_of(stopped).code, ErrorCode::cancelled) << "before it begins";
+    expect_blocks<Answer>(asked, expected, detector, {1000, ordered});
+    EXPECT_EQ(asked.find(detector).count, expected.count);
+}
+
+TEST(StreamOfFeatures, EndsByWhatABlockThrowsAndByAStop) {
+    const MovingSoup<> soup = in_general(600, 0.4, 0.3, 5);
+    for (Detector* detector : streaming())
+        for (const bool ordered : {true, false}) {
+            expect_to_end(impacts(soup, {}), *detector, ordered);
+            expect_to_end(near(soup, {.radius = 0.05}), *detector, ordered);
+            expect_to_end(candidates(soup, true, {}), *detector, ordered);
+        }
+    const MovingSoup<> small = moving_grid(3, 20, 30, 5);
+    expect_to_end(impacts(small, {}), by_brute_force(), true);
+}
+
+template <class Answer>
+void expect_within_limit(const Asked<Answer>& asked) {
+    const std::int64_t count = asked.find(plain()).count;
+    const auto limit_of = [&](auto call) {
+        Detector tiny({.threads = 2, .memory_limit = 1, .count_bytes_needed = true});
+        return error_of([&] { call(tiny); }).bytes_needed;
+    };
+    const std::int64_t whole = limit_of([&](Detector& by) { asked.find(by); });
+    const Soup<float> other = random_soup(800, 0.2);
+    const auto caller = std::this_thread::get_id();
+    for (const bool ordered : {true, false}) {
+        std::int64_t rows = 0;
+        const auto take = [&](const Answer& block) {
+            EXPECT_EQ(std::this_thread::get_id(), caller) << "one thread does it all";
+            for (const auto& list : block.lists) rows += static_cast<std::int64_t>(list.pairs.size());
+        };
+        const auto stream = [&](Detector& by, std::int64_t size) {
+            rows = 0;
+            return asked.blocks(by, take, {size, ordered}).peak_memory_bytes;
+        };
+        const std::int64_t limit = limit_of([&](Detector& by) { stream(by, 1000); });
+        EXPECT_LT(limit, whole / 2);
+        Detector enough({.threads = 2, .memory_limit = limit, .count_bytes_needed = true});
+        for (int round = 0; round < 2; ++round) {
+            EXPECT_EQ(error_of([&] { asked.find(enough); }).code, ErrorCode::memory_limit);
+            EXPECT_TRUE(enough.has_collision(other.view())) << "whose memory is kept";
+            EXPECT_LE(stream(enough, 1000), limit);
+            EXPECT_EQ(rows, count);
+        }
+        const Error error = error_of([&] { stream(enough, 1 << 20); });
+        EXPECT_EQ(error.code, ErrorCode::memory_limit);
+        EXPECT_GT(error.bytes_needed, limit);
+        Detector more({.memory_limit = error.bytes_needed});
+        EXPECT_LE(stream(more, 1 << 20), error.bytes_needed);
+        EXPECT_EQ(rows, count);
+    }
+}
+
+TEST(StreamOfFeatures, FitsALimitThatTheAnswerDoesNotFitOrNamesOne) {
+    const MovingSoup<> soup = in_general(700, 0.7, 0.4, 6);
+    expect_within_limit(impacts(soup, {}));
+    expect_within_limit(near(soup, {.radius = 0.05, .closest = true}));
+    expect_within_limit(candidates(soup, true, {}));
+}
+
+// A worker's rows are in a block before the next one is searched; what a limit counts does not depend on who
+// found it.
+TEST(StreamOfFeatures, PeaksFarBelowTheWholeAnswer) {
+    const MovingSoup<> soup = in_general(1500, 0.5, 0.3, 7);
+    Detector find({.threads = 1}), stream({.threads = 1});
+    const std::int64_t whole = find.find_candidates(soup.view(), soup.end_view()).statistics.peak_memory_bytes;
+    const auto ignore = [](const CandidateLists&) {};
+    for (const bool ordered : {true, false}) {
+        const Statistics statistics =
+            stream.stream_candidates(soup.view(), soup.end_view(), ignore, {}, {20'000, ordered});
+        EXPECT_EQ(statistics.pairs, find.find_candidates(soup.view(), soup.end_view()).count);
+        EXPECT_LT(statistics.peak_memory_bytes, whole / 4) << statistics.pairs;
+    }
+}
+
+TEST(StreamOfFeatures, RefusesWhatBlocksHaveNot) {
+    const MovingSoup<> soup = in_general(10, 0.4, 0.3, 5);
+    const auto ignore = [](const auto&) {};
+    const auto expect = [&](const std::string& word, auto call) {
+        const Error error = error_of(call);
+        EXPECT_EQ(error.code, ErrorCode::invalid_argument);
+        EXPECT_EQ(error.element, Element::option);
+        EXPECT_EQ(std::string(error.what()).find(word), 0U) << error.what();
+    };
+    for (const Motion& question :
+         {Motion{.index = true}, Motion{.triangle_pairs = true}, Motion{.wants = MotionWants::earliest}})
+        expect(question.index            ? "index"
+               : question.triangle_pairs ? "triangle_pairs"
+                                         : "wants",
+               [&] { Detector().stream_impacts(soup.view(), soup.end_view(), ignore, question); });
+    for (const Near& question : {Near{.index = true}, Near{.least = true}, Near{.wants = NearWants::any}})
+        expect(question.index   ? "index"
+               : question.least ? "least"
+                                : "wants",
+               [&] { Detector().stream_near(soup.view(), ignore, question); });
+    expect("kinds", [&] { Detector().stream_candidates(soup.view(), ignore, CandidateQuestion{.kinds = {}}); });
+    for (const std::int64_t size : {std::int64_t{0}, (std::int64_t{1} << 40) + 1})
+        expect("block_pairs", [&] { Detector().stream_candidates(soup.view(), ignore, {}, {size, true}); });
+    expect("radii of a world", [&] {
+        const std::vector<double> radii{1};
+        Detector().stream_near(World(), ignore, {.radii = radii});
+    });
+}
+
+}  // namespace
+}  // namespace crumple::test

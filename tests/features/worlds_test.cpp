@@ -1,0 +1,430 @@
+// Impacts, near pairs and candidates of worlds: what is found of all bodies as one soup, less what the worlds and rules
+// do not want, by body.
+
+#include <gtest/gtest.h>
+
+#include <map>
+#include <set>
+#include <tuple>
+
+#include "candidates/compare_candidates.h"
+#include "features/agreeing.h"
+#include "features/compare_features.h"
+#include "features/moving_worlds.h"
+#include "features/triangle_pairs.h"
+#include "queries/candidate_query.h"
+
+namespace crumple::test {
+namespace {
+
+/// An answer's line, in the order of the answer. `world`: that of the pair; pairs among bodies that are in all come
+/// last.
+struct Line {
+    std::size_t kind;
+    std::int64_t world;
+    std::int32_t first_body, first, second_body, second;
+    double value;
+    bool flag;
+    friend auto operator<=>(const Line&, const Line&) = default;
+    friend std::ostream& operator<<(std::ostream& out, const Line& line) {
+        return out << candidate_kind_name(static_cast<CandidateKind>(line.kind)) << ' ' << line.first << " of body "
+                   << line.first_body << " with " << line.second << " of body " << line.second_body << " of world "
+                   << line.world << ": " << line.value << ' ' << line.flag;
+    }
+};
+
+// Impacts and near pairs are of the first two kinds of candidates. Candidates have neither value nor flag.
+static_assert(static_cast<int>(CandidateKind::edge_edge) == static_cast<int>(FeatureKind::edge_edge));
+template <class List>
+double value_of(const List& list, std::size_t i) {
+    if constexpr (std::is_same_v<List, CandidateList>)
+        return 0;
+    else
+        return values_of(list)[i];
+}
+template <class List>
+bool flag_of(const List& list, std::size_t i) {
+    if constexpr (std::is_same_v<List, CandidateList>)
+        return false;
+    else
+        return flags_of(list)[i] != 0;
+}
+
+constexpr auto of_triangles = static_cast<std::size_t>(CandidateKind::face_face);
+constexpr std::int64_t everywhere = std::numeric_limits<std::int32_t>::max();
+
+/// All bodies as one soup at the coordinates they are posed to, and where its features come from.
+class Together {
+   public:
+    explicit Together(const World& world) : world_(world) {
+        for (std::size_t b = 0; b < world.bodies.size(); ++b) {
+            const Shape& shape = shape_of(b);
+            const auto first = static_cast<std::int32_t>(soup_.start.size());
+            first_vertex_.push_back(first);
+            first_triangle_.push_back(static_cast<std::int32_t>(soup_.triangles.size()));
+            const auto& end_poses = world.end_poses.empty() ? world.poses : world.end_poses;
+            for (std::int64_t v = 0; v < shape.vertices.rows; ++v)
+                soup_.vertex(posed(shape.vertices, v, world.poses, b),
+                             posed(shape.end.data ? shape.end : shape.vertices, v, end_poses, b));
+            std::set<Edge> edges;
+            for (std::int64_t t = 0; t < shape.triangles.rows; ++t) {
+                std::array<std::int32_t, 3> corner{};
+                std::memcpy(corner.data(), static_cast<const char*>(shape.triangles.data) + t * 12, 12);
+                const std::int32_t group =
+                    shape.groups.empty() ? world.bodies[b].group : shape.groups[static_cast<std::size_t>(t)];
+                for (std::size_t k = 0; k < 3; ++k) {
+                    const std::int32_t v = corner[k], w = corner[(k + 1) % 3];
+                    vertex_group_.emplace(first + v, group);
+                    if (v == w) continue;
+                    edges.insert({std::min(v, w), std::max(v, w)});
+                    edge_group_.emplace(Edge{first + std::min(v, w), first + std::max(v, w)}, group);
+                }
+                triangle_group_.push_back(group);
+                soup_.triangles.push_back({first + corner[0], first + corner[1], first + corner[2]});
+            }
+            edges_.emplace_back(edges.begin(), edges.end());
+        }
+    }
+    const MovingSoup<>& soup() const { return soup_; }
+    const std::vector<std::vector<Edge>>& edges() const { return edges_; }
+
+    /// The lines of an answer about the soup that the rules want.
+    template <class Answer>
+    std::vector<Line> lines(const Answer& answer, const Rules& rules) const {
+        std::vector<Line> lines;
+        for (std::size_t kind = 0; kind < answer.lists.size(); ++kind) {
+            const auto& list = answer.lists[kind];
+            const FeatureTypes types = types_of(static_cast<CandidateKind>(kind));
+            for (std::size_t i = 0; i < list.pairs.size(); ++i) {
+                const Place a = place(answer, types.first, list.pairs[i].a),
+                            b = place(answer, types.second, list.pairs[i].b);
+                if (wanted(a, b, rules)) lines.push_back(line(kind, a, b, value_of(list, i), flag_of(list, i)));
+            }
+        }
+        std::sort(lines.begin(), lines.end());
+        return lines;
+    }
+
+    /// The lines of the pairs of triangles that the rules want, as the features' impacts and the triangles are wanted.
+    std::vector<Line> triangle_lines(const Impacts& all, bool weld, const Rules& rules) const {
+        Impacts impacts;
+        impacts.edges = all.edges;
+        for (std::size_t kind = 0; kind < feature_kinds; ++kind) {
+            const FeatureTypes types = types_of(static_cast<CandidateKind>(kind));
+            const ImpactList& list = all.lists[kind];
+            for (std::size_t i = 0; i < list.pairs.size(); ++i) {
+                const Pair pair = list.pairs[i];
+                if (!wanted(place(all, types.first, pair.a), place(all, types.second, pair.b), rules)) continue;
+                impacts.lists[kind].pairs.push_back(pair);
+                impacts.lists[kind].toi.push_back(list.toi[i]);
+                impacts.lists[kind].start.push_back(list.start[i]);
+            }
+        }
+        std::vector<Line> lines;
+        for (const auto& [pair, found] : triangle_pairs_of(soup_, impacts, weld)) {
+            const Place a = triangle(pair.a), b = triangle(pair.b);
+            if (wanted(a, b, rules)) lines.push_back(line(of_triangles, a, b, found.toi, found.start));
+        }
+        std::sort(lines.begin(), lines.end());
+        return lines;
+    }
+
+   private:
+    struct Place {
+        std::size_t body;
+        std::int32_t index, group;
+    };
+
+    template <class Answer>
+    Place place(const Answer& answer, FeatureType type, std::int32_t i) const {
+        return type == FeatureType::vertex ? vertex(i)
+               : type == FeatureType::edge ? edge(answer.edges[i])
+                                           : triangle(i);
+    }
+    Line line(std::size_t kind, const Place& a, const Place& b, double value, bool flag) const {
+        const std::int32_t in = std::max(world_.bodies[a.body].world, world_.bodies[b.body].world);
+        return {kind,
+                in < 0 ? everywhere : in,
+                static_cast<std::int32_t>(a.body),
+                a.index,
+                static_cast<std::int32_t>(b.body),
+                b.index,
+                value,
+                flag};
+    }
+    const Shape& shape_of(std::size_t b) const {
+        return world_.shapes[static_cast<std::size_t>(world_.bodies[b].shape)];
+    }
+    PointOf<double> posed(const VertexView& view, std::int64_t v, std::span<const Pose> poses, std::size_t b) const {
+        const bool narrow = view.type == ScalarType::float32;
+        PointOf<double> p{}, out{};
+        for (std::size_t k = 0; k < 3; ++k) {
+            const char* at = static_cast<const char*>(view.data) + v * view.row_stride;
+            p[k] = narrow ? reinterpret_cast<const float*>(at)[k] : reinterpret_cast<const double*>(at)[k];
+        }
+        if (poses.empty() || poses[b] == Pose()) return p;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double* r = poses[b].rows.data() + 4 * k;
+            out[k] = ((r[0] * p[0] + r[1] * p[1]) + r[2] * p[2]) + r[3];
+            if (narrow) out[k] = static_cast<float>(out[k]);
+        }
+        return out;
+    }
+    static std::size_t body_of(std::int32_t index, const std::vector<std::int32_t>& first) {
+        return static_cast<std::size_t>(std::upper_bound(first.begin(), first.end(), index) - first.begin()) - 1;
+    }
+    Place vertex(std::int32_t v) const {
+        const std::size_t b = body_of(v, first_vertex_);
+        return {b, v - first_vertex_[b], vertex_group_.at(v)};
+    }
+    Place triangle(std::int32_t t) const {
+        const std::size_t b = body_of(t, first_triangle_);
+        return {b, t - first_triangle_[b], triangle_group_[static_cast<std::size_t>(t)]};
+    }
+    Place edge(const Edge& e) const {
+        const std::size_t b = body_of(e.a, first_vertex_);
+        const Edge inside{e.a - first_vertex_[b], e.b - first_vertex_[b]};
+        const auto at = std::lower_bound(edges_[b].begin(), edges_[b].end(), inside);
+        return {b, static_cast<std::int32_t>(at - edges_[b].begin()), edge_group_.at(e)};
+    }
+    bool wanted(const Place& a, const Place& b, const Rules& rules) const {
+        const Body &p = world_.bodies[a.body], &q = world_.bodies[b.body];
+        if (p.world != q.world && p.world != -1 && q.world != -1) return false;
+        if (a.body == b.body ? !p.self || rules.bodies == Wanted::between : rules.bodies == Wanted::within)
+            return false;
+        if (a.group == b.group ? rules.groups == Wanted::between : rules.groups == Wanted::within) return false;
+        const auto names = [](const auto& excluded, std::int64_t x, std::int64_t y) {
+            return std::any_of(excluded.begin(), excluded.end(), [&](const auto& e) {
+                return (e.first == x && e.second == y) || (e.first == y && e.second == x);
+            });
+        };
+        return !names(rules.excluded_bodies, static_cast<std::int64_t>(a.body), static_cast<std::int64_t>(b.body)) &&
+               !names(rules.excluded_groups, a.group, b.group);
+    }
+
+    World world_;
+    MovingSoup<> soup_;
+    std::vector<std::int32_t> first_vertex_, first_triangle_, triangle_group_;
+    std::vector<std::vector<Edge>> edges_;
+    std::map<std::int32_t, std::int32_t> vertex_group_;
+    std::map<Edge, std::int32_t> edge_group_;
+};
+
+template <class List>
+void add_lines(const World& world, std::size_t kind, const List& list, std::vector<Line>& lines) {
+    EXPECT_EQ(list.bodies.size(), list.pairs.size());
+    for (std::size_t i = 0; i < list.pairs.size(); ++i) {
+        const auto [a, b] = list.bodies[i];
+        const auto in = [&](std::int32_t body) { return world.bodies[static_cast<std::size_t>(body)].world; };
+        const std::int64_t of = std::max(in(a), in(b)) < 0 ? everywhere : std::max(in(a), in(b));
+        lines.push_back({kind, of, a, list.pairs[i].a, b, list.pairs[i].b, value_of(list, i), flag_of(list, i)});
+    }
+}
+template <class Answer>
+std::vector<Line> lines_of(const World& world, const Answer& answer) {
+    std::vector<Line> lines;
+    for (std::size_t kind = 0; kind < answer.lists.size(); ++kind) add_lines(world, kind, answer.lists[kind], lines);
+    return lines;
+}
+
+void expect_same(const std::vector<Line>& found, const std::vector<Line>& expected) {
+    for (std::size_t i = 0; i < std::min(found.size(), expected.size()); ++i)
+        ASSERT_EQ(found[i], expected[i]) << "line " << i;
+    ASSERT_EQ(found.size(), expected.size());
+}
+template <class Answer>
+void expect_edges(const Answer& answer, const std::vector<std::vector<Edge>>& expected) {
+    ASSERT_EQ(answer.first_edge.size(), expected.size() + 1);
+    for (std::size_t b = 0; b < expected.size(); ++b) {
+        const auto edges =
+            answer.edges.span().subspan(static_cast<std::size_t>(answer.first_edge[b]),
+                                        static_cast<std::size_t>(answer.first_edge[b + 1] - answer.first_edge[b]));
+        EXPECT_EQ(std::vector<Edge>(edges.begin(), edges.end()), expected[b]) << "body " << b;
+    }
+    EXPECT_EQ(answer.first_edge.back(), static_cast<std::int64_t>(answer.edges.size()));
+}
+/// The worlds that have lines, and of each the first of them.
+std::map<std::int64_t, Line> first_by_world(const std::vector<Line>& lines) {
+    std::map<std::int64_t, Line> first;
+    for (const Line& line : lines) {
+        const auto [at, fresh] = first.emplace(line.world, line);
+        if (!fresh && line.value < at->second.value) at->second = line;
+    }
+    return first;
+}
+void expect_first(const FirstImpact& found, const Line* expected) {
+    ASSERT_EQ(found.found, expected != nullptr);
+    if (!expected) return;
+    const Line line{static_cast<std::size_t>(found.kind),
+                    expected->world,
+                    found.bodies.first,
+                    found.pair.a,
+                    found.bodies.second,
+                    found.pair.b,
+                    found.toi,
+                    found.start};
+    EXPECT_EQ(line, *expected);
+}
+
+class FeaturesOfWorlds : public testing::TestWithParam<unsigned> {
+   protected:
+    void compare(const WorldKind& kind) {
+        const auto moving = moving_world(GetParam(), kind);
+        const World world = moving->view();
+        const Together together(world);
+        const MovingSoup<>& soup = together.soup();
+        Detector detector({.backend = tested_backend, .threads = 2, .leaf_size = 8});
+        Detector single({.backend = Backend::cpu, .threads = 1});
+        for (unsigned i = 0; i < 3; ++i) {
+            SCOPED_TRACE(testing::Message() << "question " << i);
+            const Intersect rules = random_question(5 * GetParam() + i, kind.bodies);
+            Motion motion{.weld = rules.weld, .rules = rules.rules};
+            const Impacts& all = single.find_impacts(soup.view(), soup.end_view(), {.weld = rules.weld});
+            const std::vector<Line> lines = together.lines(all, rules.rules);
+            expect_impacts(detector, world, motion, lines, together.edges());
+            expect_triangle_pairs(detector, world, motion, lines,
+                                  together.triangle_lines(all, rules.weld, rules.rules));
+            Near near{.radius = i * 0.05, .weld = rules.weld, .rules = rules.rules};
+            const std::vector<Line> near_lines =
+                together.lines(single.find_near(soup.view(), {.radius = near.radius, .weld = near.weld}), rules.rules);
+            const Nearby& nearby = detector.find(world, near);
+            expect_same(lines_of(world, nearby), near_lines);
+            expect_edges(nearby, together.edges());
+            EXPECT_EQ(nearby.any, !near_lines.empty());
+            EXPECT_EQ(nearby.count, static_cast<std::int64_t>(near_lines.size()));
+            expect_hits(nearby.world_hit, near_lines);
+            near.wants = NearWants::any_by_world;
+            expect_hits(detector.find(world, near).world_hit, near_lines);
+            near.wants = NearWants::any;
+            EXPECT_EQ(detector.find(world, near).any, !near_lines.empty());
+            const CandidateQuestion candidates{
+                .kinds = all_candidate_kinds(), .inflation = i * 0.05, .weld = rules.weld, .rules = rules.rules};
+            CandidateQuestion of_soup = candidates;
+            of_soup.rules = {};
+            const std::vector<Line> candidate_lines =
+                together.lines(single.find_candidates(soup.view(), soup.end_view(), of_soup), rules.rules);
+            const CandidateLists& lists = detector.find(world, candidates);
+            expect_same(lines_of(world, lists), candidate_lines);
+            expect_edges(lists, together.edges());
+            EXPECT_EQ(lists.count, static_cast<std::int64_t>(candidate_lines.size()));
+            if (!HasFatalFailure()) compare_radii(world, together, near.rules, detector, single);
+            if (HasFatalFailure()) return;
+        }
+    }
+
+    static void expect_triangle_pairs(Detector& detector, const World& world, Motion motion, std::vector<Line> lines,
+                                      const std::vector<Line>& of_triangles_alone) {
+        motion.triangle_pairs = true;
+        const Impacts& impacts = detector.find_impacts(world, motion);
+        expect_same(lines_of(world, impacts), lines);
+        std::vector<Line> found;
+        add_lines(world, of_triangles, impacts.triangle_pairs, found);
+        expect_same(found, of_triangles_alone);
+        lines.insert(lines.end(), of_triangles_alone.begin(), of_triangles_alone.end());
+        EXPECT_EQ(impacts.any, !lines.empty());
+        expect_hits(impacts.world_hit, lines);
+        motion.wants = MotionWants::any_by_world;
+        expect_hits(detector.find_impacts(world, motion).world_hit, lines);
+    }
+
+    // Radii of shapes, and neighbours, which are those of the soup. At rest a shape is where it ends.
+    static void compare_radii(const World& world, const Together& together, const Rules& rules, Detector& detector,
+                              Detector& single) {
+        Dice dice(GetParam());
+        std::vector<std::vector<double>> of_shape;
+        for (const Shape& shape : world.shapes) {
+            of_shape.emplace_back(static_cast<std::size_t>(shape.vertices.rows));
+            for (double& r : of_shape.back()) r = dice.chance(0.3) ? 0 : dice.between(0, 0.1);
+        }
+        std::vector<Shape> shapes(world.shapes.begin(), world.shapes.end());
+        std::vector<double> radii;
+        for (std::size_t s = 0; s < shapes.size(); ++s)
+            if (s != 1) shapes[s].radii = of_shape[s];
+        for (const Body& body : world.bodies) {
+            const auto s = static_cast<std::size_t>(body.shape);
+            const std::size_t before = radii.size();
+            radii.insert(radii.end(), of_shape[s].begin(), of_shape[s].end());
+            if (s == 1) std::fill(radii.begin() + static_cast<std::ptrdiff_t>(before), radii.end(), 0);
+        }
+        const World with_radii{shapes, world.bodies, world.poses};
+        for (const bool weld : {false, true}) {
+            const Nearby& all = single.find_near(together.soup().view(), {.radii = radii, .weld = weld, .rings = 1});
+            const Near question{.weld = weld, .rings = 1, .rules = rules};
+            expect_same(lines_of(world, detector.find(with_radii, question)), together.lines(all, rules));
+        }
+        for (std::size_t s = 0; s < shapes.size(); ++s)
+            if (s != 2) shapes[s].rest = world.shapes[s].end;
+        const bool any_rest = std::any_of(shapes.begin(), shapes.end(), [](const Shape& s) { return s.rest.data; });
+        Detector brute({.backend = Backend::reference});
+        const Near question{.rest_radius = any_rest ? 0.1 : 0, .rules = rules};
+        const Nearby& expected = brute.find(with_radii, question);
+        EXPECT_TRUE(same_features(detector.find(with_radii, question), expected));
+    }
+
+    static void expect_hits(const Array<std::uint8_t>& hits, const std::vector<Line>& lines) {
+        const auto first = first_by_world(lines);
+        for (std::size_t w = 0; w < hits.size(); ++w)
+            EXPECT_EQ(hits[w] != 0, first.count(static_cast<std::int64_t>(w)) > 0) << "world " << w;
+    }
+    static void expect_firsts(const Impacts& impacts, const std::vector<Line>& lines) {
+        const auto first = first_by_world(lines);
+        for (std::size_t w = 0; w < impacts.world_first.size(); ++w) {
+            const auto at = first.find(static_cast<std::int64_t>(w));
+            expect_first(impacts.world_first[w], at == first.end() ? nullptr : &at->second);
+        }
+        const auto least = std::min_element(lines.begin(), lines.end(),
+                                            [](const Line& a, const Line& b) { return a.value < b.value; });
+        expect_first(impacts.first, lines.empty() ? nullptr : &*least);
+        expect_hits(impacts.world_hit, lines);
+        EXPECT_EQ(impacts.any, !lines.empty());
+    }
+    static void expect_impacts(Detector& detector, const World& world, Motion motion, const std::vector<Line>& lines,
+                               const std::vector<std::vector<Edge>>& edges) {
+        const Impacts& impacts = detector.find(world, motion);
+        expect_same(lines_of(world, impacts), lines);
+        expect_edges(impacts, edges);
+        expect_firsts(impacts, lines);
+        EXPECT_EQ(impacts.count, static_cast<std::int64_t>(lines.size()));
+        motion.wants = MotionWants::earliest;
+        detector.find(world, motion);
+        expect_firsts(impacts, lines);
+        expect_edges(impacts, edges);
+        motion.wants = MotionWants::any_by_world;
+        expect_hits(detector.find(world, motion).world_hit, lines);
+        motion.wants = MotionWants::any;
+        EXPECT_EQ(detector.find(world, motion).any, !lines.empty());
+    }
+};
+
+TEST_P(FeaturesOfWorlds, AreThoseOfOneSoup) { compare({.bodies = 6, .triangles = 12}); }
+TEST_P(FeaturesOfWorlds, AreFoundWorldByWorld) {
+    compare({.bodies = 10, .worlds = 4, .triangles = 10, .everywhere = 0.3, .reach = 0.5});
+}
+TEST_P(FeaturesOfWorlds, AreFoundWhereAllMeetAll) { compare({.bodies = 5, .triangles = 8, .everywhere = 1}); }
+TEST_P(FeaturesOfWorlds, AreThoseOfOneBody) { compare({.bodies = 1, .triangles = 30}); }
+TEST_P(FeaturesOfWorlds, AreNoneWithoutBodies) { compare({.bodies = 0}); }
+
+INSTANTIATE_TEST_SUITE_P(Seeds, FeaturesOfWorlds, testing::Range(0u, played ? 3u : 12u));
+
+/// Rules about groups make a world of it inside; that does not show.
+TEST(FeaturesOfOneMesh, AreThoseOfAMeshWhateverTheRules) {
+    MovingSoup<> soup = moving_grid(4, 30, 24, 5);
+    for (std::size_t t = 0; t < soup.triangles.size(); ++t) soup.groups.push_back(static_cast<std::int32_t>(t % 3));
+    Detector detector({.backend = tested_backend}), plain({.backend = Backend::cpu});
+    Motion motion{.index = true};
+    Near near{.radius = 1, .index = true};
+    // Nothing is in group 7, so nothing is excluded.
+    motion.rules.excluded_groups = near.rules.excluded_groups = {{7, 7}};
+    EXPECT_TRUE(same_features(detector.find_impacts(soup.view(), soup.end_view(), motion),
+                              plain.find_impacts(soup.view(), soup.end_view(), {.index = true})));
+    EXPECT_TRUE(same_features(detector.find_near(soup.view(), near),
+                              plain.find_near(soup.view(), {.radius = 1, .index = true})));
+    motion.rules.groups = Wanted::within;
+    const Impacts& within = detector.find_impacts(soup.view(), soup.end_view(), motion);
+    EXPECT_GT(within.count, 0);
+    EXPECT_TRUE(within.vertex_faces().bodies.empty());
+    EXPECT_EQ(within.vertex_faces().offsets.size(), soup.start.size() + 1);
+}
+
+}  // namespace
+}  // namespace crumple::test

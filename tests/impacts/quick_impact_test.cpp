@@ -1,0 +1,359 @@
+// What float64 decides, against rational arithmetic, where it is hard: at the edge of its bounds.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "impacts/decided_moves.h"
+#include "impacts/random_moves.h"
+
+namespace crumple {
+namespace {
+
+constexpr std::array quick_features{Feature::vertex_face, Feature::edge_edge};
+
+/// How many moves were decided, and how.
+struct Tally {
+    int apart = 0, meets = 0, unknown = 0;
+    int decided() const { return apart + meets; }
+};
+
+/// Fails where float64 is certain of what is wrong.
+void check(const Move& move, Tally& tally) {
+    const QuickImpact quick = quickly(move);
+    if (quick.verdict == Certainty::unknown) {
+        ++tally.unknown;
+        ASSERT_FALSE(surely_apart(move)) << move;
+        return;
+    }
+    ++(quick.verdict == Certainty::meets ? tally.meets : tally.apart);
+    ASSERT_EQ((Impact{quick.verdict == Certainty::meets, quick.toi, quick.start}), move.impact()) << move;
+    ASSERT_FALSE(surely_apart(move) && quick.verdict != Certainty::apart) << move;
+}
+
+/// A number up or down to the n-th neighbour.
+double nudged(double x, int n) {
+    const double to = n < 0 ? -std::numeric_limits<double>::infinity() : std::numeric_limits<double>::infinity();
+    for (int i = std::abs(n); i > 0; --i) x = std::nextafter(x, to);
+    return x;
+}
+
+template <class Change>
+void change_coordinates(Move& move, Change change) {
+    for (MovingPoint& p : move.point) {
+        for (int axis = 0; axis < 3; ++axis) {
+            p.start[axis] = change(p.start[axis]);
+            p.end[axis] = change(p.end[axis]);
+        }
+    }
+}
+
+TEST(QuickImpact, IsRightForDegenerateMoves) {
+    for (const Feature feature : quick_features) {
+        for (const Lattice lattice : all_lattices) {
+            RandomMoves random(lattice, 23);
+            Tally tally;
+            for (int i = 0; i < 1500; ++i) check(random(feature), tally);
+            EXPECT_GT(tally.decided(), 0);
+            if (lattice == Lattice::wide) {
+                EXPECT_GT(tally.meets, 20);
+                EXPECT_LT(tally.unknown, 30);
+            }
+        }
+    }
+}
+
+TEST(QuickImpact, IsRightOneUnitBesideContact) {
+    // Most of the small integers' moves touch on a border, at the start or the end, twice at once, or nearly.
+    for (const Feature feature : quick_features) {
+        for (const Lattice lattice : all_lattices) {
+            RandomMoves random(lattice, 29);
+            Tally tally;
+            for (int i = 0; i < 400; ++i) {
+                Move move = random(feature);
+                // Some coordinates, or all of them, are off by a few units, in their place or far from the origin.
+                const int share = 1 + random.below(24), far = random.below(3);
+                change_coordinates(move, [&](double x) {
+                    if (far > 0) x += far == 1 ? 0x1p10 : -0x1p40;
+                    return random.below(24) < share ? nudged(x, random.below(5) - 2) : x;
+                });
+                check(move, tally);
+            }
+            EXPECT_GT(tally.decided(), 0);
+        }
+    }
+}
+
+TEST(QuickImpact, IsRightWhereItUnderOrOverflows) {
+    for (const Feature feature : quick_features) {
+        for (const Lattice lattice : all_lattices) {
+            for (const int exponent : {-1074, -1070, -1000, -520, -345, -340, -330, -320, -300, 290, 299, 301, 1015}) {
+                RandomMoves random(lattice, 31);
+                Tally tally;
+                for (int i = 0; i < 15; ++i) {
+                    Move move = random(feature);
+                    change_coordinates(move,
+                                       [&](double x) { return nudged(std::ldexp(x, exponent), random.below(2)); });
+                    check(move, tally);
+                }
+            }
+        }
+    }
+}
+
+TEST(QuickImpact, IsRightWhereMagnitudesDiffer) {
+    for (const Feature feature : quick_features) {
+        RandomMoves random(Lattice::wide, 37);
+        Tally tally;
+        for (int i = 0; i < 400; ++i) {
+            Move move = random(feature);
+            const int reach = 1 + random.below(80);
+            change_coordinates(move, [&](double x) { return std::ldexp(x, random.below(2 * reach) - reach); });
+            check(move, tally);
+        }
+        EXPECT_GT(tally.apart, 100);
+    }
+}
+
+TEST(QuickImpact, IsRightForVolumesThatAreNearlyZeroTwice) {
+    // A face that is a segment at some time, or nearly: the vertex, which is in its plane then, may be hit before,
+    // after, twice, or not at all.
+    RandomMoves random(Lattice::wide, 41);
+    Tally tally;
+    for (int i = 0; i < 2000; ++i) {
+        const double turn = (1 + random.below(999)) * 0x1p-10, gap = std::ldexp(random.below(9) - 4, -random.below(60));
+        const auto beside = [&](double x, double at) { return Vec3d{x, random.below(7) - 3., x * at}; };
+        Move move{Feature::vertex_face, {}};
+        // In the plane z = x s, s from -turn to 1 - turn, and the vertex at z = x s^2 or so.
+        const double x = random.below(5) - 2.;
+        move.point[0] = {{x, 0, gap - x * turn * turn}, {x, 0, gap + x * (1 - turn) * (1 - turn)}};
+        for (std::size_t corner = 1; corner < 4; ++corner) {
+            const double far = corner == 1 ? -3. : 1 + random.below(4);
+            move.point[corner] = {beside(far, -turn), beside(far, 1 - turn)};
+        }
+        check(move, tally);
+    }
+    EXPECT_GT(tally.meets, 50);
+    EXPECT_GT(tally.apart, 50);
+}
+
+/// Between -4 and 4, a multiple of 2^-bits.
+double with_bits(RandomMoves& random, int bits) {
+    return random.below(8) - 4 + std::ldexp(random.below(1 << 15), -15) + std::ldexp(random.below(1 << 15), -bits);
+}
+
+TEST(QuickImpact, IsRightWhereARootIsAFloat64Number) {
+    // At 1/2 the vertex is in the face, or on an edge of it. Products of three coordinates exceed double words.
+    RandomMoves random(Lattice::tiny, 61);
+    Tally tally;
+    for (int i = 0; i < 1000; ++i) {
+        const auto position = [&] {
+            return Vec3d{with_bits(random, 42), with_bits(random, 42), with_bits(random, 42)};
+        };
+        Move move{Feature::vertex_face, {}};
+        auto& [p, a, b, c] = move.point;
+        for (MovingPoint* x : {&a, &b, &c}) *x = {position(), position()};
+        const auto twice = [](const MovingPoint& x) { return x.start + x.end; };
+        p.start = position();
+        p.end = (i % 4 == 0 ? 0.5 * (twice(a) + twice(b)) : 0.25 * (twice(a) + twice(b) + 2 * twice(c))) - p.start;
+        check(move, tally);
+    }
+}
+
+TEST(QuickImpact, RoundsDownRootsNextToFloat64Numbers) {
+    // All of the face goes through the vertex's place at 1/2, but the vertex is a little above or below. The planes are
+    // steep, so that the volume is a small difference of large products.
+    RandomMoves random(Lattice::tiny, 67);
+    Tally tally;
+    for (int exponent = -40; exponent > -115; --exponent) {
+        for (const double side : {-1, 1}) {
+            for (int i = 0; i < 20; ++i) {
+                const auto corner = [&](double x, double y) {
+                    const auto sheared = [&](double z) {
+                        const Vec3d p{x + with_bits(random, 40), y + with_bits(random, 40), z};
+                        return Vec3d{p.x, p.y, p.z + 7 * p.x - 5 * p.y};
+                    };
+                    const double z = 1 + random.below(1 << 20) * 0x1p-20;
+                    return MovingPoint{sheared(z), sheared(-z)};
+                };
+                const Vec3d still{0, 0, side * std::ldexp(1, exponent)};
+                check({Feature::vertex_face, {MovingPoint{still, still}, corner(-9, -9), corner(9, -9), corner(0, 15)}},
+                      tally);
+            }
+        }
+        if (exponent == -85) {
+            EXPECT_EQ(tally.unknown, 0);
+        }
+    }
+    EXPECT_GT(tally.unknown, 0) << "not at the edge";
+}
+
+TEST(QuickImpact, IsRightWithinRoundingOfABorder) {
+    // Contact at any time, at a border, some way from it, or at a corner, as nearly as rounding allows.
+    RandomMoves random(Lattice::tiny, 89);
+    for (const Feature feature : quick_features) {
+        Tally tally;
+        for (int i = 0; i < 3000; ++i) {
+            const auto position = [&] {
+                return Vec3d{with_bits(random, 50), with_bits(random, 50), with_bits(random, 50)};
+            };
+            const double speed = std::ldexp(1, -random.below(30)), t = random.below(1 << 30) * 0x1p-30;
+            Move move{feature, {}};
+            for (MovingPoint& p : move.point) {
+                p.start = position();
+                p.end = p.start + speed * position();
+            }
+            const auto at = [&](std::size_t k) { return (1 - t) * move.point[k].start + t * move.point[k].end; };
+            const double away = i % 4 == 0 ? 0 : std::ldexp(random.below(8) - 4, -random.below(60));
+            const double far = i % 3 == 0 ? away : random.below(1 << 20) * 0x1p-20;
+            const bool face = feature == Feature::vertex_face;
+            const Vec3d corner = at(face ? 1 : 2), next = at(face ? 2 : 3);
+            Vec3d contact = corner + far * (next - corner);
+            // There the vertex is at t, or an edge ends, or a little less or more.
+            contact = face ? contact + away * (at(3) - corner) : at(1) + (1 + away) * (contact - at(1));
+            MovingPoint& p = move.point[0];
+            if (t > 0.5) {
+                p.end = p.start + 1 / t * (contact - p.start);
+            } else {
+                p.start = p.end + 1 / (1 - t) * (contact - p.end);
+            }
+            check(move, tally);
+        }
+        EXPECT_GT(tally.meets, 300);
+        EXPECT_GT(tally.apart, 300);
+        EXPECT_GT(tally.unknown, 300) << "not at the edge";
+    }
+}
+
+TEST(QuickImpact, IsRightForEdgesThatAreOnOneLine) {
+    // At 5/16 they are, and an end of one is at one of the other.
+    RandomMoves random(Lattice::tiny, 71);
+    Tally tally;
+    for (int i = 0; i < 1000; ++i) {
+        const auto position = [&](int bits) {
+            return Vec3d{with_bits(random, bits), with_bits(random, bits), with_bits(random, bits)};
+        };
+        const Vec3d along = position(30);
+        const std::array<int, 4> place{-1 - random.below(3), 0, 0, random.below(7) - 2};
+        Move move{Feature::edge_edge, {}};
+        for (std::size_t k = 0; k < 4; ++k) {
+            const Vec3d way = position(45), middle = static_cast<double>(place[k]) * along;
+            move.point[k] = {middle - 5. * way, middle + 11. * way};
+        }
+        check(move, tally);
+    }
+}
+
+TEST(QuickImpact, KnowsImpactsOnABorderInAPlaneAcrossAnAxis) {
+    // Three points stay in such a plane, so that they can only meet on one line, or all but do.
+    for (const bool exact : {true, false}) {
+        for (const Feature feature : quick_features) {
+            RandomMoves random(Lattice::wide, 79);
+            Tally tally, joined;
+            for (int i = 0; i < 3000; ++i) {
+                Move move = random(feature);
+                const std::size_t other = static_cast<std::size_t>(random.below(4));
+                const int axis = random.below(3);
+                const MovingPoint& leader = move.point[(other + 1) % 4];
+                for (std::size_t k = 0; k < 4; ++k) {
+                    if (k == other) continue;
+                    move.point[k].start[axis] = leader.start[axis];
+                    move.point[k].end[axis] = leader.end[axis];
+                }
+                // The other point may join the plane.
+                if (i % 5 == 0) move.point[other].end[axis] = leader.end[axis];
+                if (i % 10 == 0) move.point[other].start[axis] = leader.start[axis];
+                if (!exact) {
+                    double& x = move.point[static_cast<std::size_t>(random.below(4))].end[random.below(3)];
+                    x = nudged(x, 2 * random.below(2) - 1);
+                }
+                check(move, i % 5 == 0 ? joined : tally);
+            }
+            EXPECT_GT(tally.meets, 40);
+            EXPECT_LT(tally.unknown, exact ? 100 : 250);
+        }
+    }
+}
+
+TEST(QuickImpact, KnowsThatVerticesAreInOnePlaceAtTheStart) {
+    for (const Feature feature : quick_features) {
+        RandomMoves random(Lattice::wide, 43);
+        for (int i = 0; i < 12; ++i) {
+            Move move = random(feature);
+            const std::size_t one = feature == Feature::vertex_face ? 0 : static_cast<std::size_t>(i / 2 % 2);
+            const std::size_t other = feature == Feature::vertex_face ? static_cast<std::size_t>(1 + i % 3)
+                                                                      : static_cast<std::size_t>(2 + i % 2);
+            move.point[one].start = move.point[other].start;
+            const QuickImpact quick = quickly(move);
+            EXPECT_EQ(quick.verdict, Certainty::meets) << move;
+            EXPECT_TRUE(quick.start && quick.toi == 0) << move;
+        }
+    }
+}
+
+TEST(QuickImpact, KnowsThatWhatRestsInOnePlaneIsApart) {
+    // A point on a table, beside a face of it; all of it slides.
+    const auto slide = [](double x, double y) { return MovingPoint{{x, y, 0.3}, {x + 0.1, y - 0.7, 0.3}}; };
+    const Move beside{Feature::vertex_face, {slide(1.1, 1.2), slide(0, 0), slide(2, 0), slide(0.1, 2)}};
+    EXPECT_EQ(quickly(beside).verdict, Certainty::apart);
+    const Move edges{Feature::edge_edge, {slide(0, 0), slide(2, 0), slide(1, 0.1), slide(1.5, 3)}};
+    EXPECT_EQ(quickly(edges).verdict, Certainty::apart);
+}
+
+TEST(QuickImpact, DoesNotKnowWhatIsNoNumber) {
+    RandomMoves random(Lattice::wide, 47);
+    for (const Feature feature : quick_features) {
+        for (const double odd : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(),
+                                 -std::numeric_limits<double>::infinity()}) {
+            for (std::size_t i = 0; i < 24; ++i) {
+                Move move = random(feature);
+                MovingPoint& p = move.point[i / 6];
+                (i % 2 == 0 ? p.start : p.end)[static_cast<int>(i / 2 % 3)] = odd;
+                EXPECT_EQ(quickly(move).verdict, Certainty::unknown) << move;
+                EXPECT_FALSE(surely_apart(move)) << move;
+            }
+        }
+    }
+}
+
+TEST(DecideImpact, TellsContactAtTheStartByPredicates) {
+    for (const Feature feature : quick_features) {
+        RandomMoves random(Lattice::wide, 73);
+        ImpactCounts counts;
+        for (int i = 0; i < 300; ++i) {
+            Move move = random(feature);
+            auto& [p, q, r, s] = move.point;
+            if (feature == Feature::vertex_face) {  // inside, on an edge, on a corner
+                p.start = i % 3 == 0 ? 0.25 * (q.start + 2. * r.start + s.start)
+                                     : 0.25 * (q.start + 3. * (i % 3 == 1 ? q.start : s.start));
+            } else {  // crossing, an end on the other edge, in the other's line beside it
+                const Vec3d middle = 0.5 * (r.start + s.start);
+                p.start = i % 3 == 0 ? 2. * middle - q.start : i % 3 == 1 ? middle : 2. * r.start - s.start;
+            }
+            ASSERT_EQ(decide(move, counts), move.impact()) << move;
+            ASSERT_TRUE(move.impact().start || (feature == Feature::edge_edge && i % 3 == 2)) << move;
+        }
+        EXPECT_LT(counts.exact, 110);
+    }
+}
+
+TEST(DecideImpact, IsWhatRationalArithmeticSays) {
+    for (const Feature feature : quick_features) {
+        for (const Lattice lattice : all_lattices) {
+            RandomMoves random(lattice, 53);
+            ImpactCounts counts;
+            for (int i = 0; i < 150; ++i) {
+                Move move = random(feature);
+                if (i % 10 == 0) change_coordinates(move, [](double x) { return std::ldexp(x, 700); });
+                ASSERT_EQ(decide(move, counts), move.impact()) << move;
+            }
+            EXPECT_GE(counts.exact, 15);
+            EXPECT_GE(counts.roots, counts.exact);
+            EXPECT_LE(counts.roots, 150);
+        }
+    }
+}
+
+}  // namespace
+}  // namespace crumple

@@ -1,0 +1,59 @@
+#pragma once
+
+// Random moves of small integers, from a seed: the smaller the numbers, the more of them are degenerate.
+
+#include <cstdint>
+#include <random>
+
+#include "impacts/moves.h"
+
+namespace crumple {
+
+enum class Lattice {
+    tiny,   ///< coordinates -1, 0, 1: every kind of degeneracy
+    small,  ///< -3 to 3
+    wide,   ///< -50 to 50: mostly in general position
+    flat,   ///< -3 to 3, in the plane x + y + z = 0 at all times
+    line,   ///< -4 to 4 on the line of (1, -1, 2) at all times
+    focus,  ///< on that line at 1/2 only, where normals vanish
+};
+inline constexpr std::array all_lattices{Lattice::tiny, Lattice::small, Lattice::wide,
+                                         Lattice::flat, Lattice::line,  Lattice::focus};
+
+class RandomMoves {
+   public:
+    RandomMoves(Lattice lattice, std::uint64_t seed) : lattice_(lattice), engine_(seed) {}
+
+    Move operator()(Feature feature) {
+        Move move{feature, {}};
+        for (MovingPoint& p : move.point) {
+            if (lattice_ == Lattice::focus) {
+                const Vec3d middle = on_line(), way = position();
+                p = {middle - way, middle + way};
+            } else {
+                p = {position(), position()};
+            }
+        }
+        return move;
+    }
+
+    /// 0 to n - 1, the same on every machine.
+    int below(int n) { return static_cast<int>(engine_() % static_cast<std::uint64_t>(n)); }
+
+   private:
+    Vec3d on_line() { return static_cast<double>(below(9) - 4) * Vec3d{1, -1, 2}; }
+
+    Vec3d position() {
+        if (lattice_ == Lattice::line) return on_line();
+        const int reach = lattice_ == Lattice::tiny ? 1 : lattice_ == Lattice::wide ? 50 : 3;
+        const auto number = [&] { return static_cast<double>(below(2 * reach + 1) - reach); };
+        Vec3d p{number(), number(), number()};
+        if (lattice_ == Lattice::flat) p.z = -p.x - p.y;
+        return p;
+    }
+
+    Lattice lattice_;
+    std::mt19937_64 engine_;
+};
+
+}  // namespace crumple

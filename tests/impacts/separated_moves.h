@@ -1,0 +1,56 @@
+#pragma once
+
+// Moves together with how far apart their features are to stay.
+
+#include <ostream>
+
+#include "exact/impact/rational_separation.h"
+#include "impacts/random_moves.h"
+
+namespace crumple {
+
+inline std::ostream& operator<<(std::ostream& out, const Separation& separation) {
+    const auto precision = out.precision(17);
+    out << "distance " << separation.distance << ", share " << separation.share;
+    out.precision(precision);
+    return out;
+}
+
+struct SeparatedMove {
+    Move move;
+    Separation separation;
+
+    Impact impact() const {
+        const auto& [p, q, r, s] = move.point;
+        switch (move.feature) {
+            case Feature::vertex_face:
+                return vertex_face(p, q, r, s, separation);
+            case Feature::edge_edge:
+                return edge_edge(p, q, r, s, separation);
+            case Feature::vertex_edge:
+                return vertex_edge(p, q, r, separation);
+            case Feature::vertex_vertex:
+                break;
+        }
+        return vertex_vertex(p, q, separation);
+    }
+
+    friend std::ostream& operator<<(std::ostream& out, const SeparatedMove& asked) {
+        return out << asked.move << ", " << asked.separation;
+    }
+};
+
+/// A random move, and a distance of its size, a share of the start, or both.
+inline SeparatedMove separated(RandomMoves& random, Lattice lattice, Feature feature) {
+    const Move move = random(feature);
+    const double unit = lattice == Lattice::wide ? 8 : 1;
+    constexpr double distances[] = {0.25, 0.5, 1, 1, 1.5, 2, 3, 0.1};
+    constexpr double shares[] = {0.5, 0.25, 0.75, 0.9};
+    Separation separation;
+    const int kind = random.below(4);
+    if (kind < 3) separation.distance = unit * distances[random.below(8)];
+    if (kind > 1) separation.share = shares[random.below(4)];
+    return {move, separation};
+}
+
+}  // namespace crumple

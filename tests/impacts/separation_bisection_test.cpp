@@ -1,0 +1,205 @@
+// The exact decision against one that knows no polynomials: time is halved, and a piece of it is free if the features
+// lie further apart than asked for along some direction at both of its ends. As points move on straight lines, they
+// then do so in between.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "exact/integer.h"
+#include "impacts/separated_moves.h"
+
+namespace crumple {
+namespace {
+
+using Point = Vec3<Integer>;
+
+struct Fraction {
+    Integer over = 0, under = 1;
+
+    friend bool operator<(const Fraction& x, const Fraction& y) { return x.over * y.under < y.over * x.under; }
+    friend bool operator==(const Fraction& x, const Fraction& y) { return !(x < y) && !(y < x); }
+};
+
+/// x is a multiple of 2^-200 here.
+Fraction squared(double x) {
+    const Integer scaled_up = scaled(x, -200);
+    return {scaled_up * scaled_up, Integer(1) << 400};
+}
+
+/// Two features at one moment, in integers: the first is of the first points.
+struct Moment {
+    std::vector<Point> points;
+    std::size_t first;
+    Integer denominator;  ///< of the coordinates
+
+    /// Looks in the directions in which the closest points of two sets may lie from one another: between two vertices,
+    /// from a vertex across to a line, and normal to a plane; until look() has seen enough.
+    void for_directions(const auto& look) const {
+        const auto both = [&](const Point& direction) { return look(direction) || look(Point{} - direction); };
+        const std::size_t n = points.size();
+        for (std::size_t i = 0; i < n; ++i) {
+            for (std::size_t j = i + 1; j < n; ++j) {
+                const Point side = points[j] - points[i];
+                if (both(side)) return;
+                for (std::size_t k = 0; k < n; ++k) {
+                    const Point across = points[k] - points[i];
+                    if (both(dot(side, side) * across - dot(side, across) * side)) return;
+                }
+            }
+        }
+        if (n < 4) return;
+        const Point u = points[1] - points[0], v = points[3] - points[2], w = points[3] - points[1];
+        static_cast<void>(both(cross(u, v)) || both(cross(v, w)));
+    }
+
+    /// The square of how far the second feature lies beyond the first, if it does.
+    Fraction gap(const Point& direction) const {
+        std::optional<Integer> high, low;
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            const Integer height = dot(direction, points[i]);
+            if (i < first && (!high || height > *high)) high = height;
+            if (i >= first && (!low || height < *low)) low = height;
+        }
+        const Integer between = *low - *high;
+        if (between <= 0) return {};
+        return {between * between, denominator * denominator * dot(direction, direction)};
+    }
+
+    /// The squared distance: that of the widest gap.
+    Fraction distance() const {
+        Fraction widest;
+        for_directions([&](const Point& direction) {
+            widest = std::max(widest, gap(direction));
+            return false;
+        });
+        return widest;
+    }
+};
+
+class Bisection {
+   public:
+    explicit Bisection(const SeparatedMove& asked) : first_(asked.move.feature == Feature::edge_edge ? 2 : 1) {
+        for (std::size_t i = 0; i < points_of(asked.move.feature); ++i) {
+            start_.push_back(scaled(asked.move.point[i].start, 0));
+            step_.push_back(scaled(asked.move.point[i].end, 0) - start_.back());
+        }
+        const Fraction share = squared(asked.separation.share), begin = at(0, 1).distance();
+        limit_ = std::max(squared(asked.separation.distance), {share.over * begin.over, share.under * begin.under});
+    }
+
+    static constexpr int depth = 20;
+    static constexpr std::int64_t end = std::int64_t{1} << depth;
+
+    /// The first k such that no direction was found in which they are far from k / 2^depth to (k + 1) / 2^depth.
+    std::optional<std::int64_t> first_not_free(std::int64_t from = 0, std::int64_t to = end) const {
+        if (free(from, to)) return std::nullopt;
+        if (to - from == 1) return from;
+        const std::int64_t middle = (from + to) / 2;
+        const auto found = first_not_free(from, middle);
+        return found ? found : first_not_free(middle, to);
+    }
+
+    /// At time k / q.
+    Moment at(std::int64_t k, std::int64_t q) const {
+        Moment moment{{}, first_, q};
+        for (std::size_t i = 0; i < start_.size(); ++i)
+            moment.points.push_back(Integer(q) * start_[i] + Integer(k) * step_[i]);
+        return moment;
+    }
+
+    /// The square of the distance that they are to keep.
+    const Fraction& limit() const { return limit_; }
+
+   private:
+    bool free(std::int64_t from, std::int64_t to) const {
+        const Moment begin = at(from, end), finish = at(to, end);
+        bool found = false;
+        at(from + to, 2 * end).for_directions([&](const Point& direction) {
+            found = limit_ < begin.gap(direction) && limit_ < finish.gap(direction);
+            return found;
+        });
+        return found;
+    }
+
+    std::size_t first_;  ///< how many points the first feature has
+    std::vector<Point> start_, step_;
+    Fraction limit_;
+};
+
+/// k / q rounded down.
+double rounded_down(int k, int q) {
+    const double quotient = static_cast<double>(k) / q;
+    return std::fma(quotient, q, -k) > 0 ? std::nextafter(quotient, 0.0) : quotient;
+}
+
+class BisectedSeparation : public testing::TestWithParam<Feature> {};
+
+TEST_P(BisectedSeparation, IsFoundAtTheSameTime) {
+    // Before a closest approach, pieces are too long to be told from it for up to some root of their length.
+    constexpr double grazing = 0x1p-6;
+    int hits = 0, later = 0, all = 0;
+    for (const Lattice lattice : all_lattices) {
+        RandomMoves random(lattice, 41);
+        for (int i = 0; i < 40; ++i, ++all) {
+            const SeparatedMove asked = separated(random, lattice, GetParam());
+            const Impact impact = asked.impact();
+            const auto found = Bisection(asked).first_not_free();
+            ASSERT_EQ(impact.meets, found.has_value()) << asked;
+            if (!found) continue;
+            ++hits;
+            later += impact.toi > 0;
+            const double time = std::ldexp(static_cast<double>(*found), -Bisection::depth);
+            ASSERT_GE(impact.toi, time) << asked;
+            ASSERT_LE(impact.toi, time + grazing) << asked;
+        }
+    }
+    EXPECT_GT(later, all / 10);
+    EXPECT_LT(hits, all);
+}
+
+TEST_P(BisectedSeparation, AtFractionsIsTheExactDistance) {
+    // Times k / q with small q: those at which the distance is small enough are never missed, and at a time that is a
+    // fraction rounded down, it is what was asked for.
+    constexpr int largest = 6;
+    int exact = 0;
+    for (const Lattice lattice : {Lattice::tiny, Lattice::flat, Lattice::line}) {
+        RandomMoves random(lattice, 43);
+        for (int i = 0; i < 150; ++i) {
+            const SeparatedMove asked = separated(random, lattice, GetParam());
+            const Impact impact = asked.impact();
+            const Bisection bisection(asked);
+            for (int q = 1; q <= largest; ++q) {
+                for (int k = 0; k <= q; ++k) {
+                    const Fraction distance = bisection.at(k, q).distance();
+                    const double time = rounded_down(k, q);
+                    if (!(bisection.limit() < distance)) {
+                        ASSERT_TRUE(impact.meets) << k << " / " << q << ": " << asked;
+                        ASSERT_LE(impact.toi, time) << k << " / " << q << ": " << asked;
+                        ASSERT_TRUE(k > 0 || impact.start) << asked;
+                    } else {
+                        ASSERT_TRUE(k > 0 || !impact.start) << asked;
+                    }
+                    if (!impact.meets || k == 0 || impact.toi != time) continue;
+                    ASSERT_EQ(distance, bisection.limit()) << k << " / " << q << ": " << asked;
+                    ++exact;
+                }
+            }
+        }
+    }
+    EXPECT_GT(exact, 10);
+}
+
+std::string name_of(const testing::TestParamInfo<Feature>& info) {
+    constexpr const char* names[] = {"VertexFace", "EdgeEdge", "VertexEdge", "VertexVertex"};
+    return names[static_cast<int>(info.param)];
+}
+
+INSTANTIATE_TEST_SUITE_P(Features, BisectedSeparation, testing::ValuesIn(all_features), name_of);
+
+}  // namespace
+}  // namespace crumple

@@ -1,0 +1,116 @@
+// Separations between frames of real scenes, against exact answers from outside: impacts, which are separations of
+// nothing, and squared distances at the start.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <string>
+
+#include "exact/impact/decide_separation.h"
+#include "impacts/scene_impacts.h"
+#include "impacts/separated_moves.h"
+
+namespace crumple {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A pair of features that are near each other at the start.
+struct NearMove {
+    Move move;
+    double squared_distance;  ///< rounded
+};
+
+/// Each so many lines of an answer; none without the data.
+std::vector<NearMove> read_near_moves(const SceneStep& step, const std::string& answer, int every) {
+    const auto folder = io::test::data_folder();
+    if (!folder || !fs::exists(*folder / "gt-motion" / answer)) return {};
+    const Frames frames(*folder / "scalable-ccd" / step.start, *folder / "scalable-ccd" / step.end);
+    std::ifstream file(*folder / "gt-motion" / answer);
+    std::vector<NearMove> moves;
+    std::string kind;
+    for (int line = 0; file >> kind; ++line) {
+        std::array<std::int32_t, 4> id{};
+        const bool face = kind == "vf";
+        for (std::size_t i = 0; i < (face ? 2U : 4U); ++i) file >> id[i];
+        double squared = 0;
+        if (!(file >> squared)) throw std::runtime_error(answer + " breaks off");
+        if (line % every != 0) continue;
+        std::array<MovingPoint, 4> point;
+        for (std::size_t i = 0; i < 4; ++i)
+            point[i] = face && i > 0 ? frames.corner(id[1], i - 1) : frames.vertex(id[i]);
+        moves.push_back({{face ? Feature::vertex_face : Feature::edge_edge, point}, squared});
+    }
+    return moves;
+}
+
+Impact decide(const Move& move, const Separation& separation, SeparationCounts& counts) {
+    return decide_separation(static_cast<FeatureKinds>(move.feature), move.point, separation, counts);
+}
+
+class SeparationTruth : public testing::TestWithParam<std::size_t> {
+   protected:
+    static constexpr const char* distances[] = {"prox_cloth-funnel_227.txt", "prox_cloth-ball_92.txt",
+                                                "prox_n-body_18.txt"};
+
+    void SetUp() override {
+        near_ = read_near_moves(step(), distances[GetParam()], 20);
+        if (near_.empty()) GTEST_SKIP() << "no answers for moving scenes: set CRUMPLE_DATA";
+        ASSERT_GT(near_.size(), 1000U);
+    }
+
+    const SceneStep& step() const { return scene_steps[GetParam()]; }
+
+    std::vector<NearMove> near_;
+};
+
+TEST_P(SeparationTruth, OfNothingIsAnImpact) {
+    const auto impacts = *read_impacts(step());
+    const std::size_t every = impacts.size() < 1000 ? 1 : 150;
+    for (std::size_t i = 0; i < impacts.size(); i += every)
+        EXPECT_EQ((SeparatedMove{impacts[i].move, {}}).impact(), impacts[i].impact) << impacts[i].move;
+}
+
+TEST_P(SeparationTruth, StartsAtTheExactDistance) {
+    SeparationCounts within, beyond;
+    std::int64_t touching = 0;
+    for (std::size_t i = 0; i < near_.size(); ++i) {
+        const auto& [move, squared] = near_[i];
+        // The square is rounded, and so is its root; each by less than what this adds.
+        const double distance = std::sqrt(squared);
+        EXPECT_TRUE(decide(move, {distance * (1 + 0x1p-51), 0}, within).start) << move;
+        touching += distance == 0;
+        // Those that approach do it at a time so small that it takes rational arithmetic.
+        if (distance == 0 || i % 10 != 0) continue;
+        EXPECT_FALSE(decide(move, {distance * (1 - 0x1p-51), 0}, beyond).start) << move;
+    }
+    EXPECT_EQ(within.rational, touching);
+}
+
+TEST_P(SeparationTruth, IsFoundToTheLastBitWhereFloat64Decides) {
+    SeparationCounts counts;
+    std::int64_t asked = 0, later = 0;
+    for (std::size_t i = 0; i < near_.size(); ++i) {
+        const auto& [move, squared] = near_[i];
+        if (squared == 0) continue;
+        const double distance = std::sqrt(squared);
+        for (const Separation& separation : {Separation{0.5 * distance, 0}, {0.9 * distance, 0}, {0, 0.1}}) {
+            const Impact impact = decide(move, separation, counts);
+            ++asked;
+            later += impact.meets;
+            // Rational arithmetic takes its time.
+            if (i % 20 == 0) {
+                EXPECT_EQ(impact, (SeparatedMove{move, separation}).impact()) << move << separation;
+            }
+        }
+    }
+    EXPECT_GT(later, asked / 100);
+    EXPECT_LE(counts.rational, asked / 500);
+}
+
+INSTANTIATE_TEST_SUITE_P(GroundTruth, SeparationTruth, testing::Range(std::size_t{0}, scene_steps.size()),
+                         [](const auto& info) { return name_of(scene_steps[info.param]); });
+
+}  // namespace
+}  // namespace crumple
