@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "backends/cuda/device/device.h"
+#include "backends/cuda/device/cuda_device.h"
 #include "cuda_on_cpu/machine/settings.h"
 
 namespace {

@@ -1,6 +1,6 @@
 #pragma once
 
-// A share of the answer by the ids of what its pairs are of: what one block of a stream holds (stream.h,
+// A share of the answer by the ids of what its pairs are of: what one block of a stream holds (stream_intersections.h,
 // stream_features.h).
 
 #include <cstdint>

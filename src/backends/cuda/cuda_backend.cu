@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-#include "backends/cuda/device/device.h"
+#include "backends/cuda/device/cuda_device.h"
 #include "backends/cuda/device/turns.h"
 #include "backends/cuda/features/device_feature_queries.h"
 #include "backends/cuda/input/device_input.h"

@@ -6,7 +6,7 @@
 
 #include <string>
 
-#include "backends/cuda/device/device.h"
+#include "backends/cuda/device/cuda_device.h"
 #include "backends/cuda/device/runtime.h"
 
 namespace crumple::cuda {

@@ -1,7 +1,7 @@
 # The cuda backend's sources, for nvcc and, in the tests, for the CPU.
 set(crumple_cuda_sources
     cuda_backend.cu known_answers.cu
-    device/captures.cu device/device.cu device/gather.cu device/places.cu device/runtime.cu
+    device/captures.cu device/cuda_device.cu device/gather.cu device/places.cu device/runtime.cu
     input/host_shape.cu input/device_input.cu input/known_mesh.cu input/posed_worlds.cu input/world_names.cu
     input/worlds_side_by_side.cu
     stages/align.cu stages/bounds.cu stages/clearing.cu stages/output.cu stages/pass.cu stages/sort.cu stages/subdivide.cu

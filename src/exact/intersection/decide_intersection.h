@@ -1,7 +1,7 @@
 #pragma once
 
 // The exact decision whether a pair of triangles collides, by the contract's words (docs/narrow.md), for the host:
-// decision.h, and rational arithmetic for what lies beyond its range.
+// intersection_decision.h, and rational arithmetic for what lies beyond its range.
 
 #include <cstdint>
 

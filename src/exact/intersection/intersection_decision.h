@@ -10,7 +10,7 @@
 //   - a shared vertex: both triangles meet the common line in a segment that begins there; only its direction matters;
 //   - a shared edge: only a fold onto itself counts;
 //   - one plane for both: the same questions in a projection;
-//   - a degenerate triangle: see degenerate.h.
+//   - a degenerate triangle: see degenerate_triangles.h.
 
 #include "crumple/options.h"
 #include "exact/intersection/arrangement.h"

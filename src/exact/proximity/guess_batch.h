@@ -1,7 +1,7 @@
 #pragma once
 
-// Features at rest that are known to be near, in columns: what lanes measure (squared-inl.h). All as in SeenFromGuess,
-// but for differences that are not taken yet.
+// Features at rest that are known to be near, in columns: what lanes measure (squared_distances-inl.h). All as in
+// SeenFromGuess, but for differences that are not taken yet.
 
 #include <algorithm>
 #include <cstddef>

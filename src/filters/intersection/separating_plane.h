@@ -2,7 +2,7 @@
 
 // Edge lines and planes that certainly separate two triangles but for what they share: the flat test and the separation
 // tests of `narrow` for one pair. Claims and bounds: docs/narrow.md; in lanes:
-// backends/cpu/intersections/flat_test-inl.h and separation-inl.h. Compiled for host and device.
+// backends/cpu/intersections/flat_test-inl.h and separating_plane-inl.h. Compiled for host and device.
 
 #include "filters/intersection/triangle_record.h"
 #include "geometry/point_rows.h"

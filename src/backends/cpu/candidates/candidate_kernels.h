@@ -1,7 +1,7 @@
 #pragma once
 
 // The inner loop of candidates on the cpu, as tables beside those of the stages (backends/cpu/stages/kernels.h): plain
-// C++, and one for each SIMD instruction set (lanes.cpp). All tables list the same.
+// C++, and one for each SIMD instruction set (candidate_lanes.cpp). All tables list the same.
 
 #include <array>
 #include <bit>

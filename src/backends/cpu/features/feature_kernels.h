@@ -2,8 +2,8 @@
 
 // The inner loops of questions about features on the cpu, as tables of functions beside those of the stages
 // (backends/cpu/stages/kernels.h): one for each number of moments, nearness knows one, motion two. Plain C++
-// (kernels_scalar.cpp, from the per-pair sources that host and device share) and one pair of tables for each SIMD
-// instruction set, which overrides it (lanes.cpp). All tables leave what may be an answer.
+// (feature_kernels_scalar.cpp, from the per-pair sources that host and device share) and one pair of tables for each
+// SIMD instruction set, which overrides it (feature_lanes.cpp). All tables leave what may be an answer.
 
 #include <cstdint>
 #include <vector>

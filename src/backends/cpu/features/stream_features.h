@@ -2,9 +2,9 @@
 
 // Answers about features that exceed memory: handed over in pieces.
 //
-// In order: as stream.h does for pairs of triangles, kind by kind. A piece has all rows of a kind whose first feature
-// is in a range; what is searched for it are the triangles that own these features, and those that reach them. If the
-// whole answer fits a block it is found at once.
+// In order: as stream_intersections.h does for pairs of triangles, kind by kind. A piece has all rows of a kind whose
+// first feature is in a range; what is searched for it are the triangles that own these features, and those that reach
+// them. If the whole answer fits a block it is found at once.
 //
 // As found: all is searched once, and a worker hands over what it has found whenever that is worth a lock.
 

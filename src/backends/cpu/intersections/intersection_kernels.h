@@ -1,8 +1,9 @@
 #pragma once
 
 // The inner loops of this question on the cpu, as a table of functions beside those of the stages
-// (backends/cpu/stages/kernels.h): plain C++ (kernels_scalar.cpp, from the per-pair sources that host and device share)
-// and one table for each SIMD instruction set, which overrides it (lanes.cpp). All tables give the same pairs.
+// (backends/cpu/stages/kernels.h): plain C++ (intersection_kernels_scalar.cpp, from the per-pair sources that host and
+// device share) and one table for each SIMD instruction set, which overrides it (intersection_lanes.cpp). All tables
+// give the same pairs.
 
 #include <cstdint>
 #include <vector>

@@ -8,7 +8,7 @@
 //
 // From its fork on, a stream of ours belongs to the capture until the caller ends that.
 
-#include "backends/cuda/device/device.h"
+#include "backends/cuda/device/cuda_device.h"
 
 namespace crumple::cuda {
 

@@ -11,7 +11,7 @@
 #include <array>
 #include <cstddef>
 
-#include "backends/cuda/device/device.h"
+#include "backends/cuda/device/cuda_device.h"
 
 namespace crumple::cuda {
 

@@ -16,7 +16,7 @@
 #include <cstdint>
 #include <iterator>
 
-#include "backends/cuda/device/device.h"
+#include "backends/cuda/device/cuda_device.h"
 
 namespace crumple::cuda {
 

@@ -8,7 +8,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "backends/cuda/device/device.h"
+#include "backends/cuda/device/cuda_device.h"
 #include "backends/cuda/device/runtime.h"
 #include "crumple/array.h"
 

@@ -1,8 +1,8 @@
 #pragma once
 
 // What searches for pairs of features have in common: planned, passed over, and passed over again where a list was too
-// short, as search.h has it for triangles. Where that does not fit the memory limit or the device, clusters are done
-// one after another, in slices, and what each finds is brought to the host.
+// short, as intersection_search.h has it for triangles. Where that does not fit the memory limit or the device,
+// clusters are done one after another, in slices, and what each finds is brought to the host.
 //
 // Scenes lie on the host, or on the device as meshes whose features are known (known_mesh.h). Of the latter a pass can
 // be launched, or put into a caller's capture, with a slot for what its wait looks at (flights.h).
@@ -15,7 +15,7 @@
 #include <utility>
 
 #include "backends/cuda/device/captures.h"
-#include "backends/cuda/device/device.h"
+#include "backends/cuda/device/cuda_device.h"
 #include "backends/cuda/device/flights.h"
 #include "backends/cuda/device/graph_cache.h"
 #include "backends/cuda/device/memory.h"

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "backends/cuda/device/device.h"
+#include "backends/cuda/device/cuda_device.h"
 #include "backends/cuda/device/graph_cache.h"
 #include "backends/cuda/device/memory.h"
 #include "backends/cuda/input/device_input.h"

@@ -1,6 +1,6 @@
 #pragma once
 
-// Bodies of all worlds on the device (scene/resting_worlds.h), where they stay; a call brings their poses, which lie
+// Bodies of all worlds on the device (backends/resting_worlds.h), where they stay; a call brings their poses, which lie
 // there already. The first kernel of its pass puts the vertices where they are now:
 //
 //     shapes' vertices ──┐
@@ -15,8 +15,8 @@
 #include "backends/cuda/input/world_names.h"
 #include "backends/cuda/stages/bounds.h"
 #include "backends/cuda/stages/layout.h"
+#include "backends/resting_worlds.h"
 #include "crumple/world.h"
-#include "scene/resting_worlds.h"
 #include "scene/wanted_pairs.h"
 
 namespace crumple::cuda {

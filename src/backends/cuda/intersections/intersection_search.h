@@ -4,7 +4,8 @@
 //
 // A plan gives each list a capacity. After a pass the host reads the counters; if a list was too short, it grows and
 // the pass is run again (layout.h). Where that does not fit the memory limit or the device, clusters are done one after
-// another, in slices, and each twice: pairs are counted, then written to their places ([MZ] sec. 3.1; chunks.cu).
+// another, in slices, and each twice: pairs are counted, then written to their places ([MZ] sec. 3.1;
+// search_in_chunks.cu).
 
 #include <limits>
 #include <optional>
@@ -156,11 +157,11 @@ class Search {
     void refuse_worlds();
     Statistics shown_statistics() const;
 
-    // flags.cu
+    // world_flags.cu
     void flag_worlds_at_once(std::span<std::uint8_t> flags);
     void flag_beyond(std::size_t n, std::span<std::uint8_t> flags);
 
-    // chunks.cu
+    // search_in_chunks.cu
     template <class Work>
     void in_chunks(Work work);
     void find_in_chunks(Lists lists);

@@ -82,8 +82,8 @@ struct Segments {
     }
 };
 
-/// One level of subdivision. Items are triangles on the first level, whose parents are worlds (worlds.h); on the second
-/// they are members of the first. Parent p has the children [p fan_out, (p + 1) fan_out).
+/// One level of subdivision. Items are triangles on the first level, whose parents are worlds (worlds_side_by_side.h);
+/// on the second they are members of the first. Parent p has the children [p fan_out, (p + 1) fan_out).
 struct Level {
     int parents, fan_out;
     Segments items_of;               ///< of each parent; null: one parent has all items

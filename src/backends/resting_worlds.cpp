@@ -1,5 +1,4 @@
-#include "results/world_output.h"
-#include "scene/resting_worlds.h"
+#include "backends/resting_worlds.h"
 
 #include <algorithm>
 #include <bit>
@@ -10,6 +9,7 @@
 #include <utility>
 
 #include "crumple/error.h"
+#include "results/world_output.h"
 #include "scene/world_outline.h"
 #include "scene/world_scene.h"
 

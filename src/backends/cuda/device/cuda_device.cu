@@ -1,4 +1,4 @@
-#include "backends/cuda/device/device.h"
+#include "backends/cuda/device/cuda_device.h"
 
 #include <string>
 
