@@ -1,0 +1,75 @@
+#!/usr/bin/env python3
+"""Checks the layers of src/ (ARCHITECTURE.md, Folders) and the names of files.
+
+Includes go from a layer to itself and to those before it; backends do not include each other. No base name stands for two
+things. Folders hold at most 40 files. Prints each breach; exit status 1 if there are any.
+"""
+
+import re
+import sys
+from collections import defaultdict
+from pathlib import Path
+
+LAYERS = "base geometry exact scene partition queries filters results backends search detector distributed io".split()
+BACKENDS = "reference cpu cuda".split()
+NAMED = "include src cli scenes".split()  # folders whose base names differ
+MOST_FILES = 40
+SUFFIXES = {".h", ".cpp", ".cu"}
+
+root = Path(__file__).resolve().parent.parent
+
+
+def sources(folder):
+    return sorted(path for path in (root / folder).rglob("*") if path.suffix in SUFFIXES)
+
+
+def includes():
+    """Yields (file, included file) of src/, both by their paths there."""
+    for path in sources("src"):
+        file = path.relative_to(root / "src")
+        for name in re.findall(r'^#include "([^"]+)"', path.read_text(), re.MULTILINE):
+            if (root / "src" / name).exists():
+                yield file, Path(name)
+
+
+def breach_of_layers(file, included):
+    if LAYERS.index(included.parts[0]) > LAYERS.index(file.parts[0]):
+        return f"src/{file} includes {included}, of a higher layer"
+    both = [path.parts[1] for path in (file, included) if path.parts[0] == "backends" and path.parts[1] in BACKENDS]
+    if len(set(both)) == 2:
+        return f"src/{file} includes {included}, of another backend"
+    return None
+
+
+def thing(path):
+    """Returns what tells files of one base name apart: the same step of two backends is one thing."""
+    parts = path.relative_to(root / "src").parts if path.is_relative_to(root / "src") else path.parts
+    return parts[2:] if parts[0] == "backends" and parts[1] in BACKENDS else parts
+
+
+def breaches_of_names():
+    files = defaultdict(list)  # by base name, headers and bodies apart
+    for folder in NAMED:
+        for path in sources(folder):
+            files[path.stem, path.suffix == ".h"].append(path)
+    for (name, _), paths in sorted(files.items()):
+        if len({thing(path.with_suffix("")) for path in paths}) > 1:
+            yield f"{name} is the name of " + " and ".join(str(path.relative_to(root)) for path in paths)
+
+
+def breaches_of_size():
+    for folder in sorted({path.parent for top in NAMED for path in sources(top)}):
+        count = sum(path.is_file() for path in folder.iterdir())
+        if count > MOST_FILES:
+            yield f"{folder.relative_to(root)} has {count} files, more than {MOST_FILES}"
+
+
+def main():
+    breaches = [breach for file, included in includes() if (breach := breach_of_layers(file, included))]
+    breaches += [*breaches_of_names(), *breaches_of_size()]
+    print("\n".join(breaches), end="\n" if breaches else "")
+    return 1 if breaches else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
