@@ -1,4 +1,4 @@
-#include "cli/bodies.h"
+#include "cli/bodies_of_files.h"
 
 #include <algorithm>
 #include <cctype>
@@ -9,13 +9,13 @@
 
 #include <nlohmann/json.hpp>
 
+#include "cli/closest_word.h"
 #include "cli/common_unit.h"
-#include "cli/nearest.h"
 #include "cli/search.h"
 #include "cli/terminal.h"
 #include "crumple/error.h"
-#include "io/names.h"
-#include "io/source.h"
+#include "io/bytes/source.h"
+#include "io/scenes/body_names.h"
 
 namespace crumple::cli {
 namespace {

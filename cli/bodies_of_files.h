@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "cli/options.h"
+#include "cli/command_options.h"
 #include "crumple/io.h"
 
 namespace crumple::cli {

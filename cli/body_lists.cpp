@@ -5,7 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "cli/bodies.h"
+#include "cli/bodies_of_files.h"
 
 namespace crumple::cli {
 namespace {

@@ -1,4 +1,4 @@
-#include "cli/nearest.h"
+#include "cli/closest_word.h"
 
 #include <algorithm>
 #include <cctype>

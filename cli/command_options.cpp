@@ -1,4 +1,4 @@
-#include "cli/options.h"
+#include "cli/command_options.h"
 
 #include <fmt/format.h>
 
@@ -13,9 +13,9 @@
 
 #include "cli/choice.h"
 #include "crumple/error.h"
+#include "io/bytes/gzip.h"
+#include "io/bytes/text.h"
 #include "io/formats.h"
-#include "io/gzip.h"
-#include "io/text.h"
 
 namespace crumple::cli {
 namespace {

@@ -1,12 +1,12 @@
-#include "cli/features.h"
+#include "cli/feature_outputs.h"
 
 #include <algorithm>
 
-#include "cli/bodies.h"
+#include "cli/bodies_of_files.h"
 #include "cli/commands.h"
 #include "cli/statistics_table.h"
 #include "cli/steps.h"
-#include "io/feature_kinds.h"
+#include "io/lists/feature_kinds.h"
 
 namespace crumple::cli {
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "cli/options.h"
+#include "cli/command_options.h"
 #include "cli/terminal.h"
 #include "crumple/io_features.h"
 #include "io/formats.h"

@@ -9,7 +9,7 @@
 #include "cli/commands.h"
 #include "cli/help.h"
 #include "cli/misuse.h"
-#include "cli/ranks.h"
+#include "cli/ranks/ranks.h"
 #include "cli/signals.h"
 #include "cli/terminal.h"
 #include "crumple/error.h"

@@ -2,9 +2,9 @@
 
 #include <limits>
 
-#include "cli/bodies.h"
+#include "cli/bodies_of_files.h"
 #include "crumple/error.h"
-#include "io/text.h"
+#include "io/bytes/text.h"
 
 namespace crumple::cli {
 namespace {

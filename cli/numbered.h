@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "io/gzip.h"
+#include "io/bytes/gzip.h"
 
 namespace crumple::cli {
 

@@ -11,7 +11,7 @@
 #include "cli/threads.h"
 #include "cli/topology.h"
 #include "crumple/error.h"
-#include "io/text.h"
+#include "io/bytes/text.h"
 
 namespace crumple::cli {
 namespace {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "cli/options.h"
+#include "cli/command_options.h"
 #include "crumple/detector.h"
 #include "crumple/error.h"
 

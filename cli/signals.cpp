@@ -1,6 +1,6 @@
 #include "cli/signals.h"
 
-#include "io/unfinished_files.h"
+#include "io/bytes/unfinished_files.h"
 
 namespace crumple::cli {
 namespace {

@@ -12,7 +12,7 @@
 #include <fmt/format.h>
 
 #include "crumple/error.h"
-#include "io/file_buffer.h"
+#include "io/bytes/file_buffer.h"
 
 namespace crumple::cli {
 

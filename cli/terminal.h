@@ -12,7 +12,7 @@
 #include <fmt/color.h>
 #include <fmt/format.h>
 
-#include "io/grouped.h"
+#include "io/bytes/grouped.h"
 
 namespace crumple::cli {
 

@@ -9,7 +9,7 @@
 
 #include "exact/intersection/contact.h"
 #include "geometry/predicates.h"
-#include "io/weld.h"
+#include "io/meshes/weld.h"
 #include "scene/placement.h"
 
 namespace crumple::cli {

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "io/zip.h"
+#include "io/bytes/zip.h"
 
 namespace crumple::test {
 

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "io/bytes.h"
+#include "io/bytes/bytes.h"
 
 namespace crumple::test {
 

@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "cli/command_options.h"
 #include "cli/commands.h"
-#include "cli/options.h"
 #include "cli/search.h"
 #include "cli/terminal.h"
 #include "crumple/error.h"

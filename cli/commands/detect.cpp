@@ -6,9 +6,9 @@
 #include <optional>
 
 #include "cli/commands.h"
-#include "cli/detect_bodies.h"
-#include "cli/detect_ranks.h"
-#include "cli/ranks.h"
+#include "cli/commands/detect_bodies.h"
+#include "cli/ranks/detect_ranks.h"
+#include "cli/ranks/ranks.h"
 #include "cli/search.h"
 #include "cli/statistics_table.h"
 #include "cli/steps.h"

@@ -1,4 +1,4 @@
-#include "cli/detect_bodies.h"
+#include "cli/commands/detect_bodies.h"
 
 #include <algorithm>
 #include <iostream>
@@ -8,14 +8,14 @@
 
 #include <fmt/format.h>
 
-#include "cli/bodies.h"
+#include "cli/bodies_of_files.h"
 #include "cli/body_lists.h"
 #include "cli/commands.h"
 #include "cli/search.h"
 #include "cli/steps.h"
 #include "cli/terminal.h"
 #include "crumple/error.h"
-#include "io/atomic_file.h"
+#include "io/bytes/atomic_file.h"
 #include "io/formats.h"
 
 namespace crumple::cli {

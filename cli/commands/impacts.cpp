@@ -6,13 +6,13 @@
 
 #include <fmt/format.h>
 
-#include "cli/bodies.h"
-#include "cli/candidates.h"
+#include "cli/bodies_of_files.h"
 #include "cli/choice.h"
 #include "cli/commands.h"
-#include "cli/feature_ranks.h"
-#include "cli/features.h"
-#include "cli/ranks.h"
+#include "cli/commands/list_candidates.h"
+#include "cli/feature_outputs.h"
+#include "cli/ranks/feature_ranks.h"
+#include "cli/ranks/ranks.h"
 #include "cli/search.h"
 #include "cli/statistics_table.h"
 #include "cli/steps.h"

@@ -11,7 +11,7 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include "cli/bodies.h"
+#include "cli/bodies_of_files.h"
 #include "cli/commands.h"
 #include "cli/terminal.h"
 #include "cli/topology.h"

@@ -1,4 +1,4 @@
-#include "cli/candidates.h"
+#include "cli/commands/list_candidates.h"
 
 #include <string>
 

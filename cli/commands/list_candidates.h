@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "cli/options.h"
+#include "cli/command_options.h"
 #include "crumple/candidates.h"
 
 namespace crumple::cli {

@@ -6,9 +6,9 @@
 
 #include <fmt/format.h>
 
+#include "cli/command_options.h"
 #include "cli/commands.h"
 #include "cli/numbered.h"
-#include "cli/options.h"
 #include "cli/terminal.h"
 #include "crumple/error.h"
 #include "io/formats.h"

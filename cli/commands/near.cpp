@@ -4,12 +4,12 @@
 
 #include <fmt/format.h>
 
-#include "cli/bodies.h"
+#include "cli/bodies_of_files.h"
 #include "cli/commands.h"
-#include "cli/feature_ranks.h"
-#include "cli/features.h"
+#include "cli/feature_outputs.h"
 #include "cli/near_filters.h"
-#include "cli/ranks.h"
+#include "cli/ranks/feature_ranks.h"
+#include "cli/ranks/ranks.h"
 #include "cli/search.h"
 #include "cli/statistics_table.h"
 #include "cli/steps.h"

@@ -14,11 +14,11 @@
 #include <fmt/format.h>
 
 #include "cli/commands.h"
-#include "cli/features.h"
+#include "cli/commands/sequence_output.h"
+#include "cli/feature_outputs.h"
 #include "cli/frames.h"
 #include "cli/numbered.h"
 #include "cli/search.h"
-#include "cli/sequence_output.h"
 #include "cli/signals.h"
 #include "cli/statistics_table.h"
 #include "cli/terminal.h"

@@ -1,12 +1,12 @@
-#include "cli/sequence_output.h"
+#include "cli/commands/sequence_output.h"
 
 #include <cmath>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "cli/command_options.h"
 #include "cli/numbered.h"
-#include "cli/options.h"
 #include "crumple/error.h"
 
 namespace crumple::cli {

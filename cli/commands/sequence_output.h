@@ -12,7 +12,7 @@
 #include "cli/search.h"
 #include "crumple/io.h"
 #include "crumple/motion.h"
-#include "io/atomic_file.h"
+#include "io/bytes/atomic_file.h"
 
 namespace crumple::cli {
 

@@ -8,10 +8,10 @@
 #include <fmt/format.h>
 
 #include "cli/commands.h"
+#include "cli/commands/verify_features.h"
 #include "cli/print_some.h"
 #include "cli/search.h"
 #include "cli/terminal.h"
-#include "cli/verify_features.h"
 #include "crumple/error.h"
 
 namespace crumple::cli {

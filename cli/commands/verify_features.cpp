@@ -1,4 +1,4 @@
-#include "cli/verify_features.h"
+#include "cli/commands/verify_features.h"
 
 #include <algorithm>
 #include <iostream>
@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "cli/bodies.h"
+#include "cli/bodies_of_files.h"
 #include "cli/commands.h"
 #include "cli/print_some.h"
 #include "cli/search.h"

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "cli/candidates.h"
-#include "cli/features.h"
+#include "cli/commands/list_candidates.h"
+#include "cli/feature_outputs.h"
 
 namespace crumple::cli {
 

@@ -1,13 +1,13 @@
-#include "cli/detect_ranks.h"
+#include "cli/ranks/detect_ranks.h"
 
 #include <algorithm>
 
 #include "cli/commands.h"
-#include "cli/rank_command.h"
-#include "cli/rank_input.h"
-#include "cli/rank_output.h"
-#include "cli/rank_rows.h"
-#include "cli/rank_statistics.h"
+#include "cli/ranks/rank_command.h"
+#include "cli/ranks/rank_input.h"
+#include "cli/ranks/rank_output.h"
+#include "cli/ranks/rank_rows.h"
+#include "cli/ranks/rank_statistics.h"
 #include "cli/statistics_table.h"
 #include "crumple/mpi.h"
 

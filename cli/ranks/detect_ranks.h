@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "cli/options.h"
+#include "cli/command_options.h"
 
 namespace crumple::cli {
 

@@ -1,11 +1,11 @@
-#include "cli/feature_ranks.h"
+#include "cli/ranks/feature_ranks.h"
 
 #include "cli/commands.h"
-#include "cli/rank_command.h"
-#include "cli/rank_features.h"
-#include "cli/rank_input.h"
-#include "cli/rank_output.h"
-#include "cli/rank_statistics.h"
+#include "cli/ranks/rank_command.h"
+#include "cli/ranks/rank_features.h"
+#include "cli/ranks/rank_input.h"
+#include "cli/ranks/rank_output.h"
+#include "cli/ranks/rank_statistics.h"
 #include "crumple/mpi.h"
 
 namespace crumple::cli {

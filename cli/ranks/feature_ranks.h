@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "cli/features.h"
+#include "cli/feature_outputs.h"
 #include "crumple/motion.h"
 #include "crumple/near.h"
 

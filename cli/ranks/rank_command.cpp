@@ -1,4 +1,4 @@
-#include "cli/rank_command.h"
+#include "cli/ranks/rank_command.h"
 
 #include <chrono>
 #include <exception>
@@ -8,8 +8,8 @@
 
 #include "cli/commands.h"
 #include "cli/terminal.h"
+#include "io/bytes/gzip.h"
 #include "io/formats.h"
-#include "io/gzip.h"
 
 namespace crumple::cli {
 

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "cli/options.h"
-#include "cli/rank_link.h"
-#include "cli/ranks.h"
+#include "cli/command_options.h"
+#include "cli/ranks/rank_link.h"
+#include "cli/ranks/ranks.h"
 #include "cli/search.h"
 #include "cli/steps.h"
 #include "cli/threads.h"

@@ -1,13 +1,13 @@
-#include "cli/rank_features.h"
+#include "cli/ranks/rank_features.h"
 
 #include <algorithm>
 #include <limits>
 
-#include "cli/rank_gather.h"
+#include "cli/ranks/rank_gather.h"
 #include "distributed/transport/exchange_lists.h"
 #include "distributed/transport/merge_runs.h"
-#include "io/feature_answer.h"
-#include "io/sink.h"
+#include "io/bytes/sink.h"
+#include "io/lists/feature_list_view.h"
 
 namespace crumple::cli {
 namespace {

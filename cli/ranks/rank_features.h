@@ -8,9 +8,9 @@
 #include <span>
 #include <vector>
 
-#include "cli/rank_input.h"
-#include "cli/rank_link.h"
-#include "cli/rank_output.h"
+#include "cli/ranks/rank_input.h"
+#include "cli/ranks/rank_link.h"
+#include "cli/ranks/rank_output.h"
 #include "crumple/distributed.h"
 #include "crumple/io_features.h"
 

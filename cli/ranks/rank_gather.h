@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "cli/rank_link.h"
+#include "cli/ranks/rank_link.h"
 #include "crumple/array.h"
 
 namespace crumple::cli {

@@ -1,4 +1,4 @@
-#include "cli/rank_input.h"
+#include "cli/ranks/rank_input.h"
 
 #include <algorithm>
 #include <array>
@@ -8,8 +8,8 @@
 #include <type_traits>
 #include <variant>
 
-#include "cli/rank_command.h"
-#include "cli/rank_vertices.h"
+#include "cli/ranks/rank_command.h"
+#include "cli/ranks/rank_vertices.h"
 #include "cli/search.h"
 
 namespace crumple::cli {

@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "cli/options.h"
-#include "cli/rank_link.h"
+#include "cli/command_options.h"
+#include "cli/ranks/rank_link.h"
 #include "crumple/distributed.h"
 #include "crumple/io.h"
-#include "io/slice.h"
+#include "io/bytes/slice.h"
 
 namespace crumple::cli {
 

@@ -1,4 +1,4 @@
-#include "cli/rank_link.h"
+#include "cli/ranks/rank_link.h"
 
 #include <cstdlib>
 

@@ -1,4 +1,4 @@
-#include "cli/rank_output.h"
+#include "cli/ranks/rank_output.h"
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -11,8 +11,8 @@
 #include <utility>
 
 #include "cli/commands.h"
-#include "io/atomic_file.h"
-#include "io/file_buffer.h"
+#include "io/bytes/atomic_file.h"
+#include "io/bytes/file_buffer.h"
 
 namespace crumple::cli {
 namespace {

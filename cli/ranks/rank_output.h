@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "cli/options.h"
-#include "cli/rank_link.h"
+#include "cli/command_options.h"
+#include "cli/ranks/rank_link.h"
 #include "cli/terminal.h"
 #include "io/formats.h"
 

@@ -1,12 +1,12 @@
-#include "cli/rank_rows.h"
+#include "cli/ranks/rank_rows.h"
 
 #include <algorithm>
 #include <numeric>
 #include <span>
 #include <vector>
 
-#include "cli/rank_gather.h"
-#include "io/pairs.h"
+#include "cli/ranks/rank_gather.h"
+#include "io/lists/pairs.h"
 
 namespace crumple::cli {
 namespace {

@@ -4,10 +4,10 @@
 
 #include <cstdint>
 
-#include "cli/rank_link.h"
-#include "cli/rank_output.h"
+#include "cli/ranks/rank_link.h"
+#include "cli/ranks/rank_output.h"
 #include "crumple/distributed.h"
-#include "io/slice.h"
+#include "io/bytes/slice.h"
 
 namespace crumple::cli {
 

@@ -1,4 +1,4 @@
-#include "cli/rank_statistics.h"
+#include "cli/ranks/rank_statistics.h"
 
 #include <algorithm>
 #include <numeric>

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string>
 
-#include "cli/rank_link.h"
+#include "cli/ranks/rank_link.h"
 #include "crumple/distributed.h"
 
 namespace crumple::cli {

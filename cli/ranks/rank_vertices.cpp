@@ -1,4 +1,4 @@
-#include "cli/rank_vertices.h"
+#include "cli/ranks/rank_vertices.h"
 
 #include <algorithm>
 #include <array>

@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "cli/rank_link.h"
+#include "cli/ranks/rank_link.h"
 #include "crumple/io.h"
-#include "io/slice.h"
+#include "io/bytes/slice.h"
 
 namespace crumple::cli {
 

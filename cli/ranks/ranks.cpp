@@ -1,4 +1,4 @@
-#include "cli/ranks.h"
+#include "cli/ranks/ranks.h"
 
 #include <cstdlib>
 #include <string_view>

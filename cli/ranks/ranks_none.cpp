@@ -1,8 +1,8 @@
 // A build without MPI: nobody else is there.
 
-#include "cli/detect_ranks.h"
-#include "cli/feature_ranks.h"
-#include "cli/ranks.h"
+#include "cli/ranks/detect_ranks.h"
+#include "cli/ranks/feature_ranks.h"
+#include "cli/ranks/ranks.h"
 #include "crumple/error.h"
 
 namespace crumple::cli {

@@ -19,7 +19,7 @@
 #include "crumple/io.h"
 #include "detector.h"
 #include "gil.h"
-#include "io/triangulate.h"
+#include "io/meshes/triangulate.h"
 #include "names.h"
 #include "scenes/scenes.h"
 #include "signals.h"

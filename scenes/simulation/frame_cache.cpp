@@ -6,7 +6,7 @@
 #include <fstream>
 
 #include "crumple/error.h"
-#include "io/atomic_file.h"
+#include "io/bytes/atomic_file.h"
 
 namespace crumple::scenes {
 namespace {

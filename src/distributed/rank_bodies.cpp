@@ -13,14 +13,12 @@
 namespace crumple::distribute {
 namespace {
 
-constexpr std::int64_t most = std::numeric_limits<std::int32_t>::max();
-
 [[noreturn]] void refuse_body(std::int64_t body, const std::string& what) {
     throw Error(ErrorCode::invalid_argument, "body " + std::to_string(body) + what, Element::body, body);
 }
 
 void check_total(std::int64_t total, const char* what) {
-    if (total > most)
+    if (total > most_ids)
         throw Error(ErrorCode::invalid_argument, "the bodies of all ranks have " + std::to_string(total) + " " + what +
                                                      " together, and at most 2147483647 may be");
 }

@@ -11,8 +11,6 @@
 namespace crumple::distribute {
 namespace {
 
-constexpr std::int64_t most = std::numeric_limits<std::int32_t>::max();
-
 [[noreturn]] void refuse(const std::string& what, Element element = Element::none, std::int64_t index = -1) {
     throw Error(ErrorCode::invalid_argument, what, element, index);
 }
@@ -94,7 +92,7 @@ void Share::number(const MeshShare& share, bool triangle_ids, bool vertex_ids, s
     if (triangle_ids) triangles_.given = take(share.triangle_ids);
     if (vertex_ids) vertices_.given = take(share.vertex_ids);
     const auto check_all = [](std::int64_t all, const char* what) {
-        if (all > most)
+        if (all > most_ids)
             refuse("there are " + std::to_string(all) + " " + what + " over all ranks, and at most 2147483647 may be");
     };
     check_all(triangles_.all, "triangles");
@@ -128,7 +126,7 @@ void Share::read(const MeshShare& share, ParallelFor& workers) {
     MeshView mesh = share.mesh;
     mesh.edges = {}, mesh.points = {};
     check_range(triangles_, mesh.triangles.rows, triangles_.all, "triangle", Element::triangle);
-    check_range(vertices_, mesh.vertices.rows, most, "vertex", Element::vertex);
+    check_range(vertices_, mesh.vertices.rows, most_ids, "vertex", Element::vertex);
     with_global_index([&] { scene_ = prepare_scene(mesh, nullptr, false, workers, buffers_); });
 }
 

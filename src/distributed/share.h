@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -12,6 +13,8 @@
 #include "scene/scene.h"
 
 namespace crumple::distribute {
+
+inline constexpr std::int64_t most_ids = std::numeric_limits<std::int32_t>::max();  ///< over all ranks
 
 /// Numbers over all ranks: those that the caller has given, or the ranks' own behind each other.
 struct Ids {

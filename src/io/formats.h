@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "crumple/io.h"
-#include "io/source.h"
+#include "io/bytes/source.h"
 
 namespace crumple::io {
 

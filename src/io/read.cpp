@@ -8,17 +8,17 @@
 #include <utility>
 
 #include "base/float_environment.h"
-#include "io/3mf.h"
-#include "io/expansion.h"
+#include "io/bytes/expanded_size.h"
+#include "io/bytes/gzip.h"
+#include "io/bytes/text.h"
+#include "io/bytes/zip.h"
 #include "io/formats.h"
-#include "io/gltf.h"
-#include "io/gltf_file.h"
-#include "io/gzip.h"
-#include "io/names.h"
-#include "io/text.h"
-#include "io/weld.h"
-#include "io/world.h"
-#include "io/zip.h"
+#include "io/meshes/weld.h"
+#include "io/scenes/3mf.h"
+#include "io/scenes/body_names.h"
+#include "io/scenes/gltf.h"
+#include "io/scenes/gltf_file.h"
+#include "io/scenes/world_mesh.h"
 
 namespace crumple::io {
 

@@ -6,10 +6,10 @@
 #include <utility>
 
 #include "base/float_environment.h"
-#include "io/atomic_file.h"
+#include "io/bytes/atomic_file.h"
+#include "io/bytes/gzip.h"
 #include "io/formats.h"
-#include "io/gzip.h"
-#include "io/world.h"
+#include "io/scenes/world_mesh.h"
 
 namespace crumple::io {
 

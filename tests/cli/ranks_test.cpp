@@ -4,7 +4,7 @@
 #include <bit>
 #include <nlohmann/json.hpp>
 
-#include "io/bytes.h"
+#include "io/bytes/bytes.h"
 #include "moving.h"
 
 namespace crumple::cli::test {

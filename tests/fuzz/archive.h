@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "io/bytes.h"
+#include "io/bytes/bytes.h"
 
 namespace crumple::fuzz {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "io/bytes.h"
+#include "io/bytes/bytes.h"
 
 namespace crumple::fuzz {
 

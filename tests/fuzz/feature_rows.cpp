@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "fuzz/fail.h"
-#include "io/feature_kinds.h"
+#include "io/lists/feature_kinds.h"
 
 namespace crumple::fuzz {
 namespace {

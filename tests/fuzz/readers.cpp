@@ -20,7 +20,7 @@
 #include "fuzz/memory.h"
 #include "fuzz/polygons.h"
 #include "fuzz/written.h"
-#include "io/bytes.h"
+#include "io/bytes/bytes.h"
 
 namespace crumple::fuzz {
 namespace {

@@ -15,7 +15,7 @@
 #include "crumple/error.h"
 #include "crumple/io.h"
 #include "error_of.h"
-#include "io/bytes.h"
+#include "io/bytes/bytes.h"
 
 namespace crumple::io::test {
 

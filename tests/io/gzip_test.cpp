@@ -6,8 +6,8 @@
 
 #include "3mf_file.h"
 #include "files.h"
-#include "io/gzip.h"
-#include "io/slice.h"
+#include "io/bytes/gzip.h"
+#include "io/bytes/slice.h"
 
 namespace crumple::io::test {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "collisions.h"
 #include "files.h"
-#include "io/zip.h"
+#include "io/bytes/zip.h"
 
 namespace crumple::io::test {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "feature_answers.h"
 #include "files.h"
-#include "io/zip.h"
+#include "io/bytes/zip.h"
 #include "numpy.h"
 
 namespace crumple::io::test {

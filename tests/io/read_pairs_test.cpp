@@ -4,7 +4,7 @@
 
 #include "collisions.h"
 #include "files.h"
-#include "io/zip.h"
+#include "io/bytes/zip.h"
 #include "numpy.h"
 
 namespace crumple::io::test {

@@ -1,6 +1,6 @@
 // A file that several readers share: their blocks, one behind the other, are what one reader reads.
 
-#include "io/slice.h"
+#include "io/bytes/slice.h"
 
 #include <array>
 #include <cstring>

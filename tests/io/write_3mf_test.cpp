@@ -6,7 +6,7 @@
 
 #include "crumple/detector.h"
 #include "files.h"
-#include "io/package.h"
+#include "io/scenes/package.h"
 
 namespace crumple::io::test {
 namespace {

@@ -9,7 +9,7 @@
 #include <limits>
 #include <sstream>
 
-#include "io/atomic_file.h"
+#include "io/bytes/atomic_file.h"
 #include "samples.h"
 
 namespace crumple::io::test {

@@ -6,7 +6,7 @@
 #include "3mf_file.h"
 #include "collisions.h"
 #include "files.h"
-#include "io/npz.h"
+#include "io/bytes/npz.h"
 #include "scenes.h"
 
 namespace crumple::io::test {

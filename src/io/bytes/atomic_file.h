@@ -9,9 +9,9 @@
 #include <ostream>
 #include <string>
 
-#include "io/file_buffer.h"
-#include "io/gzip.h"
-#include "io/unfinished_files.h"
+#include "io/bytes/file_buffer.h"
+#include "io/bytes/gzip.h"
+#include "io/bytes/unfinished_files.h"
 
 namespace crumple::io {
 

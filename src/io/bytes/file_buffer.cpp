@@ -1,4 +1,4 @@
-#include "io/file_buffer.h"
+#include "io/bytes/file_buffer.h"
 
 #include <unistd.h>
 

@@ -1,4 +1,4 @@
-#include "io/gzip.h"
+#include "io/bytes/gzip.h"
 
 #include <zlib.h>
 
@@ -7,7 +7,7 @@
 #include <new>
 
 #include "crumple/error.h"
-#include "io/expansion.h"
+#include "io/bytes/expanded_size.h"
 
 namespace crumple::io {
 

@@ -16,7 +16,7 @@ namespace crumple::io {
 inline bool is_gzip(std::string_view bytes) { return bytes.starts_with("\x1f\x8b"); }
 
 /// Of all members, one after the other. `name` is for messages. Throws Error (format): truncated, damaged, followed by
-/// something else, expands beyond measure (io/expansion.h).
+/// something else, expands beyond measure (io/bytes/expanded_size.h).
 Array<char> expand_gzip(std::string_view bytes, const std::string& name);
 
 /// Whether a file of this name is compressed.

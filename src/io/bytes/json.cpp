@@ -1,4 +1,4 @@
-#include "io/json.h"
+#include "io/bytes/json.h"
 
 #include <cmath>
 #include <nlohmann/json.hpp>

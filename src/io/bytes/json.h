@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "crumple/collisions.h"
-#include "io/sink.h"
+#include "io/bytes/sink.h"
 
 namespace crumple::io {
 

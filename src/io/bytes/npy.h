@@ -10,8 +10,8 @@
 #include <string_view>
 #include <vector>
 
-#include "io/bytes.h"
-#include "io/source.h"
+#include "io/bytes/bytes.h"
+#include "io/bytes/source.h"
 
 namespace crumple::io {
 

@@ -7,9 +7,9 @@
 #include <string>
 
 #include "crumple/error.h"
-#include "io/bytes.h"
-#include "io/source.h"
-#include "io/zip.h"
+#include "io/bytes/bytes.h"
+#include "io/bytes/source.h"
+#include "io/bytes/zip.h"
 
 namespace crumple::io {
 

@@ -1,4 +1,4 @@
-#include "io/row_file.h"
+#include "io/bytes/row_file.h"
 
 #include <fcntl.h>
 #include <sys/stat.h>

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <type_traits>
 
-#include "io/bytes.h"
+#include "io/bytes/bytes.h"
 
 namespace crumple::io {
 

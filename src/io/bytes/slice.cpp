@@ -1,6 +1,6 @@
 // Which files are read by slices, and the slices of STL; those of PLY are ply_slice.cpp's.
 
-#include "io/slice.h"
+#include "io/bytes/slice.h"
 
 #include <cmath>
 #include <numeric>
@@ -8,13 +8,13 @@
 #include <string_view>
 
 #include "base/float_environment.h"
-#include "io/3mf.h"
-#include "io/bytes.h"
+#include "io/bytes/bytes.h"
+#include "io/bytes/gzip.h"
+#include "io/bytes/row_file.h"
 #include "io/formats.h"
-#include "io/gltf_file.h"
-#include "io/gzip.h"
-#include "io/ply_slice.h"
-#include "io/row_file.h"
+#include "io/meshes/ply_slice.h"
+#include "io/scenes/3mf.h"
+#include "io/scenes/gltf_file.h"
 
 namespace crumple::io {
 namespace {

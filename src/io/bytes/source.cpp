@@ -1,11 +1,11 @@
-#include "io/source.h"
+#include "io/bytes/source.h"
 
 #include <algorithm>
 #include <cerrno>
 #include <fstream>
 #include <system_error>
 
-#include "io/gzip.h"
+#include "io/bytes/gzip.h"
 
 namespace crumple::io {
 

@@ -10,7 +10,7 @@
 #include <optional>
 #include <string_view>
 
-#include "io/source.h"
+#include "io/bytes/source.h"
 
 namespace crumple::io {
 

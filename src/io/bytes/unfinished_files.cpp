@@ -1,4 +1,4 @@
-#include "io/unfinished_files.h"
+#include "io/bytes/unfinished_files.h"
 
 #include <unistd.h>
 

@@ -1,4 +1,4 @@
-#include "io/xml.h"
+#include "io/bytes/xml.h"
 
 #include <expat.h>
 

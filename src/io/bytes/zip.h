@@ -14,7 +14,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "io/source.h"
+#include "io/bytes/source.h"
 
 namespace crumple::io {
 

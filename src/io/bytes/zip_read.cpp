@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <new>
 
-#include "io/bytes.h"
-#include "io/zip.h"
+#include "io/bytes/bytes.h"
+#include "io/bytes/zip.h"
 
 namespace crumple::io {
 

@@ -6,11 +6,11 @@
 #include <string>
 
 #include "base/float_environment.h"
-#include "io/atomic_file.h"
+#include "io/bytes/atomic_file.h"
+#include "io/bytes/gzip.h"
 #include "io/formats.h"
-#include "io/gzip.h"
-#include "io/polygons.h"
-#include "io/unit.h"
+#include "io/meshes/polygons.h"
+#include "io/meshes/unit.h"
 
 namespace crumple::io {
 

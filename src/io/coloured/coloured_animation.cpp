@@ -5,9 +5,9 @@
 #include <tiny_gltf.h>
 
 #include "base/float_environment.h"
-#include "io/atomic_file.h"
-#include "io/glb.h"
-#include "io/unit.h"
+#include "io/bytes/atomic_file.h"
+#include "io/meshes/unit.h"
+#include "io/scenes/glb.h"
 
 namespace crumple::io {
 

@@ -7,9 +7,9 @@
 #include <map>
 
 #include "base/float_environment.h"
-#include "io/atomic_file.h"
-#include "io/feature_answer.h"
+#include "io/bytes/atomic_file.h"
 #include "io/formats.h"
+#include "io/lists/feature_list_view.h"
 
 namespace crumple::io {
 

@@ -1,9 +1,9 @@
 // Worlds with colliding triangles coloured: .glb and .3mf body by body, the other formats as one mesh.
 
 #include "base/float_environment.h"
-#include "io/atomic_file.h"
+#include "io/bytes/atomic_file.h"
 #include "io/formats.h"
-#include "io/world.h"
+#include "io/scenes/world_mesh.h"
 
 namespace crumple::io {
 

@@ -10,11 +10,11 @@
 
 #include "base/float_environment.h"
 #include "crumple/io.h"
+#include "io/bytes/grouped.h"
+#include "io/bytes/sink.h"
 #include "io/formats.h"
-#include "io/grouped.h"
-#include "io/pairs.h"
-#include "io/polygons.h"
-#include "io/sink.h"
+#include "io/lists/pairs.h"
+#include "io/meshes/polygons.h"
 
 namespace crumple::io {
 namespace {

@@ -1,4 +1,4 @@
-#include "io/feature_answer.h"
+#include "io/lists/feature_list_view.h"
 
 #include <algorithm>
 #include <utility>

@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "crumple/io_features.h"
-#include "io/feature_kinds.h"
+#include "io/lists/feature_kinds.h"
 
 namespace crumple::io {
 

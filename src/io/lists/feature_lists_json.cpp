@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "io/feature_answer.h"
-#include "io/json.h"
+#include "io/bytes/json.h"
+#include "io/lists/feature_list_view.h"
 
 namespace crumple::io {
 

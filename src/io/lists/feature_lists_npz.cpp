@@ -1,7 +1,7 @@
 // Impacts, near pairs and candidates as NumPy arrays.
 
-#include "io/feature_answer.h"
-#include "io/npz.h"
+#include "io/bytes/npz.h"
+#include "io/lists/feature_list_view.h"
 
 namespace crumple::io {
 

@@ -3,10 +3,10 @@
 #include <optional>
 
 #include "base/float_environment.h"
-#include "io/atomic_file.h"
-#include "io/feature_answer.h"
+#include "io/bytes/atomic_file.h"
+#include "io/bytes/sink.h"
 #include "io/formats.h"
-#include "io/sink.h"
+#include "io/lists/feature_list_view.h"
 
 namespace crumple::io {
 namespace {

@@ -1,13 +1,13 @@
 // Colliding pairs as text and CSV; the format by extension.
 
-#include "io/pairs.h"
+#include "io/lists/pairs.h"
 
 #include <optional>
 
 #include "base/float_environment.h"
-#include "io/atomic_file.h"
+#include "io/bytes/atomic_file.h"
+#include "io/bytes/sink.h"
 #include "io/formats.h"
-#include "io/sink.h"
 
 namespace crumple::io {
 

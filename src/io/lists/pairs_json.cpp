@@ -1,10 +1,10 @@
 // Colliding pairs as one JSON object: {"pairs": [[a, b], ...], "contacts": [{"kind": ..., "points": [[x, y, z], ...]},
 // ...], "statistics": {...}}.
 
+#include "io/bytes/json.h"
+#include "io/bytes/sink.h"
 #include "io/formats.h"
-#include "io/json.h"
-#include "io/pairs.h"
-#include "io/sink.h"
+#include "io/lists/pairs.h"
 
 namespace crumple::io {
 

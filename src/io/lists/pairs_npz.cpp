@@ -1,8 +1,8 @@
 // Colliding pairs as NumPy arrays.
 
+#include "io/bytes/npz.h"
 #include "io/formats.h"
-#include "io/npz.h"
-#include "io/pairs.h"
+#include "io/lists/pairs.h"
 
 namespace crumple::io {
 

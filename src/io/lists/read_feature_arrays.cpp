@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "io/npy.h"
-#include "io/npz.h"
-#include "io/pairs.h"
-#include "io/read_features.h"
+#include "io/bytes/npy.h"
+#include "io/bytes/npz.h"
+#include "io/lists/pairs.h"
+#include "io/lists/read_features.h"
 
 namespace crumple::io {
 

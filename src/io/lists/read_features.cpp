@@ -1,15 +1,15 @@
 // Impacts, near pairs and candidates from text and CSV; the format by extension.
 
-#include "io/read_features.h"
+#include "io/lists/read_features.h"
 
 #include <algorithm>
 #include <charconv>
 #include <utility>
 
 #include "base/float_environment.h"
+#include "io/bytes/text.h"
 #include "io/formats.h"
-#include "io/pairs.h"
-#include "io/text.h"
+#include "io/lists/pairs.h"
 
 namespace crumple::io {
 

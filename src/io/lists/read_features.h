@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "io/feature_answer.h"
-#include "io/source.h"
+#include "io/bytes/source.h"
+#include "io/lists/feature_list_view.h"
 
 namespace crumple::io {
 

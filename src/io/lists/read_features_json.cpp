@@ -4,7 +4,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "io/read_features.h"
+#include "io/lists/read_features.h"
 
 namespace crumple::io {
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 
 #include "base/float_environment.h"
+#include "io/bytes/text.h"
 #include "io/formats.h"
-#include "io/pairs.h"
-#include "io/text.h"
+#include "io/lists/pairs.h"
 
 namespace crumple::io {
 

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "io/formats.h"
-#include "io/pairs.h"
+#include "io/lists/pairs.h"
 
 namespace crumple::io {
 

@@ -2,11 +2,11 @@
 
 #include <optional>
 
-#include "io/bytes.h"
+#include "io/bytes/bytes.h"
+#include "io/bytes/npy.h"
+#include "io/bytes/npz.h"
 #include "io/formats.h"
-#include "io/npy.h"
-#include "io/npz.h"
-#include "io/pairs.h"
+#include "io/lists/pairs.h"
 
 namespace crumple::io {
 

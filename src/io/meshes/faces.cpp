@@ -1,8 +1,8 @@
-#include "io/faces.h"
+#include "io/meshes/faces.h"
 
 #include <numeric>
 
-#include "io/triangulate.h"
+#include "io/meshes/triangulate.h"
 
 namespace crumple::io {
 

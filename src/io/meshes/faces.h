@@ -11,7 +11,7 @@
 
 #include "crumple/io.h"
 #include "geometry/vec.h"
-#include "io/source.h"
+#include "io/bytes/source.h"
 
 namespace crumple::io {
 

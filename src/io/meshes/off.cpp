@@ -3,10 +3,10 @@
 
 #include <algorithm>
 
-#include "io/faces.h"
+#include "io/bytes/sink.h"
+#include "io/bytes/text.h"
 #include "io/formats.h"
-#include "io/sink.h"
-#include "io/text.h"
+#include "io/meshes/faces.h"
 
 namespace crumple::io {
 

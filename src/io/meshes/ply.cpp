@@ -7,11 +7,11 @@
 #include <numeric>
 #include <span>
 
-#include "io/faces.h"
+#include "io/bytes/sink.h"
 #include "io/formats.h"
-#include "io/ply_body.h"
-#include "io/ply_header.h"
-#include "io/sink.h"
+#include "io/meshes/faces.h"
+#include "io/meshes/ply_body.h"
+#include "io/meshes/ply_header.h"
 
 namespace crumple::io {
 

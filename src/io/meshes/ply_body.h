@@ -5,9 +5,9 @@
 
 #include <cmath>
 
-#include "io/bytes.h"
-#include "io/ply_header.h"
-#include "io/text.h"
+#include "io/bytes/bytes.h"
+#include "io/bytes/text.h"
+#include "io/meshes/ply_header.h"
 
 namespace crumple::io {
 

@@ -1,4 +1,4 @@
-#include "io/ply_header.h"
+#include "io/meshes/ply_header.h"
 
 #include <algorithm>
 #include <charconv>

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "io/source.h"
+#include "io/bytes/source.h"
 
 namespace crumple::io {
 

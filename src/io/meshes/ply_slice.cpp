@@ -1,16 +1,16 @@
 // Binary PLY of which every row has its place: no lists but the corners of faces, three each. Each reader checks that
 // in the faces that it reads; where one has another number, all rows behind it lie elsewhere, and nothing is read.
 
-#include "io/ply_slice.h"
+#include "io/meshes/ply_slice.h"
 
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
 
-#include "io/bytes.h"
+#include "io/bytes/bytes.h"
 #include "io/formats.h"
-#include "io/ply_header.h"
+#include "io/meshes/ply_header.h"
 
 namespace crumple::io {
 namespace {

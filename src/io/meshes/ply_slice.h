@@ -4,9 +4,9 @@
 
 #include <optional>
 
-#include "io/row_file.h"
-#include "io/slice.h"
-#include "io/source.h"
+#include "io/bytes/row_file.h"
+#include "io/bytes/slice.h"
+#include "io/bytes/source.h"
 
 namespace crumple::io {
 

@@ -1,6 +1,6 @@
 // Collisions of polygons: each pair of triangles counts for the polygons that these were cut from.
 
-#include "io/polygons.h"
+#include "io/meshes/polygons.h"
 
 #include <algorithm>
 

@@ -7,10 +7,10 @@
 #include <cctype>
 #include <numeric>
 
-#include "io/bytes.h"
+#include "io/bytes/bytes.h"
+#include "io/bytes/sink.h"
+#include "io/bytes/text.h"
 #include "io/formats.h"
-#include "io/sink.h"
-#include "io/text.h"
 
 namespace crumple::io {
 

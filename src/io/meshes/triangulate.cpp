@@ -1,4 +1,4 @@
-#include "io/triangulate.h"
+#include "io/meshes/triangulate.h"
 
 #include <algorithm>
 #include <boost/multiprecision/cpp_int.hpp>

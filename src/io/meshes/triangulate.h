@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "geometry/vec.h"
-#include "io/corner_tree.h"
+#include "io/meshes/corner_tree.h"
 
 namespace crumple::io {
 

@@ -1,6 +1,6 @@
 // Units of length, as whole numbers of the largest length that divides them all.
 
-#include "io/unit.h"
+#include "io/meshes/unit.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 
 #include "base/float_environment.h"
 #include "crumple/error.h"
-#include "io/pose.h"
+#include "io/scenes/pose_product.h"
 
 namespace crumple::io {
 

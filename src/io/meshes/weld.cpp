@@ -1,7 +1,7 @@
 // Welding by a hash table of kept vertices, open addressing. Vertices that are kept move to the front in place: there
 // are never more of them than have been seen.
 
-#include "io/weld.h"
+#include "io/meshes/weld.h"
 
 #include <bit>
 

@@ -2,15 +2,15 @@
 // item of the build names, itself or by components, is a body, in the order of the build. Its pose is the product of
 // the transforms on the way there, in float64.
 
-#include "io/3mf.h"
+#include "io/scenes/3mf.h"
 
 #include <algorithm>
 #include <map>
 #include <utility>
 
-#include "io/3mf_model.h"
-#include "io/pose.h"
-#include "io/weld.h"
+#include "io/meshes/weld.h"
+#include "io/scenes/3mf_model.h"
+#include "io/scenes/pose_product.h"
 
 namespace crumple::io {
 

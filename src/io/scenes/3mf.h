@@ -3,7 +3,7 @@
 #include <string>
 
 #include "crumple/io.h"
-#include "io/source.h"
+#include "io/bytes/source.h"
 
 namespace crumple::io {
 

@@ -1,4 +1,4 @@
-#include "io/3mf_model.h"
+#include "io/scenes/3mf_model.h"
 
 #include <algorithm>
 #include <array>
@@ -7,9 +7,9 @@
 #include <string>
 #include <utility>
 
+#include "io/bytes/text.h"
 #include "io/formats.h"
-#include "io/text.h"
-#include "io/unit.h"
+#include "io/meshes/unit.h"
 
 namespace crumple::io {
 

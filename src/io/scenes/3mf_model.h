@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "crumple/io.h"
-#include "io/package.h"
+#include "io/scenes/package.h"
 
 namespace crumple::io {
 

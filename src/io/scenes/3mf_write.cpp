@@ -9,12 +9,12 @@
 #include <streambuf>
 #include <string>
 
+#include "io/bytes/json.h"
+#include "io/bytes/sink.h"
+#include "io/bytes/zip.h"
 #include "io/formats.h"
-#include "io/json.h"
-#include "io/sink.h"
-#include "io/unit.h"
-#include "io/world.h"
-#include "io/zip.h"
+#include "io/meshes/unit.h"
+#include "io/scenes/world_mesh.h"
 
 namespace crumple::io {
 

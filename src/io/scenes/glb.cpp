@@ -10,12 +10,12 @@
 #include <limits>
 #include <utility>
 
-#include "io/bytes.h"
+#include "io/bytes/bytes.h"
+#include "io/bytes/json.h"
 #include "io/formats.h"
-#include "io/glb.h"
-#include "io/json.h"
-#include "io/unit.h"
-#include "io/world.h"
+#include "io/meshes/unit.h"
+#include "io/scenes/glb.h"
+#include "io/scenes/world_mesh.h"
 
 namespace crumple::io {
 

@@ -1,15 +1,15 @@
 // The scene of a glTF file as a world: each of its nodes that has a mesh is a body, in the order of the file's nodes.
 // A node's pose is the product of the transforms from its root down to it, in float64.
 
-#include "io/gltf.h"
+#include "io/scenes/gltf.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "io/gltf_file.h"
-#include "io/gltf_mesh.h"
-#include "io/pose.h"
+#include "io/scenes/gltf_file.h"
+#include "io/scenes/gltf_mesh.h"
+#include "io/scenes/pose_product.h"
 
 namespace crumple::io {
 

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "crumple/io.h"
-#include "io/source.h"
+#include "io/bytes/source.h"
 
 namespace crumple::io {
 

@@ -1,12 +1,12 @@
-#include "io/gltf_file.h"
+#include "io/scenes/gltf_file.h"
 
 #include <algorithm>
 #include <array>
 #include <charconv>
 #include <utility>
 
-#include "io/bytes.h"
-#include "io/expansion.h"
+#include "io/bytes/bytes.h"
+#include "io/bytes/expanded_size.h"
 
 namespace crumple::io {
 

@@ -16,7 +16,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "io/source.h"
+#include "io/bytes/source.h"
 
 namespace crumple::io {
 

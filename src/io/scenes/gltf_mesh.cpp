@@ -1,13 +1,13 @@
-#include "io/gltf_mesh.h"
+#include "io/scenes/gltf_mesh.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
 
-#include "io/bytes.h"
+#include "io/bytes/bytes.h"
 #include "io/formats.h"
-#include "io/weld.h"
+#include "io/meshes/weld.h"
 
 namespace crumple::io {
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "crumple/io.h"
-#include "io/gltf_file.h"
+#include "io/scenes/gltf_file.h"
 
 namespace crumple::io {
 

@@ -1,7 +1,7 @@
 #include <cmath>
 #include <utility>
 
-#include "io/gltf_file.h"
+#include "io/scenes/gltf_file.h"
 
 namespace crumple::io {
 

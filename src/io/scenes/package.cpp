@@ -1,8 +1,8 @@
-#include "io/package.h"
+#include "io/scenes/package.h"
 
 #include <vector>
 
-#include "io/expansion.h"
+#include "io/bytes/expanded_size.h"
 
 namespace crumple::io {
 

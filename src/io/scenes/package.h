@@ -7,9 +7,9 @@
 #include <string>
 #include <string_view>
 
-#include "io/source.h"
-#include "io/xml.h"
-#include "io/zip.h"
+#include "io/bytes/source.h"
+#include "io/bytes/xml.h"
+#include "io/bytes/zip.h"
 
 namespace crumple::io {
 

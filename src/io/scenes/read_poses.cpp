@@ -5,9 +5,9 @@
 
 #include "base/float_environment.h"
 #include "crumple/error.h"
+#include "io/bytes/npy.h"
+#include "io/bytes/text.h"
 #include "io/formats.h"
-#include "io/npy.h"
-#include "io/text.h"
 
 namespace crumple::io {
 

@@ -8,7 +8,7 @@
 #include "crumple/error.h"
 #include "crumple/io.h"
 #include "io/formats.h"
-#include "io/world.h"
+#include "io/scenes/world_mesh.h"
 #include "scene/placement.h"
 
 namespace crumple::io {
