@@ -4,6 +4,7 @@
 
 #include <cstdint>
 
+#include "backends/cuda/device/runtime.h"
 #include "geometry/inflation.h"
 #include "scene/feature_table.h"
 

@@ -3,6 +3,7 @@
 // What stages `sort` and `sweep` of the cuda backend do for this question: records by row, and the plane filter, before
 // a pair is listed. Both run within the stages' kernels, so that they cost no launch.
 
+#include "backends/cuda/device/runtime.h"
 #include "backends/cuda/stages/layout.h"
 #include "filters/intersection/plane_filter.h"
 
