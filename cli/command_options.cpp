@@ -200,15 +200,9 @@ void add_cost_options(CLI::App& app, Options& options) {
            "--memory-limit", [&options](const std::string& text) { options.memory_limit = parse_bytes(text); },
            "Most memory that the search may own: 2GiB, 500MB, 1.5g or a number of bytes")
         ->type_name("SIZE");
-    app.add_flag(
-        "--count-bytes-needed", options.count_bytes_needed,
-        "Where --memory-limit is too small, count all pairs to name one that suffices, which may take minutes; "
-        "without it the message names a lower bound at once");
 }
 
 void check_cost_options(const Options& options) {
-    if (options.count_bytes_needed && !options.memory_limit)
-        fail("--count-bytes-needed changes nothing without --memory-limit");
     if ((options.device || !options.devices.empty()) &&
         (options.backend == Backend::reference || options.backend == Backend::cpu))
         fail("--device applies to --backend cuda only");

@@ -215,9 +215,8 @@ Query query_of(const AnswerOptions& answer) {
 Query Search::query() const { return query_of(answer_); }
 
 Error with_name(const std::string& name, const Error& error) {
-    const char* const hint = error.bytes_needed_at_least ? " (--count-bytes-needed counts how many suffice)" : "";
-    Error named(error.code, name + ": " + error.what() + hint, error.element, error.index, error.bytes_needed,
-                error.system_error, error.bytes_needed_at_least);
+    Error named(error.code, name + ": " + error.what(), error.element, error.index, error.bytes_needed,
+                error.system_error);
     named.rank = error.rank;
     return named;
 }
@@ -371,7 +370,7 @@ const WorldCollisions& Search::find(const std::string& files, const std::vector<
             return detector_.find(world, question);
         } catch (const Error& error) {
             throw Error(error.code, with_name_of_body(error.what(), names, first_configuration), error.element,
-                        error.index, error.bytes_needed, error.system_error, error.bytes_needed_at_least);
+                        error.index, error.bytes_needed, error.system_error);
         }
     });
 }

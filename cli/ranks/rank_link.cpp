@@ -38,7 +38,7 @@ Error RankLink::as_of_one_process(const Error& error) {
     const std::string who = "rank " + std::to_string(error.rank) + ": ", message = error.what();
     if (!message.starts_with(who) || (error.rank > 0 && error.code != ErrorCode::format)) return error;
     Error plain(error.code, message.substr(who.size()), error.element, error.index, error.bytes_needed,
-                error.system_error, error.bytes_needed_at_least);
+                error.system_error);
     plain.rank = error.rank;
     return plain;
 }

@@ -12,7 +12,7 @@ enum class ErrorCode : std::uint8_t {
     invalid_argument,     ///< a shape, an option or a combination of them makes no sense
     not_finite,           ///< a vertex has a NaN or an infinite coordinate
     index_out_of_range,   ///< a triangle, an edge or a point names a vertex that does not exist
-    memory_limit,         ///< records or result do not fit; see Error::bytes_needed, Options::count_bytes_needed
+    memory_limit,         ///< records or result do not fit; see Error::bytes_needed
     backend_unavailable,  ///< the backend asked for was not built or has no device
     file,                 ///< a file cannot be opened, read or written
     format,               ///< a file's content is not what its format demands
@@ -29,22 +29,20 @@ enum class Element : std::uint8_t { none, vertex, triangle, group, option, line,
 class CRUMPLE_API Error : public std::runtime_error {
    public:
     explicit Error(ErrorCode code, const std::string& message, Element element = Element::none, std::int64_t index = -1,
-                   std::int64_t bytes_needed = 0, int system_error = 0, bool bytes_needed_at_least = false)
+                   std::int64_t bytes_needed = 0, int system_error = 0)
         : std::runtime_error(message),
           code(code),
           element(element),
           index(index),
           bytes_needed(bytes_needed),
-          system_error(system_error),
-          bytes_needed_at_least(bytes_needed_at_least) {}
+          system_error(system_error) {}
 
     ErrorCode code;
-    Element element;             ///< what `index` counts
-    std::int64_t index;          ///< the first offending element, -1 if there is none
-    std::int64_t bytes_needed;   ///< memory_limit: the limit, in bytes, that suffices, or the flag below; otherwise 0
-    int system_error;            ///< file: errno, where it was the operating system that refused; otherwise 0
-    bool bytes_needed_at_least;  ///< `bytes_needed` is a lower bound: no smaller limit suffices, and it may not either
-    int rank = -1;               ///< of several (crumple/distributed.h): the one that failed; otherwise -1
+    Element element;            ///< what `index` counts
+    std::int64_t index;         ///< the first offending element, -1 if there is none
+    std::int64_t bytes_needed;  ///< memory_limit: no limit below so many bytes suffices; otherwise 0
+    int system_error;           ///< file: errno, where it was the operating system that refused; otherwise 0
+    int rank = -1;              ///< of several (crumple/distributed.h): the one that failed; otherwise -1
 };
 
 }  // namespace crumple

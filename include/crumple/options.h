@@ -29,10 +29,6 @@ struct Options {
     /// that is certain: at the latest when as many pairs were counted as the limit has room for.
     std::int64_t memory_limit = 0;
 
-    /// Before it throws, counts all pairs and names a limit that suffices. That takes as long as an answer without a
-    /// limit, on one thread, and has records beyond the limit if need be, but stores no pair.
-    bool count_bytes_needed = false;
-
     /// Parts of the first level of subdivision, 1 to 64 (the cuda backend makes at most 63 between two meshes); 0:
     /// chosen from the triangle count.
     int clusters = 0;

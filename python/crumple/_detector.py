@@ -67,9 +67,8 @@ class Detector(_core.Detector):
             "automatic" is "cuda" where it was built and a device is there, else "cpu".
         threads: 0: as many as the machine has, which are the most that are used; they start when the detector is made.
         memory_limit: bytes that the detector may own, 0: no limit. Results that Python holds are not counted.
-            Work that exceeds the limit is cut into chunks, on one thread; what still does not fit raises MemoryLimit.
-        count_bytes_needed: before it raises MemoryLimit, count all pairs to name a limit that suffices, which may take
-            minutes. Otherwise it names a lower bound at once.
+            Work that exceeds the limit is cut into chunks, on one thread; what still does not fit raises MemoryLimit,
+            which names a lower bound.
         clusters: parts of the first level of subdivision, 1 to 64; 0: chosen from the number of triangles.
         leaf_size: triangles that a leaf should have; larger clusters are subdivided again.
         fuzziness: t of fuzzy C-means, above 1.
@@ -99,7 +98,6 @@ class Detector(_core.Detector):
         backend: Backend = "automatic",
         threads: int = 0,
         memory_limit: int = 0,
-        count_bytes_needed: bool = False,
         clusters: int = 0,
         leaf_size: int = 3000,
         fuzziness: float = 2.0,
@@ -115,7 +113,6 @@ class Detector(_core.Detector):
             "backend": backend,
             "threads": threads,
             "memory_limit": memory_limit,
-            "count_bytes_needed": count_bytes_needed,
             "clusters": clusters,
             "leaf_size": leaf_size,
             "fuzziness": fuzziness,

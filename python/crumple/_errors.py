@@ -12,8 +12,7 @@ class Error(Exception):
         element: what `index` counts: "vertex", "triangle", "group", "option", "line", "byte", "body",
             "shape", "edge", "point" or "none".
         index: the first offending element, -1 if there is none.
-        bytes_needed: MemoryLimit: the limit, in bytes, that suffices, or a lower bound on it; otherwise 0.
-        bytes_needed_at_least: `bytes_needed` is a lower bound; Detector(count_bytes_needed=True) names what suffices.
+        bytes_needed: MemoryLimit: no limit below so many bytes suffices; otherwise 0.
         rank: crumple.mpi: the rank that failed; otherwise -1.
     """
 
@@ -25,7 +24,6 @@ class Error(Exception):
         element: str = "none",
         index: int = -1,
         bytes_needed: int = 0,
-        bytes_needed_at_least: bool = False,
         rank: int = -1,
     ) -> None:
         super().__init__(message)
@@ -33,7 +31,6 @@ class Error(Exception):
         self.element = element
         self.index = index
         self.bytes_needed = bytes_needed
-        self.bytes_needed_at_least = bytes_needed_at_least
         self.rank = rank
 
     def __reduce__(self):
@@ -41,7 +38,7 @@ class Error(Exception):
         return _restore, (type(self), str(self), place)
 
 
-_PLACE = ("code", "element", "index", "bytes_needed", "bytes_needed_at_least", "rank")
+_PLACE = ("code", "element", "index", "bytes_needed", "rank")
 
 
 def _restore(kind, message, place):

@@ -68,7 +68,6 @@ void raise(const Error& error) {
     place["element"] = name_of(error.element);
     place["index"] = error.index;
     place["bytes_needed"] = error.bytes_needed;
-    place["bytes_needed_at_least"] = error.bytes_needed_at_least;
     place["rank"] = error.rank;
     const nb::object exception =
         nb::steal(in_python([&] { return PyObject_Call(type.ptr(), given.ptr(), place.ptr()); }));

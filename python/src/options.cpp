@@ -28,7 +28,6 @@ Options options_of(const nb::dict& given) {
         .backend = named(backend_names, "backend", given["backend"]),
         .threads = integer<int>("threads", given["threads"]),
         .memory_limit = integer<std::int64_t>("memory_limit", given["memory_limit"]),
-        .count_bytes_needed = flag("count_bytes_needed", given["count_bytes_needed"]),
         .clusters = integer<int>("clusters", given["clusters"]),
         .leaf_size = integer<int>("leaf_size", given["leaf_size"]),
         .fuzziness = real("fuzziness", given["fuzziness"]),

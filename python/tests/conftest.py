@@ -22,6 +22,19 @@ def peer(name: str):
         )
 
 
+def sufficient_limit(call, limit: int, **options) -> int:
+    """Doubles the memory limit, from one that is too small, until `call(detector)` succeeds under it."""
+    with pytest.raises(crumple.MemoryLimit):
+        call(crumple.Detector(memory_limit=limit, **options))
+    while True:
+        try:
+            call(crumple.Detector(memory_limit=limit, **options))
+            return limit
+        except crumple.MemoryLimit as error:
+            assert error.bytes_needed > limit
+            limit = max(2 * limit, error.bytes_needed)
+
+
 def soup(triangles: int, size: float = 0.2, seed: int = 1, dtype=np.float32) -> crumple.Mesh:
     """Random triangles in the unit cube; those of size 0.2 collide a lot."""
     random = np.random.default_rng(seed)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import crumple
-from conftest import soup
+from conftest import soup, sufficient_limit
 
 MESH = soup(60, size=0.8)
 EXPECTED = crumple.find_self_intersections(MESH).tolist()
@@ -63,7 +63,6 @@ def test_wrong_types_in_a_query_are_named(query, message, detector):
         ({"threads": 2.0}, "threads must be an integer, not float"),
         ({"threads": None}, "threads must be an integer, not None"),
         ({"memory_limit": 1e9}, "memory_limit must be an integer, not float"),
-        ({"count_bytes_needed": 1}, "count_bytes_needed must be True or False, not int"),
         ({"fuzziness": "2"}, "fuzziness must be a number, not str"),
         ({"stop": None}, "stop must be a number, not None"),
         ({"backend": 3}, 'backend must be one of "automatic", "cpu", "cuda", "reference", not int'),
@@ -233,7 +232,7 @@ def test_the_cuda_backend_says_why_it_is_not_there():
         pytest.fail(f"{detector} has a thousand devices")
 
 
-def test_a_memory_limit_names_a_lower_bound_or_the_limit_that_suffices():
+def test_a_memory_limit_names_a_lower_bound():
     import pickle
 
     mesh = soup(3000)
@@ -242,15 +241,12 @@ def test_a_memory_limit_names_a_lower_bound_or_the_limit_that_suffices():
     ) as caught:
         crumple.Detector(memory_limit=10_000).find_self(mesh)
     least = caught.value
-    assert isinstance(least, MemoryError) and least.code == "memory_limit" and least.bytes_needed_at_least is True
+    assert isinstance(least, MemoryError) and least.code == "memory_limit"
     copy = pickle.loads(pickle.dumps(least))
-    assert (copy.bytes_needed, copy.bytes_needed_at_least) == (least.bytes_needed, True)
-    with pytest.raises(
-        crumple.MemoryLimit, match=r"memory limit of 10000 bytes is too small; \d+ bytes suffice"
-    ) as caught:
-        crumple.Detector(memory_limit=10_000, count_bytes_needed=True).find_self(mesh)
-    assert caught.value.bytes_needed_at_least is False and caught.value.bytes_needed >= least.bytes_needed
-    enough = crumple.Detector(memory_limit=caught.value.bytes_needed)
+    assert copy.bytes_needed == least.bytes_needed > 10_000
+    limit = sufficient_limit(lambda detector: detector.find_self(mesh), 10_000)
+    assert limit >= least.bytes_needed
+    enough = crumple.Detector(memory_limit=limit)
     held = [enough.find_self(mesh).pairs for _ in range(3)]  # results in hand do not count
     for pairs in held:
         np.testing.assert_array_equal(pairs, crumple.find_self_intersections(mesh))

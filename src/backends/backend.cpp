@@ -41,13 +41,11 @@ void BackendBase::stream_candidates(const Scene&, const CandidateQuery&, const S
     refuse_blocks();
 }
 void BackendBase::find(const MeshView&, const MeshView*, const Query&, Collisions&) { refuse(); }
-std::int64_t BackendBase::bytes_needed(const MeshView&, const MeshView*, const Query&) { refuse(); }
 bool BackendBase::any(const MeshView&, const MeshView*, const Query&) { refuse(); }
 std::vector<Part> BackendBase::partition(const MeshView&, const MeshView*, int) { refuse(); }
 void BackendBase::launch(const MeshView&, const MeshView*, const Query&) { refuse(); }
 const DeviceCollisions& BackendBase::wait() { refuse(); }
 void BackendBase::download(Collisions&) { refuse(); }
-std::int64_t BackendBase::bytes_needed_for_launched() { refuse(); }
 DeviceFeatureCalls& BackendBase::features_there() { refuse(); }
 bool BackendBase::find(const World&, const Intersect&, WorldCollisions&) { refuse_worlds(); }
 std::vector<Pose> BackendBase::poses_of(const DevicePoses&) { refuse_worlds(); }

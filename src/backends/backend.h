@@ -37,10 +37,6 @@ class BackendBase : public ParallelFor {
     /// MemoryMeter::Exceeded if not even work in chunks fits the limit, with what is needed at least.
     virtual void find(const Scene& scene, const Query& query, const Part* part, Collisions& result) = 0;
 
-    /// Counts without storing pairs, and returns the memory limit with which find() will succeed. May use more than the
-    /// limit for records while it counts, never for the result.
-    virtual std::int64_t bytes_needed(const Scene& scene, const Query& query, const Part* part) = 0;
-
     /// Whether there is any pair. Stops at the first, or soon after it.
     virtual bool any(const Scene& scene, const Query& query) = 0;
 
@@ -77,14 +73,12 @@ class BackendBase : public ParallelFor {
 
     /// The same for meshes in device memory (b null: one), which the backend checks itself. Only cuda can.
     virtual void find(const MeshView& a, const MeshView* b, const Query& query, Collisions& result);
-    virtual std::int64_t bytes_needed(const MeshView& a, const MeshView* b, const Query& query);
     virtual bool any(const MeshView& a, const MeshView* b, const Query& query);
     virtual std::vector<Part> partition(const MeshView& a, const MeshView* b, int count);
     /// Detector::launch_self and those that belong to it.
     virtual void launch(const MeshView& a, const MeshView* b, const Query& query);
     virtual const DeviceCollisions& wait();
     virtual void download(Collisions& result);
-    virtual std::int64_t bytes_needed_for_launched();
     /// The same for questions about features.
     virtual DeviceFeatureCalls& features_there();
     /// The same for worlds whose poses lie in device memory. find: false if it cannot take all worlds at once; it

@@ -19,9 +19,6 @@ class ForwardingBackend : public BackendBase {
     void find(const Scene& scene, const Query& query, const Part* part, Collisions& result) override {
         to_->find(scene, query, part, result);
     }
-    std::int64_t bytes_needed(const Scene& scene, const Query& query, const Part* part) override {
-        return to_->bytes_needed(scene, query, part);
-    }
     bool any(const Scene& scene, const Query& query) override { return to_->any(scene, query); }
     int worlds_at_once() const override { return to_->worlds_at_once(); }
     void any_by_world(const Scene& scene, const Query& query, std::span<std::uint8_t> flags,
@@ -52,9 +49,6 @@ class ForwardingBackend : public BackendBase {
     void find(const MeshView& a, const MeshView* b, const Query& query, Collisions& result) override {
         to_->find(a, b, query, result);
     }
-    std::int64_t bytes_needed(const MeshView& a, const MeshView* b, const Query& query) override {
-        return to_->bytes_needed(a, b, query);
-    }
     bool any(const MeshView& a, const MeshView* b, const Query& query) override { return to_->any(a, b, query); }
     std::vector<Part> partition(const MeshView& a, const MeshView* b, int count) override {
         return to_->partition(a, b, count);
@@ -62,7 +56,6 @@ class ForwardingBackend : public BackendBase {
     void launch(const MeshView& a, const MeshView* b, const Query& query) override { to_->launch(a, b, query); }
     const DeviceCollisions& wait() override { return to_->wait(); }
     void download(Collisions& result) override { to_->download(result); }
-    std::int64_t bytes_needed_for_launched() override { return to_->bytes_needed_for_launched(); }
     DeviceFeatureCalls& features_there() override { return to_->features_there(); }
     bool find(const World& world, const Intersect& question, WorldCollisions& result) override {
         return to_->find(world, question, result);

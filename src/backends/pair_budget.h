@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <atomic>
 #include <cstdint>
+#include <limits>
 
-#include "backends/duplicates.h"
 #include "results/intersection_output.h"
 
 namespace crumple {
@@ -16,50 +16,26 @@ struct ResultExceeds : MemoryMeter::Exceeded {};
 
 class PairBudget {
    public:
-    /// What is asked; see count_duplicates().
-    struct Call {
-        const Scene& scene;
-        const Query& query;
-        const GroupRule& rule;
-        const Levels& levels;
-    };
+    PairBudget(const Scene& scene, const Query& query, const MemoryMeter& meter) : scene_(scene), query_(query) {
+        const std::int64_t none = result_bytes(scene, query, 0);
+        if (meter.limit > 0)
+            room_ = std::max<std::int64_t>((meter.limit - none) / (result_bytes(scene, query, 1) - none), 0);
+    }
 
-    /// Duplicates are counted when so many pairs a triangle were found.
-    PairBudget(const Call& call, MemoryMeter& meter, std::int64_t pairs_a_triangle)
-        : call_(call), meter_(meter), next_(pairs_a_triangle * call.scene.triangle_count()) {}
-
-    /// So many more pairs were found, each for the first time. From any thread. Throws ResultExceeds with the bytes
-    /// that are needed at least.
+    /// Counts pairs, each found for the first time. Thread-safe. Throws ResultExceeds with the bytes of a result of
+    /// those found so far, if they are more than the limit.
     void add(std::int64_t pairs) {
         const std::int64_t found = found_.fetch_add(pairs, std::memory_order_relaxed) + pairs;
-        if (least_.load(std::memory_order_relaxed) > 0) fail();  // another thread has seen it
-        if (found > next_.load(std::memory_order_relaxed)) look(found);
+        if (found > room_) throw ResultExceeds{{result_bytes(scene_, query_, std::min(found, most))}};
     }
 
    private:
-    void look(std::int64_t found) {
-        if (!counted_.exchange(true))
-            require(count_duplicates(call_.scene, call_.query, call_.rule, call_.levels, &meter_));
-        require(found);
-        const std::int64_t none = bytes(0);
-        next_.store((meter_.limit - none) / (bytes(1) - none), std::memory_order_relaxed);
-    }
-    void require(std::int64_t pairs) {
-        if (bytes(pairs) <= meter_.limit) return;
-        least_.store(bytes(pairs), std::memory_order_relaxed);
-        fail();
-    }
-    [[noreturn]] void fail() const { throw ResultExceeds{{least_.load(std::memory_order_relaxed)}}; }
-    std::int64_t bytes(std::int64_t pairs) const {
-        constexpr std::int64_t most = std::int64_t{1} << 54;  // more would overflow, and is no use
-        return result_bytes(call_.scene, call_.query, std::min(pairs, most));
-    }
+    static constexpr std::int64_t most = std::int64_t{1} << 54;  // more would overflow, and is no use
 
-    const Call call_;
-    MemoryMeter& meter_;
-    std::atomic<std::int64_t> found_{0}, next_;
-    std::atomic<std::int64_t> least_{0};  ///< bytes that are needed, once they are more than the limit
-    std::atomic<bool> counted_{false};
+    const Scene& scene_;
+    const Query& query_;
+    std::int64_t room_ = std::numeric_limits<std::int64_t>::max();  ///< pairs that the limit has room for
+    std::atomic<std::int64_t> found_{0};
 };
 
 }  // namespace crumple

@@ -18,63 +18,32 @@ namespace crumple {
 struct Detector::Implementation : WorldCalls {
     using WorldCalls::find, WorldCalls::partition, WorldCalls::stream, WorldCalls::WorldCalls;
 
-    // Runs `work` on the prepared scene, or on_device() where the meshes lie on a device; a detector that throws holds
-    // an empty result and no kept memory.
-    // `suffices` counts the memory limit that would do.
-    template <class Work, class OnDevice, class Suffices>
-    void guarded(const MeshView& a, const MeshView* b, const Part* part, const Query& query, std::stop_token stop,
-                 Work work, OnDevice on_device, Suffices suffices) {
-        const FloatEnvironment environment;
-        cancellation.begin(std::move(stop));
+    /// Runs `work` on the prepared scene, or on_device() where the meshes lie on a device.
+    template <class Work, class OnDevice>
+    void run_on_meshes(const MeshView& a, const MeshView* b, const Part* part, const Query& query, std::stop_token stop,
+                       Work work, OnDevice on_device) {
         const auto attempt = [&] {
-            if (a.memory == MemorySpace::host)
-                work(prepare_scene(a, b, query.weld, *backend, buffers));
-            else
-                on_device();
-        };
-        try {
             cancellation.check();
             check_query(a, b, query);
             if (part) {
                 check_part(*part);
                 check(!part->features, "the part was made for a question about features");
             }
-            std::int64_t kept = meter.used;
-            try {
-                try {
-                    attempt();
-                } catch (const MemoryMeter::Exceeded& exceeded) {
-                    if (exceeded.bytes - kept > meter.limit) throw;
-                    // Perhaps it was what earlier calls have left: once more, with nothing kept.
-                    forget();
-                    kept = 0;
-                    attempt();
-                }
-            } catch (const MemoryMeter::Exceeded& exceeded) {
-                throw_limit_error(exceeded.bytes - kept, suffices);
-            }
-        } catch (...) {
-            forget();
-            throw;
-        }
-    }
-
-    // The limit that suffices, counted with records beyond the limit but without storing pairs.
-    std::int64_t bytes_needed(const MeshView& a, const MeshView* b, const Part* part, const Query& query) {
-        forget();
-        const Lifted lifted(meter);
-        if (a.memory != MemorySpace::host) return backend->bytes_needed(a, b, query);
-        return backend->bytes_needed(prepare_scene(a, b, query.weld, *backend, buffers), query, part);
+            if (a.memory == MemorySpace::host)
+                work(prepare_scene(a, b, query.weld, *backend, buffers));
+            else
+                on_device();
+        };
+        run(std::move(stop), attempt, [&](std::int64_t least) { return least <= meter.limit; });
     }
 
     const Collisions& find(const MeshView& a, const MeshView* b, const Part* part, const Query& query,
                            std::stop_token stop) {
         Stopwatch watch;
-        meter.peak = meter.used.load();
         result.statistics = {};
-        guarded(
+        run_on_meshes(
             a, b, part, query, std::move(stop), [&](const Scene& scene) { backend->find(scene, query, part, result); },
-            [&] { backend->find(a, b, query, result); }, [&] { return bytes_needed(a, b, part, query); });
+            [&] { backend->find(a, b, query, result); });
         if (part) name_globally(*part, result.pairs);
         result.statistics.triangles = a.triangles.rows + (b ? b->triangles.rows : 0);
         result.statistics.pairs = static_cast<std::int64_t>(result.pairs.size());
@@ -110,9 +79,9 @@ struct Detector::Implementation : WorldCalls {
 
     bool any(const MeshView& a, const MeshView* b, const Query& query, std::stop_token stop) {
         bool found = false;
-        guarded(
+        run_on_meshes(
             a, b, nullptr, query, std::move(stop), [&](const Scene& scene) { found = backend->any(scene, query); },
-            [&] { found = backend->any(a, b, query); }, [&] { return bytes_needed(a, b, nullptr, query); });
+            [&] { found = backend->any(a, b, query); });
         return found;
     }
 
@@ -120,27 +89,17 @@ struct Detector::Implementation : WorldCalls {
                       std::stop_token stop) {
         Stopwatch watch;
         check_blocks(how);
-        if (meter.limit > 0) forget();  // a call that has handed over blocks cannot begin again
-        meter.peak = meter.used.load();
+        if (meter.limit > 0) forget();  // a call that has delivered blocks cannot begin again
         Statistics statistics;
-        const auto work = [&](const Scene& scene, TakeBlock sink) {
-            backend->stream(scene, query, how, sink, statistics);
-        };
         std::int64_t pairs = 0;
         const auto count = [&](const Collisions& block) {
             pairs += static_cast<std::int64_t>(block.pairs.size());
             take(block);
         };
-        guarded(
-            a, b, nullptr, query, std::move(stop), [&](const Scene& scene) { work(scene, count); },
-            [] { check(false, "answers in blocks are made of meshes in host memory"); },
-            [&] {
-                forget();
-                const Lifted lifted(meter);
-                meter.peak = meter.used.load();
-                work(prepare_scene(a, b, query.weld, *backend, buffers), [](const Collisions&) {});
-                return meter.peak.load();
-            });
+        run_on_meshes(
+            a, b, nullptr, query, std::move(stop),
+            [&](const Scene& scene) { backend->stream(scene, query, how, count, statistics); },
+            [] { check(false, "answers in blocks are made of meshes in host memory"); });
         statistics.triangles = a.triangles.rows + (b ? b->triangles.rows : 0);
         statistics.pairs = pairs;
         statistics.peak_memory_bytes = meter.peak;
@@ -151,65 +110,45 @@ struct Detector::Implementation : WorldCalls {
     void launch(const MeshView& a, const MeshView* b, const Query& query) {
         cancellation.begin({});
         kept_before_launch = meter.used;
-        on_the_device(
-            [&] {
-                check_query(a, b, query);
-                if (a.memory == MemorySpace::host)
-                    throw Error(ErrorCode::invalid_argument,
-                                "launch_self and launch_between take meshes in device memory");
-                backend->launch(a, b, query);
-            },
-            [&] { return bytes_needed(a, b, nullptr, query); });
+        run_launched([&] {
+            check_query(a, b, query);
+            if (a.memory == MemorySpace::host)
+                throw Error(ErrorCode::invalid_argument, "launch_self and launch_between take meshes in device memory");
+            backend->launch(a, b, query);
+        });
     }
     void launch(const World& world, const Intersect& question) {
         cancellation.begin({});
         kept_before_launch = meter.used;
-        on_the_device(
-            [&] {
-                check(lies_on_device(world) || world.bodies.empty(),
-                      "launch takes worlds whose poses lie in device memory");
-                check_device_poses(world);
-                check_on_device(question);
-                backend->launch(world, question);
-            },
-            [&] {
-                forget();
-                const Lifted lifted(meter);
-                meter.peak = meter.used.load();
-                backend->launch(world, question);
-                backend->wait_worlds();
-                return meter.peak.load();
-            });
+        run_launched([&] {
+            check(lies_on_device(world) || world.bodies.empty(),
+                  "launch takes worlds whose poses lie in device memory");
+            check_device_poses(world);
+            check_on_device(question);
+            backend->launch(world, question);
+        });
     }
     const DeviceWorldCollisions& wait_worlds(std::stop_token stop) {
         const DeviceWorldCollisions* answer = nullptr;
         cancellation.begin(std::move(stop));
-        on_the_device(
-            [&] {
-                cancellation.check();
-                answer = &backend->wait_worlds();
-            },
-            [&] { return bytes_needed_for_launched(); });
+        run_launched([&] {
+            cancellation.check();
+            answer = &backend->wait_worlds();
+        });
         return *answer;
     }
     const DeviceCollisions& wait(std::stop_token stop) {
         const DeviceCollisions* answer = nullptr;
         cancellation.begin(std::move(stop));
-        on_the_device(
-            [&] {
-                cancellation.check();
-                answer = &backend->wait();
-            },
-            [&] { return bytes_needed_for_launched(); });
+        run_launched([&] {
+            cancellation.check();
+            answer = &backend->wait();
+        });
         return *answer;
     }
     const Collisions& download() {
-        on_the_device([&] { backend->download(result); }, [&] { return bytes_needed_for_launched(); });
+        run_launched([&] { backend->download(result); });
         return result;
-    }
-    std::int64_t bytes_needed_for_launched() {
-        const Lifted lifted(meter);
-        return backend->bytes_needed_for_launched();
     }
     std::vector<Part> partition(const MeshView& a, const MeshView* b, int count, std::stop_token stop) {
         if (count < 1 || count > max_parts) {
@@ -217,9 +156,9 @@ struct Detector::Implementation : WorldCalls {
             throw Error(ErrorCode::invalid_argument, "the number of parts must be 1 to 262144", Element::option);
         }
         std::vector<Part> parts;
-        guarded(
+        run_on_meshes(
             a, b, nullptr, {}, std::move(stop), [&](const Scene& scene) { parts = make_parts(scene, count, *backend); },
-            [&] { parts = backend->partition(a, b, count); }, [&] { return bytes_needed(a, b, nullptr, {}); });
+            [&] { parts = backend->partition(a, b, count); });
         return parts;
     }
 };

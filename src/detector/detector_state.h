@@ -4,7 +4,6 @@
 // floating-point environment.
 
 #include <algorithm>
-#include <limits>
 #include <memory>
 #include <stop_token>
 #include <string>
@@ -89,83 +88,58 @@ struct DetectorState {
         candidates = metered_candidates(&meter);
     }
 
-    struct Lifted {
-        MemoryMeter& meter;
-        std::int64_t limit;
-        explicit Lifted(MemoryMeter& m) : meter(m), limit(m.limit) {
-            meter.limit = std::numeric_limits<std::int64_t>::max();
-        }
-        ~Lifted() { meter.limit = limit; }
-    };
-
-    // `least`: bytes that are needed at least; count() tells how many suffice.
-    template <class Count>
-    [[noreturn]] void throw_limit_error(std::int64_t least, Count count) {
-        const bool counted = options.count_bytes_needed;
-        const std::int64_t needed = counted ? count() : std::max(least, options.memory_limit + 1);
-        const std::string message = "the memory limit of " + std::to_string(options.memory_limit) +
-                                    " bytes is too small; " + (counted ? "" : "at least ") + std::to_string(needed) +
-                                    (counted ? " bytes suffice" : " bytes are needed");
-        throw Error(ErrorCode::memory_limit, message, Element::option, -1, needed, 0, !counted);
+    Error limit_error(std::int64_t least) const {
+        least = std::max(least, options.memory_limit + 1);
+        const std::int64_t suggested = std::max(2 * options.memory_limit, least + least / 4);
+        return Error(ErrorCode::memory_limit,
+                     "the memory limit of " + std::to_string(options.memory_limit) + " bytes is too small; at least " +
+                         std::to_string(least) + " bytes are needed; try " + std::to_string(suggested),
+                     Element::option, -1, least);
     }
 
-    // Runs attempt(), and once more with nothing kept if it exceeds the limit and again() is true: perhaps it was what
-    // earlier calls have left. `suffices` counts the memory limit that would do. A detector that throws holds an empty
-    // result and no kept memory.
-    template <class Attempt, class Again, class Suffices>
-    void within_limit(std::stop_token stop, Attempt attempt, Again again, Suffices suffices) {
-        const FloatEnvironment environment;
+    /// Guards one call: floating-point environment, cancellation, memory limit. Runs attempt(), and once more with
+    /// nothing kept if it exceeds the limit and again(least) is true: perhaps earlier calls have left too much. `least`
+    /// is the number of bytes that the attempt alone needed at least. A call that throws leaves an empty result and no
+    /// kept memory.
+    template <class Attempt, class Again>
+    void run(std::stop_token stop, Attempt attempt, Again again) {
         cancellation.begin(std::move(stop));
         meter.peak = meter.used.load();
-        try {
-            try {
-                attempt();
-            } catch (const MemoryMeter::Exceeded&) {
-                if (!again()) throw;
-                forget();
-                attempt();
-            }
-        } catch (const MemoryMeter::Exceeded& exceeded) {
-            const std::int64_t least = std::max(exceeded.bytes, options.memory_limit + 1);
-            forget();
-            throw_limit_error(least, suffices);
-        } catch (...) {
-            forget();
-            throw;
-        }
+        run_above(meter.used, attempt, again, [](const Error&) { return false; });
     }
 
-    // A detector that throws holds an empty result and no kept memory, unless a caller's graph works on that.
-    template <class Work, class Count>
-    void on_the_device(Work work, Count count) {
+    /// Guards a launch, or the wait for one. Keeps what a caller's graph works on.
+    template <class Work>
+    void run_launched(Work work) {
+        run_above(
+            kept_before_launch, work, [](std::int64_t) { return false; },
+            [&](const Error& error) { return backend->keeps_after(error); });
+    }
+
+   private:
+    template <class Attempt, class Again, class Keeps>
+    void run_above(std::int64_t kept, Attempt attempt, Again again, Keeps keeps) {
         const FloatEnvironment environment;
         try {
             try {
-                work();
+                try {
+                    attempt();
+                } catch (const MemoryMeter::Exceeded& exceeded) {
+                    if (!again(exceeded.bytes - kept)) throw;
+                    forget();
+                    kept = 0;
+                    attempt();
+                }
             } catch (const MemoryMeter::Exceeded& exceeded) {
-                throw_limit_error(exceeded.bytes - kept_before_launch, count);
+                throw limit_error(exceeded.bytes - kept);
             }
         } catch (const Error& error) {
-            if (!backend->keeps_after(error)) forget();
+            if (!keeps(error)) forget();
             throw;
         } catch (...) {
             forget();
             throw;
         }
-    }
-
-    // The peak of attempt() without a limit, with which it will succeed.
-    template <class Attempt>
-    std::int64_t peak_of(Attempt attempt) {
-        std::int64_t needed = 0;
-        {
-            const Lifted lifted(meter);
-            meter.peak = meter.used.load();
-            attempt();
-            needed = meter.peak;
-        }
-        forget();
-        return needed;
     }
 };
 

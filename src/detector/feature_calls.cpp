@@ -45,9 +45,9 @@ const Answer& WorldCalls::find_of_mesh(const MeshView& mesh, const Shape& shape,
 }
 
 void WorldCalls::copy_to_host(const DeviceShape& mesh, HostShape& copy) {
-    within_limit(
-        {}, [&] { backend->features_there().copy_to_host(mesh, Copied::all, copy); }, [] { return false; },
-        [] { return 0; });
+    run(
+        {}, [&] { backend->features_there().copy_to_host(mesh, Copied::all, copy); },
+        [](std::int64_t) { return false; });
 }
 void WorldCalls::copy_to_host(const MeshView& mesh, const VertexView& end, HostShape& copy) {
     copy_to_host({with_end(Shape(mesh), end), mesh.stream}, copy);
@@ -58,14 +58,12 @@ void WorldCalls::launch(const MeshView& mesh, const Shape& shape, const Question
     cancellation.begin({});
     kept_before_launch = meter.used;
     const DeviceShape there{shape, mesh.stream};
-    on_the_device(
-        [&] {
-            check_question(question, false);
-            check_groups(question.rules, shape.triangles.rows, !shape.groups.empty());
-            check(mesh.memory != MemorySpace::host, "launches take meshes in device memory");
-            features.launch(*backend, there, question);
-        },
-        [&] { return peak_of([&] { features.try_there(*backend, there, question); }); });
+    run_launched([&] {
+        check_question(question, false);
+        check_groups(question.rules, shape.triangles.rows, !shape.groups.empty());
+        check(mesh.memory != MemorySpace::host, "launches take meshes in device memory");
+        features.launch(*backend, there, question);
+    });
 }
 
 void WorldCalls::launch_impacts(const MeshView& mesh, const VertexView& end, const Motion& question) {
@@ -81,12 +79,10 @@ void WorldCalls::launch_candidates(const MeshView& mesh, const VertexView* end, 
 DeviceAnswer WorldCalls::wait_for(Asked asked, std::stop_token stop) {
     DeviceAnswer answer;
     cancellation.begin(std::move(stop));
-    on_the_device(
-        [&] {
-            cancellation.check();
-            answer = features.wait(*backend, asked);
-        },
-        [&] { return peak_of([&] { features.try_landed(*backend); }); });
+    run_launched([&] {
+        cancellation.check();
+        answer = features.wait(*backend, asked);
+    });
     return answer;
 }
 const DeviceImpacts& WorldCalls::wait_impacts(std::stop_token stop) {

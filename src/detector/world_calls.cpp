@@ -50,9 +50,8 @@ const WorldCollisions& WorldCalls::find(const World& world, const Intersect& que
         const WorldBlocks noted{blocks->how, noting};
         search(world, question, &noted);
     };
-    // Who has taken blocks cannot begin again.
-    within_limit(
-        std::move(stop), attempt, [&] { return !handed_over; }, [&] { return bytes_needed(world, question, blocks); });
+    // A call that has delivered blocks cannot begin again.
+    run(std::move(stop), attempt, [&](std::int64_t) { return !handed_over; });
     Statistics& statistics = world_result.statistics;
     statistics.pairs = world_result.count;
     statistics.peak_memory_bytes = meter.peak;
@@ -91,8 +90,7 @@ std::vector<Part> WorldCalls::partition_shape(const Shape& shape, const Question
         check_question(question, false);
         parts = features.partition(*backend, world, question, count);
     };
-    within_limit(
-        std::move(stop), attempt, [] { return true; }, [&] { return peak_of(attempt); });
+    run(std::move(stop), attempt, [](std::int64_t) { return true; });
     return parts;
 }
 
@@ -102,20 +100,15 @@ Statistics WorldCalls::stream_features(const World& world, const Question& quest
                                        const FeatureBlocks<Answer>& blocks, Answer& answer, std::stop_token stop) {
     Stopwatch watch;
     if (meter.limit > 0) forget();
-    const auto stream = [&](const FeatureBlocks<Answer>& to) {
-        check_blocks(to.how);
+    const auto stream = [&] {
+        check_blocks(blocks.how);
         check_question(question, bodies);
         if (!bodies) check_groups(question.rules, world.shapes[0].triangles.rows, !world.shapes[0].groups.empty());
         check_in_blocks(question);
         const PosedOnHost there(*backend, world);
-        features.stream(*backend, there.world(), question, bodies, meter.limit > 0, to, answer);
+        features.stream(*backend, there.world(), question, bodies, meter.limit > 0, blocks, answer);
     };
-    const auto count = [&] {
-        const auto ignore = [](const Answer&) {};
-        return peak_of([&] { stream({blocks.how, ignore}); });
-    };
-    within_limit(
-        std::move(stop), [&] { stream(blocks); }, [] { return false; }, count);
+    run(std::move(stop), stream, [](std::int64_t) { return false; });
     Statistics statistics = answer.statistics;
     clear(answer);
     statistics.peak_memory_bytes = meter.peak;
@@ -169,8 +162,7 @@ const NearestBodies& WorldCalls::find_nearest(const World& world, const Nearest&
         else
             nearest.find(*backend, there.world(), question, frugal, nearest_bodies);
     };
-    within_limit(
-        std::move(stop), attempt, [&] { return frugal = true; }, [&] { return peak_of(attempt); });
+    run(std::move(stop), attempt, [&](std::int64_t) { return frugal = true; });
     Statistics& statistics = nearest_bodies.statistics;
     statistics.pairs = static_cast<std::int64_t>(nearest_bodies.bodies.size());
     statistics.peak_memory_bytes = meter.peak;
@@ -264,13 +256,6 @@ Statistics WorldCalls::stream(const World& world, TakeWorldBlock take, const Int
     if (meter.limit > 0) forget();
     const WorldBlocks blocks{how, take};
     return find(world, question, std::move(stop), &blocks).statistics;
-}
-
-// The limit that suffices: found by answering without one.
-std::int64_t WorldCalls::bytes_needed(const World& world, const Intersect& question, const WorldBlocks* blocks) {
-    const auto ignore = [](const WorldCollisions&) {};
-    const WorldBlocks ignored{blocks ? blocks->how : Streaming(), ignore};
-    return peak_of([&] { search(world, question, blocks ? &ignored : nullptr); });
 }
 
 template const Impacts& WorldCalls::find_features(const World&, const Motion&, bool, Impacts&, std::stop_token);

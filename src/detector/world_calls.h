@@ -67,7 +67,6 @@ struct WorldCalls : DetectorState {
    private:
     void search(const World& world, const Intersect& question, const WorldBlocks* blocks);
     bool found_on_device(const World& world, const Intersect& question);
-    std::int64_t bytes_needed(const World& world, const Intersect& question, const WorldBlocks* blocks);
     /// `bodies`: whether the answer names bodies.
     template <class Question, class Answer>
     const Answer& find_features(const World& world, const Question& question, bool bodies, Answer& answer,
@@ -86,8 +85,7 @@ struct WorldCalls : DetectorState {
         Stopwatch watch;
         bool frugal = false;
         const auto attempt = [&] { search(frugal); };
-        within_limit(
-            std::move(stop), attempt, [&] { return frugal = true; }, [&] { return peak_of(attempt); });
+        run(std::move(stop), attempt, [&](std::int64_t) { return frugal = true; });
         answer.statistics.peak_memory_bytes = meter.peak;
         answer.statistics.milliseconds = watch.lap();
         return answer;

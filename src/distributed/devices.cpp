@@ -28,8 +28,7 @@ Error without_rank(const Error& error, const std::vector<int>& devices) {
     std::string message = error.what();
     if (error.code == ErrorCode::device && error.rank >= 0)
         message = "device " + std::to_string(devices[static_cast<std::size_t>(error.rank)]) + ": " + message;
-    return Error(error.code, message, error.element, error.index, error.bytes_needed, error.system_error,
-                 error.bytes_needed_at_least);
+    return Error(error.code, message, error.element, error.index, error.bytes_needed, error.system_error);
 }
 
 /// Of those who have thrown, the first that has not only seen another one end.

@@ -12,12 +12,7 @@ void PartSearch::guarded(const Part& part, const Query& query, std::unique_ptr<S
     const MeshView mesh = part.mesh.view();
     backend->swap_memory(memory);
     const auto attempt = [&] { work(prepare_scene(mesh, nullptr, query.weld, *backend, buffers)); };
-    within_limit(
-        std::move(stop), attempt, [] { return true; },
-        [&] {
-            const Lifted lifted(meter);
-            return backend->bytes_needed(prepare_scene(mesh, nullptr, query.weld, *backend, buffers), query, &part);
-        });
+    run(std::move(stop), attempt, [](std::int64_t) { return true; });
     backend->swap_memory(memory);
 }
 
@@ -42,8 +37,7 @@ const Answer& PartSearch::find_features(const Part& part, const Question& questi
     bool frugal = false;
     const auto attempt = [&] { features.find(*backend, part, question, frugal, answer); };
     backend->swap_memory(memory);
-    within_limit(
-        std::move(stop), attempt, [&] { return frugal = true; }, [&] { return peak_of(attempt); });
+    run(std::move(stop), attempt, [&](std::int64_t) { return frugal = true; });
     backend->swap_memory(memory);
     answer.statistics.peak_memory_bytes = meter.peak;
     return answer;

@@ -9,12 +9,12 @@
 namespace crumple {
 namespace {
 
-constexpr std::size_t chunk = 1024;
+constexpr std::size_t pairs_of_task = 1024;
 
 template <class Task>
 void for_each_chunk(std::size_t n, ParallelFor& workers, Task task) {
-    workers.parallel_for((n + chunk - 1) / chunk,
-                         [&](std::size_t c) { task(c * chunk, std::min(n, (c + 1) * chunk)); });
+    workers.parallel_for((n + pairs_of_task - 1) / pairs_of_task,
+                         [&](std::size_t c) { task(c * pairs_of_task, std::min(n, (c + 1) * pairs_of_task)); });
 }
 
 Features at_rest(const Scene& scene, const SceneFeatures& features, FeatureKind kind, const Pair& pair) {

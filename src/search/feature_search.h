@@ -69,11 +69,6 @@ class FeatureSearch {
     template <class Question>
     void launch(BackendBase& backend, const DeviceShape& mesh, const Question& question);
     DeviceAnswer wait(BackendBase& backend, Asked asked);
-    /// Answers a launch, or the one that was waited for last, to the host, with as little memory as may be, and drops
-    /// the answer.
-    template <class Question>
-    void try_there(BackendBase& backend, const DeviceShape& mesh, const Question& question);
-    void try_landed(BackendBase& backend);
 
     /// Gives all memory back.
     void release();
@@ -165,7 +160,6 @@ class FeatureSearch {
         std::variant<Motion, Near, CandidateQuestion> question;
     };
     std::array<Launched, 2> launched_;
-    std::size_t landed_ = 0;  ///< slot that was waited for last
 };
 
 // The first of the bodies that were added are those whose own world this is.

@@ -19,10 +19,6 @@ bool rules_there(const Shape& shape, const Rules& rules) {
            !(by_groups && (shape.edges || shape.points));
 }
 
-Impacts metered_answer(MemoryMeter* meter, const Motion&) { return metered_impacts(meter); }
-Nearby metered_answer(MemoryMeter* meter, const Near&) { return metered_nearby(meter); }
-CandidateLists metered_answer(MemoryMeter* meter, const CandidateQuestion&) { return metered_candidates(meter); }
-
 /// What find does by way of the host, launches do not.
 template <class Question>
 void refuse_what_is_not_there(const Shape& shape, const Question& question) {
@@ -124,7 +120,6 @@ DeviceAnswer FeatureSearch::wait(BackendBase& backend, Asked asked) {
     DeviceFeatureCalls& there = backend.features_there();
     DeviceFeatureCalls::Landed landed = there.wait(asked);
     const Launched& launched = launched_[landed.slot];
-    landed_ = landed.slot;
     if (!landed.answer)
         landed.answer = std::visit(
             [&](const auto& question) {
@@ -139,16 +134,6 @@ DeviceAnswer FeatureSearch::wait(BackendBase& backend, Asked asked) {
     return *landed.answer;
 }
 
-template <class Question>
-void FeatureSearch::try_there(BackendBase& backend, const DeviceShape& mesh, const Question& question) {
-    auto answer = metered_answer(&meter_, question);
-    find_there(backend, mesh, question, true, answer);
-}
-void FeatureSearch::try_landed(BackendBase& backend) {
-    const Launched launched = launched_[landed_];
-    std::visit([&](const auto& question) { try_there(backend, launched.mesh, question); }, launched.question);
-}
-
 template void FeatureSearch::find_there(BackendBase&, const DeviceShape&, const Motion&, bool, Impacts&);
 template void FeatureSearch::find_there(BackendBase&, const DeviceShape&, const Near&, bool, Nearby&);
 template void FeatureSearch::find_there(BackendBase&, const DeviceShape&, const CandidateQuestion&, bool,
@@ -156,9 +141,6 @@ template void FeatureSearch::find_there(BackendBase&, const DeviceShape&, const 
 template void FeatureSearch::answer_there(BackendBase&, const Motion&);
 template void FeatureSearch::answer_there(BackendBase&, const Near&);
 template void FeatureSearch::answer_there(BackendBase&, const CandidateQuestion&);
-template void FeatureSearch::try_there(BackendBase&, const DeviceShape&, const Motion&);
-template void FeatureSearch::try_there(BackendBase&, const DeviceShape&, const Near&);
-template void FeatureSearch::try_there(BackendBase&, const DeviceShape&, const CandidateQuestion&);
 template void FeatureSearch::launch(BackendBase&, const DeviceShape&, const Motion&);
 template void FeatureSearch::launch(BackendBase&, const DeviceShape&, const Near&);
 template void FeatureSearch::launch(BackendBase&, const DeviceShape&, const CandidateQuestion&);

@@ -79,7 +79,6 @@ TEST_F(Misuse, OfOptionsThatDoNotGoTogether) {
     expect_refused("detect five.off --groups components", "--wanted");
     expect_refused("detect five.off --backend reference --threads 2", "--threads does not apply");
     expect_refused("detect five.off --backend reference --clusters 2", "--clusters does not apply");
-    expect_refused("detect five.off --count-bytes-needed", "changes nothing without --memory-limit");
     expect_refused("detect five.off --contacts -o x.glb", "hold no contacts");
     expect_refused("detect five.off --contacts --check", "--contacts are not printed with --check");
     expect_refused("detect five.off -o -", "-o - needs --format");

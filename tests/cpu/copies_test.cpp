@@ -10,6 +10,7 @@
 #include "backends/cpu/stages/kernels.h"
 #include "error_of.h"
 #include "halves.h"
+#include "memory_limit.h"
 #include "soups.h"
 
 namespace crumple {
@@ -58,8 +59,8 @@ TEST(Copies, cost_no_more_than_half_of_a_scene_as_large) {
                              << kind.size() << " kinds, query " << q << (in_chunks ? ", chunks" : ""));
                 const auto detector_for = [&](const MeshView& mesh) {
                     if (!in_chunks) return Detector();
-                    Detector tiny({.memory_limit = 1, .count_bytes_needed = true});
-                    return Detector({.memory_limit = error_of([&] { tiny.find_self(mesh, queries[q]); }).bytes_needed});
+                    const auto find = [&](Detector& by) { by.find_self(mesh, queries[q]); };
+                    return Detector({.memory_limit = test::sufficient_limit({}, find, 4)});
                 };
                 Detector detector = detector_for(plain.view()), other = detector_for(soup.view());
                 const Collisions &expected = detector.find_self(plain.view(), queries[q]),
@@ -121,8 +122,7 @@ test::Soup<float> crowded(unsigned seed) {
 void expect_reference(const std::function<const Collisions&(Detector&)>& find) {
     Detector reference({.backend = Backend::reference});
     const Collisions& expected = find(reference);
-    Detector tiny({.memory_limit = 1, .count_bytes_needed = true});
-    const std::int64_t enough = error_of([&] { find(tiny); }).bytes_needed;
+    const std::int64_t enough = test::sufficient_limit({}, find, 4);
     for (const Options& options :
          {Options{.threads = 2, .clusters = 5, .leaf_size = 20}, Options{.threads = 1, .memory_limit = enough}}) {
         Detector detector(options);

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "error_of.h"
+#include "memory_limit.h"
 #include "soups.h"
 
 namespace crumple {
@@ -149,15 +150,10 @@ TEST(Extremes, has_collision_keeps_to_a_memory_limit) {
     const auto soup = test::random_soup(20000, 1e-4);
     Detector free;
     ASSERT_EQ(free.find_self(soup.view()).pairs.size(), 0u);
-    Detector tiny({.memory_limit = 100000}), counting({.memory_limit = 100000, .count_bytes_needed = true});
-    const Error least = test::error_of([&] { tiny.has_collision(soup.view()); });
-    ASSERT_EQ(least.code, ErrorCode::memory_limit);
-    EXPECT_TRUE(least.bytes_needed_at_least);
-    const Error error = test::error_of([&] { counting.has_collision(soup.view()); });
-    ASSERT_EQ(error.code, ErrorCode::memory_limit);
-    EXPECT_GE(error.bytes_needed, least.bytes_needed);
-    Detector enough({.memory_limit = error.bytes_needed});
-    EXPECT_FALSE(enough.has_collision(soup.view()));
+    Detector tiny({.memory_limit = 100000});
+    ASSERT_EQ(test::error_of([&] { tiny.has_collision(soup.view()); }).code, ErrorCode::memory_limit);
+    test::sufficient_limit({.memory_limit = 100000},
+                           [&](Detector& enough) { EXPECT_FALSE(enough.has_collision(soup.view())); });
 }
 
 }  // namespace

@@ -396,7 +396,7 @@ TEST(CudaDeviceFeatures, fit_a_memory_limit) {
         cuda.launch_candidates(there.view(), there.end());
         EXPECT_TRUE(shows(cuda.wait_candidates(), candidates)) << limit;
     }
-    Detector cuda({.backend = Backend::cuda, .memory_limit = 100'000, .count_bytes_needed = true});
+    Detector cuda({.backend = Backend::cuda, .memory_limit = 100'000});
     const Error error = error_of([&] {
         cuda.launch_impacts(there.view(), there.end(), asked);
         cuda.wait_impacts();

@@ -10,6 +10,7 @@
 #include "cuda_on_cpu/machine/graph.h"
 #include "cuda_on_cpu/machine/settings.h"
 #include "error_of.h"
+#include "memory_limit.h"
 #include "worlds/compare_worlds.h"
 
 namespace crumple::test {
@@ -107,14 +108,14 @@ TEST_F(CudaMachineDeviceWorlds, say_what_limit_a_launch_needs) {
     std::int64_t limit = 1 << 24;
     int answers = 0;
     for (;; limit = limit * 3 / 4, ++answers) {
-        Detector detector({.backend = Backend::cuda, .memory_limit = limit, .count_bytes_needed = true});
+        Detector detector({.backend = Backend::cuda, .memory_limit = limit});
         try {
             ASSERT_TRUE(answer(detector)) << limit;
         } catch (const Error& error) {
             ASSERT_EQ(error.code, ErrorCode::memory_limit);
             EXPECT_GT(error.bytes_needed, limit);
-            Detector enough({.backend = Backend::cuda, .memory_limit = error.bytes_needed});
-            EXPECT_TRUE(answer(enough));
+            sufficient_limit({.backend = Backend::cuda, .memory_limit = limit},
+                             [&](Detector& enough) { EXPECT_TRUE(answer(enough)); });
             break;
         }
     }

@@ -11,6 +11,7 @@
 #include "cuda_on_cpu/machine/graph.h"
 #include "cuda_on_cpu/machine/settings.h"
 #include "error_of.h"
+#include "memory_limit.h"
 
 namespace crumple::test {
 namespace {
@@ -100,14 +101,14 @@ TEST_F(CudaMachineFeatures, say_what_limit_a_launch_needs) {
     std::int64_t limit = 1 << 25;
     int answers = 0;
     for (;; limit = limit * 2 / 3, ++answers) {
-        Detector cuda({.backend = Backend::cuda, .memory_limit = limit, .count_bytes_needed = true});
+        Detector cuda({.backend = Backend::cuda, .memory_limit = limit});
         try {
             ask(cuda, there_);
         } catch (const Error& error) {
             ASSERT_EQ(error.code, ErrorCode::memory_limit);
             EXPECT_GT(error.bytes_needed, limit);
-            Detector enough({.backend = Backend::cuda, .memory_limit = error.bytes_needed});
-            ask(enough, there_);
+            sufficient_limit({.backend = Backend::cuda, .memory_limit = limit},
+                             [&](Detector& enough) { ask(enough, there_); });
             break;
         }
     }

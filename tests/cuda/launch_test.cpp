@@ -21,6 +21,7 @@
 #include "cuda/shows.h"
 #include "error_of.h"
 #include "halves.h"
+#include "memory_limit.h"
 #include "rounds.h"
 #include "soups.h"
 
@@ -573,7 +574,7 @@ TEST(CudaLaunch, reports_bad_input_when_waited_for) {
     EXPECT_EQ(cuda.wait().pair_count, static_cast<std::int64_t>(Detector().find_self(good.view()).pairs.size()));
 }
 
-TEST(CudaLaunch, answers_under_any_memory_limit_or_names_one_that_suffices) {
+TEST(CudaLaunch, answers_under_any_memory_limit_or_names_what_is_needed_at_least) {
     const io::TriangleMesh mesh = cloth(600);
     const DeviceMesh device(mesh.view());
     const Query query{.contacts = true};
@@ -590,7 +591,7 @@ TEST(CudaLaunch, answers_under_any_memory_limit_or_names_one_that_suffices) {
     for (std::int64_t limit = unlimited.find_self(device.view(), query).statistics.peak_memory_bytes; limit > 1'000;
          limit -= limit / 5) {
         SCOPED_TRACE(testing::Message() << limit << " bytes");
-        Detector limited({.backend = Backend::cuda, .memory_limit = limit, .count_bytes_needed = true});
+        Detector limited({.backend = Backend::cuda, .memory_limit = limit});
         try {
             shows_all(limited);
             shows_all(limited);
@@ -598,16 +599,7 @@ TEST(CudaLaunch, answers_under_any_memory_limit_or_names_one_that_suffices) {
             ++failures;
             ASSERT_EQ(error.code, ErrorCode::memory_limit) << error.what();
             ASSERT_GT(error.bytes_needed, limit);
-            Detector hasty({.backend = Backend::cuda, .memory_limit = limit});
-            const Error least = error_of([&] {
-                shows_all(hasty);
-                shows_all(hasty);
-            });
-            EXPECT_TRUE(least.bytes_needed_at_least);
-            EXPECT_GT(least.bytes_needed, limit);
-            EXPECT_LE(least.bytes_needed, error.bytes_needed);
-            Detector enough({.backend = Backend::cuda, .memory_limit = error.bytes_needed});
-            EXPECT_NO_THROW(shows_all(enough)) << error.bytes_needed << " bytes do not suffice";
+            sufficient_limit({.backend = Backend::cuda, .memory_limit = limit}, shows_all);
         }
     }
     EXPECT_GT(failures, 2);
@@ -625,7 +617,6 @@ TEST(CudaLaunch, stops_counting_when_the_pairs_alone_exceed_the_limit) {
         cuda.launch_self(device.view());
         cuda.wait();
     });
-    EXPECT_TRUE(error.bytes_needed_at_least);
     EXPECT_GT(error.bytes_needed, limit);
     EXPECT_LT(error.bytes_needed, all) << "it was counted on";
 }

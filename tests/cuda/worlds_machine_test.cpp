@@ -9,6 +9,7 @@
 
 #include "crumple/error.h"
 #include "cuda_on_cpu/machine/settings.h"
+#include "memory_limit.h"
 #include "worlds/compare_worlds.h"
 #include "worlds/random_worlds.h"
 
@@ -73,15 +74,16 @@ TEST_F(CudaMachineWorlds, that_do_not_fit_in_memory_are_searched_in_halves) {
         std::int64_t limit = free.find(world(), question).statistics.peak_memory_bytes;
         int answers = 0;
         for (;; limit = limit * 2 / 3, ++answers) {
-            Detector detector({.backend = Backend::cuda, .memory_limit = limit, .count_bytes_needed = true});
+            Detector detector({.backend = Backend::cuda, .memory_limit = limit});
             try {
                 const WorldCollisions& found = detector.find(world(), question);
                 ASSERT_TRUE(same_world_answer(found, expected)) << limit;
                 EXPECT_LE(found.statistics.peak_memory_bytes, limit);
             } catch (const Error& error) {
                 ASSERT_EQ(error.code, ErrorCode::memory_limit);
-                Detector enough({.backend = Backend::cuda, .memory_limit = error.bytes_needed});
-                EXPECT_TRUE(same_world_answer(enough.find(world(), question), expected));
+                sufficient_limit({.backend = Backend::cuda, .memory_limit = limit}, [&](Detector& enough) {
+                    EXPECT_TRUE(same_world_answer(enough.find(world(), question), expected));
+                });
                 break;
             }
         }

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "error_of.h"
+#include "memory_limit.h"
 #include "rounds.h"
 #include "soups.h"
 
@@ -219,7 +220,7 @@ TEST(Stream, fits_a_limit_that_the_answer_does_not_fit_or_names_one) {
     constexpr std::int64_t limit = 2'500'000;
     ASSERT_GT(count * 8, limit);
     for (const bool ordered : {true, false}) {
-        Detector detector({.memory_limit = limit, .count_bytes_needed = true});
+        Detector detector({.memory_limit = limit});
         EXPECT_EQ(error_of([&] { detector.find_self(soup.view()); }).code, ErrorCode::memory_limit);
         std::int64_t pairs = 0;
         const auto take = [&](const Collisions& block) { pairs += static_cast<std::int64_t>(block.pairs.size()); };
@@ -231,10 +232,11 @@ TEST(Stream, fits_a_limit_that_the_answer_does_not_fit_or_names_one) {
         const Error error = error_of([&] { detector.stream_self(soup.view(), take, {}, {1'000'000, ordered}); });
         EXPECT_EQ(error.code, ErrorCode::memory_limit);
         EXPECT_GT(error.bytes_needed, limit);
-        Detector enough({.memory_limit = error.bytes_needed});
-        pairs = 0;
-        enough.stream_self(soup.view(), take, {}, {1'000'000, ordered});
-        EXPECT_EQ(pairs, count);
+        test::sufficient_limit({.memory_limit = limit}, [&](Detector& enough) {
+            pairs = 0;
+            enough.stream_self(soup.view(), take, {}, {1'000'000, ordered});
+            EXPECT_EQ(pairs, count);
+        });
     }
 }
 

@@ -9,6 +9,7 @@
 
 #include "distances/compare_nearest.h"
 #include "error_of.h"
+#include "memory_limit.h"
 #include "worlds/random_worlds.h"
 
 namespace crumple::test {
@@ -221,7 +222,6 @@ TEST_P(NearestMemory, HoldsToTheLimit) {
         SCOPED_TRACE(limit);
         Options tight = options;
         tight.memory_limit = limit;
-        tight.count_bytes_needed = true;
         Detector limited(tight);
         try {
             const NearestBodies& found = limited.find_nearest(world->view());
@@ -232,11 +232,12 @@ TEST_P(NearestMemory, HoldsToTheLimit) {
             refused = true;
             ASSERT_EQ(error.code, ErrorCode::memory_limit) << error.what();
             EXPECT_GT(error.bytes_needed, limit);
-            tight.memory_limit = error.bytes_needed;
+            tight.memory_limit =
+                sufficient_limit(tight, [&](Detector& detector) { detector.find_nearest(world->view()); });
             for (int again = 0; again < 3; ++again) {
                 Detector enough(tight);
                 const NearestBodies& found = enough.find_nearest(world->view());
-                EXPECT_LE(found.statistics.peak_memory_bytes, error.bytes_needed);
+                EXPECT_LE(found.statistics.peak_memory_bytes, tight.memory_limit);
                 EXPECT_TRUE(same_nearest(found, expected));
             }
             EXPECT_NO_THROW(limited.find_nearest(World())) << "usable still";

@@ -38,7 +38,7 @@ class CpuBackend final : public BackendBase {
             if (scene.triangle_count() >= too_many_) return find_in_chunks(scene, query, part, result);
             try {
                 IntersectCall call = make_call(scene, query, part);
-                PairBudget budget = budget_of(call);
+                PairBudget budget(scene, query, meter_);
                 const auto told = [&](const Array<Pair>& pairs, std::size_t before) {
                     budget.add(static_cast<std::int64_t>(pairs.size() - before));
                 };
@@ -53,12 +53,6 @@ class CpuBackend final : public BackendBase {
             }
         });
         result.statistics = statistics_;
-    }
-
-    std::int64_t bytes_needed(const Scene& scene, const Query& query, const Part* part) override {
-        std::int64_t pairs = 0;
-        workers_.run([&] { pairs = count_in_chunks(call_in_chunks(scene, query, part)); });
-        return meter_.peak + result_bytes(scene, query, pairs);
     }
 
     bool any(const Scene& scene, const Query& query) override {

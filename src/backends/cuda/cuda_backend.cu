@@ -129,19 +129,6 @@ class CudaBackend final : public BackendBase {
         return make_parts(prepare_scene(first, b ? &second : nullptr, false, *this, buffers), count, *this);
     }
 
-    std::int64_t bytes_needed(const Scene& scene, const Query& query, const Part*) override {
-        return on_device([&] {
-            bring(scene);
-            return bytes_needed(query);
-        });
-    }
-    std::int64_t bytes_needed(const MeshView& a, const MeshView* b, const Query& query) override {
-        return on_device([&] {
-            view(a, b, query);
-            return bytes_needed(query);
-        });
-    }
-
     void launch(const MeshView& a, const MeshView* b, const Query& query) override {
         turns_.refuse_third();
         on_device([&] {
@@ -240,13 +227,6 @@ class CudaBackend final : public BackendBase {
         features_.release();
     }
 
-    std::int64_t bytes_needed_for_launched() override {
-        return on_device([&] {
-            search_.drop_lists();
-            return search_.input().posed() ? bytes_needed_for_worlds() : bytes_needed();
-        });
-    }
-
     bool keeps_after(const Error& error) const override {
         if (turns_.state == Turns::State::refused) return true;
         const bool needed = turns_.state == Turns::State::captured || turns_.flights.count() > 0;
@@ -316,28 +296,6 @@ class CudaBackend final : public BackendBase {
     bool any(const Query& query) {
         search_.adopt(query);
         return search_.any();
-    }
-
-    std::int64_t bytes_needed(const Query& query) {
-        search_.adopt(query);
-        return bytes_needed();
-    }
-
-    std::int64_t bytes_needed() {
-        meter_.peak = meter_.used.load();
-        const auto pairs = static_cast<std::int64_t>(search_.count_in_chunks());
-        const std::size_t room =
-            Answer::bytes(search_.scene(), static_cast<std::size_t>(pairs), search_.query().contacts);
-        return meter_.peak + static_cast<std::int64_t>(room) + result_bytes(search_.scene(), search_.query(), pairs);
-    }
-
-    // Worlds are found at once, or not at all.
-    std::int64_t bytes_needed_for_worlds() {
-        meter_.peak = meter_.used.load();
-        search_.hope_again();
-        search_.find();
-        search_.make_contacts();
-        return meter_.peak;
     }
 
     // Launches without work the kernels that keep data on their stacks. The driver keeps a stack for every thread that

@@ -43,8 +43,7 @@ class Reference final : public BackendBase {
         // Under a limit the pairs are counted first, so that they are stored without room to spare.
         if (meter_.limit > 0) {
             crumple::release(result);
-            const Levels levels(part);
-            PairBudget budget({scene, query, rule_, levels}, meter_, 0);
+            PairBudget budget(scene, query, meter_);
             result.pairs.resize_discard(static_cast<std::size_t>(count(scene, query, part, &budget)));
         }
         statistics.box_overlaps = 0;
@@ -81,12 +80,6 @@ class Reference final : public BackendBase {
             return true;
         });
         if (!block.pairs.empty()) hand_over();
-    }
-
-    std::int64_t bytes_needed(const Scene& scene, const Query& query, const Part* part) override {
-        Statistics unused;
-        prepare(scene, query, unused);
-        return meter_.used + result_bytes(scene, query, count(scene, query, part, nullptr));
     }
 
     bool any(const Scene& scene, const Query& query) override {

@@ -24,7 +24,7 @@ Error error_of(const std::exception_ptr& failed) {
     } catch (const MemoryMeter::Exceeded& exceeded) {
         return Error(ErrorCode::memory_limit,
                      "the memory limit is too small; at least " + std::to_string(exceeded.bytes) + " bytes are needed",
-                     Element::option, -1, exceeded.bytes, 0, true);
+                     Element::option, -1, exceeded.bytes);
     } catch (const std::exception& error) {
         return Error(ErrorCode::cancelled, std::string("the call was interrupted: ") + error.what());
     } catch (...) {
@@ -71,7 +71,7 @@ void Agreement::settle(const std::exception_ptr& failed) {
 // The error of the rank `root`, on all ranks.
 Error Agreement::share(const std::optional<Error>& mine, int root) {
     const bool here = transport_.rank() == root;
-    std::array<std::int64_t, 7> head{};
+    std::array<std::int64_t, 6> head{};
     std::string message;
     if (here) {
         message = "rank " + std::to_string(root) + ": " + mine->what();
@@ -80,14 +80,13 @@ Error Agreement::share(const std::optional<Error>& mine, int root) {
                 mine->index,
                 mine->bytes_needed,
                 mine->system_error,
-                mine->bytes_needed_at_least,
                 static_cast<std::int64_t>(message.size())};
     }
     transport_.broadcast(std::as_writable_bytes(std::span(head)), root);
-    message.resize(static_cast<std::size_t>(head[6]));
+    message.resize(static_cast<std::size_t>(head[5]));
     transport_.broadcast(std::as_writable_bytes(std::span(message)), root);
     Error error(static_cast<ErrorCode>(head[0]), message, static_cast<Element>(head[1]), head[2], head[3],
-                static_cast<int>(head[4]), head[5] != 0);
+                static_cast<int>(head[4]));
     error.rank = root;
     return error;
 }

@@ -17,8 +17,6 @@ struct IntersectCall : Call {
 
     const PairSink* sink = nullptr;       ///< see NarrowContext
     std::atomic<bool>* enough = nullptr;  ///< see NarrowContext
-
-    PairBudget::Call asked() const { return {scene, query, rule, levels}; }
 };
 
 /// As search() of order.h: pairs gather with the workers, unless the sink takes them.

@@ -8,9 +8,6 @@
 namespace crumple::cpu {
 namespace {
 
-// Duplicated faces are counted when so many pairs a triangle were found: meshes have fewer.
-constexpr std::int64_t many_pairs = 8;
-
 /// Calls visit(pair) for each pair of the call, in any order.
 template <class Visit>
 void for_each_pair(IntersectCall call, Visit visit) {
@@ -27,10 +24,8 @@ void for_each_pair(IntersectCall call, Visit visit) {
 
 }  // namespace
 
-PairBudget budget_of(const IntersectCall& call) { return {call.asked(), call.meter, many_pairs}; }
-
 void find_in_chunks(IntersectCall call, Collisions& result) {
-    PairBudget budget = budget_of(call);
+    PairBudget budget(call.scene, call.query, call.meter);
     const Copies& copies = call.leaves.copies();
     const auto n = static_cast<std::size_t>(call.scene.triangles[0]);
     result.offsets.assign(n + 1, 0);
@@ -55,12 +50,6 @@ void find_in_chunks(IntersectCall call, Collisions& result) {
     index_pairs(call.scene, result);
     write_contacts(call, result);
     call.statistics[Stage::output] += watch.lap();
-}
-
-std::int64_t count_in_chunks(IntersectCall call) {
-    std::int64_t pairs = 0;
-    for_each_pair(call, [&](Pair pair) { pairs += call.leaves.copies().count(pair); });
-    return pairs;
 }
 
 }  // namespace crumple::cpu

@@ -79,9 +79,6 @@ class Search {
     /// After that: whether the last replay has left the whole answer. If not, adopt() will make its lists longer.
     bool accept_replay();
 
-    /// Counts pairs without storing them, in as little memory as may be.
-    unsigned long long count_in_chunks() { return count_in_chunks(Lists::shortest); }
-
     /// The contacts, if they are wanted; on the device, or with all of the answer copied to the host.
     void make_contacts();
     void copy_to(Collisions& result);
@@ -100,8 +97,6 @@ class Search {
 
     /// Gives back the memory of lists and answer.
     void drop_lists();
-    /// There is more memory than before: what did not fit at once may.
-    void hope_again() { too_many_ = std::numeric_limits<std::int64_t>::max(); }
     /// The same, and all else that is kept between calls.
     void release();
 
