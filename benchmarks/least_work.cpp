@@ -52,7 +52,7 @@ LeastWork least_work(std::int64_t vertices, bool float32, const Statistics& coun
 
     // Nothing on the way: frames are made for the next one, beside.
     at(Stage::align) = {0, 0};
-    const auto beside = [](std::int64_t fan_out) { return 1 + (fan_out > 1 ? 2 * Options().max_iterations : 0); };
+    const auto beside = [](std::int64_t fan_out) { return 1 + (fan_out > 1 ? 2 * FuzzyCMeans().max_iterations : 0); };
     work.beside = 1 + beside(counted.clusters) + (two_levels ? beside(counted.leaves / counted.clusters) : 0);
 
     // Bins counted and summed up; members put in their places; units listed.

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
+#include <optional>
 #include <string_view>
 #include <system_error>
 
@@ -64,7 +65,7 @@ Choices<io::Unit> units() {
     return choices;
 }
 
-void fail(const char* message) { throw Error(ErrorCode::invalid_argument, message, Element::option); }
+void fail(const std::string& message) { throw Error(ErrorCode::invalid_argument, message, Element::option); }
 
 }  // namespace
 
@@ -167,6 +168,38 @@ void AnswerOptions::check() const {
     if (contacts) fail("--contacts belong to triangles, and --groups bodies lists bodies");
 }
 
+namespace {
+
+/// "fuzziness=1.5,stop=0.1".
+void parse_fuzzy_c_means(const std::vector<std::string>& settings, FuzzyCMeans& means) {
+    for (const std::string& setting : settings) {
+        const std::size_t equals = setting.find('=');
+        const std::string name = setting.substr(0, equals);
+        const auto value = equals == setting.npos ? std::nullopt : io::number_of(setting.substr(equals + 1));
+        if (!value) fail("--fuzzy-c-means " + setting + ": NAME=NUMBER is expected");
+        const auto count = [&] {
+            if (*value != std::floor(*value) || std::abs(*value) > 1e9)
+                fail("--fuzzy-c-means " + setting + ": an integer is expected");
+            return static_cast<int>(*value);
+        };
+        if (name == "fuzziness")
+            means.fuzziness = *value;
+        else if (name == "max_iterations")
+            means.max_iterations = count();
+        else if (name == "first_iterations")
+            means.first_iterations = count();
+        else if (name == "stop")
+            means.stop = *value;
+        else if (name == "first_stop")
+            means.first_stop = *value;
+        else
+            fail("--fuzzy-c-means " + setting +
+                 ": the names are fuzziness, max_iterations, first_iterations, stop, first_stop");
+    }
+}
+
+}  // namespace
+
 void add_cost_options(CLI::App& app, Options& options) {
     add_choice<Backend, Backend>(
         app, "--backend", options.backend,
@@ -196,6 +229,16 @@ void add_cost_options(CLI::App& app, Options& options) {
     app.add_option("--clusters", options.clusters, "Clusters of the first level, 1 to 64; without it as the size asks")
         ->type_name("N")
         ->check(integer(1, 64));
+    app.add_option_function<std::vector<std::string>>(
+           "--fuzzy-c-means",
+           [&options](const std::vector<std::string>& settings) {
+               parse_fuzzy_c_means(settings, options.fuzzy_c_means);
+           },
+           "How fuzzy C-means places clusters, for researchers: fuzziness=2, max_iterations=2, first_iterations=5, "
+           "stop=0.01, first_stop=0.0001, or some of these with commas between")
+        ->type_name("NAME=X")
+        ->delimiter(',')
+        ->allow_extra_args(false);
     app.add_option_function<std::string>(
            "--memory-limit", [&options](const std::string& text) { options.memory_limit = parse_bytes(text); },
            "Most memory that the search may own: 2GiB, 500MB, 1.5g or a number of bytes")

@@ -26,7 +26,8 @@ const std::vector<Group>& groups() {
         {"Bodies (with --groups bodies)", {"exclude", "exclude-from", "poses", "any"}},
         {"Reading files", {"unit", "weld", "no-weld", "precision", "triangulation", "strict"}},
         {"Writing, and telling what is done", {"format", "stream", "stats", "progress"}},
-        {"Threads, memory and CUDA", {"threads", "memory-limit", "clusters", "backend", "device", "devices"}},
+        {"Threads, memory and CUDA",
+         {"threads", "memory-limit", "clusters", "fuzzy-c-means", "backend", "device", "devices"}},
     };
     return all;
 }

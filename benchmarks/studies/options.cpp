@@ -25,16 +25,25 @@ struct Setting {
 /// Makes the contestant that answers a workload with these options.
 using MakeContestant = std::function<Contestant(const Options&, std::string label)>;
 
-template <class T>
-std::vector<Setting> settings_of(T Options::*member, std::initializer_list<T> values) {
+/// `member(options)`: a reference to what is varied.
+template <class T, class Member>
+std::vector<Setting> settings_of(Member member, std::initializer_list<T> values) {
     std::vector<Setting> result;
     for (const T value : values) {
         Setting setting{fmt::format("{}", value), {}};
-        if (value == setting.options.*member) setting.label += " (default)";
-        setting.options.*member = value;
+        if (value == member(setting.options)) setting.label += " (default)";
+        member(setting.options) = value;
         result.push_back(std::move(setting));
     }
     return result;
+}
+template <class T>
+std::vector<Setting> settings_of(T Options::*member, std::initializer_list<T> values) {
+    return settings_of([member](Options& options) -> T& { return options.*member; }, values);
+}
+template <class T>
+std::vector<Setting> settings_of(T FuzzyCMeans::*member, std::initializer_list<T> values) {
+    return settings_of([member](Options& options) -> T& { return options.fuzzy_c_means.*member; }, values);
 }
 
 nlohmann::json compare(const std::string& option, const std::string& scene, const std::vector<Setting>& settings,
@@ -146,12 +155,12 @@ nlohmann::json study_leaf_size(const StudySettings& study) {
 }
 
 nlohmann::json study_fuzziness(const StudySettings& study) {
-    return on_still_scenes(study, "fuzziness", settings_of(&Options::fuzziness, {1.2, 1.5, 2.0, 2.5, 3.0}));
+    return on_still_scenes(study, "fuzziness", settings_of(&FuzzyCMeans::fuzziness, {1.2, 1.5, 2.0, 2.5, 3.0}));
 }
 
 nlohmann::json study_iterations(const StudySettings& study) {
     const std::vector<std::string> scenes = choose_scenes(study, {"cloth", "bodies"}, {"cloth", "bodies"});
-    const std::vector<Setting> settings = settings_of(&Options::max_iterations, {0, 1, 2, 3, 5, 10});
+    const std::vector<Setting> settings = settings_of(&FuzzyCMeans::max_iterations, {0, 1, 2, 3, 5, 10});
     nlohmann::json rows = nlohmann::json::array();
     for (const std::string& scene : scenes)
         rows.push_back(compare("max_iterations", scene + ", moving", settings, moving(scene), study.effort));
@@ -160,7 +169,7 @@ nlohmann::json study_iterations(const StudySettings& study) {
 
 nlohmann::json study_first_iterations(const StudySettings& study) {
     nlohmann::json rows = nlohmann::json::array();
-    const std::vector<Setting> settings = settings_of(&Options::first_iterations, {0, 1, 2, 5, 10, 20, 40});
+    const std::vector<Setting> settings = settings_of(&FuzzyCMeans::first_iterations, {0, 1, 2, 5, 10, 20, 40});
     for (const std::string& scene : choose_scenes(study, {"cloth_ball92", "balls16_18", "227"}, {"cloth", "bodies"})) {
         const Workload workload = load(scene);
         const auto make = [&](const Options& options, std::string label) {

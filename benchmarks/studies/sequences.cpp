@@ -99,7 +99,7 @@ nlohmann::json follow(const Sequence& sequence, int most, double budget) {
     };
     const std::array kinds{Kind{"warm", {.threads = 1}, false, false}, Kind{"warm, all threads", {}, false, false},
                            Kind{"cold", {.threads = 1}, true, false},
-                           Kind{"fixed", {.threads = 1, .max_iterations = 0}, false, false},
+                           Kind{"fixed", {.threads = 1, .fuzzy_c_means = {.max_iterations = 0}}, false, false},
                            Kind{"new, all threads", {}, false, true}};
     const io::TriangleMesh one = scattered(1),
                            many = scattered(std::max<std::int64_t>(270'000, 4 * most_triangles(sequence)));

@@ -33,9 +33,9 @@ constexpr std::array list{
     Study{"simd", "instruction sets", study_simd},
     Study{"clusters", "Options::clusters", study_clusters},
     Study{"leaf_size", "Options::leaf_size", study_leaf_size},
-    Study{"fuzziness", "Options::fuzziness", study_fuzziness},
-    Study{"iterations", "Options::max_iterations, on moving scenes", study_iterations},
-    Study{"first_iterations", "Options::first_iterations, a new detector at each call", study_first_iterations},
+    Study{"fuzziness", "FuzzyCMeans::fuzziness", study_fuzziness},
+    Study{"iterations", "FuzzyCMeans::max_iterations, on moving scenes", study_iterations},
+    Study{"first_iterations", "FuzzyCMeans::first_iterations, a new detector at each call", study_first_iterations},
 };
 
 }  // namespace

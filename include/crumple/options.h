@@ -16,6 +16,19 @@ enum class Backend : std::uint8_t { automatic, reference, cpu, cuda };
 /// Instruction sets that the cpu backend can run on. `automatic` takes the best that the machine has.
 enum class Simd : std::uint8_t { automatic, scalar, sse4, avx2, avx512, neon };
 
+/// How fuzzy C-means ([MZ] sec. 4) places the centres of clusters: for researchers.
+struct FuzzyCMeans {
+    double fuzziness = 2.0;    ///< t of [MZ] eq. 2, above 1
+    int max_iterations = 2;    ///< cap on iterations, warm-started from the centres of the call before
+    int first_iterations = 5;  ///< the same for a first frame, which has no centres to start from
+    /// Iteration ends when no centre moves further than this in any coordinate, in units of the scene's extent rounded
+    /// up to a power of two.
+    double stop = 1e-2;
+    double first_stop = 1e-4;  ///< the same for a first frame
+
+    friend bool operator==(const FuzzyCMeans&, const FuzzyCMeans&) = default;
+};
+
 /// How a Detector works. None of these changes an answer, only its cost.
 struct Options {
     Backend backend = Backend::automatic;
@@ -32,14 +45,8 @@ struct Options {
     /// Parts of the first level of subdivision, 1 to 64 (the cuda backend makes at most 63 between two meshes); 0:
     /// chosen from the triangle count.
     int clusters = 0;
-    int leaf_size = 3000;      ///< triangles that a leaf should have; larger clusters are subdivided again
-    double fuzziness = 2.0;    ///< t of [MZ] eq. 2, above 1
-    int max_iterations = 2;    ///< cap on fuzzy C-means iterations, warm
-    int first_iterations = 5;  ///< the same for a first frame, which has no centres to start from
-    /// Iteration ends when no centre moves further than this in any coordinate, in units of the scene's extent rounded
-    /// up to a power of two.
-    double stop = 1e-2;
-    double first_stop = 1e-4;  ///< the same for a first frame
+    int leaf_size = 3000;  ///< triangles that a leaf should have; larger clusters are subdivided again
+    FuzzyCMeans fuzzy_c_means = {};
     Simd simd = Simd::automatic;
     int device = 0;  ///< of the cuda backend: its number among those of list_devices()
     /// Instead of `device`: several, each once, which share the work. They share questions about one mesh in host

@@ -38,6 +38,7 @@ from ._feature_pairs import (
     vertex_vertex_impacts,
 )
 from ._files import Scene, make_scene, read_mesh, read_pairs, scenes, write_mesh
+from ._fuzzy_c_means import FuzzyCMeans
 from ._impacts import FirstImpact, FreeStep, Impacts
 from ._launches import DeviceArray, DeviceCandidates, DeviceImpacts, DeviceNearby, DeviceResult, DeviceWorldResult
 from ._mesh import FileMesh, Mesh, Polygons, as_mesh
@@ -84,6 +85,7 @@ __all__ = [
     "FileWarning",
     "FirstImpact",
     "FreeStep",
+    "FuzzyCMeans",
     "Impacts",
     "InvalidInput",
     "InvalidType",

@@ -11,6 +11,7 @@ from ._candidates import find_candidates
 from ._core import Statistics
 from ._errors import InvalidInput, InvalidType
 from ._feature_streams import stream_candidates, stream_impacts, stream_near
+from ._fuzzy_c_means import FuzzyCMeans, check_fuzzy_c_means
 from ._launches import (
     launch,
     launch_between,
@@ -71,11 +72,7 @@ class Detector(_core.Detector):
             which names a lower bound.
         clusters: parts of the first level of subdivision, 1 to 64; 0: chosen from the number of triangles.
         leaf_size: triangles that a leaf should have; larger clusters are subdivided again.
-        fuzziness: t of fuzzy C-means, above 1.
-        max_iterations: cap on fuzzy C-means iterations, warm.
-        first_iterations: the same for a first frame.
-        stop: iteration ends when no centre moves further, in units of the scene's extent.
-        first_stop: the same for a first frame.
+        fuzzy_c_means: how the centres of clusters are placed, a crumple.FuzzyCMeans.
         simd: instruction set: "automatic" takes the best that the machine has.
         device: number of the device that the cuda backend works on.
         devices: instead, the numbers of several, which share questions about one mesh on the host; arrays on a device
@@ -100,11 +97,7 @@ class Detector(_core.Detector):
         memory_limit: int = 0,
         clusters: int = 0,
         leaf_size: int = 3000,
-        fuzziness: float = 2.0,
-        max_iterations: int = 2,
-        first_iterations: int = 5,
-        stop: float = 1e-2,
-        first_stop: float = 1e-4,
+        fuzzy_c_means: FuzzyCMeans = FuzzyCMeans(),
         simd: Simd = "automatic",
         device: int = 0,
         devices: Sequence[int] = (),
@@ -115,11 +108,7 @@ class Detector(_core.Detector):
             "memory_limit": memory_limit,
             "clusters": clusters,
             "leaf_size": leaf_size,
-            "fuzziness": fuzziness,
-            "max_iterations": max_iterations,
-            "first_iterations": first_iterations,
-            "stop": stop,
-            "first_stop": first_stop,
+            "fuzzy_c_means": check_fuzzy_c_means(fuzzy_c_means),
             "simd": simd,
             "device": device,
             "devices": devices,

@@ -27,6 +27,7 @@ from typing import Any, TypeVar
 from . import _core, _rank_worlds
 from ._detector import Backend, GroupPairs, Intersections, Neighbours, Simd, Wanted
 from ._errors import Error, InvalidInput, InvalidType
+from ._fuzzy_c_means import FuzzyCMeans, check_fuzzy_c_means
 from ._mesh import soup_of
 from ._names import suggesting
 from ._rank_features import find_impacts, find_near, is_free, time_of_first_impact
@@ -156,11 +157,7 @@ class Detector:
         memory_limit: int = 0,
         clusters: int = 0,
         leaf_size: int = 3000,
-        fuzziness: float = 2.0,
-        max_iterations: int = 2,
-        first_iterations: int = 5,
-        stop: float = 1e-2,
-        first_stop: float = 1e-4,
+        fuzzy_c_means: FuzzyCMeans = FuzzyCMeans(),
         simd: Simd = "automatic",
         device: int = 0,
     ) -> None:
@@ -170,11 +167,7 @@ class Detector:
             "memory_limit": memory_limit,
             "clusters": clusters,
             "leaf_size": leaf_size,
-            "fuzziness": fuzziness,
-            "max_iterations": max_iterations,
-            "first_iterations": first_iterations,
-            "stop": stop,
-            "first_stop": first_stop,
+            "fuzzy_c_means": check_fuzzy_c_means(fuzzy_c_means),
             "simd": simd,
             "device": device,
         }

@@ -21,6 +21,15 @@ std::vector<int> devices_of(const nb::dict& given) {
     return devices;
 }
 
+/// `given`: a crumple.FuzzyCMeans.
+FuzzyCMeans fuzzy_c_means_of(const nb::object& given) {
+    return {.fuzziness = real("fuzziness", given.attr("fuzziness")),
+            .max_iterations = integer<int>("max_iterations", given.attr("max_iterations")),
+            .first_iterations = integer<int>("first_iterations", given.attr("first_iterations")),
+            .stop = real("stop", given.attr("stop")),
+            .first_stop = real("first_stop", given.attr("first_stop"))};
+}
+
 }  // namespace
 
 Options options_of(const nb::dict& given) {
@@ -30,11 +39,7 @@ Options options_of(const nb::dict& given) {
         .memory_limit = integer<std::int64_t>("memory_limit", given["memory_limit"]),
         .clusters = integer<int>("clusters", given["clusters"]),
         .leaf_size = integer<int>("leaf_size", given["leaf_size"]),
-        .fuzziness = real("fuzziness", given["fuzziness"]),
-        .max_iterations = integer<int>("max_iterations", given["max_iterations"]),
-        .first_iterations = integer<int>("first_iterations", given["first_iterations"]),
-        .stop = real("stop", given["stop"]),
-        .first_stop = real("first_stop", given["first_stop"]),
+        .fuzzy_c_means = fuzzy_c_means_of(given["fuzzy_c_means"]),
         .simd = named(simd_names, "simd", given["simd"]),
         .device = integer<int>("device", given["device"]),
         .devices = devices_of(given),

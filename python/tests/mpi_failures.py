@@ -6,10 +6,6 @@ import time
 
 import numpy as np
 from mpi4py import MPI
-
-import crumple
-import crumple.mpi
-from conftest import soup
 from mpi_shares import (
     COMM,
     ONE,
@@ -22,6 +18,10 @@ from mpi_shares import (
     run,
     world_share,
 )
+
+import crumple
+import crumple.mpi
+from conftest import soup
 
 
 def bodies_are_refused_together():

@@ -7,10 +7,6 @@ import ctypes
 import os
 
 import numpy as np
-
-import crumple
-import crumple.mpi
-from conftest import OnDevice, soup
 from mpi_shares import (
     COMM,
     ONE,
@@ -28,6 +24,10 @@ from mpi_shares import (
     run,
     world_share,
 )
+
+import crumple
+import crumple.mpi
+from conftest import OnDevice, soup
 
 
 def the_answer_is_that_of_one_detector():

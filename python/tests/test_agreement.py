@@ -117,7 +117,7 @@ def test_options_change_no_answer():
         {"threads": 1},
         {"threads": 3, "clusters": 33, "leaf_size": 20},
         {"simd": "scalar"},
-        {"fuzziness": 1.5, "max_iterations": 0, "first_iterations": 1, "stop": 0.5, "first_stop": 0.5},
+        {"fuzzy_c_means": crumple.FuzzyCMeans(1.5, 0, 1, 0.5, 0.5)},
         {"memory_limit": expected.statistics.peak_memory_bytes},
     ]:
         detector = crumple.Detector(**options)

@@ -7,6 +7,7 @@ import pytest
 
 import crumple
 from conftest import soup, sufficient_limit
+from crumple import FuzzyCMeans
 
 MESH = soup(60, size=0.8)
 EXPECTED = crumple.find_self_intersections(MESH).tolist()
@@ -63,8 +64,9 @@ def test_wrong_types_in_a_query_are_named(query, message, detector):
         ({"threads": 2.0}, "threads must be an integer, not float"),
         ({"threads": None}, "threads must be an integer, not None"),
         ({"memory_limit": 1e9}, "memory_limit must be an integer, not float"),
-        ({"fuzziness": "2"}, "fuzziness must be a number, not str"),
-        ({"stop": None}, "stop must be a number, not None"),
+        ({"fuzzy_c_means": 2.0}, "fuzzy_c_means must be a crumple.FuzzyCMeans, not float"),
+        ({"fuzzy_c_means": FuzzyCMeans(fuzziness="2")}, "fuzziness must be a number, not str"),
+        ({"fuzzy_c_means": FuzzyCMeans(stop=None)}, "stop must be a number, not None"),
         ({"backend": 3}, 'backend must be one of "automatic", "cpu", "cuda", "reference", not int'),
         ({"device": "0"}, "device must be an integer, not str"),
         ({"simd": b"avx2"}, 'simd must be one of "automatic", .*, not bytes'),
@@ -75,7 +77,7 @@ def test_wrong_types_of_options_are_named(options, message):
         crumple.Detector(**options)
 
 
-@pytest.mark.parametrize("name", ["threads", "clusters", "leaf_size", "max_iterations", "first_iterations"])
+@pytest.mark.parametrize("name", ["threads", "clusters", "leaf_size"])
 def test_integers_that_are_too_large_are_named(name):
     for value in (10**12, -(10**12), 10**30):
         with pytest.raises(crumple.InvalidInput, match=f"^{name} must be from -2147483648 to 2147483647, not {value}$"):
@@ -83,13 +85,15 @@ def test_integers_that_are_too_large_are_named(name):
     with pytest.raises(crumple.InvalidInput, match="^memory_limit must be from .* not 1000000000000000000000$"):
         crumple.Detector(memory_limit=10**21)
     with pytest.raises(crumple.InvalidInput, match="^stop is beyond float64$"):
-        crumple.Detector(stop=10**400)
+        crumple.Detector(fuzzy_c_means=FuzzyCMeans(stop=10**400))
 
 
 def test_numpy_scalars_do_where_python_s_do():
     for integer in (np.int8, np.uint16, np.int64, np.uint64):
         detector = crumple.Detector(threads=integer(2), memory_limit=integer(0), leaf_size=integer(100))
-    detector = crumple.Detector(threads=np.int32(2), fuzziness=np.float32(2), stop=np.float64(0.01), first_stop=0)
+    detector = crumple.Detector(
+        threads=np.int32(2), fuzzy_c_means=FuzzyCMeans(np.float32(2), stop=np.float64(0.01), first_stop=0)
+    )
     result = detector.find_self(MESH, weld=np.bool_(False), contacts=np.bool_(True), copy=np.True_)
     assert result.pairs.tolist() == EXPECTED and result.contacts and result.pairs.flags.writeable
     assert len(detector.partition(MESH, count=np.int64(3))) == 3
@@ -178,7 +182,7 @@ class Raising:
     "call",
     [
         lambda value: crumple.Detector(threads=value),
-        lambda value: crumple.Detector(stop=value),
+        lambda value: crumple.Detector(fuzzy_c_means=FuzzyCMeans(stop=value)),
         lambda value: crumple.read_mesh(value),
         lambda value: crumple.write_mesh(value, MESH),
         lambda value: crumple.Detector().find_self(MESH).save(value),
@@ -198,7 +202,7 @@ def test_what_is_not_about_the_argument_goes_on(call):
         ({"threads": -1}, "threads must be 0"),
         ({"clusters": 65}, "clusters must be 0 .chosen. to 64"),
         ({"leaf_size": 0}, "leaf_size must be at least 1"),
-        ({"fuzziness": 1.0}, "fuzziness must be finite and above 1"),
+        ({"fuzzy_c_means": FuzzyCMeans(fuzziness=1.0)}, "fuzziness must be finite and above 1"),
         ({"memory_limit": -5}, "memory_limit must be 0"),
         ({"backend": "abacus"}, 'backend must be one of "automatic", "cpu", "cuda", "reference", not "abacus"'),
         ({"device": -1}, "device must be 0 or more"),

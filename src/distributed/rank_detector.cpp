@@ -5,6 +5,7 @@
 #include <bit>
 #include <chrono>
 #include <limits>
+#include <stdexcept>
 #include <string>
 #include <utility>
 
@@ -104,6 +105,7 @@ void RankDetector::settle_question(const MeshShare& share, const VertexView* end
     told.push_back(options_.round_bytes);
     // Of different questions there may be different numbers of numbers.
     constexpr std::size_t n = 20;
+    if (told.size() > n) throw std::logic_error("RankDetector: a query has more numbers than ranks compare");
     told.resize(n, 0);
     for (std::size_t i = 0; i < n; ++i) told.push_back(-told[i]);
     const auto is_float64 = [](const VertexView& view) { return view.type == ScalarType::float64 && view.rows > 0; };

@@ -33,9 +33,10 @@ void check_options(const Options& o) {
     check(o.memory_limit >= 0, "memory_limit must be 0 (none) or a number of bytes");
     check(o.clusters >= 0 && o.clusters <= max_clusters, "clusters must be 0 (chosen) to 64");
     check(o.leaf_size >= 1, "leaf_size must be at least 1");
-    check(o.fuzziness > 1 && std::isfinite(o.fuzziness), "fuzziness must be finite and above 1");
-    check(o.max_iterations >= 0 && o.first_iterations >= 0, "iteration caps must be 0 or more");
-    check(o.stop >= 0 && o.first_stop >= 0, "stop criteria must be 0 or more");
+    const FuzzyCMeans& means = o.fuzzy_c_means;
+    check(means.fuzziness > 1 && std::isfinite(means.fuzziness), "fuzziness must be finite and above 1");
+    check(means.max_iterations >= 0 && means.first_iterations >= 0, "iteration caps must be 0 or more");
+    check(means.stop >= 0 && means.first_stop >= 0, "stop criteria must be 0 or more");
 }
 
 void check_device_poses(const World& world) {

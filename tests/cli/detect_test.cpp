@@ -309,6 +309,12 @@ TEST_F(Detect, MemoryLimitNamesALowerBoundAndWhatToTry) {
     EXPECT_EQ(pairs("bodies.ply --memory-limit " + limit), pairs("bodies.ply"));
 }
 
+TEST_F(Detect, SettingsOfFuzzyCMeansChangeNoAnswer) {
+    ASSERT_EQ(crumple("make bodies --triangles 3000 -o bodies.ply").status, 0);
+    const std::string settings = "fuzziness=1.5,max_iterations=0,first_iterations=1,stop=0.5,first_stop=0.5";
+    EXPECT_EQ(pairs("bodies.ply --fuzzy-c-means " + settings), pairs("bodies.ply"));
+}
+
 TEST_F(Detect, MemoryLimitTakesUnits) {
     for (const char* size : {"1GiB", "500MB", "'1.5 g'", "700kib", "1T", "100000000", "100000000B"}) {
         EXPECT_EQ(pairs(std::string("five.off --memory-limit ") + size), five_pairs) << size;

@@ -79,6 +79,10 @@ TEST_F(Misuse, OfOptionsThatDoNotGoTogether) {
     expect_refused("detect five.off --groups components", "--wanted");
     expect_refused("detect five.off --backend reference --threads 2", "--threads does not apply");
     expect_refused("detect five.off --backend reference --clusters 2", "--clusters does not apply");
+    expect_refused("detect five.off --fuzzy-c-means 2", "NAME=NUMBER is expected");
+    expect_refused("detect five.off --fuzzy-c-means fuzzyness=2", "the names are fuzziness, max_iterations,");
+    expect_refused("detect five.off --fuzzy-c-means max_iterations=1.5", "an integer is expected");
+    expect_refused("detect five.off --fuzzy-c-means stop=0.1,fuzziness=1", "fuzziness must be finite and above 1");
     expect_refused("detect five.off --contacts -o x.glb", "hold no contacts");
     expect_refused("detect five.off --contacts --check", "--contacts are not printed with --check");
     expect_refused("detect five.off -o -", "-o - needs --format");

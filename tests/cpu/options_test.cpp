@@ -59,11 +59,11 @@ TEST(Options, fuzziness_and_iterations_do_not_change_the_answer) {
     const auto expected = pairs_of(plain.find_self(soup.view()));
     for (const double fuzziness : {1.01, 1.5, 2.0, 5.0, 100.0})
         for (const int iterations : {0, 1, 20}) {
-            Detector detector({.clusters = 12,
-                               .leaf_size = 100,
-                               .fuzziness = fuzziness,
-                               .max_iterations = iterations,
-                               .first_iterations = iterations});
+            Detector detector(
+                {.clusters = 12,
+                 .leaf_size = 100,
+                 .fuzzy_c_means = {
+                     .fuzziness = fuzziness, .max_iterations = iterations, .first_iterations = iterations}});
             for (int frame = 0; frame < 3; ++frame)
                 EXPECT_EQ(difference(expected, pairs_of(detector.find_self(soup.view()))), "")
                     << "t = " << fuzziness << ", " << iterations << " iterations, frame " << frame;

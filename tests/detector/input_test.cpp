@@ -162,7 +162,8 @@ TEST(Input, wrong_shapes_and_options_are_errors) {
     EXPECT_EQ(error_of([&] { detector.find_self(device); }).code, ErrorCode::invalid_argument);
     for (const Options& options :
          {Options{.threads = -1}, Options{.memory_limit = -5}, Options{.clusters = 65}, Options{.leaf_size = 0},
-          Options{.fuzziness = 1.0}, Options{.max_iterations = -1}, Options{.stop = -1.0}})
+          Options{.fuzzy_c_means = {.fuzziness = 1.0}}, Options{.fuzzy_c_means = {.max_iterations = -1}},
+          Options{.fuzzy_c_means = {.stop = -1.0}}})
         EXPECT_EQ(error_of([&] { Detector{options}; }).code, ErrorCode::invalid_argument);
     EXPECT_EQ(error_of([&] { detector.partition({vertices, triangles}, 0); }).code, ErrorCode::invalid_argument);
     EXPECT_EQ(error_of([&] { detector.partition({vertices, triangles}, 262145); }).code, ErrorCode::invalid_argument);

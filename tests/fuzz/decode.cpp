@@ -226,12 +226,12 @@ Options options(Bytes& bytes) {
     o.simd = bytes.one_of(sets);
     o.clusters = bytes.one_of(clusters);
     o.leaf_size = bytes.one_of(leaf_sizes);
-    o.fuzziness = bytes.one_of(fuzzinesses);
+    o.fuzzy_c_means.fuzziness = bytes.one_of(fuzzinesses);
     const int how = bytes.next();
-    o.max_iterations = iterations[how & 3];
-    o.first_iterations = iterations[how >> 2 & 3];
-    o.stop = stops[how >> 4 & 3];
-    o.first_stop = stops[how >> 6 & 3];
+    o.fuzzy_c_means.max_iterations = iterations[how & 3];
+    o.fuzzy_c_means.first_iterations = iterations[how >> 2 & 3];
+    o.fuzzy_c_means.stop = stops[how >> 4 & 3];
+    o.fuzzy_c_means.first_stop = stops[how >> 6 & 3];
     return o;
 }
 

@@ -43,10 +43,12 @@ std::string as_code(const Options& o) {
     return "Options options;\noptions.backend = Backend::cpu;\noptions.threads = " + std::to_string(o.threads) +
            ";\noptions.simd = Simd::" + sets[static_cast<int>(o.simd)] +
            ";\noptions.clusters = " + std::to_string(o.clusters) +
-           ";\noptions.leaf_size = " + std::to_string(o.leaf_size) + ";\noptions.fuzziness = " + text(o.fuzziness) +
-           ";\noptions.max_iterations = " + std::to_string(o.max_iterations) +
-           ";\noptions.first_iterations = " + std::to_string(o.first_iterations) + ";\noptions.stop = " + text(o.stop) +
-           ";\noptions.first_stop = " + text(o.first_stop) + ";\n";
+           ";\noptions.leaf_size = " + std::to_string(o.leaf_size) +
+           ";\noptions.fuzzy_c_means.fuzziness = " + text(o.fuzzy_c_means.fuzziness) +
+           ";\noptions.fuzzy_c_means.max_iterations = " + std::to_string(o.fuzzy_c_means.max_iterations) +
+           ";\noptions.fuzzy_c_means.first_iterations = " + std::to_string(o.fuzzy_c_means.first_iterations) +
+           ";\noptions.fuzzy_c_means.stop = " + text(o.fuzzy_c_means.stop) +
+           ";\noptions.fuzzy_c_means.first_stop = " + text(o.fuzzy_c_means.first_stop) + ";\n";
 }
 
 std::string as_code(const Mesh& mesh, const std::string& name) {

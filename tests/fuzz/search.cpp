@@ -238,8 +238,7 @@ class Judge {
 
 bool same_options(const Options& a, const Options& b) {
     return a.threads == b.threads && a.simd == b.simd && a.clusters == b.clusters && a.leaf_size == b.leaf_size &&
-           a.fuzziness == b.fuzziness && a.max_iterations == b.max_iterations &&
-           a.first_iterations == b.first_iterations && a.stop == b.stop && a.first_stop == b.first_stop;
+           a.fuzzy_c_means == b.fuzzy_c_means;
 }
 
 /// A detector that several inputs use, and which these were: together they are what a finding needs.
@@ -253,7 +252,7 @@ Kept& kept_for(const Options& options) {
     static Kept slots[64];
     const auto key =
         static_cast<std::size_t>(options.threads + 2 * static_cast<int>(options.simd) + 7 * options.clusters +
-                                 5 * options.leaf_size + 3 * options.max_iterations);
+                                 5 * options.leaf_size + 3 * options.fuzzy_c_means.max_iterations);
     Kept& kept = slots[key % 64];
     const bool fits = kept.detector && same_options(kept.detector->options(), options);
     if (!fits || kept.history.size() == most_inputs) kept = {std::make_unique<Detector>(options), {}};

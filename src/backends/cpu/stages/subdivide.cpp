@@ -26,8 +26,9 @@ int choose_clusters(std::int64_t n, const Options& options) {
 }
 
 FuzzyOptions fuzzy(const Options& options, bool first) {
-    return {options.fuzziness, first ? options.first_iterations : options.max_iterations,
-            first ? options.first_stop : options.stop};
+    const FuzzyCMeans& means = options.fuzzy_c_means;
+    return {means.fuzziness, first ? means.first_iterations : means.max_iterations,
+            first ? means.first_stop : means.stop};
 }
 
 // Writes the members of clusters [begin, end), cluster by cluster, in the order of triangles: prefix sums of the counts

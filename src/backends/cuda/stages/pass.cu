@@ -79,8 +79,9 @@ Level Pass::level(int i) const {
 }
 
 Fuzziness Pass::fuzziness(int i) const {
-    return {static_cast<float>(options_.fuzziness), plan.cold ? options_.first_iterations : options_.max_iterations,
-            static_cast<float>(plan.cold ? options_.first_stop : options_.stop), plan.cold,
+    const FuzzyCMeans& means = options_.fuzzy_c_means;
+    return {static_cast<float>(means.fuzziness), plan.cold ? means.first_iterations : means.max_iterations,
+            static_cast<float>(plan.cold ? means.first_stop : means.stop), plan.cold,
             i == 0 && plan.worlds == 1 ? samples_of_scene : samples_per_child * plan.fan_out[i]};
 }
 
